@@ -1,0 +1,90 @@
+# The words of the project. Each sets up what it needs in .venv (once: the stamp files remember)
+# and then does its work; none needs a compiler, a GPU, OpenGL or a separate LLVM.
+PYTHON ?= python3
+VENV ?= .venv
+JOBS ?= 2
+BIN := $(VENV)/bin
+# --require-hashes: only the very files that were locked; --only-binary: never start a compiler.
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	--require-hashes --only-binary :all:
+PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	--no-deps --no-build-isolation --editable .
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help setup setup-dev demo test proofs lint format types docs figures peers lock clean
+
+help:
+	@echo "make demo     set up, then render the built-in Cornell box to cornell.png"
+	@echo "make test     set up, then run the test suite (at most 10 minutes on 2 cores)"
+	@echo "make proofs   long statistics, planted bugs and the 8-lane build (at most 30 minutes)"
+	@echo "make lint     style and direction of imports      make format   let ruff mend the style"
+	@echo "make types    static types                        make docs     build the pages in site/"
+	@echo "make figures  render the pictures of docs/        make peers    install Mitsuba and Embree"
+	@echo "make lock     write requirements/*.txt anew       make clean    remove what was built"
+
+$(VENV)/.created:
+	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(None if (3, 11) <= v < (3, 14) else \
+	"alight needs Python 3.11, 3.12 or 3.13; this is %d.%d: make PYTHON=python3.12 ..." % v[:2])'
+	@echo "creating $(VENV)"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@touch $@
+
+$(VENV)/.runtime: $(VENV)/.created requirements/runtime.txt pyproject.toml
+	@echo "installing the locked dependencies"
+	@$(PIP_INSTALL) --requirement requirements/runtime.txt
+	@$(PACKAGE_INSTALL)
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.runtime requirements/dev.txt
+	@echo "installing the locked development dependencies"
+	@$(PIP_INSTALL) --requirement requirements/dev.txt
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.dev requirements/docs.txt
+	@$(PIP_INSTALL) --requirement requirements/docs.txt
+	@touch $@
+
+$(VENV)/.peers: $(VENV)/.dev requirements/peers.txt
+	@$(PIP_INSTALL) --requirement requirements/peers.txt
+	@touch $@
+
+setup: $(VENV)/.runtime
+
+setup-dev: $(VENV)/.dev
+
+demo: setup
+	$(BIN)/alight render cornell-box --output cornell.png
+
+test: setup-dev
+	$(BIN)/python -m pytest -n $(JOBS)
+
+proofs: setup-dev
+	ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest -n $(JOBS) -m proofs
+
+lint: setup-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports
+
+format: setup-dev
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+types: setup-dev
+	$(BIN)/pyright --pythonpath $(BIN)/python
+
+docs: $(VENV)/.docs
+	$(BIN)/mkdocs build --strict
+
+figures: setup
+	set -e; for script in docs/figures/*.py; do echo $$script; $(BIN)/python $$script; done
+
+peers: $(VENV)/.peers
+
+lock:
+	requirements/lock.sh
+
+clean:
+	rm -rf $(VENV) build dist site .pytest_cache .ruff_cache .hypothesis .import_linter_cache

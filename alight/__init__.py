@@ -1,0 +1,45 @@
+"""alight: a physically based Monte Carlo path tracer that knows its own error.
+
+Examples
+--------
+>>> import alight
+>>> film = alight.render("cornell-box", spp=16)  # doctest: +SKIP
+>>> film.save("cornell.png")  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+#: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
+_PUBLIC = {
+    "render": "alight.rendering",
+    "Progress": "alight.rendering",
+    "Film": "alight.films",
+    "load": "alight.scene",
+    "save": "alight.scene",
+    "Scene": "alight.scene",
+    "SceneManager": "alight.scene",
+}
+
+if TYPE_CHECKING:
+    from alight.films import Film
+    from alight.rendering import Progress, render
+    from alight.scene import Scene, SceneManager, load, save
+
+__all__ = ["Film", "Progress", "Scene", "SceneManager", "__version__", "load", "render", "save"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'alight' has no attribute {name!r}")
+    value = getattr(import_module(_PUBLIC[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

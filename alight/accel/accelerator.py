@@ -1,0 +1,203 @@
+"""The acceleration structure of a whole scene: which primitives go into lists, which into the tree.
+
+A list costs every ray some time for every entry, but less than a nanosecond each, as a packet works
+on all its lanes together. A tree costs a ray some fifty nanoseconds at least, and hardly more for a
+million triangles. So a small scene is all lists; in a big one the few primitives that most rays
+would meet anyway (walls, floor) are, and the rest is one tree.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from alight.accel.forest import Forest, placed, placed_box
+from alight.accel.layout import KINDS
+from alight.accel.lists import Accelerator
+from alight.accel.primitives import Analytic, Instance, TriangleSet, chosen, finite, in_order
+from alight.core.view import View
+
+#: Most primitives in lists altogether.
+LIST_LIMIT = 64
+
+#: Beside a tree a list takes only what covers this part of the scene's box surface or more.
+BIG = 0.02
+
+
+def build_accelerator(
+    triangles: TriangleSet | None = None,
+    analytic: Sequence = (),
+    planes: Sequence[tuple[int, int]] = (),
+    instances: Sequence = (),
+    geometries: Sequence[tuple[np.ndarray, np.ndarray]] = (),
+    *,
+    builder: str = "sah",
+    structure: str = "auto",
+    threads: int = 1,
+) -> tuple[Accelerator, tuple[str, ...], dict[str, Any]]:
+    """Sort a scene's primitives into lists and a tree.
+
+    Parameters
+    ----------
+    triangles : TriangleSet, optional
+    analytic : sequence of Analytic
+    planes : sequence of (shape, row)
+    instances : sequence of Instance
+    geometries : sequence of (vertices (V, 3) float32, faces (F, 3) int32)
+        Meshes in their own space.
+    builder : {"sah", "median"}
+        How the tree is divided.
+    structure : {"auto", "list", "bvh"}
+        "list": every primitive is tested, instances are written out (the oracle of tests; runs in
+        the NumPy twin). "bvh": everything with bounds goes into the tree.
+    threads : int
+        For the build.
+
+    Returns
+    -------
+    accelerator : Accelerator
+    plan : tuple of str
+        What kernels specialise on (``Program.accel``).
+    stats : dict
+        ``triangles``, ``listed``, ``nodes``, ``blocks``, ``leaves``, ``depth``, ``sah_cost``,
+        ``bytes``, ``seconds``.
+    """
+    begin = time.perf_counter()
+    sorter = _Sorter(triangles, analytic, planes, instances, geometries)
+    if structure == "list":
+        sorter.list_everything()
+    elif structure == "auto":
+        sorter.list_the_big()
+    elif structure != "bvh":
+        raise ValueError(f'structure must be "auto", "list" or "bvh", got {structure!r}')
+    accelerator, plan, stats = sorter.finish(builder, threads)
+    stats["seconds"] = time.perf_counter() - begin
+    return accelerator, plan, stats
+
+
+class _Sorter:
+    """Primitives on their way into lists or the tree."""
+
+    def __init__(self, triangles, analytic, planes, instances, geometries):
+        if triangles is None:
+            triangles = TriangleSet(
+                np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32),
+                np.zeros(0, np.uint32), np.zeros(0, np.uint32),
+            )
+        self.triangles = in_order(finite(triangles))
+        self.analytic = sorted((Analytic(*a) for a in analytic), key=lambda a: a.shape)
+        self.planes = sorted((int(shape), int(row)) for shape, row in planes)
+        self.instances = sorted((Instance(*i) for i in instances), key=lambda i: i.shape)
+        self.geometries = [
+            (np.ascontiguousarray(v, np.float32), np.ascontiguousarray(f, np.int32))
+            for v, f in geometries
+        ]
+        self.listed = np.zeros(len(self.triangles.faces), bool)
+        self.listed_analytic = np.zeros(len(self.analytic), bool)
+        self.flattened: list[TriangleSet] = []
+
+    # ---- what goes into lists
+
+    def list_everything(self) -> None:
+        """Everything into lists, instances as triangles in world space."""
+        self.listed[:] = True
+        self.listed_analytic[:] = True
+        for one in self.instances:
+            vertices, faces = self.geometries[one.geometry]
+            self.flattened.append(placed(one, vertices, faces))
+        self.instances = []
+
+    def list_the_big(self) -> None:
+        """Small scenes into lists; of big ones the few primitives that cover much of the scene."""
+        total = len(self.triangles.faces) + len(self.analytic)
+        if total <= LIST_LIMIT and not self.instances:
+            self.listed[:] = True
+            self.listed_analytic[:] = True
+            return
+        room = LIST_LIMIT
+        for area, count, is_mesh, first in sorted(self._candidates(), reverse=True):
+            if area < BIG or count > room:
+                continue
+            room -= count
+            if is_mesh:
+                self.listed[first : first + count] = True
+            else:
+                self.listed_analytic[first] = True
+
+    def _candidates(self) -> list[tuple[float, int, bool, int]]:
+        """(part of the scene's surface, primitives, is it a mesh, first one) of small shapes."""
+        boxes = [(np.asarray(a.low, float), np.asarray(a.high, float)) for a in self.analytic]
+        entries = [(1, False, k) for k in range(len(boxes))]
+        _, firsts, counts = np.unique(
+            self.triangles.shape, return_index=True, return_counts=True
+        )
+        for first, count in zip(firsts.tolist(), counts.tolist(), strict=True):
+            if count <= LIST_LIMIT:
+                points = self.triangles.vertices[self.triangles.faces[first : first + count]]
+                boxes.append((points.min(axis=(0, 1)), points.max(axis=(0, 1))))
+                entries.append((count, True, first))
+        whole = _half_area(*self._bounds())
+        return [
+            (_half_area(*box) / whole if whole > 0.0 else 0.0, *entry)
+            for box, entry in zip(boxes, entries, strict=True)
+        ]
+
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Box of everything but planes, metres."""
+        parts = [np.asarray([a.low, a.high], float) for a in self.analytic]
+        parts += [placed_box(i, self.geometries[i.geometry][0]) for i in self.instances]
+        if len(self.triangles.faces):
+            vertices = self.triangles.vertices
+            parts.append(np.asarray([vertices.min(axis=0), vertices.max(axis=0)], float))
+        stacked = np.concatenate(parts)
+        return stacked.min(axis=0), stacked.max(axis=0)
+
+    # ---- the result
+
+    def finish(self, builder: str, threads: int):
+        """The accelerator, its plan, and figures about it."""
+        plan, lists = [], {}
+        for kind in KINDS[:3]:
+            lists[kind + "s"] = [
+                (a.shape, a.row)
+                for a, listed in zip(self.analytic, self.listed_analytic, strict=True)
+                if listed and a.kind == kind
+            ]
+        lists["planes"] = self.planes
+        plan += [name for name, rows in lists.items() if rows]
+        tables = {
+            name: View(np.array(rows, np.uint32).reshape(-1)) for name, rows in lists.items()
+        }
+        listed = [chosen(self.triangles, self.listed), *self.flattened]
+        corners = np.concatenate([t.vertices[t.faces].reshape(-1, 9) for t in listed])
+        ids = np.concatenate([np.stack([t.shape, t.prim], axis=1) for t in listed])
+        order = np.lexsort((ids[:, 1], ids[:, 0]))
+        if len(ids):
+            plan.append("triangles")
+        forest = Forest(
+            chosen(self.triangles, ~self.listed),
+            [a for a, listed in zip(self.analytic, self.listed_analytic, strict=True) if not listed],
+            self.instances,
+            self.geometries,
+        )
+        tree, box, tree_plan, stats = forest.build(builder, threads)
+        count = len(ids) + sum(len(rows) for rows in lists.values())
+        return (
+            Accelerator(
+                **tables,
+                triangles=View(np.ascontiguousarray(corners[order], np.float32).reshape(-1)),
+                triangle_ids=View(np.ascontiguousarray(ids[order], np.uint32).reshape(-1)),
+                tree=tree,
+                box=box,
+            ),
+            (*plan, *tree_plan),
+            {"listed": count, "triangles": len(self.triangles.faces), **stats},
+        )
+
+
+def _half_area(low: np.ndarray, high: np.ndarray) -> float:
+    x, y, z = (float(e) for e in np.asarray(high, float) - np.asarray(low, float))
+    return x * y + y * z + z * x

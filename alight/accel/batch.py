@@ -1,0 +1,120 @@
+"""Many rays against one triangle mesh, from arrays to arrays: for tests, benchmarks and tools."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+
+import numpy as np
+
+from alight.accel.build import build_bvh
+from alight.accel.layout import Bvh
+from alight.accel.single import NONE
+from alight.accel.traversal import any_triangle, closest_triangle
+from alight.core.constants import INFINITY
+from alight.core.jit import instantiate, kernel
+from alight.core.simd import as_float, as_uint, bits_float, where
+from alight.core.vec import Vec3
+from alight.core.view import View
+
+_CHUNK = 16384
+
+
+@kernel(strict=True)
+def intersect_range(bvh, origins, directions, t_max, results, begin, end):
+    """Rays begin to end; results: 4 floats a ray: t, index (bits), u, v."""
+    for i in range(begin, end):
+        o = Vec3(origins[3 * i], origins[3 * i + 1], origins[3 * i + 2])
+        d = Vec3(directions[3 * i], directions[3 * i + 1], directions[3 * i + 2])
+        hit = closest_triangle(bvh, bvh.blocks, o, d, t_max[i], 0)
+        found = hit.index != NONE
+        results[4 * i] = where(found, hit.t, as_float(0) + INFINITY)
+        results[4 * i + 1] = bits_float(as_uint(where(found, hit.index, -1)))
+        results[4 * i + 2], results[4 * i + 3] = hit.u, hit.v
+
+
+@kernel(strict=True)
+def occluded_range(bvh, origins, directions, t_max, results, begin, end):
+    """Rays begin to end; results: 1 where something is met."""
+    for i in range(begin, end):
+        o = Vec3(origins[3 * i], origins[3 * i + 1], origins[3 * i + 2])
+        d = Vec3(directions[3 * i], directions[3 * i + 1], directions[3 * i + 2])
+        results[i] = as_float(where(any_triangle(bvh, bvh.blocks, o, d, t_max[i], 0), 1, 0))
+
+
+@lru_cache(maxsize=2)
+def _compiled(text: Callable) -> Callable:
+    return instantiate(text)
+
+
+def build(
+    vertices: np.ndarray, faces: np.ndarray, *, method: str = "sah", threads: int = 1
+) -> tuple[Bvh, dict]:
+    """Hierarchy over a triangle mesh; see `build_bvh`."""
+    vertices = np.ascontiguousarray(vertices, np.float32)
+    faces = np.ascontiguousarray(faces, np.int32)
+    return build_bvh(vertices, faces, method=method, threads=threads)
+
+
+def intersect_batch(
+    bvh: Bvh,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    t_max: np.ndarray | None = None,
+    *,
+    threads: int = 1,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Closest hits.
+
+    Parameters
+    ----------
+    origins, directions : (n, 3) float32
+        Metres; t is in units of the direction's length.
+    t_max : (n,) float32, optional
+        Largest t that counts.
+    threads : int
+
+    Returns
+    -------
+    t : (n,) float32
+        Infinity for a miss.
+    prim : (n,) int32
+        Triangle, -1 for a miss.
+    u, v : (n,) float32
+        Barycentrics b1, b2.
+    """
+    results = np.zeros((len(origins), 4), np.float32)
+    _run(intersect_range, bvh, origins, directions, t_max, results, threads)
+    return (results[:, 0], results[:, 1].view(np.int32), results[:, 2], results[:, 3])
+
+
+def is_occluded_batch(
+    bvh: Bvh,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    t_max: np.ndarray | None = None,
+    *,
+    threads: int = 1,
+) -> np.ndarray:
+    """(n,) bool: is anything met at 0 < t <= t_max? Parameters as of `intersect_batch`."""
+    results = np.zeros(len(origins), np.float32)
+    _run(occluded_range, bvh, origins, directions, t_max, results, threads)
+    return results > 0
+
+
+def _run(text, bvh, origins, directions, t_max, results, threads):
+    function, n = _compiled(text), len(origins)
+    if t_max is None:
+        t_max = np.full(n, np.inf, np.float32)
+    rays = [View(np.ascontiguousarray(a, np.float32)) for a in (origins, directions, t_max)]
+    out = View(results)
+
+    def chunk(begin: int) -> None:
+        function(bvh, *rays, out, begin, min(begin + _CHUNK, n))
+
+    if threads == 1:
+        function(bvh, *rays, out, 0, n)
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(chunk, range(0, n, _CHUNK)))

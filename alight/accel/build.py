@@ -1,0 +1,317 @@
+"""Build of the bounding volume hierarchy on several threads.
+
+The top of the tree is built node by node, every pass over its big sets by all threads on chunks of
+references; the subtrees below are tasks, largest first. Chunks and tasks depend on the number of
+primitives only, so the tree is the same for any number of threads.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import namedtuple
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+
+import numpy as np
+
+from alight.accel import top
+from alight.accel.layout import BLOCK, CHILD, NODE, Bvh
+from alight.accel.references import MARGIN, ROUNDING, refer_to_triangles
+from alight.accel.splitting import MEDIAN, SAH, Workspace, halve
+from alight.accel.subtree import Source, build_subtree, pack
+from alight.core.jit import instantiate
+from alight.core.view import View
+
+#: Primitives that one thread takes at a time while all work on the same set.
+CHUNK = 65536
+
+#: Sets below this size, or this part of all primitives, are left to one thread each.
+SMALLEST_TASK, TASKS = 8192, 48
+
+#: Levels that are built by all threads together, at most.
+TOP_LEVELS = 4
+
+METHODS = {"sah": SAH, "median": MEDIAN}
+
+
+def build_bvh(
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    others: np.ndarray | None = None,
+    boxes: np.ndarray | None = None,
+    *,
+    method: str = "sah",
+    threads: int = 1,
+) -> tuple[Bvh, dict]:
+    """Build a hierarchy over triangles, and over other primitives given by their boxes.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float32, metres
+        Finite.
+    faces : (F, 3) int32
+        A triangle's index is its row.
+    others : (m, BLOCK) float32, optional
+        The blocks of other primitives (`layout`); their indices are F and on.
+    boxes : (m, 2, 3) float32, optional
+        Lower and upper bounds of the others, metres.
+    method : {"sah", "median"}
+        How sets are divided.
+    threads : int
+
+    Returns
+    -------
+    bvh : Bvh
+        Its ids are empty.
+    stats : dict
+        ``nodes``, ``blocks``, ``leaves``, ``depth``, ``bytes``, ``seconds`` (build without
+        compilation).
+    """
+    compiled = kernels()
+    begin = time.perf_counter()
+    if others is None or boxes is None:
+        others, boxes = np.zeros((0, BLOCK), np.float32), np.zeros((0, 2, 3), np.float32)
+    with _Pool(threads) as pool:
+        builder = _Builder(compiled, pool, METHODS[method], vertices, faces, others, boxes)
+        bvh, stats = builder.run()
+    stats["seconds"] = time.perf_counter() - begin
+    return bvh, stats
+
+
+def aligned_zeros(rows: int, columns: int) -> np.ndarray:
+    """Zeros of shape (rows, columns), float32, that start at a cache line."""
+    n = rows * columns
+    memory = np.zeros(n + 16, np.float32)
+    skip = (-memory.ctypes.data // 4) % 16
+    return memory[skip : skip + n].reshape(rows, columns)
+
+
+Kernels = namedtuple("Kernels", "refer bin choose partition conclude halve subtree pack")
+
+
+@lru_cache(maxsize=1)
+def kernels() -> Kernels:
+    """The compiled build kernels."""
+    texts = (refer_to_triangles, top.bin_chunk, top.choose, top.partition_chunk, top.conclude,
+             halve, build_subtree, pack)
+    return Kernels(*(instantiate(text) for text in texts))
+
+
+class _Pool:
+    """Threads, or none if one is enough."""
+
+    def __init__(self, threads: int):
+        self.executor = ThreadPoolExecutor(threads) if threads > 1 else None
+
+    def __enter__(self) -> _Pool:
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        if self.executor is not None:
+            self.executor.shutdown()
+
+    def run(self, function: Callable, items: Iterable) -> None:
+        """Call the function with each item; return when all are done."""
+        if self.executor is None:
+            for item in items:
+                function(item)
+        else:
+            list(self.executor.map(function, items))
+
+
+class _Builder:
+    """One build: the arrays that its passes share."""
+
+    def __init__(self, compiled, pool, method, vertices, faces, others, boxes):
+        self.compiled, self.pool, self.method = compiled, pool, method
+        self.triangles = len(faces)
+        self.n = n = len(faces) + len(others)
+        self.source = Source(View(vertices), View(faces), len(faces), View(others))
+        self.work = Workspace(
+            View(aligned_zeros(n, 8)),
+            View(aligned_zeros(n, 8)),
+            View(np.zeros(n, np.uint32)),
+            View(aligned_zeros(n // 2 + 8 * (TASKS * 8 + 1), NODE)),
+        )
+        # Room for every set at the top: nodes of TOP_LEVELS levels with 8 children each.
+        self.records = View(aligned_zeros(8**TOP_LEVELS + 8, 16))
+        self.ranges = View(np.zeros(3 * (8**TOP_LEVELS + 8), np.int64))
+        rows = -(-n // CHUNK) + 1
+        self.tables = View(aligned_zeros(rows, top.ROW))
+        self.counts = View(np.zeros(rows * top.COUNTS, np.int64))
+        self.result = View(np.zeros(rows + 2, np.int64))
+        self.boxes = boxes
+        self.boxes_of_top: list[np.ndarray] = []
+
+    def run(self) -> tuple[Bvh, dict]:
+        """All steps: references, top, subtrees, packing."""
+        self._refer()
+        nodes, tasks = self._build_top()
+        totals = self._build_subtrees(tasks)
+        return self._pack(nodes, tasks, totals)
+
+    def _refer(self) -> None:
+        """References to all primitives; record 0 becomes the whole set."""
+        starts = range(0, self.triangles, CHUNK)
+        bounds = View(aligned_zeros(len(starts) + 1, 16))
+        self.pool.run(
+            lambda begin: self.compiled.refer(
+                self.source.vertices, self.source.faces, self.work.a, bounds,
+                begin // CHUNK, begin, min(begin + CHUNK, self.triangles),
+            ),
+            starts,
+        )
+        references = self.work.a.array.reshape(-1, 8)[self.triangles :]
+        references[:] = references_of_boxes(self.boxes, self.triangles)
+        centers = references[:, :4] - references[:, 4:]
+        others = np.hstack([references, centers, -centers])
+        rows = np.concatenate([bounds.array.reshape(-1, 16)[: len(starts)], others])
+        self.records.array[:16] = rows.min(axis=0)
+        self.ranges.array[:3] = 0, self.n, 0
+
+    def _build_top(self) -> tuple[list[list[int]], list[tuple[int, int]]]:
+        """Divide the big sets.
+
+        Returns
+        -------
+        nodes : list of list of int
+            The children of each top node: its number if >= 0, else -1 - (number of a task).
+        tasks : list of (record, level)
+        """
+        limit = max(SMALLEST_TASK, self.n // TASKS)
+        nodes: list[list[int]] = []
+        tasks: list[tuple[int, int]] = []
+        waiting = [(0, 0, None)]
+        self.used = 1
+        while waiting:
+            record, level, parent = waiting.pop(0)
+            if self._size(record) > limit and level < TOP_LEVELS:
+                if parent is not None:
+                    nodes[parent[0]][parent[1]] = len(nodes)
+                children = self._divide_into_children(record)
+                waiting += [(c, level + 1, (len(nodes), i)) for i, c in enumerate(children)]
+                nodes.append([0] * len(children))
+                self.boxes_of_top.append(self.records.array.reshape(-1, 16)[children, :8].copy())
+            else:
+                if parent is not None:
+                    nodes[parent[0]][parent[1]] = -1 - len(tasks)
+                tasks.append((record, level))
+        return nodes, tasks
+
+    def _size(self, record: int) -> int:
+        begin, end = self.ranges.array[3 * record : 3 * record + 2]
+        return int(end - begin)
+
+    def _area(self, record: int) -> float:
+        box = self.records.array[16 * record : 16 * record + 8].astype(np.float64)
+        x, y, z = -(box[:3] + box[4:7])
+        return x * y + y * z + z * x
+
+    def _divide_into_children(self, record: int) -> list[int]:
+        """Divide a set into 8; the records of the parts."""
+        children = [record]
+        while len(children) < 8:
+            big = [c for c in children if self._size(c) > SMALLEST_TASK // 8]
+            if not big:
+                break
+            self._divide(max(big, key=self._area), self.used)
+            children.append(self.used)
+            self.used += 1
+        return children
+
+    def _divide(self, i: int, j: int) -> None:
+        """Divide record i into i and j, all threads together."""
+        first, end = (int(k) for k in self.ranges.array[3 * i : 3 * i + 2])
+        starts = range(first, end, CHUNK)
+        rows = len(starts)
+
+        def bin_one(begin: int) -> None:
+            self.compiled.bin(
+                self.work, self.records, self.ranges, i, begin, min(begin + CHUNK, end),
+                (begin - first) // CHUNK + 1, self.tables, self.counts,
+            )
+
+        self.pool.run(bin_one, starts)
+        self.compiled.choose(
+            self.records, self.ranges, i, rows, self.tables, self.counts, self.method, self.result
+        )
+        if self.result.array[0] < 0:
+            self.compiled.halve(self.work, self.records, self.ranges, i, j)
+            return
+        lefts = np.concatenate([[0], np.cumsum(self.result.array[2 : 2 + rows])])
+        middle = first + int(lefts[-1])
+
+        def partition_one(begin: int) -> None:
+            row = (begin - first) // CHUNK
+            left = int(lefts[row])
+            self.compiled.partition(
+                self.work, self.records, self.ranges, i, begin, min(begin + CHUNK, end),
+                first + left, middle + (begin - first - left), self.result, row + 1, self.tables,
+            )
+
+        self.pool.run(partition_one, starts)
+        self.compiled.conclude(
+            self.records, self.ranges, i, j, rows, self.tables, self.result, middle
+        )
+
+    def _build_subtrees(self, tasks: list[tuple[int, int]]) -> np.ndarray:
+        """Build all tasks; (tasks, 4) int64: nodes, blocks, leaves and levels of each."""
+        totals = View(np.zeros(4 * len(tasks), np.int64))
+        records, ranges = View(aligned_zeros(len(tasks), 16)), View(np.zeros(3 * len(tasks), np.int64))
+        for k, (record, _) in enumerate(tasks):
+            records.array[16 * k : 16 * k + 16] = self.records.array[16 * record : 16 * record + 16]
+            ranges.array[3 * k : 3 * k + 3] = self.ranges.array[3 * record : 3 * record + 3]
+        # A subtree over n primitives has at most n / 2 + 1 nodes: every inner node has two
+        # children at least, and leaves of one node only are made of more than WIDTH primitives.
+        self.first = [int(ranges.array[3 * k]) // 2 + 2 * k for k in range(len(tasks))]
+
+        def build_one(k: int) -> None:
+            self.compiled.subtree(
+                self.work, records, ranges, k, self.first[k], tasks[k][1], self.method,
+                self.triangles, totals,
+            )
+
+        self.pool.run(build_one, sorted(range(len(tasks)), key=lambda k: -self._size(tasks[k][0])))
+        return totals.array.reshape(-1, 4)
+
+    def _pack(self, top_nodes, tasks, totals) -> tuple[Bvh, dict]:
+        """The final arrays: top nodes, then the subtrees one after another."""
+        node_at = len(top_nodes) + np.concatenate([[0], np.cumsum(totals[:, 0])])
+        block_at = np.concatenate([[0], np.cumsum(totals[:, 1])])
+        bvh = Bvh(View(aligned_zeros(int(node_at[-1]), NODE)),
+                  View(aligned_zeros(int(block_at[-1]), BLOCK)), View(np.zeros(0, np.uint32)))
+        for node, children in enumerate(top_nodes):
+            row = bvh.nodes.array.reshape(-1, NODE)[node]
+            row[:24], row[24:48] = np.inf, -np.inf
+            for i, child in enumerate(children):
+                box = self.boxes_of_top[node][i]
+                row[i:24:8], row[24 + i : 48 : 8] = box[:3], -box[4:7]
+                row[CHILD:].view(np.uint32)[i] = child if child >= 0 else node_at[-1 - child]
+
+        def pack_one(k: int) -> None:
+            self.compiled.pack(
+                self.work, self.first[k], int(totals[k, 0]), bvh.nodes, int(node_at[k]),
+                bvh.blocks, int(block_at[k]), self.source,
+            )
+
+        self.pool.run(pack_one, range(len(tasks)))
+        depth = max(int(t) + level for t, (_, level) in zip(totals[:, 3], tasks, strict=True))
+        return bvh, {
+            "nodes": int(node_at[-1]),
+            "blocks": int(block_at[-1]),
+            "leaves": int(totals[:, 2].sum()),
+            "depth": depth,
+            "bytes": bvh.nodes.array.nbytes + bvh.blocks.array.nbytes,
+        }
+
+
+def references_of_boxes(boxes: np.ndarray, first: int) -> np.ndarray:
+    """References to primitives given by their boxes (m, 2, 3); their indices are `first` and on."""
+    references = np.zeros((len(boxes), 8), np.float32)
+    references[:, :3], references[:, 4:7] = boxes[:, 0], -boxes[:, 1]
+    size = (boxes[:, 1] - boxes[:, 0]).max(axis=1, initial=0.0)
+    references -= size[:, None] * MARGIN + np.abs(references) * ROUNDING
+    references[:, 3] = np.arange(first, first + len(boxes), dtype=np.uint32).view(np.float32)
+    references[:, 7] = 0.0
+    return references

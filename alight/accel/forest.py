@@ -1,0 +1,184 @@
+"""The tree of a scene, and the trees of its instanced geometries in the same arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from alight.accel.build import build_bvh
+from alight.accel.layout import (
+    BLOCK,
+    CHILD,
+    IDS,
+    KINDS,
+    LEAF,
+    NODE,
+    OTHER,
+    WIDTH,
+    Bvh,
+)
+from alight.accel.primitives import Analytic, Instance, TriangleSet
+from alight.core.view import View
+
+#: An instance's box is enlarged by this part of the coordinates: rays are rounded on their way to
+#: object space.
+INSTANCE_MARGIN = 2.0**-19
+
+
+class Forest:
+    """Everything that goes into trees.
+
+    Parameters
+    ----------
+    triangles : TriangleSet
+        Sorted by (shape, prim).
+    analytic : list of Analytic
+    instances : list of Instance
+    geometries : list of (vertices, faces)
+    """
+
+    def __init__(self, triangles, analytic, instances, geometries):
+        self.triangles: TriangleSet = triangles
+        self.analytic: list[Analytic] = analytic
+        self.instances: list[Instance] = [
+            i for i in instances if len(geometries[i.geometry][1])
+        ]
+        self.geometries: list[tuple[np.ndarray, np.ndarray]] = geometries
+
+    def build(
+        self, method: str, threads: int
+    ) -> tuple[Bvh, View, tuple[str, ...], dict[str, Any]]:
+        """Build all trees.
+
+        Returns
+        -------
+        tree : Bvh
+            The scene's tree starts at node 0.
+        box : View
+            Lower and upper bounds, (6,) float32.
+        plan : tuple of str
+            () if there is nothing in the tree.
+        stats : dict
+        """
+        others = len(self.analytic) + len(self.instances)
+        if len(self.triangles.faces) + others == 0:
+            empty = View(np.zeros(0, np.float32))
+            tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)))
+            return tree, View(np.zeros(6, np.float32)), (), {}
+        used = sorted({i.geometry for i in self.instances})
+        trees = [
+            build_bvh(*self.geometries[g], method=method, threads=threads) for g in used
+        ]
+        blocks, boxes = np.zeros((others, BLOCK), np.float32), np.zeros((others, 2, 3), np.float32)
+        self._describe_analytic(blocks, boxes)
+        self._describe_instances(blocks, boxes)
+        vertices = np.ascontiguousarray(self.triangles.vertices, np.float32)
+        faces = np.ascontiguousarray(self.triangles.faces, np.int32)
+        main, stats = build_bvh(vertices, faces, blocks, boxes, method=method, threads=threads)
+        stats["sah_cost"] = sah_cost(main)
+        tree, roots = _joined([main, *(t for t, _ in trees)])
+        if trees:
+            self._point_to_roots(tree, dict(zip(used, roots[1:], strict=True)))
+        for _, more in trees:
+            for key in ("nodes", "blocks", "leaves", "bytes"):
+                stats[key] += more[key]
+        ids = np.zeros((len(faces) + others, 2), np.uint32)
+        ids[: len(faces), 0], ids[: len(faces), 1] = self.triangles.shape, self.triangles.prim
+        ids[len(faces) :, 0] = [p.shape for p in (*self.analytic, *self.instances)]
+        stats["bytes"] += ids.nbytes
+        kinds = {a.kind for a in self.analytic} | ({"instance"} if self.instances else set())
+        plan = ("tree", *(kind + "s in tree" for kind in KINDS if kind in kinds))
+        root = main.nodes.array[:NODE].reshape(8, 8)
+        box = np.concatenate([root[:3].min(axis=1), root[3:6].max(axis=1)])
+        return tree._replace(ids=View(ids)), View(box), plan, stats
+
+    def _describe_analytic(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
+        """Fill the first rows of the blocks (`layout`) and boxes of primitives but triangles."""
+        words = blocks.view(np.uint32)
+        words[:, IDS : IDS + WIDTH] = OTHER
+        words[:, IDS] = len(self.triangles.faces) + np.arange(len(blocks))
+        for row, a in enumerate(self.analytic):
+            words[row, 0], words[row, 1] = KINDS.index(a.kind), a.row
+            boxes[row] = np.asarray([a.low, a.high])
+
+    def _describe_instances(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
+        """Fill the further rows; the root stands in once the trees are joined."""
+        for row, one in enumerate(self.instances, len(self.analytic)):
+            blocks.view(np.uint32)[row, 0] = KINDS.index("instance")
+            blocks[row, 2:14] = np.asarray(one.to_object, np.float32).reshape(-1)
+            boxes[row] = placed_box(one, self.geometries[one.geometry][0])
+
+    def _point_to_roots(self, tree: Bvh, roots: dict[int, int]) -> None:
+        """Write the root node of each instance's geometry into its block."""
+        words = tree.blocks.array.view(np.uint32).reshape(-1, BLOCK)
+        first = len(self.triangles.faces) + len(self.analytic)
+        root_of = np.array([roots[i.geometry] for i in self.instances], np.uint32)
+        number = KINDS.index("instance")
+        is_instance = (words[:, IDS + WIDTH - 1] == OTHER) & (words[:, 0] == number)
+        words[is_instance, 1] = root_of[words[is_instance, IDS].astype(np.int64) - first]
+
+
+def _joined(trees: list[Bvh]) -> tuple[Bvh, list[int]]:
+    """One pair of arrays for several trees, and the number of each root."""
+    if len(trees) == 1:
+        return trees[0], [0]
+    roots, first_blocks = [], []
+    nodes, blocks = 0, 0
+    for tree in trees:
+        roots.append(nodes)
+        first_blocks.append(blocks)
+        rows = tree.nodes.array.reshape(-1, NODE)
+        child = rows[:, CHILD : CHILD + 8].view(np.uint32)
+        is_leaf = child >= LEAF
+        child += np.where(is_leaf, np.uint32(blocks << 4), np.uint32(nodes))
+        nodes += len(rows)
+        blocks += tree.blocks.size // BLOCK
+    joined = Bvh(
+        View(np.concatenate([t.nodes.array for t in trees])),
+        View(np.concatenate([t.blocks.array for t in trees])),
+        trees[0].ids,
+    )
+    return joined, roots
+
+
+def sah_cost(tree: Bvh) -> float:
+    """Expected work of a ray that meets the root box, in tests of a block (Wald 2007).
+
+    Every child costs its surface area relative to the root's: one step if it is a node, its blocks
+    if it is a leaf.
+    """
+    rows = tree.nodes.array.reshape(-1, NODE)
+    low, high = rows[:, :24].reshape(-1, 3, 8), rows[:, 24:48].reshape(-1, 3, 8)
+    there = low[:, 0] <= high[:, 0]
+    x, y, z = np.moveaxis(np.where(there[:, None], high - low, 0.0).astype(np.float64), 1, 0)
+    area = x * y + y * z + z * x
+    child = rows[:, CHILD : CHILD + 8].view(np.uint32)
+    cost = np.where(child >= LEAF, child & 15, 1)
+    root = rows[0, :48].reshape(6, 8)
+    x, y, z = (root[3:].max(axis=1) - root[:3].min(axis=1)).astype(np.float64)
+    whole = x * y + y * z + z * x
+    return float(1.0 + (area * cost).sum() / whole) if whole > 0.0 else 1.0
+
+
+def placed(one: Instance, vertices: np.ndarray, faces: np.ndarray) -> TriangleSet:
+    """The triangles of an instance in world space."""
+    matrix = np.asarray(one.to_world, np.float64)
+    world = vertices.astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
+    return TriangleSet(
+        world.astype(np.float32),
+        faces,
+        np.full(len(faces), one.shape, np.uint32),
+        np.arange(len(faces), dtype=np.uint32),
+    )
+
+
+def placed_box(one: Instance, vertices: np.ndarray) -> np.ndarray:
+    """Bounds of an instance in world space, (2, 3) float32, from the corners of its own box."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1])
+                        for z in (low[2], high[2])], np.float64)
+    matrix = np.asarray(one.to_world, np.float64)
+    world = corners @ matrix[:, :3].T + matrix[:, 3]
+    margin = INSTANCE_MARGIN * np.abs(world).max()
+    return np.array([world.min(axis=0) - margin, world.max(axis=0) + margin], np.float32)

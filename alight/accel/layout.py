@@ -1,0 +1,58 @@
+"""How the bounding volume hierarchy lies in memory.
+
+A *node* is 64 words of 4 bytes (256 bytes, four cache lines), one column a child:
+
+======  ==================================================================
+word    meaning (8 words each, one a child)
+======  ==================================================================
+0..23   lower bounds x, y, z
+24..47  upper bounds x, y, z
+48..55  child: index of a node, or LEAF | first block << 4 | number of blocks
+56..63  unused once the build is over
+======  ==================================================================
+
+A missing child has the bounds (inf, -inf), which no ray meets.
+
+A *block* holds up to WIDTH triangles side by side, so that one ray meets all of them at once:
+corners a, b, c as 9 rows of WIDTH floats (ax, ay, az, bx, ...), then a row of WIDTH indices. A block
+that is not full repeats its last triangle. A block whose last index is OTHER holds one analytic
+shape or instance instead: word 0 its kind (`KINDS`), word 1 the row in the data, or for an instance
+the root node of its geometry, words 2..13 the map of the world to its own space (3 rows of 4); the
+first index is its own.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+#: Views. nodes, blocks: float32 as described above (whole numbers as bit patterns); ids: u32, shape
+#: and prim of each index.
+Bvh = namedtuple("Bvh", "nodes blocks ids")
+
+NODE = 64
+CHILD = 48
+COUNT = 56
+
+#: Triangles of a block: the width of a leaf test.
+WIDTH = 4
+IDS = 9 * WIDTH
+BLOCK = 10 * WIDTH
+
+#: A leaf never holds more primitives.
+MAX_LEAF = 8
+
+LEAF = 0x80000000
+OTHER = 0xFFFFFFFF
+
+#: What a block can hold besides triangles.
+KINDS = ("sphere", "rectangle", "disk", "instance")
+
+#: Levels of nodes below the root until the build gives up on surface areas and halves by count.
+SAH_DEPTH = 24
+
+#: Deepest possible tree: below SAH_DEPTH each level has an eighth of the primitives, and there are
+#: fewer than 2^31.
+MAX_DEPTH = SAH_DEPTH + 11
+
+#: A node leaves at most 7 children behind on the stack, on each level.
+STACK = 7 * (MAX_DEPTH + 1) + 1

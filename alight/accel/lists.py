@@ -1,0 +1,161 @@
+"""Packets of rays against flat lists of primitives, one primitive after another.
+
+For a few big primitives this beats every tree: all lanes work on every test. Each kind has its own
+loop; `write_lists` strings together those that a scene needs.
+
+A list holds its primitives with (shape, prim) ascending, and of hits at the same t the one with the
+lower shape wins, so the result does not depend on the order of the loops.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Callable
+
+from alight.core.jit import kernel
+from alight.core.simd import as_int, where
+from alight.shapes import disk, plane, rectangle, sphere
+from alight.shapes.hit import Hit
+from alight.shapes.triangle import intersect as intersect_triangle
+from alight.shapes.triangle import rotated, shear_of
+
+#: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes: u32,
+#: shape and row in the data, of those in lists; triangles: float32, corners of those in the list, and
+#: triangle_ids: u32, their shape and prim; tree: `Bvh`; box: float32, lower and upper bounds of it.
+Accelerator = namedtuple(
+    "Accelerator", "rectangles spheres disks planes triangles triangle_ids tree box"
+)
+
+#: Intersection kernels of the lists of analytic shapes, by the name of the list.
+SHAPE_LISTS = {
+    "rectangles": rectangle.intersect,
+    "spheres": sphere.intersect,
+    "disks": disk.intersect,
+    "planes": plane.intersect,
+}
+
+#: Shape of a hit that is none; it loses every tie.
+NOTHING = 0xFFFFFFFF
+
+
+@kernel(strict=True)
+def keep_closer(best, hit, t, u, v, shape, prim):
+    """The lanes of `hit` (t <= best.t) replace `best` unless it has the same t and a lower shape."""
+    closer = hit & ((t < best.t) | (shape < best.shape))
+    return Hit(
+        where(closer, t, best.t),
+        where(closer, u, best.u),
+        where(closer, v, best.v),
+        where(closer, shape, best.shape),
+        where(closer, prim, best.prim),
+    )
+
+
+@kernel
+def _rectangles(accel):
+    return accel.rectangles
+
+
+@kernel
+def _spheres(accel):
+    return accel.spheres
+
+
+@kernel
+def _disks(accel):
+    return accel.disks
+
+
+@kernel
+def _planes(accel):
+    return accel.planes
+
+
+_TABLES = {"rectangles": _rectangles, "spheres": _spheres, "disks": _disks, "planes": _planes}
+
+
+def _write_shape_list(name: str) -> tuple[Callable, Callable]:
+    """Closest hits with, and occlusion by, the shapes in the list of that name."""
+    intersect, table_of = SHAPE_LISTS[name], _TABLES[name]
+
+    @kernel(strict=True)
+    def closest(accel, data, o, d, best):
+        table = table_of(accel)
+        for i in range(table.size // 2):
+            t, u, v, hit = intersect(data, as_int(table[2 * i + 1]), o, d, best.t)
+            best = keep_closer(best, hit, t, u, v, table[2 * i], 0)
+        return best
+
+    @kernel(strict=True)
+    def occlude(accel, data, o, d, t_max):
+        table = table_of(accel)
+        for i in range(table.size // 2):
+            _, _, _, hit = intersect(data, as_int(table[2 * i + 1]), o, d, t_max)
+            t_max = where(hit, -1.0, t_max)
+        return t_max
+
+    return closest, occlude
+
+
+@kernel(strict=True)
+def closest_of_triangles(accel, data, o, d, best):
+    """Closest hits with the triangles in the list."""
+    shear = shear_of(d)
+    origin = rotated(o, shear)
+    for i in range(accel.triangles.size // 9):
+        t, u, v, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, best.t)
+        best = keep_closer(
+            best, hit, t, u, v, accel.triangle_ids[2 * i], accel.triangle_ids[2 * i + 1]
+        )
+    return best
+
+
+@kernel(strict=True)
+def occlude_by_triangles(accel, data, o, d, t_max):
+    """Occlusion by the triangles in the list."""
+    shear = shear_of(d)
+    origin = rotated(o, shear)
+    for i in range(accel.triangles.size // 9):
+        _, _, _, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, t_max)
+        t_max = where(hit, -1.0, t_max)
+    return t_max
+
+
+@kernel(strict=True)
+def closest_of_nothing(accel, data, o, d, best):
+    """Start of the string of lists."""
+    return best
+
+
+@kernel(strict=True)
+def occlude_by_nothing(accel, data, o, d, t_max):
+    """Start of the string of lists."""
+    return t_max
+
+
+def _then(first: Callable, second: Callable) -> Callable:
+    @kernel(strict=True)
+    def both(accel, data, o, d, state):
+        return second(accel, data, o, d, first(accel, data, o, d, state))
+
+    return both
+
+
+def write_lists(names: tuple[str, ...]) -> tuple[Callable, Callable]:
+    """Kernels that visit the lists of the given names.
+
+    Returns
+    -------
+    closest : kernel (accel, data, o, d, best) -> best
+        best : Hit whose t is the end of the ray where nothing has been met; shape NOTHING there.
+    occlude : kernel (accel, data, o, d, t_max) -> t_max
+        t_max becomes -1 in lanes that are blocked.
+    """
+    closest, occlude = closest_of_nothing, occlude_by_nothing
+    for name in names:
+        if name == "triangles":
+            texts = closest_of_triangles, occlude_by_triangles
+        else:
+            texts = _write_shape_list(name)
+        closest, occlude = _then(closest, texts[0]), _then(occlude, texts[1])
+    return closest, occlude

@@ -1,0 +1,175 @@
+"""Leaves that hold analytic shapes and instances beside triangles.
+
+One ray meets an analytic shape in packet arithmetic, all lanes alike, so that its numbers are those
+that the flat lists get. An instance is met by moving the ray to the space of its geometry, whose tree
+lies in the same arrays; the direction keeps its length, so that t means the same in both spaces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+from alight.accel.layout import BLOCK, IDS, KINDS, OTHER, WIDTH
+from alight.accel.single import NONE, SingleHit, closest_of_block, meet_triangles
+from alight.accel.traversal import any_triangle, closest_triangle, write_any, write_closest
+from alight.core.jit import kernel
+from alight.core.simd import as_int, float_bits, lanes, mask_bits
+from alight.core.vec import Vec3
+from alight.core.wide import lane
+from alight.shapes import disk, rectangle, sphere
+
+#: Kernels of the analytic shapes.
+INTERSECT = {
+    "sphere": sphere.intersect,
+    "rectangle": rectangle.intersect,
+    "disk": disk.intersect,
+}
+
+
+@kernel(strict=True)
+def comes_first(ids, a, b):
+    """Does index a win against b at the same t? The lower (shape, prim) does."""
+    if b == NONE:
+        return True
+    shape_a, shape_b = ids[2 * a], ids[2 * b]
+    if shape_a != shape_b:
+        return shape_a < shape_b
+    return a < b
+
+
+@kernel(strict=True)
+def closer(ids, best, other):
+    """The nearer one of two hits."""
+    if other.index == NONE:
+        return best
+    if (other.t < best.t) | ((other.t == best.t) & comes_first(ids, other.index, best.index)):
+        return other
+    return best
+
+
+@kernel(strict=True)
+def to_object(blocks, at, v, w):
+    """A point (w = 1) or direction (w = 0) in the space of the instance whose map is at `at`."""
+    return Vec3(
+        blocks[at] * v.x + blocks[at + 1] * v.y + blocks[at + 2] * v.z + blocks[at + 3] * w,
+        blocks[at + 4] * v.x + blocks[at + 5] * v.y + blocks[at + 6] * v.z + blocks[at + 7] * w,
+        blocks[at + 8] * v.x + blocks[at + 9] * v.y + blocks[at + 10] * v.z + blocks[at + 11] * w,
+    )
+
+
+def _write_meet_shape(intersect: Callable) -> Callable:
+    @kernel(strict=True)
+    def meet_shape(tree, data, at, index, o, d, t_max):
+        """The hit of one ray on an analytic shape; index NONE if there is none."""
+        row = as_int(float_bits(tree.blocks[at + 1]))
+        origin = Vec3(lanes(o.x), lanes(o.y), lanes(o.z))
+        direction = Vec3(lanes(d.x), lanes(d.y), lanes(d.z))
+        t, u, v, hit = intersect(data, row, origin, direction, lanes(t_max))
+        found = index if mask_bits(hit) != 0 else NONE
+        return SingleHit(lane(t, 0), found, 0, lane(u, 0), lane(v, 0))
+
+    return meet_shape
+
+
+@kernel(strict=True)
+def meet_instance(tree, data, at, index, o, d, t_max):
+    """The hit of one ray on an instance; index NONE if there is none."""
+    root = as_int(float_bits(tree.blocks[at + 1]))
+    origin, direction = to_object(tree.blocks, at + 2, o, 1.0), to_object(tree.blocks, at + 2, d, 0.0)
+    hit = closest_triangle(tree, data, origin, direction, t_max, root)
+    found = index if hit.index != NONE else NONE
+    return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
+
+
+@kernel(strict=True)
+def instance_is_met(tree, data, at, index, o, d, t_max):
+    """True if one ray meets an instance."""
+    root = as_int(float_bits(tree.blocks[at + 1]))
+    origin, direction = to_object(tree.blocks, at + 2, o, 1.0), to_object(tree.blocks, at + 2, d, 0.0)
+    return any_triangle(tree, data, origin, direction, t_max, root)
+
+
+@kernel(strict=True)
+def nothing_is_met(tree, data, kind, at, index, o, d, t_max):
+    """End of the chain of kinds."""
+    return SingleHit(t_max, NONE, 0, 0.0 * t_max, 0.0 * t_max)
+
+
+@kernel(strict=True)
+def nothing_is_in_the_way(tree, data, kind, at, index, o, d, t_max):
+    """End of the chain of kinds."""
+    return False
+
+
+def _write_branch(kind: str, meet: Callable, otherwise: Callable) -> Callable:
+    number = KINDS.index(kind)
+
+    @kernel(strict=True)
+    def branch(tree, data, kind, at, index, o, d, t_max):
+        """Visit a block of the right kind, or leave it to the others."""
+        if kind == number:
+            return meet(tree, data, at, index, o, d, t_max)
+        return otherwise(tree, data, kind, at, index, o, d, t_max)
+
+    return branch
+
+
+def _write_meet_any_shape(intersect: Callable) -> Callable:
+    meet_shape = _write_meet_shape(intersect)
+
+    @kernel(strict=True)
+    def shape_is_met(tree, data, at, index, o, d, t_max):
+        """True if one ray meets an analytic shape."""
+        return meet_shape(tree, data, at, index, o, d, t_max).index != NONE
+
+    return shape_is_met
+
+
+@lru_cache(maxsize=64)
+def write_mixed(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
+    """The traversals (closest, any) of a tree that holds triangles and the given `KINDS`."""
+    meet_other, block_other = nothing_is_met, nothing_is_in_the_way
+    for kind in kinds:
+        if kind == "instance":
+            meet_other = _write_branch(kind, meet_instance, meet_other)
+            block_other = _write_branch(kind, instance_is_met, block_other)
+        else:
+            meet_other = _write_branch(kind, _write_meet_shape(INTERSECT[kind]), meet_other)
+            block_other = _write_branch(kind, _write_meet_any_shape(INTERSECT[kind]), block_other)
+
+    @kernel(strict=True)
+    def closest_of_leaf(tree, data, block, count, o, d, ray, best):
+        """The nearest hit of `best` and the blocks number `block` and following."""
+        at = BLOCK * block
+        for _ in range(count):
+            if as_int(float_bits(tree.blocks[at + IDS + WIDTH - 1])) == OTHER:
+                index = as_int(float_bits(tree.blocks[at + IDS]))
+                kind = as_int(float_bits(tree.blocks[at]))
+                found = meet_other(tree, data, kind, at, index, o, d, best.t)
+            else:
+                found = closest_of_block(
+                    tree.blocks, at, ray, SingleHit(best.t, NONE, 0, best.u, best.v)
+                )
+            best = closer(tree.ids, best, found)
+            at += BLOCK
+        return best
+
+    @kernel(strict=True)
+    def any_of_leaf(tree, data, block, count, o, d, ray, t_max):
+        """True if anything in blocks number `block` and following is hit."""
+        at = BLOCK * block
+        for _ in range(count):
+            if as_int(float_bits(tree.blocks[at + IDS + WIDTH - 1])) == OTHER:
+                index = as_int(float_bits(tree.blocks[at + IDS]))
+                kind = as_int(float_bits(tree.blocks[at]))
+                if block_other(tree, data, kind, at, index, o, d, t_max):
+                    return True
+            else:
+                _, _, _, hit = meet_triangles(tree.blocks, at, ray, t_max)
+                if mask_bits(hit) != 0:
+                    return True
+            at += BLOCK
+        return False
+
+    return write_closest(closest_of_leaf), write_any(any_of_leaf)

@@ -1,0 +1,70 @@
+"""The primitives that an acceleration structure is made from, as the host describes them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+
+class TriangleSet(NamedTuple):
+    """Triangles in world space.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float32, metres
+    faces : (F, 3) int32
+    shape, prim : (F,) uint32
+        What a hit reports. Not finite triangles are left out.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    shape: np.ndarray
+    prim: np.ndarray
+
+
+class Analytic(NamedTuple):
+    """A sphere, rectangle or disk: its kind, shape number, row in the data, bounds in metres."""
+
+    kind: str
+    shape: int
+    row: int
+    low: Sequence[float]
+    high: Sequence[float]
+
+
+class Instance(NamedTuple):
+    """A placed copy of a geometry: its number, shape number, and 3x4 maps to the world and back."""
+
+    geometry: int
+    shape: int
+    to_world: np.ndarray
+    to_object: np.ndarray
+
+
+def finite(triangles: TriangleSet) -> TriangleSet:
+    """Without the triangles that have an infinite or undefined corner: no ray can meet them."""
+    good = np.isfinite(triangles.vertices).all(axis=1)
+    if good.all():
+        return triangles
+    vertices = np.where(good[:, None], triangles.vertices, np.float32(0.0))
+    return chosen(triangles._replace(vertices=vertices), good[triangles.faces].all(axis=1))
+
+
+def in_order(triangles: TriangleSet) -> TriangleSet:
+    """Sorted by (shape, prim), so that an index tells which of two hits at the same t counts."""
+    key = triangles.shape.astype(np.uint64) << np.uint64(32) | triangles.prim.astype(np.uint64)
+    if (key[1:] >= key[:-1]).all():
+        return triangles
+    return chosen(triangles, np.argsort(key, kind="stable"))
+
+
+def chosen(triangles: TriangleSet, which: np.ndarray) -> TriangleSet:
+    """Those in a mask, or in the order of a list of rows; no copy if it is all of them."""
+    if which.dtype == bool and which.all():
+        return triangles
+    return TriangleSet(
+        triangles.vertices, triangles.faces[which], triangles.shape[which], triangles.prim[which]
+    )

@@ -1,0 +1,154 @@
+"""One ray against 8 boxes, or against WIDTH triangles, at once: the steps of a traversal.
+
+Nothing is culled wrongly: the boxes are larger than their triangles by more than the triangle test
+errs near them (`references.MARGIN`), and the far ends of the box test are stretched by a few units of
+2^-24, which covers all its rounding since every step is relative (Ize 2013, Robust BVH Ray
+Traversal, JCGT 2(2)).
+
+Nothing hangs: rays that are not finite, or that have no direction, meet nothing.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.accel.layout import CHILD, IDS, WIDTH
+from alight.core.jit import kernel
+from alight.core.simd import (
+    absolute,
+    as_int,
+    copysign,
+    float_bits,
+    mask_bits,
+    maximum,
+    minimum,
+    trailing_zeros,
+    where,
+)
+from alight.core.vec import Vec3
+from alight.core.wide import lane, load_wide, wide
+from alight.shapes.triangle import Shear, component, shear_of, sheared_hit
+
+#: Found by one ray: t; index of the primitive in the tree (NONE: nothing up to t); face: triangle of
+#: an instance's mesh, else 0; u, v: barycentrics or local coordinates.
+SingleHit = namedtuple("SingleHit", "t index face u v")
+
+#: What the box test needs: origin and reciprocal direction in every lane, and for each axis the row
+#: of the bound that the ray meets first (lower or upper).
+BoxRay = namedtuple("BoxRay", "o r near_x near_y near_z")
+
+#: What the triangle test needs: the origin in every lane, in the order of the shear's axes.
+TriangleRay = namedtuple("TriangleRay", "o shear row_x row_y row_z")
+
+#: 1 + 8 2^-24, relative rounding of the box test: two subtractions, two reciprocals, two products,
+#: and the product with this.
+STRETCH = 1.0 + 2.0**-20
+SHRINK = 1.0 - 2.0**-20
+
+#: Index of a hit that loses every tie.
+NONE = 0x7FFFFFFF
+
+
+@kernel(strict=True)
+def is_traceable(o, d, t_max):
+    """True for a ray that is finite and has a direction; t_max may be infinite."""
+    zero = (o.x * 0.0 + o.y * 0.0 + o.z * 0.0) + (d.x * 0.0 + d.y * 0.0 + d.z * 0.0)
+    some = maximum(absolute(d.x), maximum(absolute(d.y), absolute(d.z)))
+    return (zero == 0.0) & (some > 0.0) & (t_max > 0.0)
+
+
+@kernel(strict=True)
+def safe_reciprocal(x):
+    """1 / x, and a huge finite number where that would overflow: 0 times it is 0, not NaN."""
+    return 1.0 / where(absolute(x) > 1e-37, x, copysign(1e-37, x))
+
+
+@kernel(strict=True)
+def box_ray(o, d):
+    """The `BoxRay` of a ray (scalars)."""
+    r = Vec3(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z))
+    return BoxRay(
+        Vec3(wide(8, o.x), wide(8, o.y), wide(8, o.z)),
+        Vec3(wide(8, r.x), wide(8, r.y), wide(8, r.z)),
+        0 if r.x >= 0.0 else 24,
+        8 if r.y >= 0.0 else 32,
+        16 if r.z >= 0.0 else 40,
+    )
+
+
+@kernel(strict=True)
+def triangle_ray(o, d):
+    """The `TriangleRay` of a ray (scalars)."""
+    s = shear_of(d)
+    return TriangleRay(
+        Vec3(wide(WIDTH, component(o, s.kx)), wide(WIDTH, component(o, s.ky)),
+             wide(WIDTH, component(o, s.kz))),
+        Shear(s.kx, s.ky, s.kz, wide(WIDTH, s.sx), wide(WIDTH, s.sy), wide(WIDTH, s.sz)),
+        s.kx * WIDTH, s.ky * WIDTH, s.kz * WIDTH,
+    )
+
+
+@kernel(strict=True)
+def meet_boxes(nodes, at, ray, t):
+    """The 8 boxes of the node that starts at `at`: entry distances, and which are met before t."""
+    x0 = (load_wide(8, nodes, at + ray.near_x) - ray.o.x) * ray.r.x
+    y0 = (load_wide(8, nodes, at + ray.near_y) - ray.o.y) * ray.r.y
+    z0 = (load_wide(8, nodes, at + ray.near_z) - ray.o.z) * ray.r.z
+    x1 = (load_wide(8, nodes, at + 24 - ray.near_x) - ray.o.x) * ray.r.x
+    y1 = (load_wide(8, nodes, at + 40 - ray.near_y) - ray.o.y) * ray.r.y
+    z1 = (load_wide(8, nodes, at + 56 - ray.near_z) - ray.o.z) * ray.r.z
+    enter = maximum(maximum(x0, y0), maximum(z0, 0.0))
+    leave = minimum(minimum(x1, y1), minimum(z1, t))
+    return enter, enter <= leave * STRETCH
+
+
+@kernel(strict=True)
+def meet_triangles(blocks, at, ray, t):
+    """The triangles of the block that starts at `at`: t, u, v, and which are hit up to t."""
+    x, y, z = at + ray.row_x, at + ray.row_y, at + ray.row_z
+    a = Vec3(load_wide(WIDTH, blocks, x), load_wide(WIDTH, blocks, y), load_wide(WIDTH, blocks, z))
+    x, y, z = x + 3 * WIDTH, y + 3 * WIDTH, z + 3 * WIDTH
+    b = Vec3(load_wide(WIDTH, blocks, x), load_wide(WIDTH, blocks, y), load_wide(WIDTH, blocks, z))
+    x, y, z = x + 3 * WIDTH, y + 3 * WIDTH, z + 3 * WIDTH
+    c = Vec3(load_wide(WIDTH, blocks, x), load_wide(WIDTH, blocks, y), load_wide(WIDTH, blocks, z))
+    found, u, v, inside = sheared_hit(a - ray.o, b - ray.o, c - ray.o, ray.shear)
+    return found, u, v, inside & (found > 0.0) & (found <= t)
+
+
+@kernel(strict=True)
+def closest_of_block(blocks, at, ray, best):
+    """The nearer one of `best` and the hits in a block; of equals the one with the lower index."""
+    found, u, v, hit = meet_triangles(blocks, at, ray, best.t)
+    bits = mask_bits(hit)
+    while bits != 0:
+        i = trailing_zeros(bits)
+        bits &= bits - 1
+        t, index = lane(found, i), as_int(float_bits(blocks[at + IDS + i]))
+        if (t < best.t) | ((t == best.t) & (index < best.index)):
+            best = SingleHit(t, index, best.face, lane(u, i), lane(v, i))
+    return best
+
+
+@kernel(strict=True)
+def entry(distances, nodes, at, i):
+    """Stack entry of child i: its distance above, its code below; entries sort by distance."""
+    return (as_int(float_bits(distances[i])) << 32) | as_int(float_bits(nodes[at + CHILD + i]))
+
+
+@kernel(strict=True)
+def push_children(stack, size, bits, distances, nodes, at):
+    """Put the children in `bits` on the stack, nearest on top; the new size."""
+    base = size
+    while bits != 0:
+        i = trailing_zeros(bits)
+        bits &= bits - 1
+        key = entry(distances, nodes, at, i)
+        j = size
+        while j > base:
+            if stack[j - 1] >= key:
+                break
+            stack[j] = stack[j - 1]
+            j -= 1
+        stack[j] = key
+        size += 1
+    return size

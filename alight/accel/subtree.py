@@ -1,0 +1,253 @@
+"""Build kernels: from a record (a set of primitives) to the nodes of its subtree, and their packing.
+
+While it is built a node's leaves say where their primitives stand in `order` (word CHILD) and how
+many they are (word COUNT, 0 for inner children). `pack` turns them into blocks and writes the nodes
+to their final, dense place.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.accel.layout import (
+    BLOCK,
+    CHILD,
+    COUNT,
+    IDS,
+    LEAF,
+    MAX_LEAF,
+    NODE,
+    SAH_DEPTH,
+    STACK,
+    WIDTH,
+)
+from alight.accel.references import BINS, fill_bins, largest_edge
+from alight.accel.splitting import (
+    blocks_of,
+    choose_split,
+    divide,
+    next_to_divide,
+    prefers_leaf,
+)
+from alight.core.constants import INFINITY
+from alight.core.jit import kernel
+from alight.core.simd import (
+    as_float,
+    as_int,
+    as_uint,
+    bits_float,
+    float_bits,
+    local_floats,
+    local_longs,
+)
+from alight.core.wide import load_wide, store_wide
+
+#: What blocks are made from. Views vertices (float32) and faces (uint32); triangles: how many;
+#: others: rows of BLOCK floats, the blocks of primitives number `triangles` and on.
+Source = namedtuple("Source", "vertices faces triangles others")
+
+_TABLE = 8 * (3 * BINS + 2)
+_RECORDS = 16 * 8
+_STACKED = 16 * STACK
+_STACKED_RANGES = 3 * STACK
+_COUNTS = 3 * BINS
+
+
+@kernel(strict=True)
+def copy_record(records, ranges, i, target, target_ranges, j):
+    """Record i of one list becomes record j of another."""
+    store_wide(target, 16 * j, load_wide(8, records, 16 * i))
+    store_wide(target, 16 * j + 8, load_wide(8, records, 16 * i + 8))
+    for k in range(3):
+        target_ranges[3 * j + k] = ranges[3 * i + k]
+
+
+@kernel(strict=True)
+def divide_into_children(work, records, ranges, whole, table, counts, method, by_count):
+    """Divide record 0 into up to 8, largest first; the number of records."""
+    scale = 1.0 / largest_edge(load_wide(8, records, 0))
+    n = 1
+    whole[0] = 0
+    while n < 8:
+        i = next_to_divide(records, ranges, whole, n, scale, by_count)
+        if i < 0:
+            break
+        if divide(work, records, ranges, i, n, table, counts, method, by_count):
+            whole[n] = 0
+            n += 1
+        else:
+            whole[i] = 1
+    return n
+
+
+@kernel(strict=True)
+def is_leaf(work, records, ranges, whole, i, table, counts, method):
+    """Should record i be a leaf? Small ones are tried, unless `divide` has said so before."""
+    begin, end, side = ranges[3 * i], ranges[3 * i + 1], ranges[3 * i + 2]
+    n = end - begin
+    if (whole[i] != 0) | (n <= WIDTH):
+        return True
+    if n > MAX_LEAF:
+        return False
+    box, centers = load_wide(8, records, 16 * i), load_wide(8, records, 16 * i + 8)
+    bins = 4
+    fill_bins(work.a if side == 0 else work.b, begin, end, centers, bins, table, counts)
+    return prefers_leaf(choose_split(box, centers, table, counts, n, method), n)
+
+
+@kernel(strict=True)
+def write_child(nodes, node, i, records, ranges):
+    """Bounds and primitives of record i into column i of a node."""
+    for k in range(3):
+        nodes[NODE * node + 8 * k + i] = records[16 * i + k]
+        nodes[NODE * node + 24 + 8 * k + i] = -records[16 * i + 4 + k]
+    count = ranges[3 * i + 1] - ranges[3 * i]
+    nodes[NODE * node + CHILD + i] = bits_float(as_uint(ranges[3 * i]))
+    nodes[NODE * node + COUNT + i] = bits_float(as_uint(count))
+
+
+@kernel(strict=True)
+def clear_child(nodes, node, i):
+    """Column i of a node: no child, a box that nothing meets."""
+    for k in range(3):
+        nodes[NODE * node + 8 * k + i] = as_float(0) + INFINITY
+        nodes[NODE * node + 24 + 8 * k + i] = as_float(0) - INFINITY
+    nodes[NODE * node + CHILD + i] = as_float(0)
+    nodes[NODE * node + COUNT + i] = as_float(0)
+
+
+@kernel(strict=True)
+def list_primitives(work, ranges, i, triangles):
+    """Write the primitives of record i to their places in `order`; the number of blocks they fill.
+
+    Triangles (indices below `triangles`) come first; each of the others has a block for itself.
+    """
+    source = work.a if ranges[3 * i + 2] == 0 else work.b
+    begin, end = ranges[3 * i], ranges[3 * i + 1]
+    front, back = begin, end - 1
+    for r in range(begin, end):
+        primitive = float_bits(source[8 * r + 3])
+        if as_int(primitive) < triangles:
+            work.order[front] = primitive
+            front += 1
+        else:
+            work.order[back] = primitive
+            back -= 1
+    return blocks_of(front - begin) + (end - front)
+
+
+@kernel(strict=True)
+def build_subtree(work, task_records, task_ranges, task, first, depth, method, triangles, totals):
+    """Build the tree over one record.
+
+    Parameters
+    ----------
+    work : Workspace
+    task_records, task_ranges : Views
+        Records (float32) and their ranges (int64); `task` is the one to build.
+    first : int
+        Its nodes are written to ``work.nodes`` from this number on.
+    depth : int
+        Levels above this subtree.
+    method : int
+        `SAH` or `MEDIAN`.
+    triangles : int
+        Primitives with a smaller index are triangles.
+    totals : View of int64
+        Written at 4 `task`: nodes, blocks, leaves, levels below and with the root.
+    """
+    records, ranges, whole = local_floats(_RECORDS), local_longs(24), local_longs(8)
+    stacked, stacked_ranges = local_floats(_STACKED), local_longs(_STACKED_RANGES)
+    places, levels = local_longs(STACK), local_longs(STACK)
+    table, counts = local_floats(_TABLE), local_longs(_COUNTS)
+    nodes, blocks, leaves, deepest = 1, 0, 0, 0
+    copy_record(task_records, task_ranges, task, stacked, stacked_ranges, 0)
+    places[0], levels[0] = 0, 0
+    size = 1
+    while size > 0:
+        size -= 1
+        place, level = places[size], levels[size]
+        deepest = max(deepest, level)
+        copy_record(stacked, stacked_ranges, size, records, ranges, 0)
+        by_count = depth + level >= SAH_DEPTH
+        n = divide_into_children(work, records, ranges, whole, table, counts, method, by_count)
+        for i in range(8):
+            if i >= n:
+                clear_child(work.nodes, first + place, i)
+                continue
+            write_child(work.nodes, first + place, i, records, ranges)
+            if is_leaf(work, records, ranges, whole, i, table, counts, method):
+                blocks += list_primitives(work, ranges, i, triangles)
+                leaves += 1
+            else:
+                at = NODE * (first + place)
+                work.nodes[at + CHILD + i] = bits_float(as_uint(nodes))
+                work.nodes[at + COUNT + i] = as_float(0)
+                copy_record(records, ranges, i, stacked, stacked_ranges, size)
+                places[size], levels[size] = nodes, level + 1
+                size += 1
+                nodes += 1
+    totals[4 * task], totals[4 * task + 1] = nodes, blocks
+    totals[4 * task + 2], totals[4 * task + 3] = leaves, deepest + 1
+
+
+@kernel(strict=True)
+def write_triangle(packed, at, i, index, source):
+    """A triangle's corners and index into column i of the block that starts at `at`."""
+    for corner in range(3):
+        vertex = 3 * as_int(source.faces[3 * index + corner])
+        for k in range(3):
+            packed[at + (3 * corner + k) * WIDTH + i] = source.vertices[vertex + k]
+    packed[at + IDS + i] = bits_float(as_uint(index))
+
+
+@kernel(strict=True)
+def write_leaf(work, first, n, blocks, block, source):
+    """The primitives ``work.order[first : first + n]`` as blocks from number `block` on.
+
+    Returns the number of the next free block.
+    """
+    flat = 0
+    while flat < n:
+        if as_int(work.order[first + flat]) >= source.triangles:
+            break
+        flat += 1
+    full = blocks_of(flat)
+    for r in range(full * WIDTH):
+        index = as_int(work.order[first + (r if r < flat else flat - 1)])
+        write_triangle(blocks, BLOCK * (block + r // WIDTH), r % WIDTH, index, source)
+    block += full
+    for r in range(flat, n):
+        row = as_int(work.order[first + r]) - source.triangles
+        for k in range(BLOCK):
+            blocks[BLOCK * block + k] = source.others[BLOCK * row + k]
+        block += 1
+    return block
+
+
+@kernel(strict=True)
+def pack(work, first, count, nodes, node, blocks, block, source):
+    """Copy a subtree to its final place, its leaves as blocks.
+
+    Parameters
+    ----------
+    first, count : int
+        The subtree's nodes in ``work.nodes``.
+    nodes, blocks : Views of float32
+        Written from node number `node` and block number `block` on.
+    source : Source
+    """
+    for index in range(count):
+        at, target = NODE * (first + index), NODE * (node + index)
+        for k in range(0, CHILD, 8):
+            store_wide(nodes, target + k, load_wide(8, work.nodes, at + k))
+        for i in range(8):
+            n = as_int(float_bits(work.nodes[at + COUNT + i]))
+            child = as_int(float_bits(work.nodes[at + CHILD + i]))
+            code = node + child
+            if n > 0:
+                end = write_leaf(work, child, n, blocks, block, source)
+                code = LEAF | (block << 4) | (end - block)
+                block = end
+            nodes[target + CHILD + i] = bits_float(as_uint(code))
+            nodes[target + COUNT + i] = as_float(0)

@@ -1,0 +1,154 @@
+"""One ray through the bounding volume hierarchy, nearest boxes first.
+
+The stack holds STACK entries, more than a tree of MAX_DEPTH levels can ask for (`layout`).
+
+What lies in the leaves decides which text is written: triangles only (`closest_triangle`,
+`any_triangle`), or analytic shapes and instances too (`mixed`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+from alight.accel.layout import BLOCK, CHILD, LEAF, NODE, STACK
+from alight.accel.single import (
+    NONE,
+    SHRINK,
+    SingleHit,
+    box_ray,
+    closest_of_block,
+    is_traceable,
+    meet_boxes,
+    meet_triangles,
+    push_children,
+    triangle_ray,
+)
+from alight.core.jit import kernel
+from alight.core.simd import (
+    as_float,
+    as_int,
+    bits_float,
+    float_bits,
+    local_floats,
+    local_longs,
+    mask_bits,
+    trailing_zeros,
+)
+from alight.core.wide import store_wide
+
+
+@kernel(strict=True)
+def closest_of_triangles(tree, data, block, count, o, d, ray, best):
+    """The nearest hit of `best` and the triangles in blocks number `block` and following."""
+    at = BLOCK * block
+    for _ in range(count):
+        best = closest_of_block(tree.blocks, at, ray, best)
+        at += BLOCK
+    return best
+
+
+@kernel(strict=True)
+def any_of_triangles(tree, data, block, count, o, d, ray, t_max):
+    """True if a triangle in blocks number `block` and following is hit."""
+    at = BLOCK * block
+    for _ in range(count):
+        _, _, _, hit = meet_triangles(tree.blocks, at, ray, t_max)
+        if mask_bits(hit) != 0:
+            return True
+        at += BLOCK
+    return False
+
+
+@lru_cache(maxsize=64)
+def write_closest(closest_of_leaf: Callable) -> Callable:
+    """The traversal for closest hits whose leaves are visited by the given kernel."""
+
+    @kernel(strict=True)
+    def closest(tree, data, o, d, t_max, root):
+        """The first primitive that one ray meets.
+
+        Parameters
+        ----------
+        tree : Bvh
+        data : View
+            Rows of analytic shapes.
+        o, d : Vec3 of float32
+            Origin, metres, and direction; its length is the unit of t.
+        t_max : float
+            Largest t that counts.
+        root : int
+            Number of the node to start from.
+
+        Returns
+        -------
+        SingleHit
+            t <= t_max; of primitives at the same t the one with the lowest (shape, prim).
+        """
+        nodes = tree.nodes
+        best = SingleHit(t_max, NONE, 0, as_float(0), as_float(0))
+        if is_traceable(o, d, t_max):
+            boxes, triangles = box_ray(o, d), triangle_ray(o, d)
+            stack, distances = local_longs(STACK), local_floats(8)
+            stack[0], size = root, 1
+            while size > 0:
+                size -= 1
+                key = stack[size]
+                if bits_float(key >> 32) * SHRINK > best.t:
+                    continue
+                code = key & 0xFFFFFFFF
+                while code < LEAF:
+                    at = NODE * code
+                    enter, met = meet_boxes(nodes, at, boxes, best.t)
+                    bits = mask_bits(met)
+                    if bits == 0:
+                        break
+                    if bits & (bits - 1) == 0:
+                        code = as_int(float_bits(nodes[at + CHILD + trailing_zeros(bits)]))
+                    else:
+                        store_wide(distances, 0, enter)
+                        size = push_children(stack, size, bits, distances, nodes, at) - 1
+                        code = stack[size] & 0xFFFFFFFF
+                if code >= LEAF:
+                    block, count = (code & (LEAF - 1)) >> 4, code & 15
+                    best = closest_of_leaf(tree, data, block, count, o, d, triangles, best)
+        return best
+
+    return closest
+
+
+@lru_cache(maxsize=64)
+def write_any(any_of_leaf: Callable) -> Callable:
+    """The traversal for occlusion whose leaves are visited by the given kernel."""
+
+    @kernel(strict=True)
+    def occluded(tree, data, o, d, t_max, root):
+        """True if one ray meets anything with 0 < t <= t_max; parameters as of `closest`."""
+        nodes = tree.nodes
+        if is_traceable(o, d, t_max):
+            boxes, triangles = box_ray(o, d), triangle_ray(o, d)
+            stack = local_longs(STACK)
+            stack[0], size = root, 1
+            while size > 0:
+                size -= 1
+                code = stack[size]
+                if code < LEAF:
+                    at = NODE * code
+                    _, met = meet_boxes(nodes, at, boxes, t_max)
+                    bits = mask_bits(met)
+                    while bits != 0:
+                        i = trailing_zeros(bits)
+                        bits &= bits - 1
+                        stack[size] = as_int(float_bits(nodes[at + CHILD + i]))
+                        size += 1
+                else:
+                    block, count = (code & (LEAF - 1)) >> 4, code & 15
+                    if any_of_leaf(tree, data, block, count, o, d, triangles, t_max):
+                        return True
+        return False
+
+    return occluded
+
+
+closest_triangle = write_closest(closest_of_triangles)
+any_triangle = write_any(any_of_triangles)

@@ -1,0 +1,8 @@
+"""What a sampled direction did: bits of the flags that `sample` returns."""
+
+REFLECTION = 1
+TRANSMISSION = 2
+#: One of finitely many directions: `evaluate` is 0 for it, and `pdf` is a probability.
+DELTA = 4
+#: Straight on through a surface that is not there.
+NULL = 8

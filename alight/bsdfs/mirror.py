@@ -1,0 +1,90 @@
+r"""Perfect mirror: all light leaves in the mirrored direction.
+
+.. math:: \omega_i = (-\omega_{o,x}, -\omega_{o,y}, \omega_{o,z}), \qquad \text{weight} = \rho
+
+One Dirac lobe, without Fresnel's dependence on the angle (for metals see `conductor`). Black from
+behind.
+
+Source: PBR4 section 9.3.1.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Literal
+
+from alight.bsdfs.flags import DELTA, REFLECTION
+from alight.core.jit import kernel
+from alight.core.simd import lanes, lanes_u32, lanes_vec3, where
+from alight.core.spec import Bsdf, ColorTexture
+from alight.core.vec import Vec3
+from alight.textures.fetch import color
+
+
+class Mirror(Bsdf):
+    """Ideal specular reflector.
+
+    Parameters
+    ----------
+    reflectance : ColorTexture, default 1
+        Reflected part of the light, each channel in [0, 1].
+    """
+
+    type: Literal["mirror"] = "mirror"
+    reflectance: ColorTexture = (1.0, 1.0, 1.0)
+
+
+EXAMPLES = (Mirror(), Mirror(reflectance=(0.9, 0.6, 0.2)), Mirror(reflectance=0.0))
+
+
+# ---------------------------------------------------------------- laws, checked for every example
+
+
+def is_lossless(spec: Mirror) -> bool:
+    """All light that arrives leaves again."""
+    return spec.reflectance == (1.0, 1.0, 1.0)
+
+
+def is_reciprocal(spec: Mirror) -> bool:
+    """f(wo, wi) = f(wi, wo)."""
+    return True
+
+
+# ---------------------------------------------------------------- tables
+
+SLOTS = {"reflectance": 3}
+Params = namedtuple("MirrorParams", "reflectance")
+
+
+def pack(spec: Mirror, packer) -> None:
+    """Fill the row of one material."""
+    packer.color("reflectance", spec.reflectance)
+
+
+@kernel
+def load(scene, base, surface):
+    """The parameters at a point of a surface."""
+    return Params(color(scene, base, surface))
+
+
+# ---------------------------------------------------------------- scattering
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
+    return lanes_vec3(0.0), lanes(0.0)
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, probability of the lobe, flags)."""
+    front = where(wo.z > 0.0, 1.0, 0.0)
+    wi = Vec3(-wo.x, -wo.y, wo.z)
+    return wi, params.reflectance * front, front, lanes_u32(REFLECTION | DELTA)
+
+
+@kernel
+def albedo(params):
+    """Reflected part of the light."""
+    return params.reflectance

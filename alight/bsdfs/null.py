@@ -1,0 +1,79 @@
+r"""A surface that is not there: light passes straight on.
+
+.. math:: \omega_i = -\omega_o, \qquad \text{weight} = 1
+
+For surfaces that only bound something, or that only emit (an area light that should not reflect).
+Samples carry the flag NULL.
+
+Source: the null interface of PBR4 section 14.2.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Literal
+
+from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
+from alight.core.jit import kernel
+from alight.core.simd import lanes, lanes_u32, lanes_vec3
+from alight.core.spec import Bsdf
+
+
+class Null(Bsdf):
+    """Invisible interface."""
+
+    transmissive = True
+    type: Literal["null"] = "null"
+
+
+EXAMPLES = (Null(),)
+
+
+# ---------------------------------------------------------------- laws, checked for every example
+
+
+def is_lossless(spec: Null) -> bool:
+    """All light that arrives leaves again."""
+    return True
+
+
+def is_reciprocal(spec: Null) -> bool:
+    """f(wo, wi) = f(wi, wo)."""
+    return True
+
+
+# ---------------------------------------------------------------- tables
+
+SLOTS: dict[str, int] = {}
+Params = namedtuple("NullParams", "")
+
+
+def pack(spec: Null, packer) -> None:
+    """Nothing to store."""
+
+
+@kernel
+def load(scene, base, surface):
+    """No parameters."""
+    return Params()
+
+
+# ---------------------------------------------------------------- scattering
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
+    return lanes_vec3(0.0), lanes(0.0)
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, probability of the lobe, flags)."""
+    return -wo, lanes_vec3(1.0), lanes(1.0), lanes_u32(TRANSMISSION | DELTA | NULL)
+
+
+@kernel
+def albedo(params):
+    """Nothing is reflected."""
+    return lanes_vec3(0.0)

@@ -1,0 +1,152 @@
+r"""Modified Phong: a diffuse part and a lobe around the mirrored direction.
+
+.. math::
+    f(\omega_o, \omega_i) = \frac{\rho_d}{\pi}
+        + \rho_s \frac{n + 2}{2\pi} \max(0, \cos\alpha)^n
+
+with alpha the angle between `wi` and the mirrored `wo`. The factor (n + 2) / (2 pi) bounds the
+reflected part by rho_d + rho_s, which must not exceed 1, so the surface never makes energy.
+Reciprocal; black from behind.
+
+Source: Lafortune and Willems, Using the modified Phong reflectance model for physically based
+rendering, report CW 197, K.U. Leuven (1994).
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from alight.bsdfs.flags import REFLECTION
+from alight.core.constants import INV_PI, INV_TWO_PI
+from alight.core.frame import frame_from_normal, to_world
+from alight.core.jit import kernel
+from alight.core.maths import exp, expm1, log1p
+from alight.core.simd import lanes_u32, where
+from alight.core.spec import Bsdf, ColorTexture, NonNegative, energy_problem, invalid
+from alight.core.vec import Vec3, length_squared, luminance
+from alight.core.warps import direction_around_z, square_to_cosine_hemisphere
+from alight.textures.fetch import color, scalar
+
+
+class Phong(Bsdf):
+    """Glossy surface with an exponent.
+
+    Parameters
+    ----------
+    diffuse : ColorTexture, default 0.5
+        Reflectance of the matte part.
+    specular : ColorTexture, default 0.3
+        Reflectance of the lobe; diffuse + specular is at most 1 in each channel.
+    exponent : float >= 0, default 30
+        Sharpness n of the lobe; 0 is the widest.
+    """
+
+    type: Literal["phong"] = "phong"
+    diffuse: ColorTexture = (0.5, 0.5, 0.5)
+    specular: ColorTexture = (0.3, 0.3, 0.3)
+    exponent: NonNegative = 30.0
+
+    @model_validator(mode="after")
+    def _conserves_energy(self) -> Self:
+        problem = energy_problem(diffuse=self.diffuse, specular=self.specular)
+        if problem:
+            raise invalid(problem)
+        return self
+
+
+EXAMPLES = (
+    Phong(),
+    Phong(diffuse=0.0, specular=1.0, exponent=1.0),
+    Phong(diffuse=(0.6, 0.2, 0.1), specular=0.4, exponent=300.0),
+    Phong(diffuse=0.0, specular=0.8, exponent=0.0),
+    Phong(diffuse=0.9, specular=0.0, exponent=10.0),
+)
+
+
+# ---------------------------------------------------------------- laws, checked for every example
+
+
+def is_lossless(spec: Phong) -> bool:
+    """Only without the lobe: a part of it always lies below the surface."""
+    return spec.diffuse == (1.0, 1.0, 1.0)
+
+
+def is_reciprocal(spec: Phong) -> bool:
+    """f(wo, wi) = f(wi, wo)."""
+    return True
+
+
+# ---------------------------------------------------------------- tables
+
+SLOTS = {"diffuse": 3, "specular": 3, "exponent": 1}
+Params = namedtuple("PhongParams", "diffuse specular exponent")
+
+#: Sharper lobes than this (0.001 degrees) are narrower than rounding errors of directions.
+SHARPEST = 1e10
+
+
+def pack(spec: Phong, packer) -> None:
+    """Fill the row of one material."""
+    packer.color("diffuse", spec.diffuse)
+    packer.color("specular", spec.specular)
+    packer.numbers("exponent", min(spec.exponent, SHARPEST))
+
+
+@kernel
+def load(scene, base, surface):
+    """The parameters at a point of a surface."""
+    return Params(
+        color(scene, base, surface),
+        color(scene, base + 3, surface),
+        scalar(scene, base + 6, surface),
+    )
+
+
+# ---------------------------------------------------------------- scattering
+
+
+@kernel
+def _share_of_lobe(params):
+    """Probability of sampling the lobe: its part of the reflected luminance."""
+    lobe, matte = luminance(params.specular), luminance(params.diffuse)
+    both = lobe + matte
+    return where(both > 0.0, lobe / where(both > 0.0, both, 1.0), 0.0)
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(f cos theta_i, pdf per steradian)."""
+    above = (wo.z > 0.0) & (wi.z > 0.0)
+    # 1 - cos alpha from the chord: exact to rounding for narrow lobes, where the cosine is not.
+    n = params.exponent
+    one_minus_cos = 0.5 * length_squared(wi - Vec3(-wo.x, -wo.y, wo.z))
+    power = exp(n * log1p(where(one_minus_cos < 1.0, -one_minus_cos, 0.0)))
+    lobe = where(above & (one_minus_cos < 1.0), INV_TWO_PI * power, 0.0)
+    matte = where(above, INV_PI, 0.0)
+    f = params.diffuse * matte + params.specular * ((n + 2.0) * lobe)
+    share = _share_of_lobe(params)
+    pdf = (1.0 - share) * (matte * wi.z) + share * ((n + 1.0) * lobe)
+    return f * wi.z, pdf
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the two parts, chosen by u."""
+    # The density cos^n alpha has the distribution 1 - cos^(n + 1) alpha.
+    one_minus_cos = -expm1(log1p(-u2[0]) / (params.exponent + 1.0))
+    axis = Vec3(-wo.x, -wo.y, wo.z)
+    s, t = frame_from_normal(axis)
+    glossy = to_world(s, t, axis, direction_around_z(one_minus_cos, u2[1]))
+    wi = where(u < _share_of_lobe(params), glossy, square_to_cosine_hemisphere(u2))
+    f_cos, pdf = evaluate(params, wo, wi)
+    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
+    return wi, weight, pdf, lanes_u32(REFLECTION)
+
+
+@kernel
+def albedo(params):
+    """Reflected part of the light, as if none of the lobe lay below the surface."""
+    return params.diffuse + params.specular

@@ -1,0 +1,44 @@
+r"""Makes a one-sided surface look the same from both sides.
+
+.. math::
+    f(\omega_o, \omega_i) = f_\text{nested}(|\omega_{o,z}|, |\omega_{i,z}|)
+    \quad \text{if both are on one side, else } 0
+
+Directions below the surface are mirrored at it before the nested model sees them. Models that let
+light through have two sides already and are refused.
+
+Source: the plug-in ``twosided`` of Mitsuba 3 (https://mitsuba.readthedocs.io).
+"""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from alight.bsdfs.diffuse import Diffuse
+from alight.core.spec import Bsdf, NestedBsdf, invalid
+
+
+class TwoSided(Bsdf):
+    """Wrapper that gives a surface a back like its front.
+
+    Parameters
+    ----------
+    bsdf : Bsdf or str, default Diffuse()
+        What both sides look like: a model that reflects only, or the name of one.
+    """
+
+    type: Literal["two_sided"] = "two_sided"
+    bsdf: NestedBsdf = Diffuse()
+
+    @model_validator(mode="after")
+    def _nested_reflects_only(self) -> Self:
+        if isinstance(self.bsdf, TwoSided):
+            raise invalid("bsdf must not be two_sided itself")
+        if isinstance(self.bsdf, Bsdf) and self.bsdf.transmissive:
+            raise invalid(f'bsdf "{self.bsdf.type_name()}" has two sides already: use it alone')
+        return self
+
+
+EXAMPLES = (TwoSided(), TwoSided(bsdf=Diffuse(reflectance=(0.9, 0.5, 0.1), sampling="uniform")))

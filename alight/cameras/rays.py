@@ -1,0 +1,79 @@
+"""The camera of a program: what the main loop calls, and the change of basis for the host."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from alight.cameras.basis import project_points, unproject_points
+from alight.core.jit import kernel, specialised
+from alight.core.registry import modules
+
+if TYPE_CHECKING:
+    from alight.core.spec import Camera
+
+
+@specialised
+def generate_ray(program):
+    """``generate_ray(scene, film_x, film_y, u_lens)``: origin and unit direction of a ray.
+
+    Film coordinates are pixels of the *full* film (x right, y down, the first pixel's centre at
+    (0.5, 0.5)), so that a crop window is a cut-out of the whole picture. `u_lens` is a pair in
+    [0, 1)^2.
+    """
+    generate = camera_module(program.camera).generate_ray
+
+    @kernel
+    def generate_ray(scene, film_x, film_y, u_lens):
+        return generate(scene.camera, film_x, film_y, u_lens)
+
+    return generate_ray
+
+
+def project(
+    camera: Camera, to_world: ArrayLike, size: tuple[int, int], points: ArrayLike
+) -> NDArray[np.float64]:
+    """Where world points appear in the picture.
+
+    Parameters
+    ----------
+    camera : Camera
+    to_world : (4, 4) float
+        Camera to world.
+    size : (int, int)
+        Width and height of the full film in pixels.
+    points : (..., 3) float
+        World space, metres.
+
+    Returns
+    -------
+    (..., 3) float64
+        x right, y down in pixels of the full film, and the depth: distance along the viewing axis
+        in the camera's own space. x and y are NaN for points that a perspective camera has
+        behind it.
+
+    Notes
+    -----
+    A thin lens is taken at its centre: that is where points in focus appear.
+    """
+    module = camera_module(camera.type_name())
+    matrix = np.asarray(to_world, np.float64)
+    extents = module.half_extents(camera, *size)
+    return project_points(points, extents, size, matrix, module.PERSPECTIVE)
+
+
+def unproject(
+    camera: Camera, to_world: ArrayLike, size: tuple[int, int], raster: ArrayLike
+) -> NDArray[np.float64]:
+    """World points of film coordinates and depths: the inverse of `project`."""
+    module = camera_module(camera.type_name())
+    matrix = np.asarray(to_world, np.float64)
+    extents = module.half_extents(camera, *size)
+    return unproject_points(raster, extents, size, matrix, module.PERSPECTIVE)
+
+
+def camera_module(name: str):
+    """The module of a camera model."""
+    return next(m for m in modules("cameras") if type(m.EXAMPLES[0]).type_name() == name)

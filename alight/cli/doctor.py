@@ -1,0 +1,117 @@
+"""``alight doctor``: what this machine offers, and how to mend what is missing."""
+
+from __future__ import annotations
+
+import platform
+import re
+import sys
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+
+import typer
+
+#: Processor features that decide speed, in the order of their age.
+_FEATURES = ("sse4.2", "avx", "avx2", "fma", "avx512f", "avx512vl", "neon", "sve")
+
+
+def doctor() -> None:
+    """Check this machine: versions, processor, cache, optional packages."""
+    healthy = True
+    for name, value, good in [*_machine(), *_compiler(), *_packages()]:
+        typer.echo(f"{'ok ' if good else 'BAD'} {name:<18}{value}")
+        healthy &= good
+    for line in _extras():
+        typer.echo(line)
+    if not healthy:
+        raise typer.Exit(1)
+
+
+Check = tuple[str, str, bool]
+
+
+def _machine() -> Iterator[Check]:
+    from alight import __version__
+    from alight.rendering.main_loop import usable_processors
+
+    version = sys.version_info
+    yield "alight", __version__, True
+    good = (3, 11) <= version[:2] <= (3, 13)
+    hint = "" if good else "; alight is tested with Python 3.11 to 3.13"
+    yield "python", f"{platform.python_version()} ({sys.executable}){hint}", good
+    yield "system", f"{platform.system()} {platform.release()}, {platform.machine()}", True
+    yield "threads", f"{usable_processors()} (--threads changes it)", True
+
+
+def _compiler() -> Iterator[Check]:
+    try:
+        import llvmlite.binding as llvm
+
+        from alight.core.jit import cache_folder, lanes_of_machine
+    except ImportError as error:
+        yield "compiler", f"{error}; pip install numba", False
+        return
+    features = llvm.get_host_cpu_features()
+    named = [name for name in _FEATURES if features.get(name)]
+    yield "processor", f"{llvm.get_host_cpu_name()} ({', '.join(named) or 'no SIMD found'})", True
+    yield "lanes", f"{lanes_of_machine()} paths in a packet", True
+    yield _cache(cache_folder())
+
+
+def _cache(folder: Path) -> Check:
+    """Say where compiled kernels are kept and whether that works."""
+    from alight.core.errors import OutputError
+    from alight.outputs.atomic import check_folder
+
+    existing = next(path for path in (folder, *folder.parents) if path.exists())
+    try:
+        check_folder(existing / "probe")
+    except OutputError:
+        text = f"{folder} cannot be written: every run compiles anew; set ALIGHT_CACHE"
+        return "kernel cache", text, False
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    size = sum(path.stat().st_size for path in files) / 1e6
+    state = f"{len(files)} files, {size:.1f} MB" if files else "empty, the first run compiles"
+    return "kernel cache", f"{folder} ({state})", True
+
+
+def _packages() -> Iterator[Check]:
+    for name, extra in _requirements():
+        if not extra:
+            version = _installed(name)
+            yield name, version or f"missing; pip install {name}", version is not None
+
+
+def _extras() -> Iterator[str]:
+    requirements = _requirements()
+    for extra in sorted({extra for _, extra in requirements if extra}):
+        missing = [name for name, of in requirements if of == extra and _installed(name) is None]
+        if missing:
+            mend = f'pip install "alight[{extra}]"'
+            yield f" -  extra {extra:<12}missing {', '.join(missing)}; {mend}"
+        else:
+            yield f"ok  extra {extra:<12}complete"
+    if not requirements:
+        yield " -  extras          unknown: alight runs from its source folder; pip install ."
+
+
+def _requirements() -> list[tuple[str, str]]:
+    """List the packages that alight's own metadata names, with their extra or an empty text."""
+    try:
+        lines = metadata.requires("alight") or []
+    except metadata.PackageNotFoundError:
+        return []
+    found = []
+    for line in lines:
+        name = re.match(r"[\w.-]+", line)
+        extra = re.search(r"extra\s*==\s*['\"]([\w-]+)['\"]", line)
+        if name:
+            found.append((name[0], extra[1] if extra else ""))
+    return found
+
+
+def _installed(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None

@@ -1,0 +1,44 @@
+"""The program `alight`: its commands, and what all of them share.
+
+Heavy modules are imported inside the commands, so that help is there at once.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from alight import __version__
+from alight.cli.doctor import doctor
+from alight.cli.info import info
+from alight.cli.render import render
+from alight.cli.reporting import reporting_errors
+from alight.cli.scenes import scenes
+
+app = typer.Typer(
+    name="alight",
+    help="Render true pictures of light, each with its error bar.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+for command in (render, info, scenes, doctor):
+    app.command()(reporting_errors(command))
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"alight {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show version.")
+    ] = False,
+) -> None:
+    """Render true pictures of light, each with its error bar."""

@@ -1,0 +1,105 @@
+"""The progress bar: rate, time left and the error that the picture has so far."""
+
+from __future__ import annotations
+
+import math
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+if TYPE_CHECKING:
+    from alight.films import Film
+    from alight.rendering import Progress
+
+#: The error is worked out for at most this share of the time.
+_ERROR_SHARE = 0.02
+
+
+class ProgressBar:
+    """Shows `Progress` objects on stderr; a callback for `alight.render`.
+
+    Parameters
+    ----------
+    quiet : bool
+        Show nothing.
+    time_limit : float, seconds, optional
+        Full length of the bar where no number of samples is asked for.
+
+    Attributes
+    ----------
+    film : Film or None
+        The film of the last report, for whoever must write what is there.
+    phase : str
+        Of the last report; "load" before the first.
+    """
+
+    def __init__(self, quiet: bool = False, time_limit: float | None = None) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
+
+        self.film: Film | None = None
+        self.phase = "load"
+        self._time_limit = time_limit
+        self._error, self._next_error = "", 1.0
+        console = Console(stderr=True)
+        # In files and pipes a bar would leave nothing but empty lines.
+        self._hidden = quiet or not console.is_terminal
+        self._bar = Bar(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[error]}"),
+            console=console,
+            transient=True,
+            disable=self._hidden,
+        )
+        self._task = self._bar.add_task("loading", total=None, rate="", error="")
+
+    def __enter__(self) -> Self:
+        """Start showing."""
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Remove the bar."""
+        self._bar.stop()
+
+    def __call__(self, progress: Progress) -> None:
+        """Show how far the render is."""
+        self.phase = progress.phase
+        if progress.phase != "render":
+            text = "compiling kernels (first run only)" if progress.phase == "compile" else ""
+            self._bar.update(self._task, description=text or progress.phase, total=None)
+            return
+        self.film = progress.film
+        seconds = max(progress.seconds, 1e-9)
+        done, total = float(progress.done_samples), float(progress.total_samples)
+        share = done / total if total else 0.0
+        if self._time_limit and seconds / self._time_limit > share:
+            # The time will run out first.
+            done, total = min(seconds, self._time_limit), self._time_limit
+        self._bar.update(
+            self._task,
+            description="rendering",
+            completed=done,
+            total=total or None,
+            rate=f"{progress.done_samples / seconds / 1e6:.2f} Msamples/s",
+            error=self._current_error(progress),
+        )
+
+    def _current_error(self, progress: Progress) -> str:
+        if self._hidden or progress.film is None or progress.seconds < self._next_error:
+            return self._error
+        begin = time.perf_counter()
+        error = progress.film.relmse_estimate().relrmse.value
+        cost = time.perf_counter() - begin
+        self._next_error = progress.seconds + max(1.0, cost / _ERROR_SHARE)
+        self._error = "" if math.isnan(error) else f"error {error:.1%}"
+        return self._error

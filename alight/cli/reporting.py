@@ -1,0 +1,40 @@
+"""Errors that a user can mend: one message on stderr, exit code 2, no traceback."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import typer
+
+from alight.core.errors import AlightError
+
+#: Exit codes: wrong input, and stopped by Ctrl-C (128 + SIGINT, as shells expect).
+WRONG_INPUT = 2
+INTERRUPTED = 130
+
+
+def reporting_errors(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a command so that a user's errors become messages; bugs keep their traceback."""
+
+    @functools.wraps(command)
+    def wrapped(*args: Any, **options: Any) -> Any:
+        try:
+            return command(*args, **options)
+        except AlightError as error:
+            message = str(error)
+        except MemoryError as error:
+            message = f"not enough memory: {error}"
+        except KeyboardInterrupt:
+            typer.echo("stopped; nothing was written", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+        typer.echo(f"error: {message}", err=True)
+        raise typer.Exit(WRONG_INPUT)
+
+    return wrapped
+
+
+def warn(message: str) -> None:
+    """Say on stderr what is legal but suspicious."""
+    typer.echo(f"warning: {message}", err=True)

@@ -1,0 +1,86 @@
+"""What is said about a finished render: on the terminal and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from alight.outputs.atomic import replacing
+
+if TYPE_CHECKING:
+    from alight.films import Film
+    from alight.metrics import ErrorEstimate, Estimate
+
+
+def summary_lines(film: Film, error: ErrorEstimate, seconds: float) -> list[str]:
+    """Say size, samples, time, rate and error in words."""
+    _, _, w, h = film.crop
+    rate = film.stats.get("msamples_per_s", 0.0)
+    lines = [f"{w}x{h} pixels, {film.spp:g} spp in {seconds:.2f} s, {rate:.2f} Msamples/s"]
+    relative = error.relrmse
+    if math.isnan(relative.value):
+        lines.append("estimated error: unknown (too few samples, or a black picture)")
+    else:
+        lines.append(
+            f"estimated error: {relative.value:.2%} relRMSE (95 %: {relative.low:.2%} to "
+            f"{relative.high:.2%}), relMSE {error.relmse.value:.3g}"
+        )
+    return lines
+
+
+def warnings_of(film: Film) -> list[str]:
+    """Say what went wrong while rendering."""
+    found = []
+    if film.invalid:
+        found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
+    if film.saturated:
+        found.append(f"{film.saturated} sample values were cut to 2^36")
+    return found
+
+
+def statistics_of(
+    film: Film, error: ErrorEstimate, outputs: list[Path], warnings: list[str]
+) -> dict[str, Any]:
+    """Gather what ``--stats`` writes."""
+    literature = _estimate(error.relmse_literature)
+    return {
+        **film.stats,
+        "relmse": {"epsilon": error.epsilon, **_estimate(error.relmse)},
+        "relmse_literature": {"epsilon": 0.01, **literature},
+        "relrmse": _estimate(error.relrmse),
+        "provenance": film.provenance,
+        "outputs": [str(path) for path in outputs],
+        "warnings": warnings,
+    }
+
+
+def _estimate(estimate: Estimate) -> dict[str, float]:
+    return {"value": estimate.value, "low": estimate.low, "high": estimate.high}
+
+
+def write_json(path: Path, data: dict[str, Any]) -> None:
+    """Write JSON, whole or not at all; what is not a finite number becomes null.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    text = json.dumps(_plain(data), indent=2, allow_nan=False)
+    with replacing(path) as beside:
+        beside.write_text(text + "\n", "utf-8")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    # NumPy's numbers; anything else by its text.
+    return _plain(value.item()) if hasattr(value, "item") else str(value)

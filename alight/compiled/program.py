@@ -1,0 +1,50 @@
+"""`Program`: everything about a scene that is fixed when its kernels are compiled.
+
+Two scenes with the same program share their machine code; numbers (colours, positions, depths)
+are not in it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Program(NamedTuple):
+    """What factories marked with `alight.core.jit.specialised` are given.
+
+    All fields are hashable; the tuples of names are in the order of the family's registry.
+
+    Attributes
+    ----------
+    shapes, bsdfs, textures, lights : tuple of str
+        Models that occur in the scene.
+    light_shapes : tuple of str
+        Kinds of shape that carry an area light.
+    accel : tuple of str
+        Parts of the acceleration structure, see `alight.accel`.
+    camera, filter, integrator : str
+        Model in use.
+    sampler : tuple
+        Model in use and its parameters, see `alight.samplers.sampling.sampler_key`.
+    options : tuple of (str, str or bool or int)
+        Choices of the sampler and the integrator that are made at compile time, sorted by name.
+    aovs : tuple of str
+        Further channels.
+    """
+
+    shapes: tuple[str, ...] = ()
+    bsdfs: tuple[str, ...] = ()
+    textures: tuple[str, ...] = ("constant",)
+    lights: tuple[str, ...] = ()
+    light_shapes: tuple[str, ...] = ()
+    accel: tuple[str, ...] = ()
+    camera: str = "pinhole"
+    sampler: tuple = ("sobol",)
+    filter: str = "box"
+    integrator: str = "path"
+    options: tuple[tuple[str, str | bool | int], ...] = ()
+    aovs: tuple[str, ...] = ()
+
+    def option(self, name: str, default=None):
+        """One of `options`."""
+        return dict(self.options).get(name, default)

@@ -1,0 +1,137 @@
+"""From a flat scene to arrays: the only place that knows the models and their tables."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import dataclass, field
+from typing import Any
+
+from alight.accel.accelerator import build_accelerator
+from alight.compiled.cameras import compile_camera
+from alight.compiled.lights import compile_lights
+from alight.compiled.materials import compile_materials
+from alight.compiled.program import Program
+from alight.compiled.shapes import compile_shapes
+from alight.filters.importance import compile_filter
+from alight.integrators.walk import Settings
+from alight.core.spec import Integrator
+from alight.samplers.sampling import sampler_key
+from alight.scene.flatten import FlatScene
+
+#: The tables that kernels are given; each is a namedtuple of `View`.
+SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
+
+#: Depth of paths that only roulette ends.
+UNLIMITED = 2**31 - 1
+
+
+@dataclass(frozen=True)
+class CompiledScene:
+    """A scene as kernels see it.
+
+    Attributes
+    ----------
+    tables : SceneTables
+        Arrays; picklable.
+    program : Program
+        What the kernels must be specialised on.
+    size : (int, int)
+        Width and height of the full film in pixels.
+    crop : (int, int, int, int) or None
+        x, y, width, height of the window to render.
+    content_hash : str
+        Names everything that decides the picture.
+    stats : dict
+        Counts, bytes and seconds of the acceleration structure.
+    """
+
+    tables: SceneTables
+    program: Program
+    size: tuple[int, int]
+    crop: tuple[int, int, int, int] | None
+    content_hash: str
+    integrator: Any
+    stats: dict[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def settings(self, *, seed: int, replicates: int) -> Settings:
+        """The uniform numbers of a render."""
+        options = dict(self.integrator)
+        depth = options.get("max_depth")
+        return Settings(
+            max_depth=UNLIMITED if depth is None else depth,
+            rr_depth=options.get("rr_depth", UNLIMITED),
+            seed=seed,
+            replicates=replicates,
+            distance=float(options.get("distance") or float("inf")),
+        )
+
+
+def compile_scene(
+    flat: FlatScene,
+    content_hash: str = "",
+    *,
+    aovs: tuple[str, ...] = (),
+    structure: str = "auto",
+    threads: int = 1,
+) -> CompiledScene:
+    """Arrays and program of a scene.
+
+    Parameters
+    ----------
+    flat : FlatScene
+    content_hash : str
+        Kept with the result.
+    aovs : tuple of str
+        Further layers that the kernels must gather.
+    structure : {"auto", "list", "bvh"}
+        How rays find surfaces; "list" tests every primitive (and runs in the NumPy twin).
+    threads : int
+        For building the BVH.
+    """
+    shapes = compile_shapes(flat)
+    accel, plan, stats = build_accelerator(
+        shapes.triangles, shapes.analytic, shapes.planes, shapes.instances, shapes.geometries,
+        structure=structure, threads=threads,
+    )
+    materials, bsdfs, textures = compile_materials(flat.bsdfs)
+    light_choice = getattr(flat.integrator, "light_choice", "power")
+    lights = compile_lights(flat, shapes, light_choice)
+    tables = SceneTables(
+        shapes=shapes.tables,
+        materials=materials,
+        lights=lights.tables,
+        accel=accel,
+        camera=compile_camera(flat.camera.camera, flat.camera.to_world, flat.film.size),
+        filter=compile_filter(flat.film.filter),
+    )
+    program = Program(
+        shapes=shapes.kinds,
+        bsdfs=bsdfs,
+        textures=textures,
+        lights=lights.kinds,
+        light_shapes=lights.shapes,
+        accel=plan,
+        camera=flat.camera.camera.type_name(),
+        sampler=sampler_key(flat.sampler),
+        filter=flat.film.filter.type_name(),
+        integrator=flat.integrator.type_name(),
+        options=compile_time_options(flat.integrator),
+        aovs=aovs,
+    )
+    return CompiledScene(
+        tables=tables,
+        program=program,
+        size=flat.film.size,
+        crop=flat.film.crop,
+        content_hash=content_hash,
+        integrator=flat.integrator,
+        stats=stats,
+        warnings=tuple(flat.warnings),
+    )
+
+
+def compile_time_options(integrator: Integrator) -> tuple[tuple[str, str], ...]:
+    """The choices of an integrator that select kernel text: its fields that are names."""
+    chosen = [(name, value) for name, value in integrator if isinstance(value, str)]
+    return tuple(sorted((name, value) for name, value in chosen if name != "type"))

@@ -1,0 +1,349 @@
+"""Placed shapes -> tables for kernels, and what the acceleration structure needs to know."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.core.view import View
+from alight.scene.flatten import FlatScene, PlacedShape
+from alight.scene.meshes import Geometry
+from alight.shapes import disk, plane, rectangle, sphere
+from alight.shapes.cube import Cube
+from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeTables
+from alight.shapes.mesh import Mesh
+from alight.shapes.rectangle import Rectangle
+from alight.shapes.surfaces import KINDS, SURFACES
+
+#: Copies of a shared mesh with at most so many triangles in all are stored one by one: a second
+#: level of the hierarchy would cost more than the memory.
+FEW_TRIANGLES = 64
+
+#: Zeros after the last row, so that a lane that reads another kind of row stays inside the table.
+PADDING = 64
+
+ANALYTIC = {"sphere": sphere, "rectangle": rectangle, "disk": disk, "plane": plane}
+
+
+class Triangles(NamedTuple):
+    """All triangles that are stored in world space.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float32, metres
+    faces : (F, 3) int32
+        Rows of `vertices`.
+    shape, prim : (F,) uint32
+        The shape of each triangle, and its number within the shape; ascending.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    shape: NDArray[np.uint32]
+    prim: NDArray[np.uint32]
+
+
+class CompiledShape(NamedTuple):
+    """A row of the tables, as the compiler of lights needs it.
+
+    Attributes
+    ----------
+    kind : str
+    source : int
+        Index into `FlatScene.shapes`; the six faces of a cube share one.
+    areas : (n,) float64, m^2
+        Of each triangle of a mesh; of the shape itself otherwise; empty for planes.
+    """
+
+    kind: str
+    source: int
+    areas: NDArray[np.float64]
+
+
+class CompiledShapes(NamedTuple):
+    """All shapes of a scene.
+
+    Attributes
+    ----------
+    tables : ShapeTables
+    triangles : Triangles
+    analytic : list of (str, int, int, (3,) float32, (3,) float32)
+        Kind, shape, offset of its row in the table, bounds in metres.
+    planes : list of (int, int)
+        Shape and offset.
+    instances : list of (int, int, (3, 4) float32, (3, 4) float32)
+        Index into `geometries`, shape, object to world, world to object.
+    geometries : list of ((V, 3) float32, (F, 3) int32)
+        Shared meshes in object space.
+    rows : list of CompiledShape
+        One a shape of the tables.
+    kinds : tuple of str
+        Kinds that occur, for `Program.shapes`.
+    center, radius : (3,) float64 and float, metres
+        Sphere around all finite shapes; radius 1 around the origin if there are none.
+    """
+
+    tables: ShapeTables
+    triangles: Triangles
+    analytic: list[tuple[str, int, int, NDArray[np.float32], NDArray[np.float32]]]
+    planes: list[tuple[int, int]]
+    instances: list[tuple[int, int, NDArray[np.float32], NDArray[np.float32]]]
+    geometries: list[tuple[NDArray[np.float32], NDArray[np.int32]]]
+    rows: list[CompiledShape]
+    kinds: tuple[str, ...]
+    center: NDArray[np.float64]
+    radius: float
+
+
+@dataclass
+class _Arrays:
+    """Vertex data of all meshes, put one after the other."""
+
+    vertices: list[np.ndarray] = field(default_factory=list)
+    faces: list[np.ndarray] = field(default_factory=list)
+    normals: list[np.ndarray] = field(default_factory=list)
+    uvs: list[np.ndarray] = field(default_factory=list)
+    colors: list[np.ndarray] = field(default_factory=list)
+    vertex_count: int = 0
+    face_count: int = 0
+
+    def add(self, vertices: np.ndarray, normals: np.ndarray | None, mesh: Geometry) -> _Range:
+        """Append a mesh; attributes that it lacks are filled up if another mesh has them."""
+        place = _Range(self.face_count, self.vertex_count, len(mesh.faces))
+        self.vertices.append(vertices)
+        self.faces.append(mesh.faces.astype(np.int64) + self.vertex_count)
+        self.normals.append(_or_zeros(normals, len(vertices), 3))
+        self.uvs.append(_or_zeros(mesh.uvs, len(vertices), 2))
+        self.colors.append(_or_zeros(mesh.colors, len(vertices), 3))
+        self.vertex_count += len(vertices)
+        self.face_count += len(mesh.faces)
+        return place
+
+
+class _Range(NamedTuple):
+    first_face: int
+    first_vertex: int
+    count: int
+
+
+NO_FACES = _Range(0, 0, 0)
+
+
+def _or_zeros(table: np.ndarray | None, rows: int, columns: int) -> np.ndarray:
+    if table is not None:
+        return np.ascontiguousarray(table, np.float32)
+    return np.broadcast_to(np.float32(0.0), (rows, columns))
+
+
+def compile_shapes(flat: FlatScene) -> CompiledShapes:
+    """Make the tables of all shapes; the light of a shape is entered by `compile_lights`."""
+    compiler = _Compiler(flat)
+    for source, placed in enumerate(flat.shapes):
+        compiler.place(source, placed)
+    return compiler.finish()
+
+
+class _Compiler:
+    def __init__(self, flat: FlatScene):
+        self.flat = flat
+        self.info: list[list[int]] = []
+        self.data: list[np.ndarray] = []
+        self.offset = 0
+        self.arrays = _Arrays()
+        self.rows: list[CompiledShape] = []
+        self.triangles: list[tuple[np.ndarray, np.ndarray, int]] = []
+        self.analytic: list[tuple[str, int, int, np.ndarray, np.ndarray]] = []
+        self.planes: list[tuple[int, int]] = []
+        self.instances: list[tuple[int, int, np.ndarray, np.ndarray]] = []
+        self.geometries: list[tuple[np.ndarray, np.ndarray]] = []
+        self.ranges: dict[int, tuple[int, _Range]] = {}
+        self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
+        self.shared = self._find_shared()
+
+    def _find_shared(self) -> set[int]:
+        """Geometries that are kept once for several instances."""
+        uses = Counter(s.geometry for s in self.flat.shapes if s.light is None)
+        return {
+            index for index, count in uses.items()
+            if index >= 0 and count > 1
+            and count * len(self.flat.geometries[index].faces) > FEW_TRIANGLES
+        }
+
+    def place(self, source: int, placed: PlacedShape) -> None:
+        """Enter one shape."""
+        shape = placed.shape
+        if isinstance(shape, Mesh):
+            if placed.geometry in self.shared and placed.light is None:
+                self._place_instance(source, placed)
+            else:
+                self._place_mesh(source, placed)
+        elif isinstance(shape, Cube):
+            face = Rectangle(flip_normals=shape.flip_normals)
+            for side in cube_sides():
+                self._place_analytic(source, placed, face, placed.to_world @ side)
+        else:
+            self._place_analytic(source, placed, shape, placed.to_world)
+
+    def _enter(
+        self, kind: str, source: int, placed: PlacedShape, row: np.ndarray, flags: int,
+        areas: np.ndarray, place: _Range = NO_FACES,
+    ) -> int:
+        """Append a row to the tables and return its index."""
+        index = len(self.rows)
+        self.info.append([KINDS[kind], placed.bsdf, 0, self.offset, flags, *place])
+        self.data.append(row)
+        self.offset += row.size
+        self.rows.append(CompiledShape(kind, source, areas))
+        return index
+
+    def _place_analytic(
+        self, source: int, placed: PlacedShape, shape: Any, matrix: np.ndarray
+    ) -> None:
+        kind = shape.type_name()
+        model, offset = ANALYTIC[kind], self.offset
+        row = model.pack(shape, matrix)
+        flags = FLIP if shape.flip_normals else 0
+        if kind == "plane":
+            index = self._enter(kind, source, placed, row, flags, np.zeros(0))
+            self.planes.append((index, offset))
+            return
+        index = self._enter(kind, source, placed, row, flags, np.array([model.area(row)]))
+        low, high = model.bounds(row)
+        self._grow(low, high)
+        self.analytic.append((kind, index, offset, low, high))
+
+    def _place_mesh(self, source: int, placed: PlacedShape) -> None:
+        mesh = self.flat.geometries[placed.geometry]
+        matrix = placed.to_world[:3, :3]
+        vertices = (mesh.vertices @ matrix.T + placed.to_world[:3, 3]).astype(np.float32)
+        normals = mesh.normals
+        if normals is not None:
+            normals = (normals @ np.linalg.inv(matrix)).astype(np.float64)
+            size = np.linalg.norm(normals, axis=1, keepdims=True)
+            normals = (normals / np.where(size > 0.0, size, 1.0)).astype(np.float32)
+        place = self.arrays.add(vertices, normals, mesh)
+        flags = mesh_flags(mesh, placed, matrix)
+        areas = triangle_areas(vertices, mesh.faces)
+        index = self._enter("mesh", source, placed, np.zeros(0, np.float32), flags, areas, place)
+        self.info[index][3] = 0
+        self._grow(vertices.min(axis=0), vertices.max(axis=0))
+        self.triangles.append((vertices, mesh.faces, index))
+
+    def _place_instance(self, source: int, placed: PlacedShape) -> None:
+        mesh = self.flat.geometries[placed.geometry]
+        if placed.geometry not in self.ranges:
+            place = self.arrays.add(mesh.vertices, mesh.normals, mesh)
+            self.ranges[placed.geometry] = len(self.geometries), place
+            self.geometries.append((mesh.vertices, mesh.faces))
+        number, place = self.ranges[placed.geometry]
+        forward = placed.to_world[:3].astype(np.float32)
+        # The inverse of the rounded matrix: rays and surface points must agree.
+        square = np.vstack([forward.astype(np.float64), [0.0, 0.0, 0.0, 1.0]])
+        backward = np.linalg.inv(square)[:3].astype(np.float32)
+        row = np.concatenate([forward.ravel(), backward.ravel()])
+        flags = mesh_flags(mesh, placed, placed.to_world[:3, :3]) | INSTANCED
+        index = self._enter("mesh", source, placed, row, flags, np.zeros(0), place)
+        corners = mesh.vertices @ square[:3, :3].T + square[:3, 3]
+        self._grow(corners.min(axis=0), corners.max(axis=0))
+        self.instances.append((number, index, forward, backward))
+
+    def _grow(self, low: np.ndarray, high: np.ndarray) -> None:
+        self.low, self.high = np.minimum(self.low, low), np.maximum(self.high, high)
+
+    def finish(self) -> CompiledShapes:
+        """Join all parts."""
+        arrays = self.arrays
+        data = np.concatenate([*self.data, np.zeros(PADDING)]).astype(np.float32)
+        tables = ShapeTables(
+            View(np.array(self.info or [[0] * INFO], np.uint32)),
+            View(data),
+            View(_joined(arrays.faces, 3, np.uint32)),
+            View(_joined(arrays.vertices, 3, np.float32)),
+            View(_joined_if_any(arrays.normals, 3)),
+            View(_joined_if_any(arrays.uvs, 2)),
+            View(_joined_if_any(arrays.colors, 3)),
+        )
+        kinds = {row.kind for row in self.rows}
+        empty = not np.isfinite(self.low).all()
+        low, high = (np.zeros(3), np.zeros(3)) if empty else (self.low, self.high)
+        radius = 0.5 * float(np.linalg.norm(high - low))
+        return CompiledShapes(
+            tables=tables,
+            triangles=self._joined_triangles(),
+            analytic=self.analytic,
+            planes=self.planes,
+            instances=self.instances,
+            geometries=self.geometries,
+            rows=self.rows,
+            kinds=tuple(name for name in SURFACES if name in kinds),
+            center=0.5 * (low + high),
+            radius=radius if radius > 0.0 else 1.0,
+        )
+
+    def _joined_triangles(self) -> Triangles:
+        parts = self.triangles
+        starts = np.cumsum([0] + [len(vertices) for vertices, _, _ in parts])
+        return Triangles(
+            _joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
+            _joined(
+                [f + start for (_, f, _), start in zip(parts, starts, strict=False)],
+                3, np.int32, empty=True,
+            ),
+            np.repeat(
+                np.array([index for _, _, index in parts], np.uint32),
+                np.array([len(faces) for _, faces, _ in parts], np.int64),
+            ),
+            np.concatenate(
+                [np.arange(len(faces), dtype=np.uint32) for _, faces, _ in parts]
+                or [np.zeros(0, np.uint32)]
+            ),
+        )
+
+
+def mesh_flags(mesh: Geometry, placed: PlacedShape, matrix: np.ndarray) -> int:
+    """Flags of a mesh; FLIP says that the outer side is not that of the counter-clockwise order."""
+    flags = SMOOTH * (mesh.normals is not None)
+    flags |= UVS * (mesh.uvs is not None) | COLORS * (mesh.colors is not None)
+    # A mirror image reverses the order of the vertices, not the side.
+    mirrored = bool(np.linalg.det(matrix) < 0.0)
+    return flags | FLIP * (placed.shape.flip_normals != mirrored)
+
+
+def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> NDArray[np.float64]:
+    """Area of each triangle, m^2."""
+    corners = vertices.astype(np.float64)[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return 0.5 * np.linalg.norm(across, axis=1)
+
+
+def cube_sides() -> list[np.ndarray]:
+    """Rotations and shifts that take the rectangle to the six faces of [-1, 1]^3, z outwards."""
+    sides = []
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            side = np.eye(4)
+            normal, first = np.zeros(3), np.zeros(3)
+            normal[axis], first[(axis + 1) % 3] = sign, 1.0
+            side[:3, 0], side[:3, 1] = first, np.cross(normal, first)
+            side[:3, 2] = side[:3, 3] = normal
+            sides.append(side)
+    return sides
+
+
+def _joined(parts: list[np.ndarray], columns: int, dtype: type, empty: bool = False) -> np.ndarray:
+    """Tables one below the other; a row of zeros in place of nothing, unless it may be empty."""
+    if not parts:
+        return np.zeros((0 if empty else 1, columns), dtype)
+    if len(parts) == 1:
+        return np.ascontiguousarray(parts[0], dtype)
+    return np.concatenate(parts).astype(dtype, copy=False)
+
+
+def _joined_if_any(parts: list[np.ndarray], columns: int) -> np.ndarray:
+    """The same for an attribute that all meshes may lack; then no memory is spent on it."""
+    lacking = all(0 in part.strides for part in parts)
+    return _joined([] if lacking else parts, columns, np.float32)

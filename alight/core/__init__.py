@@ -1,0 +1,1 @@
+"""What every layer above stands on: value types, random numbers, warps, errors."""

@@ -1,0 +1,143 @@
+"""Errors that a user can act on: place, value, allowed range, nearest valid name.
+
+All problems of one scene are collected and raised together as one `SceneError`, so that a
+user mends a file in one go instead of one message per run.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class Issue:
+    """One problem of a scene.
+
+    Parameters
+    ----------
+    path : str
+        Key path of the culprit, for instance ``bsdfs.white.reflectance[0]``.
+    message : str
+        What is wrong, with the value and what is allowed.
+    place : str, default ""
+        ``file:line:column`` (one-based) where the scene came from a file.
+    about_key : bool, default False
+        Whether the key itself is wrong, not its value.
+    """
+
+    path: str
+    message: str
+    place: str = ""
+    about_key: bool = False
+
+    def __str__(self) -> str:
+        """Place and path on the first line, the message indented on the next ones."""
+        head = "  ".join(part for part in (self.place, self.path) if part) or "scene"
+        return head + "".join(f"\n  {line}" for line in self.message.splitlines())
+
+    def under(self, prefix: str) -> Issue:
+        """Return the same problem with `prefix` put before its path."""
+        return replace(self, path=join_path(prefix, self.path))
+
+
+class AlightError(Exception):
+    """Base of every error that a user can mend: the command line shows it without a traceback."""
+
+
+class FilmError(AlightError, ValueError):
+    """Films that must not be added, or a film asked for something that it cannot hold."""
+
+
+class OutputError(AlightError, OSError):
+    """A picture that cannot be written or read."""
+
+
+class OptionError(AlightError, ValueError):
+    """An option of a render with a value that does not exist or is out of range."""
+
+
+class SceneError(AlightError, ValueError):
+    """A scene that cannot be rendered, with every reason found.
+
+    Parameters
+    ----------
+    issues : sequence of Issue
+        At least one.
+    """
+
+    def __init__(self, issues: Sequence[Issue]) -> None:
+        self.issues = tuple(issues)
+        super().__init__(self.issues)
+
+    def __str__(self) -> str:
+        """One block per issue, in the order in which they were found."""
+        return "\n".join(str(issue) for issue in self.issues)
+
+
+def join_path(*parts: str | int) -> str:
+    """Join key path parts: names with dots, whole numbers as ``[i]``.
+
+    Examples
+    --------
+    >>> join_path("bsdfs", "white", "reflectance", 0)
+    'bsdfs.white.reflectance[0]'
+    """
+    path = ""
+    for part in parts:
+        if isinstance(part, int):
+            path += f"[{part}]"
+        elif part:
+            path += part if not path or part.startswith("[") else f".{part}"
+    return path
+
+
+def nearest(name: str, valid: Iterable[str]) -> str | None:
+    """Find the valid name that looks most like `name`, or None where none is near."""
+    by_lower_case = {word.lower(): word for word in valid}
+    # Beyond this length a name is no misspelling, and difflib's time grows with its square.
+    found = difflib.get_close_matches(name.lower()[:80], list(by_lower_case), n=1, cutoff=0.6)
+    return by_lower_case[found[0]] if found else None
+
+
+def unknown_name(kind: str, name: str, valid: Iterable[str], listed_as: str = "valid") -> str:
+    """Write the message for a name that does not exist, with the nearest one and the list.
+
+    Parameters
+    ----------
+    kind : str
+        What the name should have been, for instance ``key`` or ``bsdf``.
+    name : str
+        What was written.
+    valid : iterable of str
+        The names that exist.
+    listed_as : str, default "valid"
+        Word before the list of names.
+
+    Examples
+    --------
+    >>> unknown_name("bsdf", "difuse", ["mirror", "diffuse"])
+    'unknown bsdf "difuse"; did you mean "diffuse"?  (valid: diffuse, mirror)'
+    """
+    names = sorted(valid)
+    near = nearest(name, names)
+    hint = f'; did you mean "{near}"?' if near else ""
+    shown = ", ".join(names[:40]) + (", ..." if len(names) > 40 else "")
+    return f"unknown {kind} {quote(name)}{hint}  ({listed_as}: {shown or 'none'})"
+
+
+def quote(name: str) -> str:
+    """`name` in double quotes, cut to a readable length, control characters escaped."""
+    shown = name if len(name) <= 60 else name[:57] + "..."
+    return '"' + "".join(c if c.isprintable() else repr(c)[1:-1] for c in shown) + '"'
+
+
+def show_value(value: object) -> str:
+    """Make a short text for any value in a message."""
+    if isinstance(value, str):
+        return quote(value)
+    if value is None or isinstance(value, bool):
+        return {None: "nothing", True: "true", False: "false"}[value]
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,263 @@
+"""Marking, specialising and compiling kernels.
+
+`kernel` only marks a plain Python function. `specialised` marks a factory that writes a kernel for
+one *program* (the models that a scene uses and the options that are fixed while it renders).
+`instantiate` walks the call graph from a root kernel, puts the program's own functions in the
+places of the factories, and hands the result to Numba, or leaves it in Python (the NumPy twin).
+
+Numba is imported by the first compilation, not before: loading scenes and asking for help do not
+need a compiler.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import types
+from collections.abc import Callable, Hashable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+#: Fast-math of shading code. Never nnan or ninf: NaN must be seen, infinity is used as "no hit".
+FAST_MATH = frozenset({"contract", "reassoc", "arcp", "nsz", "afn"})
+
+
+def kernel(function: Callable | None = None, *, strict: bool = False) -> Callable:
+    """Mark a function as kernel text.
+
+    Parameters
+    ----------
+    strict : bool, default False
+        Compile without any fast-math, this function and everything that it calls. For edge
+        functions, error bounds and exact sums, where a reordered or contracted operation is a bug.
+    """
+    if function is None:
+        return lambda f: kernel(f, strict=strict)
+    function.__alight_kernel__ = True
+    function.__alight_strict__ = strict
+    return function
+
+
+class Specialised:
+    """A kernel that is written anew for each program; calling it needs `instantiate`."""
+
+    def __init__(self, factory: Callable[[Any], Callable]):
+        self.factory = factory
+        self.__name__ = factory.__name__
+        self.__doc__ = factory.__doc__
+
+    def __call__(self, *args):
+        raise TypeError(f"{self.__name__} depends on the program: use instantiate() first")
+
+
+def specialised(factory: Callable[[Any], Callable]) -> Specialised:
+    """Mark a factory ``program -> kernel`` whose name kernels can call like a kernel."""
+    return Specialised(factory)
+
+
+def is_kernel(value: Any) -> bool:
+    """True for functions marked with `kernel`."""
+    return isinstance(value, types.FunctionType) and hasattr(value, "__alight_kernel__")
+
+
+def instantiate(root: Callable, program: Hashable = None, *, compiled: bool = True) -> Callable:
+    """The kernel `root` for one program, ready to be called.
+
+    Parameters
+    ----------
+    root : function
+        A kernel, or a `Specialised` one.
+    program : hashable, optional
+        What the factories below `root` specialise on.
+    compiled : bool, default True
+        Machine code by Numba; False gives the same text in Python, for the NumPy twin.
+    """
+    return (_CompiledBuild if compiled else _PythonBuild)(program).get(root)
+
+
+class _Build:
+    """One walk over the call graph; the subclasses say what a node becomes."""
+
+    def __init__(self, program: Hashable):
+        self.program = program
+        self.done: dict[tuple, Any] = {}
+
+    def get(self, node: Any, strict: bool = False) -> Any:
+        if isinstance(node, Specialised):
+            node = self.text_of(node)
+        strict = strict or node.__alight_strict__
+        key = (node, strict)
+        if key not in self.done:
+            self.done[key] = self.make(node, strict)
+        return self.done[key]
+
+    def text_of(self, node: Specialised) -> Callable:
+        """The kernel that a factory writes for this program (written once a build)."""
+        key = (node, "text")
+        if key not in self.done:
+            self.done[key] = _write(node, self.program)
+        return self.done[key]
+
+    def replacement(self, value: Any, strict: bool) -> Any:
+        """What stands for a value that kernel text names; the value itself if nothing must."""
+        if isinstance(value, Specialised) or is_kernel(value):
+            return self.get(value, strict)
+        return value
+
+    def clone(self, function: types.FunctionType, strict: bool) -> types.FunctionType:
+        """The same code over globals and a closure in which kernels are replaced."""
+        scope = dict(function.__globals__)
+        for name in _names(function.__code__):
+            if name in scope:
+                scope[name] = self.replacement(scope[name], strict)
+        cells = tuple(
+            types.CellType(self.replacement(cell.cell_contents, strict))
+            for cell in function.__closure__ or ()
+        )
+        copy = types.FunctionType(
+            function.__code__, scope, function.__name__, function.__defaults__, cells or None
+        )
+        copy.__qualname__, copy.__module__ = function.__qualname__, function.__module__
+        copy.__doc__ = function.__doc__
+        return copy
+
+
+class _PythonBuild(_Build):
+    def make(self, node: Callable, strict: bool) -> Callable:
+        return self.clone(node, strict) if depends_on_program(node) else node
+
+
+class _CompiledBuild(_Build):
+    def __init__(self, program: Hashable):
+        super().__init__(program)
+        self.compiler = load_compiler()
+
+    def get(self, node: Any, strict: bool = False) -> Any:
+        root = not self.done
+        if root:
+            self.done[None] = None
+            return self.make(self.text_of(node) if isinstance(node, Specialised) else node,
+                             strict, root=True)
+        return super().get(node, strict)
+
+    def make(self, node: Callable, strict: bool, root: bool = False) -> Any:
+        strict = strict or node.__alight_strict__
+        shared = not depends_on_program(node)
+        if shared and (node, strict, root) in _SHARED:
+            return _SHARED[node, strict, root]
+        copy = self.clone(node, strict)
+        if root and self.program is not None:
+            # Numba names its cache files by the qualified name.
+            copy.__qualname__ = f"{node.__name__}_{digest(self.program)}"
+        result = self.compiler.jit(copy, fast_math=set() if strict else set(FAST_MATH), root=root)
+        if shared:
+            _SHARED[node, strict, root] = result
+        return result
+
+    def replacement(self, value: Any, strict: bool) -> Any:
+        value = self.compiler.primitive(value)
+        return super().replacement(value, strict)
+
+
+_SHARED: dict[tuple, Any] = {}
+
+
+@lru_cache(maxsize=4096)
+def _write(node: Specialised, program: Hashable) -> Callable:
+    text = node.factory(program)
+    if isinstance(text, Specialised):
+        return _write(text, program)
+    if not is_kernel(text):
+        raise TypeError(f"{node.__name__} must return a kernel, got {text!r}")
+    return text
+
+
+@lru_cache(maxsize=None)
+def depends_on_program(node: Any) -> bool:
+    """True if a factory is reachable from the kernel `node`."""
+    if isinstance(node, Specialised):
+        return True
+    if not is_kernel(node):
+        return False
+    used = [node.__globals__.get(name) for name in _names(node.__code__)]
+    used += [cell.cell_contents for cell in node.__closure__ or ()]
+    return any(
+        depends_on_program(v) for v in used if isinstance(v, Specialised) or is_kernel(v)
+    )
+
+
+def _names(code: types.CodeType) -> set[str]:
+    """Global names in a code object and in those nested in it."""
+    names = set(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            names |= _names(constant)
+    return names
+
+
+def digest(program: Hashable) -> str:
+    """Short stable name of a program (its repr decides)."""
+    return hashlib.sha256(repr(program).encode()).hexdigest()[:16]
+
+
+# ---------------------------------------------------------------- the compiler and its disk cache
+
+
+@lru_cache(maxsize=1)
+def load_compiler():
+    """Import Numba and our compiler, with the disk cache pointed at this version's own folder."""
+    import numba
+
+    numba.config.CACHE_DIR = str(cache_folder())
+    from alight.core import compiler
+
+    return compiler
+
+
+def lanes_of_machine() -> int:
+    """Packet width: 16 with AVX-512, else 8; the environment variable ALIGHT_LANES overrides."""
+    asked = os.environ.get("ALIGHT_LANES")
+    if asked is not None:
+        if asked not in ("1", "4", "8", "16"):
+            raise ValueError(f"ALIGHT_LANES must be 1, 4, 8 or 16, got {asked!r}")
+        return int(asked)
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features()
+    return 16 if features.get("avx512f") and features.get("avx512vl") else 8
+
+
+@lru_cache(maxsize=1)
+def fingerprint() -> str:
+    """Names everything that decides the bits of a picture: sources, compiler, processor, lanes."""
+    import llvmlite
+    import llvmlite.binding as llvm
+    import numba
+    import numpy as np
+
+    h = hashlib.sha256()
+    package = Path(__file__).resolve().parent.parent
+    for path in sorted(package.rglob("*.py")):
+        h.update(str(path.relative_to(package)).encode())
+        h.update(path.read_bytes())
+    features = llvm.get_host_cpu_features().flatten()
+    parts = [numba.__version__, llvmlite.__version__, np.__version__, platform.python_version(),
+             llvm.get_host_cpu_name(), features, str(lanes_of_machine()),
+             os.environ.get("NUMBA_CPU_NAME", ""), os.environ.get("NUMBA_CPU_FEATURES", "")]
+    h.update("|".join(parts).encode())
+    return h.hexdigest()[:20]
+
+
+def cache_folder() -> Path:
+    """Where compiled kernels are kept: a folder named by the fingerprint.
+
+    Numba's own cache looks only at the file of the outermost function; a callee changed in
+    another file would go unseen. The folder changes with any source file of the package.
+    """
+    base = os.environ.get("ALIGHT_CACHE")
+    if base is None:
+        base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+        base = os.path.join(base, "alight")
+    return Path(base) / fingerprint()

@@ -1,0 +1,43 @@
+"""A table as kernels see it: a pointer and a size, without reference counts.
+
+Arrays passed into kernels that are not inlined cost atomic reference counting at every call; a
+`View` does not own its memory, so the compiled code never counts. The Python object keeps the
+array alive.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+class View:
+    """Flat read-write window on a C-contiguous array.
+
+    Parameters
+    ----------
+    array : ndarray
+        float32, uint32, int32 or int64, C-contiguous. Kernels index it flat, without bounds.
+    """
+
+    __slots__ = ("address", "array", "size")
+
+    def __init__(self, array: np.ndarray):
+        if not array.flags.c_contiguous:
+            raise ValueError("a View needs a C-contiguous array")
+        self.array = array.reshape(-1)
+        self.size = self.array.size
+        self.address = self.array.ctypes.data
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Element type."""
+        return self.array.dtype
+
+    def __getitem__(self, index):
+        return self.array[index]
+
+    def __setitem__(self, index, value):
+        self.array[index] = value
+
+    def __reduce__(self):
+        return View, (self.array,)

@@ -1,0 +1,56 @@
+"""Vectors of a fixed width, for code that treats one ray or one primitive at a time.
+
+The lanes of `alight.core.simd` are as many rays as the processor takes at once. Inside an
+acceleration structure it is the other way round: one ray meets 8 boxes or 4 triangles. Here the
+width belongs to the data, so it is an argument, a whole number known when the kernel is compiled.
+All operators and elementwise functions of `simd` work on these vectors too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def wide(n, x):
+    """The float32 number x, n times."""
+    return np.full(n, x, np.float32)
+
+
+def load_wide(n, table, i):
+    """``table[i : i + n]`` as one vector (float32 or uint32 as the table is)."""
+    values = table[i : i + n]
+    return values.copy()
+
+
+def store_wide(table, i, x):
+    """Write the vector x to ``table[i : i + n]``."""
+    table[i : i + len(x)] = x
+
+
+def lane(x, i):
+    """Component i of a vector, as a scalar; i may be computed."""
+    return x[i]
+
+
+def low_half(x):
+    """The first half of a vector."""
+    return x[: len(x) // 2]
+
+
+def high_half(x):
+    """The second half of a vector."""
+    return x[len(x) // 2 :]
+
+
+def join(a, b):
+    """The vector (a, b) of twice the width."""
+    return np.concatenate([a, b])
+
+
+def shuffled(x, order):
+    """``x[order[0]], x[order[1]], ...``; the order is a tuple of constants."""
+    return x[list(order)]
+
+
+def prefetch(table, i):
+    """Ask for the cache line of ``table[i]``; only time depends on it."""

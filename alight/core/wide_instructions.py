@@ -1,0 +1,152 @@
+"""The LLVM instructions behind `alight.core.wide`.
+
+Only `alight.core.compiler` imports this module.
+"""
+
+from __future__ import annotations
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from alight.core import wide
+from alight.core.instructions import PRIMITIVES
+from alight.core.lane_types import (
+    I8,
+    I32,
+    Floats,
+    LaneType,
+    Uints,
+    convert,
+    f32,
+    pointer_of,
+)
+
+
+def _stands_for(primitive):
+    def register(stand_in):
+        PRIMITIVES[primitive] = stand_in
+        return stand_in
+
+    return register
+
+
+def _vector_of(table, n):
+    return Floats(n) if table.dtype == f32 else Uints(n)
+
+
+def _pointer(context, builder, kind, value, index, index_kind, target):
+    """Address of ``value[index]`` as a pointer to the LLVM type `target`."""
+    data = pointer_of(context, builder, kind, value)
+    at = context.cast(builder, index, index_kind, types.int64)
+    return builder.bitcast(builder.gep(data, [at]), target.as_pointer())
+
+
+@_stands_for(wide.wide)
+@intrinsic(prefer_literal=True)
+def _wide(typing, n, x):
+    if not isinstance(n, types.IntegerLiteral):
+        return None
+    result = Floats(n.literal_value)
+    return result(n, x), lambda context, builder, sig, args: convert(
+        context, builder, args[1], sig.args[1], result
+    )
+
+
+@_stands_for(wide.load_wide)
+@intrinsic(prefer_literal=True)
+def _load_wide(typing, n, table, i):
+    if not isinstance(n, types.IntegerLiteral):
+        return None
+    result = _vector_of(table, n.literal_value)
+
+    def codegen(context, builder, sig, args):
+        load = builder.load(
+            _pointer(context, builder, sig.args[1], args[1], args[2], sig.args[2], result.vector)
+        )
+        load.align = 4
+        return load
+
+    return result(n, table, i), codegen
+
+
+@_stands_for(wide.store_wide)
+@intrinsic
+def _store_wide(typing, table, i, x):
+    def codegen(context, builder, sig, args):
+        store = builder.store(
+            args[2], _pointer(context, builder, sig.args[0], args[0], args[1], sig.args[1], x.vector)
+        )
+        store.align = 4
+        return context.get_dummy_value()
+
+    return types.void(table, i, x), codegen
+
+
+@_stands_for(wide.lane)
+@intrinsic
+def _lane(typing, x, i):
+    if not isinstance(x, Floats | Uints):
+        return None
+
+    def codegen(context, builder, sig, args):
+        return builder.extract_element(args[0], context.cast(builder, args[1], i, types.int64))
+
+    return x.scalar(x, i), codegen
+
+
+def _shuffle(builder, a, b, order):
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(I32, len(order)), order))
+
+
+def _half(primitive, first):
+    @intrinsic
+    def stand_in(typing, x):
+        m = x.n // 2
+        order = [i + first * m for i in range(m)]
+        return type(x)(m)(x), lambda context, builder, sig, args: _shuffle(
+            builder, args[0], args[0], order
+        )
+
+    PRIMITIVES[primitive] = stand_in
+
+
+_half(wide.low_half, 0)
+_half(wide.high_half, 1)
+
+
+@_stands_for(wide.join)
+@intrinsic
+def _join(typing, a, b):
+    if not isinstance(a, LaneType) or a != b:
+        return None
+    return type(a)(2 * a.n)(a, b), lambda context, builder, sig, args: _shuffle(
+        builder, args[0], args[1], list(range(2 * a.n))
+    )
+
+
+@_stands_for(wide.shuffled)
+@intrinsic(prefer_literal=True)
+def _shuffled(typing, x, order):
+    if not all(isinstance(k, types.IntegerLiteral) for k in order):
+        return None
+    constants = [k.literal_value for k in order]
+    return type(x)(len(constants))(x, order), lambda context, builder, sig, args: _shuffle(
+        builder, args[0], args[0], constants
+    )
+
+
+@_stands_for(wide.prefetch)
+@intrinsic
+def _prefetch(typing, table, i):
+    def codegen(context, builder, sig, args):
+        address = _pointer(context, builder, table, args[0], args[1], i, I8)
+        # For reading, with high locality, data.
+        flags = [ir.Constant(I32, 0), ir.Constant(I32, 3), ir.Constant(I32, 1)]
+        kind = ir.FunctionType(ir.VoidType(), [address.type, I32, I32, I32])
+        name = "llvm.prefetch.p0i8"
+        builder.call(cgutils.get_or_insert_function(builder.module, kind, name), [address, *flags])
+        return context.get_dummy_value()
+
+    return types.void(table, i), codegen

@@ -1,0 +1,417 @@
+"""The film: exact sums of samples by replicate, their counts, and what was asked for.
+
+Sample i belongs to replicate i mod R. ``sums[y, x, replicate, channel]`` are whole numbers
+(`fixed_point`), so tiles, passes, resumed parts and films of other machines are added in any order
+with the same bits. Pictures and their error bars are worked out from the sums when asked for.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from alight.core.errors import FilmError
+from alight.films import fixed_point, merging, notebook, statistics
+from alight.films.sample_ranges import (
+    CELL_SIZE,
+    SampleRanges,
+    cells_of,
+    empty_cells,
+    union_of_cells,
+)
+from alight.metrics.relmse import ErrorEstimate, estimate_relmse
+from alight.outputs.image import write_image
+from alight.outputs.picture import Picture
+
+if TYPE_CHECKING:
+    import os
+
+#: Rows whose error is worked out at a time: bounds the float64 scratch memory of big films.
+_BAND = 64
+
+
+class PartialFilm(NamedTuple):
+    """What `render_tile` gives back: the sums of one tile.
+
+    Attributes
+    ----------
+    x0, y0 : int
+        Corner of the tile in pixels of the full film; a multiple of 8 or the corner of the crop.
+    sums : ndarray of int64, shape (th, tw, R, C, 2)
+        Fixed point, not necessarily canonical.
+    counts : ndarray of int64, shape (th, tw, R)
+    invalid, saturated : int
+        Samples with NaN or infinity (added as 0) and sample values cut to 2^36.
+    ranges : (int, int) or ndarray of int, shape (cells_y, cells_x, 2)
+        (first, count) of the sample indices, for the whole tile or each 8x8 cell that it touches.
+    aovs : mapping of str to ndarray of int64, shape (th, tw, c, 2)
+        Fixed-point sums over all samples.
+    """
+
+    x0: int
+    y0: int
+    sums: np.ndarray
+    counts: np.ndarray
+    invalid: int
+    saturated: int
+    ranges: Any = None
+    aovs: Mapping[str, np.ndarray] | None = None
+
+
+class Film:
+    """Sums of samples of one picture. Adding and reading are safe from any thread.
+
+    Parameters
+    ----------
+    width, height : int
+        Size of the full film in pixels.
+    crop : (int, int, int, int), optional
+        x, y, width and height of the window that is kept; the full film by default.
+    replicates : int, default 4
+        R: sample i belongs to replicate i mod R. Part of the film's identity.
+    channels : sequence of str, default ("R", "G", "B")
+        The first three are the picture.
+    aovs : mapping of str to sequence of str, optional
+        Further planes and their channels, for instance ``{"depth": ("Z",)}``: no replicates.
+    scene_hash, seed, options, fingerprint, version
+        What the samples are samples of. Films merge only where all but `version` agree
+        (the fingerprint covers it).
+
+    Attributes
+    ----------
+    sums : ndarray of int64, shape (h, w, R, C, 2)
+        Canonical two-limb fixed point: units of 2^-8 and 2^-48 (see `fixed_point`).
+    counts : ndarray of int64, shape (h, w, R)
+        Samples, those that were NaN too.
+    cells : ndarray of object, shape (cells_y, cells_x)
+        `SampleRanges` of each 8x8 cell of the full film.
+    invalid, saturated : int
+        Samples that were NaN or infinite (they add 0 and count 1); values cut to 2^36.
+    stats : dict
+        Times and rates, filled in by the renderer.
+
+    Raises
+    ------
+    FilmError
+        For an impossible size or crop, or more than 2^19 - 1 samples per pixel and replicate
+        (with AOVs: per pixel), beyond which sums could overflow.
+    """
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        *,
+        crop: tuple[int, int, int, int] | None = None,
+        replicates: int = 4,
+        channels: Sequence[str] = ("R", "G", "B"),
+        aovs: Mapping[str, Sequence[str]] | None = None,
+        scene_hash: str = "",
+        seed: int = 0,
+        options: Mapping[str, Any] | None = None,
+        fingerprint: str = "",
+        version: str = "",
+    ) -> None:
+        _check_shape(width, height, crop, replicates, channels)
+        self.width, self.height = width, height
+        self.crop = (0, 0, width, height) if crop is None else tuple(crop)
+        self.replicates = replicates
+        self.channels = tuple(channels)
+        self.aov_channels = {name: tuple(names) for name, names in (aovs or {}).items()}
+        self.scene_hash, self.seed, self.options = scene_hash, seed, dict(options or {})
+        self.fingerprint, self.version = fingerprint, version
+        h, w = self.crop[3], self.crop[2]
+        self.sums = np.zeros((h, w, replicates, len(self.channels), 2), np.int64)
+        self.counts = np.zeros((h, w, replicates), np.int64)
+        self.aov_sums = {
+            name: np.zeros((h, w, len(names), 2), np.int64)
+            for name, names in self.aov_channels.items()
+        }
+        self.cells = empty_cells(width, height)
+        self.invalid = self.saturated = 0
+        self.stats: dict[str, Any] = {}
+        self._lock = threading.RLock()
+
+    # ------------------------------------------------------------------------------ adding
+
+    def add_tile(self, partial: PartialFilm) -> None:
+        """Add the sums of a tile; nothing is changed if it is refused.
+
+        Raises
+        ------
+        FilmError
+            If the tile does not fit, holds samples that the film has, or there is no room.
+        """
+        rows, columns = self._window(partial)
+        cells = self._tile_cells(partial)
+        with self._lock:
+            counts = self.counts[rows, columns] + partial.counts
+            self._check_room(counts)
+            if cells is not None:
+                index, added = cells
+                self.cells[index] = union_of_cells(self.cells[index], added)
+            self.counts[rows, columns] = counts
+            _add(self.sums[rows, columns], partial.sums)
+            for name, plane in self.aov_sums.items():
+                _add(plane[rows, columns], (partial.aovs or {})[name])
+            self.invalid += int(partial.invalid)
+            self.saturated += int(partial.saturated)
+
+    def _window(self, partial: PartialFilm) -> tuple[slice, slice]:
+        """Rows and columns of our arrays that a tile covers, checked."""
+        x, y, w, h = self.crop
+        th, tw = partial.counts.shape[:2]
+        shape = (th, tw, self.replicates, len(self.channels), 2)
+        if partial.sums.shape != shape or partial.counts.shape != shape[:3]:
+            raise FilmError(
+                f"a tile of this film has sums of shape {shape} and counts of shape {shape[:3]}, "
+                f"got {partial.sums.shape} and {partial.counts.shape}"
+            )
+        if set(partial.aovs or {}) != set(self.aov_sums):
+            raise FilmError(
+                f"a tile of this film has the AOVs {_names(self.aov_sums)}, "
+                f"got {_names(partial.aovs or {})}"
+            )
+        left, top = partial.x0 - x, partial.y0 - y
+        if left < 0 or top < 0 or left + tw > w or top + th > h:
+            raise FilmError(
+                f"tile at ({partial.x0}, {partial.y0}) of {tw}x{th} pixels leaves the film's "
+                f"window ({x}, {y}, {w}, {h})"
+            )
+        return slice(top, top + th), slice(left, left + tw)
+
+    def _tile_cells(self, partial: PartialFilm) -> tuple[tuple[slice, slice], np.ndarray] | None:
+        """Find the cells of a tile and the ranges that it adds to each."""
+        if partial.ranges is None:
+            return None
+        x, y, w, h = self.crop
+        th, tw = partial.counts.shape[:2]
+        for name, first, size, low, high in (
+            ("x", partial.x0, tw, x, x + w),
+            ("y", partial.y0, th, y, y + h),
+        ):
+            # Half a cell marked as done would refuse its other half.
+            end = first + size
+            if (first % CELL_SIZE and first != low) or (end % CELL_SIZE and end != high):
+                raise FilmError(
+                    f"tile edges must lie on 8x8 cells, got {name} from {first} to {end}"
+                )
+        index = cells_of(partial.x0, partial.y0, tw, th)
+        shape = self.cells[index].shape
+        pairs = np.broadcast_to(np.asarray(partial.ranges, np.int64), (*shape, 2))
+        added = np.zeros(shape, dtype=object)
+        known: dict[tuple[int, int], SampleRanges] = {}
+        for cell in np.ndindex(shape):
+            first, count = (int(v) for v in pairs[cell])
+            if (first, count) not in known:
+                known[first, count] = SampleRanges([(first, first + count)])
+            added[cell] = known[first, count]
+        return index, added
+
+    def _check_room(self, counts: np.ndarray) -> None:
+        # AOVs have no replicates: all samples of a pixel share one sum.
+        most = (counts.sum(axis=2) if self.aov_sums else counts).max(initial=0)
+        if most > fixed_point.MAX_SAMPLES:
+            unit = "pixel" if self.aov_sums else "pixel and replicate"
+            raise FilmError(
+                f"a film holds at most {fixed_point.MAX_SAMPLES} samples per {unit}, "
+                f"asked for {most}; render with more replicates, or films of other seeds"
+            )
+
+    def mark_samples(self, first: int, count: int) -> None:
+        """Record that every cell of the window holds samples first to first + count - 1.
+
+        For renderers that add tiles without `ranges`.
+        """
+        added = SampleRanges([(first, first + count)])
+        index = cells_of(*self.crop)
+        with self._lock:
+            self.cells[index] = union_of_cells(
+                self.cells[index], np.full(self.cells[index].shape, added, dtype=object)
+            )
+
+    @classmethod
+    def merge(cls, *films: Film) -> Film:
+        """One film with the samples of all, exactly: the order does not matter.
+
+        Raises
+        ------
+        FilmError
+            If two films hold the same samples, or differ in scene, options, seed, replicates,
+            size, crop, channels or kernel fingerprint: the message names what differs.
+        """
+        return merging.merge(films)
+
+    def empty_like(self) -> Film:
+        """Make a film without samples and with the same identity."""
+        return Film(
+            self.width, self.height, crop=self.crop, replicates=self.replicates,
+            channels=self.channels, aovs=self.aov_channels, scene_hash=self.scene_hash,
+            seed=self.seed, options=self.options, fingerprint=self.fingerprint,
+            version=self.version,
+        )  # fmt: skip
+
+    def snapshot(self) -> Film:
+        """Copy this moment, for readers that need several planes of one state."""
+        copy = self.empty_like()
+        with self._lock:
+            copy.sums, copy.counts = self.sums.copy(), self.counts.copy()
+            copy.aov_sums = {name: plane.copy() for name, plane in self.aov_sums.items()}
+            copy.cells = self.cells.copy()
+            copy.invalid, copy.saturated = self.invalid, self.saturated
+            copy.stats = dict(self.stats)
+        return copy
+
+    # ------------------------------------------------------------------------------ reading
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean of every channel, float64, shape (h, w, C); 0 where there is no sample yet."""
+        return self._by_bands(statistics.pixel_mean)
+
+    @property
+    def image(self) -> np.ndarray:
+        """The picture: linear sRGB, float32, shape (h, w, 3)."""
+        return self.mean[..., :3].astype(np.float32)
+
+    @property
+    def standard_error(self) -> np.ndarray:
+        """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown."""
+        error = self._by_bands(lambda sums, counts: statistics.mean_and_error(sums, counts)[1])
+        return error[..., :3].astype(np.float32)
+
+    @property
+    def sample_count(self) -> np.ndarray:
+        """Samples per pixel, int64, shape (h, w)."""
+        with self._lock:
+            return self.counts.sum(axis=2)
+
+    @property
+    def spp(self) -> float:
+        """Samples per pixel, averaged over the window."""
+        return float(self.sample_count.mean())
+
+    def aov(self, name: str) -> np.ndarray:
+        """Mean of an AOV, float32, shape (h, w, c)."""
+        if name not in self.aov_sums:
+            raise FilmError(f'the film has no AOV "{name}"; it has {_names(self.aov_sums)}')
+        with self._lock:
+            sums, n = self.aov_sums[name].copy(), self.counts.sum(axis=2)
+        return (fixed_point.to_float(sums) / np.maximum(n, 1)[..., None]).astype(np.float32)
+
+    def relmse_estimate(self) -> ErrorEstimate:
+        """Estimate the picture's own relMSE from its replicates, with a 95 % interval.
+
+        Unknown (NaN) until every replicate of some pixel has a sample.
+        """
+        both = self._by_bands(
+            lambda sums, counts: np.stack(statistics.mean_and_error(sums, counts), axis=-1)
+        )
+        return estimate_relmse(both[:, :, :3, 0], both[:, :, :3, 1], self.replicates)
+
+    def _by_bands(self, statistic: Any) -> np.ndarray:
+        """Work out a statistic band of rows by band: the lock is held only to copy."""
+        bands = []
+        for y in range(0, self.crop[3], _BAND):
+            with self._lock:
+                sums, counts = self.sums[y : y + _BAND].copy(), self.counts[y : y + _BAND].copy()
+            bands.append(statistic(sums, counts))
+        return np.concatenate(bands)
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """What this is a picture of, and how it was made."""
+        return {
+            "version": self.version,
+            "scene_hash": self.scene_hash,
+            "seed": self.seed,
+            "spp": self.spp,
+            "replicates": self.replicates,
+            "size": (self.width, self.height),
+            "crop": self.crop,
+            "options": dict(self.options),
+            "fingerprint": self.fingerprint,
+            "invalid": self.invalid,
+            "saturated": self.saturated,
+        }
+
+    # ------------------------------------------------------------------------------ output
+
+    def picture(self, layers: bool = True) -> Picture:
+        """Image, layers (unless they are not wanted) and provenance, ready to be written."""
+        film = self.snapshot()
+        attributes = {key: str(value) for key, value in film.provenance.items()}
+        planes: dict[str, np.ndarray] = {}
+        if layers:
+            error = film.standard_error
+            planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
+            planes["samples"] = film.sample_count.astype(np.uint32)
+            for name, channels in film.aov_channels.items():
+                plane = film.aov(name)
+                planes |= {f"{name}.{c}": plane[..., i] for i, c in enumerate(channels)}
+        size = (film.width, film.height)
+        return Picture(film.image, planes, attributes, size=size, offset=film.crop[:2])
+
+    def save(self, path: str | os.PathLike[str], **display: Any) -> Path:
+        """Write the picture; the suffix chooses the format.
+
+        Parameters
+        ----------
+        path : path
+            ``.exr .png .jpg .npy .hdr .pfm``; EXR also keeps the error, the AOVs and provenance.
+        **display
+            `exposure` (stops), `tone_map`, `bits`: see `alight.outputs.write_image`.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written; a file that was there before is then untouched.
+        """
+        return write_image(path, self.picture(), **display)
+
+    def _repr_png_(self) -> bytes:
+        """Show the picture in a notebook."""
+        return notebook.png_of(self)
+
+    def _repr_html_(self) -> str:
+        """Show the picture and its facts in a notebook."""
+        return notebook.html_of(self)
+
+    def __repr__(self) -> str:
+        """Say size, samples and replicates."""
+        _, _, w, h = self.crop
+        return f"<Film {w}x{h}, {self.spp:g} spp, {self.replicates} replicates>"
+
+
+def _add(target: np.ndarray, sums: np.ndarray) -> None:
+    """Add fixed-point sums in place. Carrying first leaves limb 1 room for the addition."""
+    added = sums.astype(np.int64)
+    fixed_point.carry(added)
+    target += added
+    fixed_point.carry(target)
+
+
+def _names(names: Any) -> str:
+    return ", ".join(sorted(names)) or "none"
+
+
+def _check_shape(
+    width: int, height: int, crop: Any, replicates: int, channels: Sequence[str]
+) -> None:
+    if width < 1 or height < 1:
+        raise FilmError(f"film size must be at least 1x1 pixels, got {width}x{height}")
+    if replicates < 1:
+        raise FilmError(f"replicates must be at least 1, got {replicates}")
+    if len(channels) < 3:
+        raise FilmError(f"a film needs at least the channels R, G, B, got {_names(channels)}")
+    if crop is not None:
+        x, y, w, h = crop
+        if min(x, y) < 0 or min(w, h) < 1 or x + w > width or y + h > height:
+            raise FilmError(
+                f"crop {x},{y},{w},{h} must be a window of at least 1x1 pixels inside "
+                f"the film of {width}x{height}"
+            )

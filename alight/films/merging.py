@@ -1,0 +1,97 @@
+"""Adding films: exact, in any order, and refused by name where the pictures are not the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from alight.core.errors import FilmError
+from alight.films import fixed_point
+from alight.films.sample_ranges import CELL_SIZE, cells_of, union_of_cells
+
+if TYPE_CHECKING:
+    from alight.films.film import Film
+
+#: What two films must share, and how a message calls it.
+_IDENTITY: tuple[tuple[str, Callable[[Any], Any]], ...] = (
+    ("size", lambda film: (film.width, film.height)),
+    ("crop", lambda film: film.crop),
+    ("number of replicates", lambda film: film.replicates),
+    ("channels", lambda film: film.channels),
+    ("AOVs", lambda film: film.aov_channels),
+    ("scene hash", lambda film: film.scene_hash),
+    ("seed", lambda film: film.seed),
+    ("kernel fingerprint", lambda film: film.fingerprint),
+)
+
+
+def merge(films: Sequence[Film]) -> Film:
+    """Make the film of all samples of `films` (see `Film.merge`)."""
+    if not films:
+        raise FilmError("nothing to merge: give at least one film")
+    parts = [film.snapshot() for film in films]
+    for number, part in enumerate(parts, start=1):
+        _check_recorded(part, number)
+        _check_same(parts[0], part, number)
+    result = parts[0].empty_like()
+    index = cells_of(*result.crop)
+    for number, part in enumerate(parts, start=1):
+        _check_disjoint(result, part, index, number)
+        result.cells[index] = union_of_cells(result.cells[index], part.cells[index])
+        result.counts += part.counts
+        result._check_room(result.counts)
+        for target, added in _planes(result, part):
+            target += added
+            fixed_point.carry(target)
+        result.invalid += part.invalid
+        result.saturated += part.saturated
+    return result
+
+
+def _planes(result: Film, part: Film) -> list[tuple[np.ndarray, np.ndarray]]:
+    named = [(plane, part.aov_sums[name]) for name, plane in result.aov_sums.items()]
+    return [(result.sums, part.sums), *named]
+
+
+def _check_same(first: Film, other: Film, number: int) -> None:
+    for name, of in _IDENTITY:
+        if of(first) != of(other):
+            raise FilmError(
+                f"cannot merge film {number} with film 1: the {name} differs "
+                f"({_shown(of(other))}, not {_shown(of(first))})"
+            )
+    for key in sorted(first.options.keys() | other.options.keys()):
+        a, b = first.options.get(key), other.options.get(key)
+        if a != b:
+            raise FilmError(
+                f'cannot merge film {number} with film 1: the option "{key}" differs '
+                f"({_shown(b)}, not {_shown(a)})"
+            )
+
+
+def _shown(value: Any) -> str:
+    return "x".join(map(str, value)) if isinstance(value, tuple) else repr(value)
+
+
+def _check_disjoint(result: Film, part: Film, index: Any, number: int) -> None:
+    for mine, theirs in zip(result.cells[index].flat, part.cells[index].flat, strict=True):
+        common = mine.overlap(theirs)
+        if common.count:
+            raise FilmError(
+                f"cannot merge film {number}: samples {common} are in an earlier film too and "
+                "would be counted twice; render it with another first sample"
+            )
+
+
+def _check_recorded(film: Film, number: int) -> None:
+    """Every pixel must hold the samples that its cell's ranges say."""
+    size = CELL_SIZE
+    x, y, w, h = film.crop
+    per_cell = np.array([[cell.count for cell in row] for row in film.cells], np.int64)
+    expected = per_cell[(y + np.arange(h))[:, None] // size, (x + np.arange(w))[None, :] // size]
+    if (film.counts.sum(axis=2) != expected).any():
+        raise FilmError(
+            f"cannot merge film {number}: it holds samples whose indices were not recorded"
+        )

@@ -1,0 +1,34 @@
+"""How a film shows itself in a notebook: the picture and a line of facts."""
+
+from __future__ import annotations
+
+import base64
+import html
+import math
+from typing import TYPE_CHECKING
+
+from alight.outputs.png import encode_png
+from alight.outputs.tone_mapping import Display
+
+if TYPE_CHECKING:
+    from alight.films.film import Film
+
+
+def png_of(film: Film) -> bytes:
+    """Encode the picture as an 8-bit sRGB PNG."""
+    return encode_png(Display().apply(film.image), bits=8)
+
+
+def html_of(film: Film) -> str:
+    """Show the picture with size, samples, error and what went wrong."""
+    picture = base64.b64encode(png_of(film)).decode("ascii")
+    _, _, w, h = film.crop
+    facts = [f"{w} × {h} pixels", f"{film.spp:g} samples per pixel"]
+    error = film.relmse_estimate().relrmse.value
+    facts.append("error unknown" if math.isnan(error) else f"relative error {error:.2%}")
+    if film.invalid:
+        facts.append(f"{film.invalid} invalid samples")
+    if film.saturated:
+        facts.append(f"{film.saturated} saturated values")
+    line = html.escape(", ".join(facts))
+    return f'<img alt="{line}" src="data:image/png;base64,{picture}"><br><small>{line}</small>'

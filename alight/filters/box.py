@@ -1,0 +1,44 @@
+r"""Box filter: every sample within `radius` counts the same.
+
+.. math:: f(x, y) = 1 \quad \text{if } |x|, |y| \le r
+
+Radius 0.5 is the mean over the pixel's own square.
+
+Source: PBR4 section 8.8.1.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from alight.core.jit import kernel
+from alight.core.simd import lanes
+from alight.core.spec import Filter, FilterRadius
+
+
+class Box(Filter):
+    """Mean over a square.
+
+    Parameters
+    ----------
+    radius : float in [0.1, 16], pixels, default 0.5
+        Half the side of the square.
+    """
+
+    type: Literal["box"] = "box"
+    radius: FilterRadius = 0.5
+
+
+EXAMPLES = (Box(), Box(radius=1.5), Box(radius=0.1))
+
+
+def pack(spec):
+    """Table of the kernel: the radius."""
+    return [spec.radius]
+
+
+@kernel
+def sample(table, u2):
+    """Offsets dx, dy in [-r, r) and the weight 1."""
+    r = table[0]
+    return r * (2.0 * u2[0] - 1.0), r * (2.0 * u2[1] - 1.0), lanes(1.0)

@@ -1,0 +1,57 @@
+r"""Direct light only: light that reaches the camera after at most one scattering.
+
+Source: PBR4 section 13.2 (direct lighting); Veach and Guibas 1995 for the combination.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from alight.core.jit import kernel
+from alight.core.spec import Integrator
+from alight.integrators import path
+from alight.integrators.walk import Settings
+
+#: The camera sees a light (1), or a surface that a light shines on (2).
+MAX_DEPTH = 2
+
+
+class Direct(Integrator):
+    """Direct lighting.
+
+    Parameters
+    ----------
+    light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
+        As for `path`.
+    heuristic : {"power", "balance"}, default "power"
+        As for `path`.
+    light_choice : {"power", "uniform"}, default "power"
+        Probability of each light.
+    """
+
+    type: Literal["direct"] = "direct"
+    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
+    heuristic: Literal["power", "balance"] = "power"
+    light_choice: Literal["power", "uniform"] = "power"
+
+
+EXAMPLES = (
+    Direct(),
+    Direct(light_sampling="bsdf"),
+    Direct(light_sampling="emitter", heuristic="balance", light_choice="uniform"),
+)
+
+
+def step(program):
+    """The path tracer's step, for paths of at most two edges."""
+    path_step = path.step(program, roulette=False)
+
+    @kernel
+    def direct_step(scene, settings, walk):
+        """One more vertex of each path."""
+        two_edges = Settings(
+            MAX_DEPTH, settings.rr_depth, settings.seed, settings.replicates, settings.distance
+        )
+        return path_step(scene, two_edges, walk)
+
+    return direct_step

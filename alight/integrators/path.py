@@ -1,0 +1,224 @@
+r"""Path tracing: unidirectional, with light sampling combined by multiple importance sampling.
+
+.. math::
+    L_o = L_e + \int f(\omega_o, \omega_i)\, L_i(\omega_i)\, |\cos\theta_i|\, d\omega_i
+
+Source: Kajiya, The rendering equation, SIGGRAPH 1986; Veach and Guibas, Optimally combining
+sampling techniques, SIGGRAPH 1995; Arvo and Kirk, Particle transport and image synthesis, SIGGRAPH
+1990 for the roulette; PBR4 section 13.4.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from alight.accel.packets import intersect_closest, is_occluded
+from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
+from alight.bsdfs.flags import DELTA
+from alight.core.constants import INFINITY
+from alight.core.jit import kernel
+from alight.core.mis import balance_heuristic, power_heuristic
+from alight.core.simd import any_lane, lanes, minimum, where
+from alight.core.spec import Depth, Integrator, invalid
+from alight.core.vec import max_component
+from alight.integrators.walk import (
+    BSDF_CHOICE,
+    BSDF_DIRECTION,
+    LIGHT_CHOICE,
+    LIGHT_POINT,
+    ROULETTE,
+    Path as WalkPath,
+    count_lanes,
+    to_local,
+    to_world,
+    vertex_dimension,
+)
+from alight.lights.sampling import (
+    emitted,
+    environment_pdf,
+    environment_radiance,
+    light_pdf,
+    sample_light,
+    shadow_ray,
+)
+from alight.samplers.sampling import get_1d, get_2d
+from alight.shapes.hit import spawn_origin
+from alight.shapes.surfaces import make_surface
+
+#: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
+MAX_SURVIVAL = 0.95
+
+
+class Path(Integrator):
+    """Path tracer.
+
+    Parameters
+    ----------
+    light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
+        How direct light is found: by BSDF sampling, by light sampling, or by both combined. All
+        compute the same picture.
+    heuristic : {"power", "balance"}, default "power"
+        How both are weighted under "mis".
+    russian_roulette : {"throughput", "none"}, default "throughput"
+        Whether dim paths end at random, with weights that keep the mean.
+    rr_depth : int >= 1, default 5
+        Depth from which roulette is played.
+    max_depth : int >= 1, optional
+        Longest path, counted in edges after the camera: 1 shows lights only, 2 adds direct light.
+        Unlimited by default, which needs roulette.
+    light_choice : {"power", "uniform"}, default "power"
+        Probability of each light.
+    """
+
+    type: Literal["path"] = "path"
+    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
+    heuristic: Literal["power", "balance"] = "power"
+    russian_roulette: Literal["throughput", "none"] = "throughput"
+    rr_depth: Depth = 5
+    max_depth: Depth | None = None
+    light_choice: Literal["power", "uniform"] = "power"
+
+    @model_validator(mode="after")
+    def _paths_end(self) -> Self:
+        if self.max_depth is None and self.russian_roulette == "none":
+            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
+        return self
+
+
+EXAMPLES = (
+    Path(),
+    Path(max_depth=8, rr_depth=5),
+    Path(light_sampling="bsdf", russian_roulette="none", max_depth=4),
+    Path(light_sampling="emitter", light_choice="uniform"),
+    Path(heuristic="balance", rr_depth=1),
+)
+
+
+def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
+    """The kernel that carries paths on by one vertex, for the options of a program.
+
+    Parameters
+    ----------
+    program : Program
+    scatter : kernel, default `sample_bsdf`
+        How the next direction is chosen.
+    strategy : {"mis", "bsdf", "emitter"}, optional
+        In place of the program's ``light_sampling``.
+    roulette : bool, optional
+        In place of the program's ``russian_roulette``.
+    """
+    strategy = strategy or program.option("light_sampling")
+    if roulette is None:
+        roulette = program.option("russian_roulette") == "throughput"
+    heuristic = {"power": power_heuristic, "balance": balance_heuristic}[
+        program.option("heuristic", "power")
+    ]
+    by_light = strategy in ("emitter", "mis") and bool(program.lights)
+    weigh = {"mis": 1, "bsdf": 2, "emitter": 0}[strategy]
+    delta_lights = bool({"point", "directional"} & set(program.lights))
+    area_lights = "area" in program.lights
+    environment = "constant" in program.lights
+
+    @kernel
+    def path_step(scene, settings, path):
+        """One more vertex of each path."""
+        # Follow the ray to the next surface.
+        rays = path.rays + count_lanes(path.active)
+        hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
+        depth = path.depth + 1
+        missed = path.active & (hit.t == INFINITY)
+        active = path.active & (hit.t < INFINITY)
+        L, L_direct = path.L, path.L_direct
+
+        # The ray left the scene: light of the environment.
+        if environment:
+            if any_lane(missed):
+                Le = environment_radiance(scene, path.d)
+                w = bsdf_weight(path, environment_pdf(scene, path.d))
+                L = where(missed, L + path.beta * Le * w, L)
+                L_direct = where(missed & (depth <= 2), L, L_direct)
+
+        surface = make_surface(scene, hit, path.o, path.d, active)
+        wo = to_local(surface, -path.d)
+
+        # The ray came upon a light.
+        if area_lights:
+            shining = active & (surface.light != 0)
+            if any_lane(shining):
+                Le = emitted(scene, surface, -path.d)
+                pdf = light_pdf(scene, surface.light, path.p, path.d, hit.t, surface)
+                w = bsdf_weight(path, pdf)
+                L = where(shining, L + path.beta * Le * w, L)
+                L_direct = where(shining & (depth <= 2), L, L_direct)
+
+        # The longest path ends here: one more edge would be too many.
+        active = active & (depth < settings.max_depth)
+        dimension = vertex_dimension(depth)
+
+        # Direct light, by sampling the lights.
+        if by_light or delta_lights:
+            light = sample_light(
+                scene, surface.p, surface.ns,
+                get_1d(path.sampler, dimension + LIGHT_CHOICE),
+                get_2d(path.sampler, dimension + LIGHT_POINT), active,
+            )
+            if by_light:
+                lit = active & (light.pdf > 0.0)
+            else:
+                lit = active & (light.pdf > 0.0) & light.delta
+            if any_lane(lit):
+                wi = to_local(surface, light.wi)
+                f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
+                lit = lit & (max_component(f_cos) > 0.0)
+                rays += count_lanes(lit)
+                o, end = shadow_ray(surface, light)
+                lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
+                w = light_weight(light, pdf)
+                L = where(lit, L + path.beta * f_cos * light.radiance * (w / light.pdf), L)
+                L_direct = where(lit & (depth <= 1), L, L_direct)
+
+        # Where the path goes on.
+        wi, weight, pdf, flags = scatter(
+            scene, surface, wo,
+            get_1d(path.sampler, dimension + BSDF_CHOICE),
+            get_2d(path.sampler, dimension + BSDF_DIRECTION), active,
+        )
+        beta = path.beta * weight
+        largest = max_component(beta)
+        # Not "largest > 0": a NaN must live on and be counted by the film.
+        active = active & ~(largest <= 0.0)
+        d = to_world(surface, wi)
+        o = spawn_origin(surface.p, surface.error, surface.ng, d)
+
+        # Russian roulette: end dim paths, and let the survivors carry their light.
+        if roulette:
+            survival = minimum(largest, MAX_SURVIVAL)
+            playing = depth >= settings.rr_depth
+            survived = get_1d(path.sampler, dimension + ROULETTE) < survival
+            active = active & (survived | ~playing)
+            beta = where(playing, beta / survival, beta)
+
+        return WalkPath(
+            o, d, surface.p, L, L_direct, beta, pdf, (flags & DELTA) != 0, depth,
+            path.sampler, active, rays,
+        )
+
+    @kernel
+    def bsdf_weight(path, light_pdf):
+        """MIS weight of light that the BSDF's direction came upon."""
+        if weigh == 1:
+            return where(path.delta, 1.0, heuristic(path.pdf, light_pdf))
+        if weigh == 2:
+            return where(path.delta, 1.0, lanes(1.0))
+        return where(path.delta, 1.0, lanes(0.0))
+
+    @kernel
+    def light_weight(light, bsdf_pdf):
+        """MIS weight of light that light sampling chose."""
+        if weigh == 1:
+            return where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))
+        return where(light.delta, 1.0, lanes(1.0))
+
+    return path_step

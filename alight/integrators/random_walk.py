@@ -1,0 +1,57 @@
+r"""Random walk: the naive baseline. Follow uniform directions and hope to hit a light.
+
+.. math::
+    L_o \approx L_e
+        + \frac{f(\omega_o, \omega_i)\, |\cos\theta_i|\, L_i(\omega_i)}{p(\omega_i)}
+
+Source: PBR4 section 1.3.6 (RandomWalkIntegrator).
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
+from alight.bsdfs.flags import DELTA
+from alight.core.constants import INV_FOUR_PI
+from alight.core.jit import kernel
+from alight.core.simd import where
+from alight.core.spec import Depth, Integrator
+from alight.core.warps import square_to_uniform_sphere
+from alight.integrators import path
+
+
+class RandomWalk(Integrator):
+    """Path tracing without light sampling or roulette.
+
+    Parameters
+    ----------
+    max_depth : int >= 1, default 5
+        Longest path, counted in edges after the camera.
+    """
+
+    type: Literal["random_walk"] = "random_walk"
+    max_depth: Depth = 5
+
+
+EXAMPLES = (RandomWalk(), RandomWalk(max_depth=1), RandomWalk(max_depth=20))
+
+
+@kernel
+def scatter_uniformly(scene, surface, wo, u, u2, active):
+    """Any direction of the sphere, equally likely; delta lobes still choose their own."""
+    wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, active)
+    delta = (flags & DELTA) != 0
+    uniform = square_to_uniform_sphere(u2)
+    f_cos, _ = evaluate_bsdf(scene, surface, wo, uniform, active)
+    return (
+        where(delta, wi, uniform),
+        where(delta, weight, f_cos * (1.0 / INV_FOUR_PI)),
+        where(delta, pdf, INV_FOUR_PI),
+        flags,
+    )
+
+
+def step(program):
+    """The path tracer's step with uniform directions, without light sampling and roulette."""
+    return path.step(program, scatter=scatter_uniformly, strategy="bsdf", roulette=False)

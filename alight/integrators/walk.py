@@ -1,0 +1,83 @@
+"""What all integrators share: the state of a path, and the random numbers of its vertices.
+
+An integrator is one kernel, ``step(scene, settings, path) -> path``: it carries every lane's path
+on by one vertex and clears `active` where the path has ended. The main loop starts paths, calls
+`step`, and adds finished ones to the film.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.core.jit import kernel, specialised
+from alight.core.registry import modules
+from alight.core.simd import as_int, count_bits, lanes, lanes_mask, lanes_u32, lanes_vec3, mask_bits
+from alight.core.vec import Vec3, dot, normalize
+from alight.samplers.state import SamplerState
+
+#: One path per lane.
+#:
+#: o, d : Vec3, the ray to follow next;
+#: p : Vec3, the surface point that it starts from (o is p moved off the surface);
+#: L : Vec3, radiance gathered so far;  L_direct : Vec3, the part from depth <= 2;
+#: beta : Vec3, throughput;  pdf : density of d per steradian;
+#: delta : mask, d was chosen by a delta lobe, or is a camera ray;
+#: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
+#: rays : uniform whole number, rays traced by all lanes so far.
+Path = namedtuple("Path", "o d p L L_direct beta pdf delta depth sampler active rays")
+
+#: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (metres).
+Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance")
+
+#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time.
+FILTER, LENS = 0, 2
+CAMERA_DIMENSIONS = 8
+
+#: Sixteen dimensions a vertex; these are their places.
+VERTEX_DIMENSIONS = 16
+LIGHT_CHOICE, LIGHT_POINT, BSDF_CHOICE, BSDF_DIRECTION, ROULETTE = 0, 1, 3, 4, 6
+
+
+@kernel
+def empty_paths():
+    """Paths of which none is active."""
+    zero = lanes_u32(0)
+    black = lanes_vec3(0.0)
+    return Path(
+        black, lanes_vec3(1.0), black, black, black, black, lanes(0.0), lanes_mask(False), zero,
+        SamplerState(zero, zero, zero, zero, zero), lanes_mask(False),
+        as_int(0),
+    )
+
+
+@kernel
+def count_lanes(mask):
+    """In how many lanes the mask holds."""
+    return count_bits(mask_bits(mask))
+
+
+@kernel
+def vertex_dimension(depth):
+    """First dimension of the vertex at the end of edge number `depth` (1 = the first hit)."""
+    return CAMERA_DIMENSIONS + (depth - 1) * VERTEX_DIMENSIONS
+
+
+@kernel
+def to_local(surface, w):
+    """World -> shading frame, in which z is the shading normal."""
+    return Vec3(dot(w, surface.s), dot(w, surface.t), dot(w, surface.ns))
+
+
+@kernel
+def to_world(surface, w):
+    """Shading frame -> world; of unit length again after the rounding."""
+    return normalize(w.x * surface.s + w.y * surface.t + w.z * surface.ns)
+
+
+@specialised
+def step(program):
+    """The step of the program's integrator."""
+    for module in modules("integrators"):
+        if module.EXAMPLES[0].type_name() == program.integrator:
+            return module.step(program)
+    raise ValueError(f"unknown integrator {program.integrator!r}")

@@ -1,0 +1,10 @@
+"""Sources of light, one model per file. A new model is one file and one line here."""
+
+from alight.lights import area, constant, directional, point
+
+MODELS = (
+    point,
+    directional,
+    area,
+    constant,
+)

@@ -1,0 +1,162 @@
+r"""Area light: a finite shape whose surface emits the same radiance in every direction.
+
+.. math:: L_e(x, \omega) = L \quad \text{if } \omega \cdot n_g > 0, \text{ else } 0
+
+It emits on the side of the normal only, and its shape scatters light with its BSDF like any other.
+
+Source: PBR4 section 12.4.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from alight.core.constants import PI
+from alight.core.jit import kernel, specialised
+from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
+from alight.core.spec import Color, Light
+from alight.lights.tables import INFO, LightSample
+from alight.shapes import disk, mesh, rectangle, sphere
+from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.hit import ShapeSample
+from alight.shapes.surfaces import KINDS
+
+
+class Area(Light):
+    """Emission of the shape on the same node.
+
+    Parameters
+    ----------
+    radiance : Color, W/(m^2 sr), default 1
+        Emitted radiance.
+    """
+
+    placement: ClassVar[Literal["node", "shape", "environment"]] = "shape"
+    type: Literal["area"] = "area"
+    radiance: Color = (1.0, 1.0, 1.0)
+
+
+EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))
+
+#: Shapes that can shine.
+SHAPES = {"sphere": sphere, "rectangle": rectangle, "disk": disk, "mesh": mesh}
+
+
+def power(luminance: float, area: float, radius: float) -> float:
+    """Emitted power in W: the cosine integrates to pi over the hemisphere."""
+    return PI * area * luminance
+
+
+@kernel
+def blend(mask, a, b):
+    """Lane-wise choice between two `ShapeSample`."""
+    return ShapeSample(
+        where(mask, a.wi, b.wi),
+        where(mask, a.distance, b.distance),
+        where(mask, a.cosine, b.cosine),
+        where(mask, a.error, b.error),
+        where(mask, a.pdf, b.pdf),
+    )
+
+
+@kernel
+def no_sample(tables, cdf, start, shape, p, u, u2):
+    """A `ShapeSample` of zeros in every lane."""
+    zero = lanes(0.0)
+    return ShapeSample(lanes_vec3(0.0), zero, zero, zero, zero)
+
+
+@kernel
+def no_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
+    """Zero in every lane."""
+    return lanes(0.0)
+
+
+def _sample_by_kind(names: tuple[str, ...]):
+    """A kernel that runs each shape's `sample` where it was chosen."""
+    if not names:
+        return no_sample
+    if len(names) == 1:
+        return SHAPES[names[0]].sample
+    own, number, others = SHAPES[names[0]].sample, KINDS[names[0]], _sample_by_kind(names[1:])
+
+    @kernel
+    def choose(tables, cdf, start, shape, p, u, u2):
+        result = others(tables, cdf, start, shape, p, u, u2)
+        mine = gather(tables.info, shape * SHAPE_INFO) == number
+        if any_lane(mine):
+            result = blend(mine, own(tables, cdf, start, shape, p, u, u2), result)
+        return result
+
+    return choose
+
+
+def _pdf_by_kind(names: tuple[str, ...]):
+    """A kernel that runs each shape's `pdf` where it was hit."""
+    if not names:
+        return no_pdf
+    if len(names) == 1:
+        return SHAPES[names[0]].pdf
+    own, number, others = SHAPES[names[0]].pdf, KINDS[names[0]], _pdf_by_kind(names[1:])
+
+    @kernel
+    def choose(tables, cdf, start, shape, prim, p, wi, distance, cosine):
+        result = others(tables, cdf, start, shape, prim, p, wi, distance, cosine)
+        mine = gather(tables.info, shape * SHAPE_INFO) == number
+        if any_lane(mine):
+            found = own(tables, cdf, start, shape, prim, p, wi, distance, cosine)
+            result = where(mine, found, result)
+        return result
+
+    return choose
+
+
+@specialised
+def sample_shape(program):
+    """``sample_shape(tables, cdf, start, shape, p, u, u2) -> ShapeSample``."""
+    return _sample_by_kind(tuple(name for name in SHAPES if name in program.light_shapes))
+
+
+@specialised
+def shape_pdf(program):
+    """``shape_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine)``, per solid angle."""
+    return _pdf_by_kind(tuple(name for name in SHAPES if name in program.light_shapes))
+
+
+@kernel
+def sample(scene, index, p, u, u2):
+    """Choose a point of an area light.
+
+    Parameters
+    ----------
+    scene : namedtuple
+        With the fields `shapes` and `lights`.
+    index : uint32
+        The light.
+    p : Vec3
+        Where it is seen from.
+    u, u2
+        Uniform in [0, 1): one number and a pair.
+
+    Returns
+    -------
+    LightSample
+        Without the probability of choosing this light; radiance 1 (the caller multiplies it) or 0
+        on the dark side.
+    """
+    info = scene.lights.info
+    shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
+    s = sample_shape(scene.shapes, scene.lights.cdf, start, shape, p, u, u2)
+    bright = where(s.cosine > 0.0, lanes_vec3(1.0), lanes_vec3(0.0))
+    return LightSample(s.wi, s.distance, bright, s.pdf, lanes_mask(False), s.cosine, s.error)
+
+
+@kernel
+def pdf(scene, index, prim, p, wi, distance, cosine):
+    """Density of `sample` per solid angle at a point of the light; 0 on the dark side."""
+    info = scene.lights.info
+    shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
+    density = shape_pdf(
+        scene.shapes, scene.lights.cdf, start, shape, prim, p, wi, distance, cosine
+    )
+    return where(cosine > 0.0, density, 0.0)

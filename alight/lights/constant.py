@@ -1,0 +1,55 @@
+r"""Constant environment: the same radiance from every direction at infinity.
+
+.. math:: L_e(\omega) = L
+
+Source: PBR4 section 12.5.1.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from alight.core.constants import INFINITY, INV_FOUR_PI, PI
+from alight.core.jit import kernel
+from alight.core.simd import lanes, lanes_mask, lanes_vec3
+from alight.core.spec import Color, Light
+from alight.core.warps import square_to_uniform_sphere
+from alight.lights.tables import LightSample
+
+
+class Constant(Light):
+    """Uniform sky.
+
+    Parameters
+    ----------
+    radiance : Color, W/(m^2 sr), default 1
+        Radiance of every direction.
+    """
+
+    placement: ClassVar[Literal["node", "shape", "environment"]] = "environment"
+    type: Literal["constant"] = "constant"
+    radiance: Color = (1.0, 1.0, 1.0)
+
+
+EXAMPLES = (Constant(), Constant(radiance=(0.3, 0.5, 0.9)), Constant(radiance=0.0))
+
+
+def power(luminance: float, area: float, radius: float) -> float:
+    """W that enter a scene of bounding radius `radius`: 4 pi directions through pi r^2."""
+    return 4.0 * PI * PI * radius * radius * luminance
+
+
+@kernel
+def sample(scene, index, p, u, u2):
+    """Choose any direction; see `alight.lights.area.sample`."""
+    one = lanes(1.0)
+    wi = square_to_uniform_sphere(u2)
+    return LightSample(
+        wi, INFINITY * one, lanes_vec3(1.0), INV_FOUR_PI * one, lanes_mask(False), one, lanes(0.0)
+    )
+
+
+@kernel
+def pdf(d):
+    """Density of `sample` per solid angle."""
+    return lanes(INV_FOUR_PI)

@@ -1,0 +1,51 @@
+r"""Directional light: parallel rays from infinity, as from a far sun.
+
+.. math:: E(x) = E_\perp \cos\theta
+
+Light travels along the local +z axis of its node. A path cannot hit it, so it is always sampled as
+a light.
+
+Source: PBR4 section 12.3; axis as in Mitsuba 3.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from alight.core.constants import INFINITY, PI
+from alight.core.jit import kernel
+from alight.core.simd import lanes, lanes_mask, lanes_vec3
+from alight.core.spec import Color, Light
+from alight.core.vec import gather_vec3
+from alight.lights.tables import STRIDE, LightSample
+
+
+class Directional(Light):
+    """Parallel light along +z of its node.
+
+    Parameters
+    ----------
+    irradiance : Color, W/m^2, default 1
+        On a surface that faces the light.
+    """
+
+    type: Literal["directional"] = "directional"
+    irradiance: Color = (1.0, 1.0, 1.0)
+
+
+EXAMPLES = (Directional(), Directional(irradiance=(3.0, 2.0, 1.0)), Directional(irradiance=0.0))
+
+
+def power(luminance: float, area: float, radius: float) -> float:
+    """W that enter a scene of bounding radius `radius`, through pi r^2."""
+    return PI * radius * radius * luminance
+
+
+@kernel
+def sample(scene, index, p, u, u2):
+    """The one direction to the light; see `alight.lights.area.sample`."""
+    one = lanes(1.0)
+    wi = gather_vec3(scene.lights.data, index * STRIDE + 4)
+    return LightSample(
+        wi, INFINITY * one, lanes_vec3(1.0), one, lanes_mask(True), one, lanes(0.0)
+    )

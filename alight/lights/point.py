@@ -1,0 +1,54 @@
+r"""Point light: the same intensity in every direction, from one point.
+
+.. math:: E(x) = I \cos\theta / |x - x_\text{light}|^2
+
+A path cannot hit it, so it is always sampled as a light. It stands at the origin of its node.
+
+Source: PBR4 section 12.2.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from alight.core.constants import PI
+from alight.core.jit import kernel
+from alight.core.simd import lanes, lanes_mask, lanes_vec3, maximum, sqrt
+from alight.core.spec import Color, Light
+from alight.core.vec import gather_vec3, length_squared
+from alight.lights.tables import STRIDE, LightSample
+
+
+class Point(Light):
+    """Isotropic point light.
+
+    Parameters
+    ----------
+    intensity : Color, W/sr, default 1
+        Radiant intensity; not changed by a scale of the node.
+    """
+
+    type: Literal["point"] = "point"
+    intensity: Color = (1.0, 1.0, 1.0)
+
+
+EXAMPLES = (Point(), Point(intensity=(10.0, 5.0, 0.0)), Point(intensity=0.0))
+
+
+def power(luminance: float, area: float, radius: float) -> float:
+    """Emitted power in W: the intensity over the whole sphere."""
+    return 4.0 * PI * luminance
+
+
+@kernel
+def sample(scene, index, p, u, u2):
+    """The one direction to the light; see `alight.lights.area.sample`."""
+    to_light = gather_vec3(scene.lights.data, index * STRIDE + 4) - p
+    # At the light itself there is no direction; the square must not underflow to 1 / 0.
+    squared = maximum(length_squared(to_light), 1e-30)
+    distance = sqrt(squared)
+    one = lanes(1.0)
+    return LightSample(
+        to_light * (1.0 / distance), distance, lanes_vec3(1.0) * (1.0 / squared), one,
+        lanes_mask(True), one, lanes(0.0),
+    )

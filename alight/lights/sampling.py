@@ -1,0 +1,233 @@
+"""Light for next-event estimation, and what rays find that hit a light by themselves.
+
+All densities are per solid angle at the lit point and include the probability of choosing the
+light, so `sample_light`, `light_pdf` and `environment_pdf` agree with each other.
+"""
+
+from __future__ import annotations
+
+from alight.core.distributions import sample_discrete
+from alight.core.jit import kernel, specialised
+from alight.core.simd import any_lane, gather, is_finite, lanes, lanes_mask, lanes_vec3, where
+from alight.core.vec import dot, gather_vec3, row_vec3
+from alight.lights import MODELS, area, constant, directional, point
+from alight.lights.area import pdf as area_pdf
+from alight.lights.constant import pdf as constant_pdf
+from alight.lights.tables import INFO, STRIDE, LightSample
+from alight.shapes.hit import shadow_length, spawn_origin
+
+#: Name of a light -> its number in `LightTables.info`.
+KINDS = {model.__name__.rpartition(".")[2]: i for i, model in enumerate(MODELS)}
+
+SAMPLES = {
+    "point": point.sample,
+    "directional": directional.sample,
+    "area": area.sample,
+    "constant": constant.sample,
+}
+
+#: Lights of which a scene has at most one, at infinity.
+ENVIRONMENTS = ("constant",)
+
+
+@kernel
+def blend(mask, a, b):
+    """Lane-wise choice between two `LightSample`."""
+    return LightSample(
+        where(mask, a.wi, b.wi),
+        where(mask, a.distance, b.distance),
+        where(mask, a.radiance, b.radiance),
+        where(mask, a.pdf, b.pdf),
+        where(mask, a.delta, b.delta),
+        where(mask, a.cosine, b.cosine),
+        where(mask, a.error, b.error),
+    )
+
+
+@kernel
+def no_sample(scene, index, p, u, u2):
+    """A `LightSample` of zeros in every lane."""
+    zero, vector = lanes(0.0), lanes_vec3(0.0)
+    return LightSample(vector, zero, vector, zero, lanes_mask(False), zero, zero)
+
+
+def _by_kind(names: tuple[str, ...]):
+    """A kernel that runs each light's `sample` where it was chosen."""
+    if not names:
+        return no_sample
+    if len(names) == 1:
+        return SAMPLES[names[0]]
+    own, number, others = SAMPLES[names[0]], KINDS[names[0]], _by_kind(names[1:])
+
+    @kernel
+    def choose(scene, index, p, u, u2):
+        result = others(scene, index, p, u, u2)
+        mine = gather(scene.lights.info, index * INFO) == number
+        if any_lane(mine):
+            result = blend(mine, own(scene, index, p, u, u2), result)
+        return result
+
+    return choose
+
+
+@specialised
+def sample_chosen(program):
+    """``sample_chosen(scene, index, p, u, u2) -> LightSample`` of the lights `index`."""
+    return _by_kind(tuple(name for name in SAMPLES if name in program.lights))
+
+
+@specialised
+def sample_light(program):
+    """Choose a light, and light from it: ``sample_light(scene, p, ns, u, u2, active)``.
+
+    Parameters
+    ----------
+    scene : namedtuple
+        With the fields `shapes` and `lights`.
+    p, ns : Vec3
+        The lit point and its normal.
+    u : float
+        Uniform in [0, 1), chooses the light.
+    u2 : tuple of 2 floats
+        Uniform in [0, 1), choose the direction.
+    active : mask
+        Lanes that need a sample.
+
+    Returns
+    -------
+    LightSample
+        Not yet tested for shadow: see `shadow_ray`. Where pdf is 0, radiance is 0 too.
+    """
+    if not program.lights:
+
+        @kernel
+        def without_lights(scene, p, ns, u, u2, active):
+            return no_sample(scene, lanes(0.0), p, u, u2)
+
+        return without_lights
+
+    @kernel
+    def with_lights(scene, p, ns, u, u2, active):
+        count = scene.lights.info.size // INFO
+        index, pmf, rest = sample_discrete(scene.lights.cdf, 0, count, u)
+        s = sample_chosen(scene, index, p, rest, u2)
+        pdf = s.pdf * pmf
+        # No light from behind, from nowhere, or from farther than float32 can tell.
+        valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0)
+        radiance = s.radiance * gather_vec3(scene.lights.data, index * STRIDE)
+        return LightSample(
+            s.wi,
+            s.distance,
+            where(valid, radiance, lanes_vec3(0.0)),
+            where(valid, pdf, 0.0),
+            s.delta,
+            s.cosine,
+            s.error,
+        )
+
+    return with_lights
+
+
+@kernel
+def shadow_ray(surface, sample):
+    """Origin and length of the ray that decides whether a light sample is visible.
+
+    Parameters
+    ----------
+    surface : Surface
+        The lit surface.
+    sample : LightSample
+        Of `sample_light` at ``surface.p``.
+
+    Returns
+    -------
+    o : Vec3
+    t_max : float
+        For a ray along ``sample.wi``; see `alight.shapes.hit.shadow_length`.
+    """
+    o = spawn_origin(surface.p, surface.error, surface.ng, sample.wi)
+    return o, shadow_length(sample.distance, sample.cosine, sample.error, surface.error)
+
+
+@specialised
+def light_pdf(program):
+    """Density of `sample_light` for a direction that has hit an area light.
+
+    ``light_pdf(scene, light, p, wi, distance, surface)``: `light` is ``surface.light``, 0 where the
+    surface does not shine (the density is 0 then); p, wi, distance: from where, unit direction,
+    metres to the hit.
+    """
+    if "area" not in program.lights:
+
+        @kernel
+        def without_area_lights(scene, light, p, wi, distance, surface):
+            return lanes(0.0)
+
+        return without_area_lights
+
+    @kernel
+    def with_area_lights(scene, light, p, wi, distance, surface):
+        shines = light > 0
+        index = where(shines, light - 1, 0)
+        cosine = -dot(wi, surface.ng)
+        density = area_pdf(scene, index, surface.prim, p, wi, distance, cosine)
+        return where(shines, density * gather(scene.lights.data, index * STRIDE + 3), 0.0)
+
+    return with_area_lights
+
+
+@specialised
+def emitted(program):
+    """``emitted(scene, surface, wo)``: radiance that a surface itself sends along the unit wo."""
+    if "area" not in program.lights:
+
+        @kernel
+        def dark(scene, surface, wo):
+            return lanes_vec3(0.0)
+
+        return dark
+
+    @kernel
+    def on_outer_side(scene, surface, wo):
+        shines = (surface.light > 0) & (dot(wo, surface.ng) > 0.0)
+        index = where(shines, surface.light - 1, 0)
+        radiance = gather_vec3(scene.lights.data, index * STRIDE)
+        return where(shines, radiance, lanes_vec3(0.0))
+
+    return on_outer_side
+
+
+@specialised
+def environment_radiance(program):
+    """``environment_radiance(scene, d)``: radiance of a ray that leaves the scene along unit d."""
+    if not set(ENVIRONMENTS) & set(program.lights):
+
+        @kernel
+        def black(scene, d):
+            return lanes_vec3(0.0)
+
+        return black
+
+    @kernel
+    def of_the_last_light(scene, d):
+        return row_vec3(scene.lights.data, scene.lights.data.size - STRIDE) + lanes_vec3(0.0)
+
+    return of_the_last_light
+
+
+@specialised
+def environment_pdf(program):
+    """``environment_pdf(scene, d)``: density of `sample_light` for a ray that leaves the scene."""
+    if not set(ENVIRONMENTS) & set(program.lights):
+
+        @kernel
+        def impossible(scene, d):
+            return lanes(0.0)
+
+        return impossible
+
+    @kernel
+    def of_the_last_light(scene, d):
+        return constant_pdf(d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]
+
+    return of_the_last_light

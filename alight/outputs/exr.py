@@ -1,0 +1,97 @@
+"""OpenEXR: float32, lossless, with the error, AOVs and sample counts as layers.
+
+Channels ``R G B`` are the picture, ``standard_error.R`` and so on the layers. A crop is written
+with the full film as display window. Provenance stands in the header as strings ``alight.<key>``.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alight.outputs.picture import Picture
+from alight.outputs.tone_mapping import Display
+
+SUFFIXES = (".exr",)
+IS_DISPLAY = False
+KEEPS_LAYERS = True
+
+_MAGIC = b"\x76\x2f\x31\x01"
+
+
+def write(path: Path, picture: Picture, display: Display) -> None:
+    """Write all layers; `display` does not apply to linear formats."""
+    import OpenEXR
+
+    h, w = picture.image.shape[:2]
+    x, y = picture.offset
+    full_w, full_h = picture.full_size
+    header: dict[str, Any] = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "dataWindow": ((x, y), (x + w - 1, y + h - 1)),
+        "displayWindow": ((0, 0), (full_w - 1, full_h - 1)),
+    }
+    header |= {f"alight.{key}": value for key, value in picture.attributes.items()}
+    channels = {c: np.ascontiguousarray(picture.image[..., i]) for i, c in enumerate("RGB")}
+    for name, plane in picture.layers.items():
+        kind = np.uint32 if plane.dtype.kind == "u" else np.float32
+        channels[name] = np.ascontiguousarray(plane, kind)
+    try:
+        with OpenEXR.File(header, channels) as file:
+            file.write(str(path))
+    except RuntimeError as error:
+        # The library reports a full disk as a RuntimeError with the system's words at its end.
+        reason = str(error).rstrip(".").rpartition(". ")[2]
+        raise OSError(_errno_of(reason), reason) from error
+
+
+def _errno_of(reason: str) -> int:
+    codes = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EROFS)
+    return next((code for code in codes if os.strerror(code) == reason), errno.EIO)
+
+
+def read(path: Path) -> np.ndarray:
+    """Read the channels R, G, B (or Y alone as grey); float32, shape (h, w, 3)."""
+    channels, _ = read_layers(path)
+    if "Y" in channels and "R" not in channels:
+        return np.repeat(channels["Y"][..., None], 3, axis=2)
+    missing = [c for c in "RGB" if c not in channels]
+    if missing:
+        raise ValueError(f"no channel {missing[0]}; it has {', '.join(sorted(channels))}")
+    return np.stack([channels[c] for c in "RGB"], axis=-1)
+
+
+def read_layers(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Read all channels of the first part, and the provenance.
+
+    Returns
+    -------
+    channels : dict of str to ndarray, shape (h, w)
+    attributes : dict of str to str
+        The header's ``alight.<key>`` strings, by key.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the file is missing or no OpenEXR.
+    """
+    # The library would print its own lines to stderr for a file that is no EXR at all.
+    with Path(path).open("rb") as file:
+        if file.read(4) != _MAGIC:
+            raise ValueError("not an OpenEXR file")
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {name: channel.pixels for name, channel in file.channels().items()}
+            header = dict(file.header())
+    except (RuntimeError, ValueError) as error:
+        raise ValueError(f"broken OpenEXR file ({error})") from error
+    prefix = "alight."
+    named = {k[len(prefix) :]: v for k, v in header.items() if k.startswith(prefix)}
+    return channels, named

@@ -1,0 +1,34 @@
+"""JPEG: sRGB, quality 95, colour not subsampled. For mail and web pages, not for measurements."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from alight.outputs.picture import Picture
+from alight.outputs.png import read_with_pillow
+from alight.outputs.tone_mapping import Display
+
+SUFFIXES = (".jpg", ".jpeg")
+IS_DISPLAY = True
+KEEPS_LAYERS = False
+
+_QUALITY = 95
+
+
+def write(path: Path, picture: Picture, display: Display) -> None:
+    """Write the tone-mapped picture."""
+    from PIL import Image
+
+    pixels = np.rint(display.apply(picture.image) * 255.0).astype(np.uint8)
+    # Through memory: Pillow reports a full disk without the reason.
+    encoded = io.BytesIO()
+    Image.fromarray(pixels).save(encoded, format="JPEG", quality=_QUALITY, subsampling=0)
+    path.write_bytes(encoded.getbuffer())
+
+
+def read(path: Path) -> np.ndarray:
+    """Read linear values, shape (h, w, 3)."""
+    return read_with_pillow(path)

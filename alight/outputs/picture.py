@@ -1,0 +1,72 @@
+"""What a format writes: a linear picture, its further layers, and where it comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import OutputError
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture with everything that a format may keep.
+
+    Parameters
+    ----------
+    image : ndarray of float32, shape (h, w, 3)
+        Linear sRGB, top row first.
+    layers : dict of str to ndarray, shape (h, w), float32 or uint32
+        Further channels by their full name, for instance ``albedo.R``.
+    attributes : dict of str to str
+        Provenance.
+    size : (int, int), optional
+        Width and height of the full film, of which the picture may be a crop.
+    offset : (int, int), default (0, 0)
+        Pixel of the full film that the upper left corner is.
+    """
+
+    image: np.ndarray
+    layers: dict[str, np.ndarray] = field(default_factory=dict)
+    attributes: dict[str, str] = field(default_factory=dict)
+    size: tuple[int, int] | None = None
+    offset: tuple[int, int] = (0, 0)
+
+    @property
+    def full_size(self) -> tuple[int, int]:
+        """Width and height of the full film."""
+        return self.size or (self.image.shape[1], self.image.shape[0])
+
+
+def as_picture(source: Any, layers: bool = True) -> Picture:
+    """Make a `Picture` from an array or anything with a method `picture(layers)`, as a film.
+
+    Parameters
+    ----------
+    source : Picture, film, or array of shape (h, w), (h, w, 1) or (h, w, 3)
+        Arrays are linear; one channel becomes grey.
+    layers : bool, default True
+        Whether the format keeps layers; a film need not work them out else.
+
+    Raises
+    ------
+    OutputError
+        For an array that is no picture.
+    """
+    if isinstance(source, Picture):
+        return source
+    if hasattr(source, "picture"):
+        return source.picture(layers)
+    image = np.asarray(source)
+    if image.dtype.kind not in "fiu":
+        raise OutputError(f"a picture must hold numbers, got an array of {image.dtype}")
+    if image.ndim == 2:
+        image = image[..., None]
+    if image.ndim != 3 or image.shape[2] not in (1, 3) or 0 in image.shape:
+        raise OutputError(
+            f"a picture must have the shape (h, w) or (h, w, 3), got {np.asarray(source).shape}"
+        )
+    image = np.broadcast_to(image, (*image.shape[:2], 3))
+    return Picture(np.ascontiguousarray(image, np.float32))

@@ -1,0 +1,88 @@
+"""PNG (ISO/IEC 15948): sRGB, 8 or 16 bits a channel, provenance as text.
+
+The encoder is our own because Pillow has no 16-bit RGB; it reads well enough for both.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from alight.outputs.picture import Picture
+from alight.outputs.tone_mapping import Display, decode_srgb
+
+SUFFIXES = (".png",)
+IS_DISPLAY = True
+KEEPS_LAYERS = False
+
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+
+def write(path: Path, picture: Picture, display: Display) -> None:
+    """Write the tone-mapped picture."""
+    encoded = display.apply(picture.image)
+    path.write_bytes(encode_png(encoded, bits=display.bits, text=picture.attributes))
+
+
+def read(path: Path) -> np.ndarray:
+    """Read linear values, shape (h, w, 3)."""
+    return read_with_pillow(path)
+
+
+def read_with_pillow(path: Path) -> np.ndarray:
+    """Read linear values of any sRGB picture that Pillow reads as 8 bits."""
+    from PIL import Image
+
+    with Image.open(path) as image:
+        encoded = np.asarray(image.convert("RGB"), np.float64)
+    return decode_srgb(encoded / 255.0)
+
+
+def encode_png(encoded: np.ndarray, *, bits: int, text: Mapping[str, str] | None = None) -> bytes:
+    """Encode a whole PNG file.
+
+    Parameters
+    ----------
+    encoded : ndarray of float, shape (h, w, 3)
+        sRGB-encoded values in [0, 1].
+    bits : int
+        8 or 16.
+    text : mapping of str to str, optional
+        Stored as ``alight.<key>``.
+    """
+    h, w = encoded.shape[:2]
+    top = 2**bits - 1
+    whole = np.rint(encoded * top).astype(">u2" if bits == 16 else np.uint8)
+    rows = np.ascontiguousarray(whole).view(np.uint8).reshape(h, -1)
+    chunks = [
+        _chunk(b"IHDR", struct.pack(">IIBBBBB", w, h, bits, 2, 0, 0, 0)),
+        _chunk(b"sRGB", b"\x00"),
+    ]
+    for key, value in (text or {}).items():
+        keyword = f"alight.{key}"[:79].encode("latin-1", "replace")
+        # Keyword, no compression, no language, no translated keyword, then UTF-8.
+        chunks.append(_chunk(b"iTXt", keyword + b"\x00\x00\x00\x00\x00" + value.encode()))
+    chunks.append(_chunk(b"IDAT", zlib.compress(_filtered(rows, 3 * bits // 8), 6)))
+    chunks.append(_chunk(b"IEND", b""))
+    return _SIGNATURE + b"".join(chunks)
+
+
+def _filtered(rows: np.ndarray, pixel_bytes: int) -> bytes:
+    """Give the scan lines with the filter (none, left, up) whose differences are smallest."""
+    left = np.zeros_like(rows)
+    left[:, pixel_bytes:] = rows[:, :-pixel_bytes]
+    up = np.zeros_like(rows)
+    up[1:] = rows[:-1]
+    candidates = np.stack([rows, rows - left, rows - up])
+    cost = np.abs(candidates.view(np.int8).astype(np.int16)).sum(axis=2)
+    best = cost.argmin(axis=0)
+    lines = candidates[best, np.arange(len(rows))]
+    return np.concatenate([best.astype(np.uint8)[:, None], lines], axis=1).tobytes()
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

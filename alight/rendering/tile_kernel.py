@@ -1,0 +1,191 @@
+"""The main loop inside a tile: start paths, carry them on, add the finished ones to the film.
+
+Lanes are *persistent*: a lane whose path has ended takes the next sample of the tile at once, so
+that packets stay full although paths differ in length (Aila and Laine 2009 call it dynamic fetch).
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.cameras.rays import generate_ray
+from alight.core.jit import kernel, specialised
+from alight.core.simd import (
+    LANES,
+    any_lane,
+    as_int,
+    as_uint,
+    bits_mask,
+    lanes,
+    lanes_u32,
+    lanes_vec3,
+    load_lanes,
+    local_floats,
+    local_uints,
+    mask_bits,
+    store_lanes,
+    to_float,
+    trailing_zeros,
+    where,
+)
+from alight.films.fixed_point import split
+from alight.filters.importance import sample_filter
+from alight.integrators.walk import FILTER, LENS, Path, count_lanes, empty_paths, step
+from alight.samplers.sampling import SamplerState, get_2d
+
+#: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
+Tile = namedtuple("Tile", "x0 y0 x1 y1")
+
+#: Which sample a lane takes next: pixel, sample index, and the 8x8 cell of ranges it is in.
+Cursor = namedtuple("Cursor", "x y sample cell")
+
+CELL = 8
+INVALID, SATURATED, RAYS = 0, 1, 2
+
+
+@kernel
+def count_cells(tile):
+    """Columns and total of the 8x8 cells of the full film that a tile touches."""
+    columns = (tile.x1 + CELL - 1) // CELL - tile.x0 // CELL
+    return columns, columns * ((tile.y1 + CELL - 1) // CELL - tile.y0 // CELL)
+
+
+@kernel
+def seek(tile, ranges, cursor):
+    """The first sample at or after a position: sample by sample, pixel by pixel, cell by cell.
+
+    A cursor with x < 0 stands before the first sample of its cell.
+    """
+    x, y, sample, cell = cursor.x, cursor.y, cursor.sample, cursor.cell
+    columns, cells = count_cells(tile)
+    while cell < cells:
+        left = (tile.x0 // CELL + cell % columns) * CELL
+        top = (tile.y0 // CELL + cell // columns) * CELL
+        cx0, cy0 = max(left, tile.x0), max(top, tile.y0)
+        cx1, cy1 = min(left + CELL, tile.x1), min(top + CELL, tile.y1)
+        first, count = ranges[2 * cell], ranges[2 * cell + 1]
+        if count > 0:
+            if x < 0:
+                x, y, sample = cx0, cy0, first
+            elif sample >= first + count:
+                x, sample = x + 1, first
+            if x >= cx1:
+                x, y = cx0, y + 1
+            if y < cy1:
+                break
+        x = -1
+        cell += 1
+    return Cursor(x, y, sample, cell)
+
+
+@kernel
+def refill(scene, settings, tile, ranges, cursor, path):
+    """Give the next samples to the lanes that have none; returns the cursor and the paths."""
+    columns, cells = count_cells(tile)
+    xs, ys, indices, scrambles = (
+        local_uints(16), local_uints(16), local_uints(16), local_uints(16)
+    )
+    store_lanes(xs, 0, path.sampler.x)
+    store_lanes(ys, 0, path.sampler.y)
+    store_lanes(indices, 0, path.sampler.index)
+    store_lanes(scrambles, 0, path.sampler.scramble)
+    idle = mask_bits(~path.active)
+    fresh = 0
+    while idle != 0 and cursor.cell < cells:
+        lane = trailing_zeros(idle)
+        idle &= idle - 1
+        fresh |= 1 << lane
+        xs[lane] = as_uint(cursor.x)
+        ys[lane] = as_uint(cursor.y)
+        indices[lane] = as_uint(cursor.sample // settings.replicates)
+        scrambles[lane] = as_uint(cursor.sample % settings.replicates)
+        cursor = seek(tile, ranges, Cursor(cursor.x, cursor.y, cursor.sample + 1, cursor.cell))
+    if fresh == 0:
+        return cursor, path
+    new = bits_mask(fresh)
+    sampler = SamplerState(
+        load_lanes(xs, 0), load_lanes(ys, 0), load_lanes(indices, 0), load_lanes(scrambles, 0),
+        lanes_u32(settings.seed),
+    )
+    # Filter importance sampling: the sample belongs to this pixel alone, at an offset that has
+    # the filter's density (Ernst, Stamminger and Greiner 2006).
+    dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
+    o, d = generate_ray(
+        scene, to_float(sampler.x) + 0.5 + dx, to_float(sampler.y) + 0.5 + dy,
+        get_2d(sampler, LENS),
+    )
+    black = lanes_vec3(0.0)
+    path = Path(
+        where(new, o, path.o), where(new, d, path.d), where(new, o, path.p),
+        where(new, black, path.L), where(new, black, path.L_direct),
+        where(new, lanes_vec3(1.0) * weight, path.beta),
+        where(new, lanes(0.0), path.pdf), path.delta | new, where(new, lanes_u32(0), path.depth),
+        sampler, path.active | new, path.rays,
+    )
+    return cursor, path
+
+
+@specialised
+def add_finished(program):
+    """Add the radiance of finished paths to the sums of the tile, exactly."""
+    split_direct = "direct" in program.aovs
+
+    @kernel(strict=True)
+    def add_finished(settings, tile, film, path, finished):
+        limbs = local_floats(16 * 12)
+        pixels, replicates = local_uints(16), local_uints(16)
+        bad = put_limbs(limbs, 0, path.L.x)
+        bad = bad | put_limbs(limbs, 1, path.L.y)
+        bad = bad | put_limbs(limbs, 2, path.L.z)
+        if split_direct:
+            put_limbs(limbs, 3, path.L_direct.x)
+            put_limbs(limbs, 4, path.L_direct.y)
+            put_limbs(limbs, 5, path.L_direct.z)
+        film.tally[INVALID] += count_lanes(finished & ((bad & 1) != 0))
+        film.tally[SATURATED] += count_lanes(finished & ((bad & 2) != 0))
+        x, y = path.sampler.x - tile.x0, path.sampler.y - tile.y0
+        store_lanes(pixels, 0, y * (tile.x1 - tile.x0) + x)
+        store_lanes(replicates, 0, path.sampler.scramble)
+        bits = mask_bits(finished)
+        while bits != 0:
+            lane = trailing_zeros(bits)
+            bits &= bits - 1
+            pixel = as_int(pixels[lane])
+            at = pixel * settings.replicates + as_int(replicates[lane])
+            film.counts[at] += 1
+            for i in range(6):
+                film.sums[at * 6 + i] += as_int(limbs[i * LANES + lane])
+            if split_direct:
+                for i in range(6):
+                    film.direct[pixel * 6 + i] += as_int(limbs[(6 + i) * LANES + lane])
+
+    return add_finished
+
+
+@kernel(strict=True)
+def put_limbs(limbs, channel, value):
+    """Store both limbs of one channel; returns bit 0 where invalid, bit 1 where saturated."""
+    parts = split(value)
+    store_lanes(limbs, (2 * channel) * LANES, parts.hi)
+    store_lanes(limbs, (2 * channel + 1) * LANES, parts.lo)
+    return where(parts.invalid, lanes_u32(1), lanes_u32(0)) | where(
+        parts.saturated, lanes_u32(2), lanes_u32(0)
+    )
+
+
+@kernel
+def render_tile_kernel(scene, settings, tile, ranges, film):
+    """Render the samples `ranges` of one tile into `film` (sums counts direct tally)."""
+    path = empty_paths()
+    cursor = seek(tile, ranges, Cursor(-1, 0, 0, 0))
+    while True:
+        if mask_bits(~path.active) != 0:
+            cursor, path = refill(scene, settings, tile, ranges, cursor, path)
+        if not any_lane(path.active):
+            break
+        before = path.active
+        path = step(scene, settings, path)
+        finished = before & ~path.active
+        if any_lane(finished):
+            add_finished(settings, tile, film, path, finished)
+    film.tally[RAYS] += path.rays

@@ -1,0 +1,47 @@
+"""The sampler of a program: what integrators call.
+
+`get_1d` and `get_2d` are pure functions of the sample and the dimension, with values in [0, 1).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from alight.core.jit import specialised
+from alight.core.registry import modules
+from alight.core.spec import Sampler
+from alight.samplers.state import SamplerState as SamplerState
+
+
+def sampler_key(spec: Sampler) -> tuple:
+    """What a program says about its sampler: the type name, then its compile-time parameters.
+
+    Examples
+    --------
+    >>> from alight.samplers.stratified import Stratified
+    >>> sampler_key(Stratified(strata=8))
+    ('stratified', 8)
+    """
+    parameters = spec.model_dump(exclude={"type"})
+    return (spec.type_name(), *parameters.values())
+
+
+@specialised
+def get_1d(program):
+    """``get_1d(state, dimension)``: one number in [0, 1)."""
+    return _kernels(program.sampler)[0]
+
+
+@specialised
+def get_2d(program):
+    """``get_2d(state, dimension)``: a pair in [0, 1)^2; it occupies two dimensions."""
+    return _kernels(program.sampler)[1]
+
+
+@cache
+def _kernels(key):
+    name, *parameters = (key,) if isinstance(key, str) else key
+    for module in modules("samplers"):
+        if type(module.EXAMPLES[0]).type_name() == name:
+            return module.make_kernels(*parameters)
+    raise KeyError(name)

@@ -1,0 +1,322 @@
+"""The scene as data: nodes in a tree, named materials, camera, film, sampler, integrator.
+
+All of it is immutable. `alight.scene.manager.SceneManager` edits scenes, and
+`alight.scene.flatten` resolves names and composes transforms for the compiler.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import Field, PrivateAttr, model_validator
+from pydantic_core import core_schema
+
+from alight.core.errors import Issue, quote, show_value
+from alight.core.registry import specs
+from alight.core.spec import (
+    Bsdf,
+    Camera,
+    Filter,
+    Integrator,
+    Interval,
+    Light,
+    Model,
+    NestedBsdf,
+    Numbers,
+    Sampler,
+    Shape,
+    Spec,
+    Texture,
+    invalid,
+)
+from alight.filters.box import Box
+from alight.samplers.sobol import Sobol
+from alight.scene.transform import IDENTITY, Transform
+
+MOST_PIXELS = 2**28
+
+
+@dataclass(frozen=True)
+class TransformField:
+    """Metadata of a field that holds a `Transform`."""
+
+    def check(self, value: object) -> Transform:
+        """Accept transforms only."""
+        if not isinstance(value, Transform):
+            raise invalid(f"must be a transform, got {show_value(value)}")
+        return value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        """Build pydantic's schema from `check`."""
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+@dataclass(frozen=True)
+class Named:
+    """Metadata of a field that maps names to descriptions.
+
+    Parameters
+    ----------
+    kind : str
+        What the values are, in messages.
+    family : str
+        Package of their models; empty for nodes.
+    """
+
+    kind: str
+    family: str = ""
+
+    def check(self, value: object) -> dict[str, Any]:
+        """Copy a mapping whose names and values are right."""
+        if not isinstance(value, Mapping):
+            raise invalid(f"must map names to {self.kind}s, got {show_value(value)}")
+        for name, item in value.items():
+            problem = name_problem(name)
+            if problem:
+                raise invalid(problem)
+            if not isinstance(item, Spec) or item.family != self.family:
+                raise invalid(f"{name} must be a {self.kind}, got {show_value(item)}")
+        return dict(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        """Build pydantic's schema from `check`."""
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+def name_problem(name: object) -> str | None:
+    """Say what is wrong with a name: it must fit into key paths and node paths."""
+    if not isinstance(name, str):
+        return f"names must be texts, got {show_value(name)}"
+    if not 0 < len(name) <= 100 or name != name.strip() or not name.isprintable():
+        return f"names must have 1 to 100 printable characters, got {quote(name)}"
+    if set(name) & set("/.[]="):
+        return f"names must not contain any of / . [ ] =, got {quote(name)}"
+    return None
+
+
+class FilmSettings(Spec):
+    """What the picture is.
+
+    Parameters
+    ----------
+    size : (2,) int, pixels, default (512, 512)
+        Width and height; at most 2^28 pixels together.
+    crop : (4,) int, pixels, optional
+        x, y, width, height of the part that is rendered; y grows downwards from the top.
+    filter : Filter, default Box()
+        Pixel filter.
+    replicates : int in [1, 64], default 4
+        Independently scrambled parts of the samples, from which errors are estimated.
+    """
+
+    family: ClassVar[str] = "film"
+    kind: ClassVar[str] = "film"
+
+    size: Annotated[tuple[int, int], Numbers(2, Interval(1, MOST_PIXELS, integer=True))] = (
+        512,
+        512,
+    )
+    crop: (
+        Annotated[tuple[int, int, int, int], Numbers(4, Interval(0, MOST_PIXELS, integer=True))]
+        | None
+    ) = None
+    filter: Annotated[Filter, Model("filter", "filters")] = Box()
+    replicates: Annotated[int, Interval(1, 64, integer=True)] = 4
+
+    @model_validator(mode="after")
+    def _crop_lies_inside(self) -> Self:
+        width, height = self.size
+        if width * height > MOST_PIXELS:
+            raise invalid(f"size must be at most {MOST_PIXELS} pixels, got {width} x {height}")
+        if self.crop is not None:
+            x, y, w, h = self.crop
+            if w < 1 or h < 1 or x + w > width or y + h > height:
+                raise invalid(
+                    f"crop [x, y, width, height] must lie inside {width} x {height} "
+                    f"and be at least 1 x 1, got {list(self.crop)}"
+                )
+        return self
+
+    @classmethod
+    def type_name(cls) -> str:
+        """Name the key of scene files."""
+        return "film"
+
+
+class Node(Spec):
+    """A place in the scene graph, with what stands there.
+
+    Parameters
+    ----------
+    transform : Transform, default identity
+        From this node's space to its parent's.
+    shape : Shape, optional
+        Surface.
+    bsdf : Bsdf or str, optional
+        Material, described or named; a node without one takes its parent's, at the top Diffuse().
+    light : Light, optional
+        Area light: the shape shines. Others stand at the node's origin.
+    camera : Camera, optional
+        Viewpoint, looking along -z.
+    instance : str, optional
+        Name of a prototype to put here.
+    children : dict of str to Node, optional
+        Nodes that move along.
+    """
+
+    kind: ClassVar[str] = "node"
+
+    transform: Annotated[Transform, TransformField()] = IDENTITY
+    shape: Annotated[Shape, Model("shape", "shapes")] | None = None
+    bsdf: NestedBsdf | None = None
+    light: Annotated[Light, Model("light", "lights")] | None = None
+    camera: Annotated[Camera, Model("camera", "cameras")] | None = None
+    instance: str | None = None
+    children: Annotated[dict[str, Node], Named("node")] = {}
+
+    def walk(self, path: str, keys: str) -> Iterator[tuple[str, str, Node]]:
+        """Visit this node and all below: node path, key path, node."""
+        stack = [(path, keys, self)]
+        while stack:
+            path, keys, node = stack.pop()
+            yield path, keys, node
+            stack.extend(
+                (f"{path}/{name}", f"{keys}.children.{name}", child)
+                for name, child in reversed(node.children.items())
+            )
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a scene came from.
+
+    Parameters
+    ----------
+    name : str
+        File name or name of a built-in scene; empty for scenes made in Python.
+    folder : Path, optional
+        Where relative mesh files are looked up; the current folder by default.
+    places : mapping of str to str
+        Key path -> ``line:column`` of the value; key path + ``~`` -> of the key.
+    """
+
+    name: str = ""
+    folder: Path | None = None
+    places: Mapping[str, str] = field(default_factory=dict)
+
+    def located(self, issue: Issue) -> Issue:
+        """Fill in the place of an issue: of its path, or of the nearest one above."""
+        if not self.name:
+            return issue
+        path = issue.path
+        if issue.about_key and path + "~" in self.places:
+            return Issue(path, issue.message, f"{self.name}:{self.places[path + '~']}")
+        while path and path not in self.places:
+            cut = max(path.rfind("."), path.rfind("["))
+            path = path[:cut] if cut > 0 else ""
+        line = self.places.get(path, "1:1")
+        return Issue(issue.path, issue.message, f"{self.name}:{line}")
+
+
+def _default_integrator() -> Integrator:
+    # By name: integrators stand above the scene in the order of imports.
+    integrator = specs("integrators")["path"]()
+    assert isinstance(integrator, Integrator)
+    return integrator
+
+
+@dataclass(frozen=True)
+class CameraField:
+    """Metadata of the field that holds a placed camera or the path of a camera node."""
+
+    def check(self, value: object) -> Node | str:
+        """Accept a node with a camera, a camera, or a path."""
+        if isinstance(value, Camera):
+            return Node(camera=value)
+        if isinstance(value, str) or (isinstance(value, Node) and value.camera is not None):
+            return value
+        raise invalid(f"must be a camera or the path of a node with one, got {show_value(value)}")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        """Build pydantic's schema from `check`."""
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+class Scene(Spec):
+    """Everything that decides a picture.
+
+    Parameters
+    ----------
+    camera : Node, Camera or str
+        Viewpoint: a node with a camera, a camera at the origin, or the path of a node with one.
+    film : FilmSettings, optional
+        The picture's size and filter.
+    sampler : Sampler, default Sobol()
+        Source of random numbers.
+    integrator : Integrator, default path
+        Algorithm.
+    environment : Light, optional
+        Light from infinity.
+    textures, bsdfs, prototypes, nodes : dict, optional
+        Named textures, materials, node trees for instances, and the roots of the scene graph.
+    """
+
+    camera: Annotated[Node | str, CameraField()] | None = None
+    film: Annotated[FilmSettings, Model("film", "film")] = FilmSettings()
+    sampler: Annotated[Sampler, Model("sampler", "samplers")] = Sobol()
+    integrator: Annotated[Integrator, Model("integrator", "integrators")] = Field(
+        default_factory=_default_integrator
+    )
+    environment: Annotated[Light, Model("light", "lights")] | None = None
+    textures: Annotated[dict[str, Texture], Named("texture", "textures")] = {}
+    bsdfs: Annotated[dict[str, Bsdf], Named("bsdf", "bsdfs")] = {}
+    prototypes: Annotated[dict[str, Node], Named("node")] = {}
+    nodes: Annotated[dict[str, Node], Named("node")] = {}
+    _source: Source = PrivateAttr(default_factory=Source)
+
+    @property
+    def source(self) -> Source:
+        """Where the scene came from."""
+        return self._source
+
+    def from_source(self, source: Source) -> Scene:
+        """Copy the scene, with another origin."""
+        copy = self.model_copy()
+        copy._source = source
+        return copy
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is legal but suspicious, in words."""
+        return () if self._is_lit() else ("the scene has no light: the picture will be black",)
+
+    def _is_lit(self) -> bool:
+        if not self.integrator.needs_light:
+            return True
+        nodes = [node for _, _, node in self.walk()]
+        used = {node.instance for node in nodes}
+        # Prototypes inside prototypes: follow names until no new one turns up.
+        names = list(used)
+        while names:
+            prototype = self.prototypes.get(names.pop() or "")
+            for _, _, node in prototype.walk("", "") if prototype else ():
+                nodes.append(node)
+                if node.instance not in used:
+                    used.add(node.instance)
+                    names.append(node.instance)
+        lights = [self.environment, *(node.light for node in nodes)]
+        return any(light is not None and not light.is_black for light in lights)
+
+    def walk(self) -> Iterator[tuple[str, str, Node]]:
+        """Visit all nodes of the graph, parents first: node path, key path, node."""
+        for name, node in self.nodes.items():
+            yield from node.walk(name, f"nodes.{name}")
+
+    def __eq__(self, other: object) -> bool:
+        """Compare what the scenes describe, not where they came from."""
+        return isinstance(other, Scene) and dict(self) == dict(other)
+
+    __hash__ = None  # pyright: ignore[reportAssignmentType]

@@ -1,0 +1,101 @@
+"""`Scene` -> plain data, the inverse of `alight.scene.build`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from alight.core.spec import Spec
+from alight.scene.build import FORMAT_VERSION
+from alight.scene.description import Node, Scene
+from alight.scene.steps import dump_transform
+from alight.scene.transform import Transform
+from alight.shapes.mesh import Mesh
+
+MeshWriter = Callable[[Mesh, str], Mesh]
+
+
+def dump_scene(
+    scene: Scene, write_mesh: MeshWriter | None = None, full: bool = False
+) -> dict[str, Any]:
+    """Write a scene as plain data.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to write.
+    write_mesh : callable, optional
+        Receives each mesh with its key path and returns the mesh to write in its place, for
+        instance one that names a file.
+    full : bool, default False
+        Write fields at their defaults too, and leave mesh arrays as they are. Otherwise they
+        become lists.
+
+    Returns
+    -------
+    dict
+        Dictionaries, lists, texts and numbers.
+    """
+    data: dict[str, Any] = {"alight": FORMAT_VERSION}
+    writer = _Writer(write_mesh, full)
+    for name, value in scene:
+        if isinstance(value, Node) and name == "camera":
+            data[name] = writer.camera(value)
+        elif full or not (value is None or value == {}):
+            data[name] = writer.value(value, name)
+    if data["film"] == {}:
+        del data["film"]
+    return data
+
+
+class _Writer:
+    """Turns descriptions into plain data, one method per kind of value."""
+
+    def __init__(self, write_mesh: MeshWriter | None, full: bool) -> None:
+        self.write_mesh = write_mesh
+        self.full = full
+
+    def value(self, value: Any, path: str) -> Any:
+        if isinstance(value, Mesh) and self.write_mesh is not None:
+            value = self.write_mesh(value, path)
+        if isinstance(value, Spec):
+            return self.spec(value, path)
+        if isinstance(value, Transform):
+            return dump_transform(value)
+        if isinstance(value, dict):
+            return {name: self.value(item, f"{path}.{name}") for name, item in value.items()}
+        if isinstance(value, np.ndarray):
+            return value if self.full else dump_array(value)
+        return list(value) if isinstance(value, tuple) else value
+
+    def spec(self, spec: Spec, path: str) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        for name, value in spec:
+            default = type(spec).model_fields[name].default
+            if self.full or name == "type" or not _equal(value, default):
+                data[name] = self.value(value, f"{path}.{name}")
+        # The type first: it decides what the other keys mean.
+        return {"type": data.pop("type"), **data} if "type" in data else data
+
+    def camera(self, node: Node) -> dict[str, Any]:
+        assert node.camera is not None
+        data = self.spec(node.camera, "camera")
+        if self.full or node.transform != Transform():
+            data["transform"] = dump_transform(node.transform)
+        return data
+
+
+def _equal(value: Any, default: Any) -> bool:
+    if isinstance(value, np.ndarray) or isinstance(default, np.ndarray):
+        return False
+    # -0.0 == 0.0 and 1 == True: only what is written alike may be left out.
+    return value == default and repr(value) == repr(default)
+
+
+def dump_array(array: np.ndarray) -> list[list[float]] | list[list[int]]:
+    """Write an array as lists, each float32 with the fewest digits that read back to it."""
+    if np.issubdtype(array.dtype, np.integer):
+        return array.tolist()
+    return [[float(str(number)) for number in row] for row in array]

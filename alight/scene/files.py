@@ -1,0 +1,219 @@
+"""Loading scenes from files and by built-in names, and saving them."""
+
+from __future__ import annotations
+
+import os
+import re
+from importlib import resources
+from pathlib import Path
+
+from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.scene.build import Builder
+from alight.scene.description import Scene, Source
+from alight.scene.dump import dump_scene
+from alight.scene.formats import native, ply
+from alight.scene.formats.triangles import MeshArrays
+from alight.scene.manager import SceneManager
+from alight.scene.validation import find_problems
+from alight.shapes.mesh import Mesh
+
+SUFFIXES = (".yaml", ".yml", ".json")
+# Meshes with more vertices than this go into PLY files beside a saved scene.
+MOST_INLINE_VERTICES = 100
+
+
+def builtin_names() -> tuple[str, ...]:
+    """List the names of the built-in scenes."""
+    folder = resources.files("alight.scene.builtin")
+    return tuple(sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".yaml")))
+
+
+def load(scene: str | os.PathLike[str], changes: tuple[str, ...] | list[str] = ()) -> Scene:
+    """Load a scene and check it.
+
+    Parameters
+    ----------
+    scene : str or path
+        A scene file (``.yaml``, ``.yml`` or ``.json``) or the name of a built-in scene.
+    changes : sequence of str, optional
+        ``path.to.key=value`` assignments, as for ``--set``.
+
+    Returns
+    -------
+    Scene
+        Ready to render; see `Scene.warnings` for what is legal but suspicious.
+
+    Raises
+    ------
+    SceneError
+        With every problem of the file, each with its place.
+
+    Examples
+    --------
+    >>> load("cornell-box", ["film.size=[64, 64]"]).film.size
+    (64, 64)
+    """
+    name = os.fspath(scene)
+    if name in builtin_names():
+        text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
+        result = loads(text, f"{name}.yaml", check=not changes)
+    else:
+        path = Path(name)
+        result = loads(_read(path), name, path.parent, check=not changes)
+    return _changed(result, changes) if changes else result
+
+
+def loads(text: str, name: str = "scene", folder: Path | None = None, check: bool = True) -> Scene:
+    """Load a scene from text in the native format.
+
+    Parameters
+    ----------
+    text : str
+        Content of a scene file.
+    name : str, default "scene"
+        Its name, for messages.
+    folder : Path, optional
+        Where relative mesh files are looked up; the current folder by default.
+    check : bool, default True
+        Whether to run the checks that need the whole scene (`find_problems`).
+
+    Raises
+    ------
+    SceneError
+        With every problem, each with its place.
+    """
+    data, places, found = native.parse(text, name)
+    source = Source(name, folder, places)
+    builder = Builder(list(found))
+    scene = builder.scene(data).from_source(source)
+    issues = builder.issues
+    # After a wrong top level nothing is left to check.
+    if isinstance(data, dict) and (check or issues):
+        known = {issue.path for issue in issues}
+        issues += [issue for issue in find_problems(scene) if issue.path not in known]
+    if issues:
+        raise SceneError([issue if issue.place else source.located(issue) for issue in issues])
+    return scene
+
+
+def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
+    manager = SceneManager(scene)
+    for assignment in changes:
+        manager.set_value(assignment)
+    issues = find_problems(manager.scene)
+    if issues:
+        raise SceneError([manager.scene.source.located(issue) for issue in issues])
+    return manager.scene
+
+
+def _read(path: Path) -> str:
+    name = str(path)
+    if not path.is_file():
+        raise SceneError([Issue("", _missing(path), name)])
+    if path.suffix.lower() not in SUFFIXES:
+        kinds = ", ".join(SUFFIXES)
+        raise SceneError([Issue("", f"must be a scene file ({kinds}), got {quote(name)}", name)])
+    try:
+        size = path.stat().st_size
+        if size > native.MOST_BYTES:
+            limit = native.MOST_BYTES // 2**20
+            text = (
+                f"must be at most {limit} MB, got {size / 2**20:.0f} MB: put meshes into PLY files"
+            )
+            raise SceneError([Issue("", text, name)])
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        text = f"must be UTF-8 text, got byte 0x{error.object[error.start]:02x} at {error.start}"
+        raise SceneError([Issue("", text, name)]) from None
+    except OSError as error:
+        raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
+
+
+def _missing(path: Path) -> str:
+    built_in = builtin_names()
+    if path.is_dir():
+        return "is a folder, not a scene file"
+    candidates = {str(path.with_name(f.name)): f for f in _files_beside(path)}
+    near = nearest(str(path), [*built_in, *candidates])
+    hint = f'; did you mean "{near}"?' if near else ""
+    return f"no such scene file{hint}  (built in: {', '.join(built_in)})"
+
+
+def _files_beside(path: Path) -> list[Path]:
+    try:
+        return [entry for entry in path.parent.iterdir() if entry.suffix.lower() in SUFFIXES]
+    except OSError:
+        return []
+
+
+def dumps(scene: Scene) -> str:
+    """Write a scene as text in the native format, meshes included.
+
+    `loads` gives an equal scene back, bit for bit.
+    """
+    return native.write(dump_scene(scene))
+
+
+def save(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """Write a scene to a file in the native format.
+
+    Parameters
+    ----------
+    scene : Scene
+        Mesh arrays of more than 100 vertices are written to PLY files beside it.
+    path : str or path
+        Where to; ends in ``.yaml``, ``.yml`` or ``.json``.
+
+    Raises
+    ------
+    SceneError
+        If the name has another ending.
+    OSError
+        If a file cannot be written.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        kinds = ", ".join(SUFFIXES)
+        raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])
+    writer = _MeshWriter(target, scene.source.folder)
+    text = native.write(dump_scene(scene, writer))
+    # A reader never sees half a file: write beside, then rename.
+    partial = target.with_name(target.name + ".partial")
+    try:
+        partial.write_text(text, "utf-8")
+        partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+class _MeshWriter:
+    """Writes large meshes to PLY files and keeps references to files valid."""
+
+    def __init__(self, target: Path, folder: Path | None) -> None:
+        self.target = target
+        self.folder = folder or Path()
+        self.names: dict[int, str] = {}
+
+    def __call__(self, mesh: Mesh, key_path: str) -> Mesh:
+        if mesh.file is not None:
+            absolute = (self.folder / mesh.file).resolve()
+            return mesh.replaced(file=_relative(absolute, self.target.parent.resolve()))
+        assert mesh.vertices is not None
+        assert mesh.faces is not None
+        if len(mesh.vertices) <= MOST_INLINE_VERTICES:
+            return mesh
+        if id(mesh) not in self.names:
+            plain = re.sub(r"[^A-Za-z0-9_-]+", "-", key_path).strip("-")
+            name = f"{self.target.stem}-{len(self.names)}-{plain[:60]}.ply"
+            arrays = MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
+            ply.save(self.target.with_name(name), arrays)
+            self.names[id(mesh)] = name
+        arrays_gone = dict.fromkeys(("vertices", "faces", "normals", "uvs", "colors"))
+        return mesh.replaced(file=self.names[id(mesh)], **arrays_gone)
+
+
+def _relative(path: Path, folder: Path) -> str:
+    try:
+        return path.relative_to(folder).as_posix()
+    except ValueError:
+        return str(path)

@@ -1,0 +1,265 @@
+"""Scene graph -> flat lists for the compiler: names resolved, transforms composed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from alight.bsdfs.diffuse import Diffuse
+from alight.core.errors import SceneError
+from alight.core.spec import Bsdf, Camera, Integrator, Light, Sampler, Shape, Spec, Texture
+from alight.scene.description import FilmSettings, Node, Scene
+from alight.scene.meshes import Geometry, MeshStore
+from alight.scene.transform import Matrix
+from alight.scene.validation import find_problems, holds_texture
+from alight.shapes.mesh import ARRAYS, Mesh
+
+NO_GEOMETRY = -1
+
+
+class PlacedShape(NamedTuple):
+    """A shape in the world.
+
+    Attributes
+    ----------
+    name : str
+        Node path; below an instance the path inside its prototype follows.
+    shape : Shape
+        Description; a mesh's arrays are in `FlatScene.geometries`.
+    to_world : (4, 4) float64
+        From the shape's space to the world.
+    bsdf : int
+        Index into `FlatScene.bsdfs`.
+    light : Light or None
+        Emission of the surface.
+    geometry : int
+        Index into `FlatScene.geometries`, or `NO_GEOMETRY` for other shapes than meshes.
+    """
+
+    name: str
+    shape: Shape
+    to_world: Matrix
+    bsdf: int
+    light: Light | None
+    geometry: int
+
+
+class PlacedLight(NamedTuple):
+    """A light without a shape: name, description, (4, 4) float64 matrix to the world."""
+
+    name: str
+    light: Light
+    to_world: Matrix
+
+
+class PlacedCamera(NamedTuple):
+    """The camera: description and (4, 4) float64 matrix to the world."""
+
+    camera: Camera
+    to_world: Matrix
+
+
+@dataclass(frozen=True)
+class FlatScene:
+    """What the compiler reads.
+
+    Attributes
+    ----------
+    shapes : list of PlacedShape
+        In the order of the scene graph, instances expanded.
+    geometries : list of Geometry
+        Different meshes; instances and equal meshes share one.
+    bsdfs : list of Bsdf
+        Different materials, with named textures and nested materials put in place.
+    textures : dict of str to Texture
+        The named textures.
+    lights : list of PlacedLight
+        Point and directional lights.
+    environment : Light or None
+        Light from infinity.
+    camera : PlacedCamera
+        Viewpoint.
+    film, sampler, integrator
+        Settings, as in `Scene`.
+    warnings : list of str
+        What is legal but suspicious.
+    """
+
+    shapes: list[PlacedShape]
+    geometries: list[Geometry]
+    bsdfs: list[Bsdf]
+    textures: dict[str, Texture]
+    lights: list[PlacedLight]
+    environment: Light | None
+    camera: PlacedCamera
+    film: FilmSettings
+    sampler: Sampler
+    integrator: Integrator
+    warnings: list[str]
+
+
+def flatten(scene: Scene) -> FlatScene:
+    """Resolve a scene for the compiler.
+
+    Raises
+    ------
+    SceneError
+        With every problem of the scene.
+    """
+    store = MeshStore(scene.source.folder)
+    issues = find_problems(scene, store)
+    if issues:
+        raise SceneError([scene.source.located(issue) for issue in issues])
+    flattener = _Flattener(scene, store)
+    for name, node in scene.nodes.items():
+        flattener.place(name, node, np.eye(4), None)
+    return FlatScene(
+        shapes=flattener.shapes,
+        geometries=flattener.geometries,
+        bsdfs=flattener.bsdfs,
+        textures=dict(scene.textures),
+        lights=flattener.lights,
+        environment=scene.environment,
+        camera=_place_camera(scene),
+        film=scene.film,
+        sampler=scene.sampler,
+        integrator=scene.integrator,
+        warnings=list(scene.warnings),
+    )
+
+
+@dataclass
+class _Flattener:
+    """Walks the graph, parents before children, and numbers what it meets."""
+
+    scene: Scene
+    store: MeshStore
+    shapes: list[PlacedShape] = field(default_factory=list)
+    lights: list[PlacedLight] = field(default_factory=list)
+    bsdfs: list[Bsdf] = field(default_factory=list)
+    geometries: list[Geometry] = field(default_factory=list)
+    _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
+    _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
+    _geometry_index: dict[str, int] = field(default_factory=dict)
+
+    def place(self, path: str, root: Node, to_parent: Matrix, bsdf: Bsdf | str | None) -> None:
+        """Place a node, what it instances, and its children."""
+        stack = [(path, root, to_parent, bsdf)]
+        while stack:
+            path, node, parent, bsdf = stack.pop()
+            to_world = parent @ node.transform.matrix
+            bsdf = bsdf if node.bsdf is None else node.bsdf
+            if node.shape is not None:
+                index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
+                placed = PlacedShape(path, node.shape, to_world, index, node.light, geometry)
+                self.shapes.append(placed)
+            elif node.light is not None:
+                self.lights.append(PlacedLight(path, node.light, to_world))
+            below = [
+                (f"{path}/{name}", child, to_world, bsdf) for name, child in node.children.items()
+            ]
+            if node.instance is not None:
+                prototype = self.scene.prototypes[node.instance]
+                below.insert(0, (f"{path}/{node.instance}", prototype, to_world, bsdf))
+            stack.extend(reversed(below))
+
+    def bsdf_index(self, bsdf: Bsdf | str | None) -> int:
+        """Number a material; equal ones share a number."""
+        bsdf = Diffuse() if bsdf is None else bsdf
+        if isinstance(bsdf, str) and bsdf in self._bsdf_by_name:
+            return self._bsdf_by_name[bsdf]
+        resolved = resolve_bsdf(bsdf, self.scene)
+        index = self._bsdf_index.setdefault(resolved, len(self.bsdfs))
+        if index == len(self.bsdfs):
+            self.bsdfs.append(resolved)
+        if isinstance(bsdf, str):
+            self._bsdf_by_name[bsdf] = index
+        return index
+
+    def geometry_index(self, shape: Shape) -> int:
+        """Number a mesh's arrays; equal ones share a number."""
+        if not isinstance(shape, Mesh):
+            return NO_GEOMETRY
+        geometry = self.store.geometry(shape)
+        index = self._geometry_index.setdefault(geometry.digest, len(self.geometries))
+        if index == len(self.geometries):
+            self.geometries.append(geometry)
+        return index
+
+
+def resolve_bsdf(bsdf: Bsdf | str, scene: Scene) -> Bsdf:
+    """Put named textures and named nested materials in the place of their names."""
+    if isinstance(bsdf, str):
+        bsdf = scene.bsdfs[bsdf]
+    changes = {}
+    for name, value in bsdf:
+        if name == "bsdf":
+            changes[name] = resolve_bsdf(value, scene)
+        elif isinstance(value, str) and holds_texture(bsdf, name):
+            changes[name] = scene.textures[value]
+    return bsdf.replaced(**changes) if changes else bsdf
+
+
+def _place_camera(scene: Scene) -> PlacedCamera:
+    if isinstance(scene.camera, Node):
+        assert scene.camera.camera is not None
+        return PlacedCamera(scene.camera.camera, scene.camera.transform.matrix)
+    assert scene.camera is not None
+    to_world, node = np.eye(4), None
+    children = scene.nodes
+    for name in scene.camera.split("/"):
+        node = children[name]
+        to_world, children = to_world @ node.transform.matrix, node.children
+    assert node is not None
+    assert node.camera is not None
+    return PlacedCamera(node.camera, to_world)
+
+
+def content_hash(scene: Scene | FlatScene) -> str:
+    """SHA-256 over everything that decides the picture, meshes by content, not by file name.
+
+    Names of nodes, materials and files play no part, nor do parts that are not used.
+
+    Raises
+    ------
+    SceneError
+        If the scene cannot be rendered.
+    """
+    flat = flatten(scene) if isinstance(scene, Scene) else scene
+    digest = hashlib.sha256()
+    for part in _parts(flat):
+        digest.update(part)
+        digest.update(b"\n")
+    return digest.hexdigest()
+
+
+def _parts(flat: FlatScene) -> Iterator[bytes]:
+    for settings in (flat.film, flat.sampler, flat.integrator):
+        yield _content(settings)
+    yield _content(flat.camera.camera) + flat.camera.to_world.tobytes()
+    yield b"" if flat.environment is None else _content(flat.environment)
+    for bsdf in flat.bsdfs:
+        yield _content(bsdf)
+    for geometry in flat.geometries:
+        yield geometry.digest.encode()
+    for name, light, to_world in flat.lights:
+        del name
+        yield _content(light) + to_world.tobytes()
+    cached: dict[int, bytes] = {}
+    for shape in flat.shapes:
+        if id(shape.shape) not in cached:
+            cached[id(shape.shape)] = _content(shape.shape)
+        light = b"" if shape.light is None else _content(shape.light)
+        numbers = f"{shape.bsdf} {shape.geometry} ".encode()
+        yield cached[id(shape.shape)] + numbers + light + shape.to_world.tobytes()
+
+
+def _content(spec: Spec) -> bytes:
+    """Describe a model without its mesh arrays, which have a digest of their own."""
+    fields = {name: repr(value) for name, value in spec if name not in (*ARRAYS, "file")}
+    return json.dumps(fields, sort_keys=True).encode()

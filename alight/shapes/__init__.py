@@ -1,0 +1,12 @@
+"""Shapes, one model per file. A new model is one file and one line here."""
+
+from alight.shapes import cube, disk, mesh, plane, rectangle, sphere
+
+MODELS = (
+    sphere,
+    plane,
+    rectangle,
+    disk,
+    cube,
+    mesh,
+)

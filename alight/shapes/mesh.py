@@ -1,0 +1,402 @@
+r"""Triangle mesh, from a PLY or OBJ file or from arrays.
+
+.. math:: p(b_1, b_2) = (1 - b_1 - b_2)\, p_0 + b_1\, p_1 + b_2\, p_2
+
+The geometric normal is along (p1 - p0) x (p2 - p0): vertices run counter-clockwise seen from
+outside. Shading normals are interpolated from the vertex normals, where there are any.
+
+Meshes are stored in world space, except where several instances share one: those keep object space
+and a row of the table with two 3 x 4 matrices, object to world (0-11) and world to object (12-23).
+
+**Error bound**, in units of the machine epsilon, along the normal n: with E = the sum over i of
+\|n_i\| times the largest \|p_i\| of a corner, rounding of p takes 5 E, of the moved origin 2 E, of
+the corners relative to it 1 E. The watertight test then finds t from barycentrics; seen edge-on they are
+uncertain by 8 L / (L cos) for a triangle of size L, which shifts t by as much as 16 L along the
+normal. The bound is gamma(16) (E + L). For instances the bound in object space, with the rounding
+of the transformed ray, sum \|n_i\| (sum \|W_ij p_j\| + \|W_i4\|), is taken to world space by
+1 / \|W^T n\|.
+
+Source: PBR4 sections 6.5 and 6.8.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+from pydantic import model_validator
+from pydantic_core import core_schema
+
+from alight.core.constants import gamma
+from alight.core.distributions import pmf_discrete, sample_discrete
+from alight.core.frame import frame_from_tangent
+from alight.core.jit import kernel
+from alight.core.simd import absolute, any_lane, gather, lanes_vec3, maximum, sqrt, where
+from alight.core.spec import Shape, Truth, invalid
+from alight.core.vec import (
+    Vec3,
+    absolute_vec3,
+    cross,
+    dot,
+    gather_vec3,
+    length_squared,
+    max_component,
+)
+from alight.core.warps import square_to_triangle
+from alight.shapes.hit import (
+    COLORS,
+    FLIP,
+    INFO,
+    INSTANCED,
+    SMOOTH,
+    UVS,
+    Geometry,
+    ShapeSample,
+    area_to_solid_angle,
+)
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A table with `columns` numbers a row; metadata of a field type."""
+
+    columns: int
+    dtype: DTypeLike
+
+    def check(self, value: object) -> np.ndarray:
+        """Return a read-only copy of shape (n, columns)."""
+        try:
+            table = np.asarray(value)
+        except ValueError:  # rows of different lengths
+            table = np.zeros((), object)
+        if table.size == 0 and isinstance(value, list | tuple):
+            table = np.zeros((0, self.columns))
+        numeric = np.issubdtype(table.dtype, np.number) and not np.iscomplexobj(table)
+        if not numeric or table.ndim != 2 or table.shape[1] != self.columns:
+            found = f"shape {table.shape}" if table.ndim else type(value).__name__
+            raise invalid(f"must be a table of numbers, shape (n, {self.columns}), got {found}")
+        self._check_range(table)
+        table = np.array(table, self.dtype, order="C")
+        table.setflags(write=False)
+        return table
+
+    def _check_range(self, table: np.ndarray) -> None:
+        # Conversion alone would wrap large indices around and cut off fractions.
+        if np.issubdtype(self.dtype, np.integer):
+            limit = np.iinfo(self.dtype).max
+            bad = ~((table >= 0) & (table <= limit) & (table == np.floor(table)))
+            wanted = f"whole numbers in [0, {limit}]"
+        else:
+            bad = ~(np.abs(table) <= 1e15)
+            wanted = "finite and at most 1e+15 in size"
+        if bad.any():
+            row, column = (int(i) for i in np.argwhere(bad)[0])
+            raise invalid(f"must be {wanted}, got {table[row, column]} in row {row}")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        """Use `check` alone."""
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+Points = Annotated[NDArray[np.float32], Rows(3, np.float32)]
+Coordinates = Annotated[NDArray[np.float32], Rows(2, np.float32)]
+Indices = Annotated[NDArray[np.int32], Rows(3, np.int32)]
+
+ARRAYS = ("vertices", "faces", "normals", "uvs", "colors")
+
+
+class Mesh(Shape):
+    """Triangles that share vertices.
+
+    Parameters
+    ----------
+    file : str, optional
+        PLY or OBJ file, relative to the scene file; not together with arrays.
+    vertices : (n, 3) float32, metres, optional
+        Positions in the space of its node.
+    faces : (m, 3) int32, optional
+        Vertex indices of each triangle, counter-clockwise seen from outside.
+    normals : (n, 3) float32, optional
+        Vertex normals for smooth shading.
+    uvs : (n, 2) float32, optional
+        Texture coordinates.
+    colors : (n, 3) float32, optional
+        Linear sRGB vertex colours in [0, 1].
+    face_normals : bool, default False
+        Shade flat: do not use vertex normals.
+    flip_normals : bool, default False
+        Turn the surface inside out.
+    """
+
+    type: Literal["mesh"] = "mesh"
+    file: str | None = None
+    vertices: Points | None = None
+    faces: Indices | None = None
+    normals: Points | None = None
+    uvs: Coordinates | None = None
+    colors: Points | None = None
+    face_normals: Truth = False
+
+    @model_validator(mode="after")
+    def _has_one_source(self) -> Self:
+        given = [name for name in ARRAYS if getattr(self, name) is not None]
+        if self.file is not None and given:
+            raise invalid(f"takes either file or arrays, got file and {', '.join(given)}")
+        if self.file is None and not {"vertices", "faces"} <= set(given):
+            raise invalid("needs a file, or vertices and faces")
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        """Equal fields; arrays count as equal where all of their numbers are."""
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        return all(_same(value, getattr(other, name)) for name, value in self)
+
+    def __hash__(self) -> int:
+        """Hash of the array bytes and the other fields."""
+        return hash(
+            tuple(
+                value.tobytes() if isinstance(value, np.ndarray) else value for _, value in self
+            )
+        )
+
+
+def _same(a: object, b: object) -> bool:
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return np.array_equal(a, b)
+    return type(a) is type(b) and a == b
+
+
+_TETRAHEDRON = {
+    "vertices": ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    "faces": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
+}
+
+EXAMPLES = (
+    Mesh(**_TETRAHEDRON),
+    Mesh(
+        **_TETRAHEDRON,
+        normals=((-1.0, -1.0, -1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+        uvs=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)),
+        colors=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    ),
+    Mesh(
+        vertices=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.1, 0.0)),
+        faces=((0, 1, 2),),
+        face_normals=True,
+        flip_normals=True,
+    ),
+)
+
+STRIDE = 24
+
+_GAMMA_16 = gamma(16)
+
+
+@kernel
+def corners_of(tables, shape, prim):
+    """Vertex indices of a triangle of a mesh; those of triangle 0 for other shapes."""
+    row = shape * INFO
+    mine = prim < gather(tables.info, row + 7)
+    face = 3 * where(mine, gather(tables.info, row + 5) + prim, 0)
+    faces = tables.faces
+    return gather(faces, face), gather(faces, face + 1), gather(faces, face + 2)
+
+
+@kernel
+def mix(view, mask, i0, i1, i2, b1, b2):
+    """Rows of three numbers interpolated by barycentric coordinates, where the mask holds."""
+    i0, i1, i2 = rows_if(mask, i0, i1, i2)
+    v0 = gather_vec3(view, 3 * i0)
+    return v0 + b1 * (gather_vec3(view, 3 * i1) - v0) + b2 * (gather_vec3(view, 3 * i2) - v0)
+
+
+@kernel(strict=True)
+def triangle_error(v0, v1, v2, n):
+    """The error bound of a triangle in the space of its vertices."""
+    a0, a1, a2 = absolute_vec3(v0), absolute_vec3(v1), absolute_vec3(v2)
+    largest = maximum(a0, maximum(a1, a2))
+    edges = maximum(absolute_vec3(v1 - v0), absolute_vec3(v2 - v0))
+    return _GAMMA_16 * (dot(absolute_vec3(n), largest) + max_component(edges))
+
+
+@kernel(strict=True)
+def along_rows(data, k, v):
+    """The upper 3 x 3 part of the 3 x 4 matrix at k times v."""
+    return Vec3(
+        dot(gather_vec3(data, k), v),
+        dot(gather_vec3(data, k + 4), v),
+        dot(gather_vec3(data, k + 8), v),
+    )
+
+
+@kernel(strict=True)
+def along_columns(data, k, v):
+    """Its transpose times v."""
+    sums = v.x * gather_vec3(data, k) + v.y * gather_vec3(data, k + 4)
+    return sums + v.z * gather_vec3(data, k + 8)
+
+
+@kernel(strict=True)
+def shift_of(data, k):
+    """The last column of the 3 x 4 matrix at k."""
+    return Vec3(gather(data, k + 3), gather(data, k + 7), gather(data, k + 11))
+
+
+@kernel(strict=True)
+def instance_error(data, k, p, n, error):
+    """The error bound in world space of an instance.
+
+    Parameters
+    ----------
+    k : uint32
+        Offsets of the rows.
+    p : Vec3
+        World space.
+    n : Vec3
+        Unit normal in object space.
+    error : float
+        Bound in object space.
+    """
+    inverse = k + 12
+    na, pa = absolute_vec3(n), absolute_vec3(p)
+    reach = Vec3(
+        dot(absolute_vec3(gather_vec3(data, inverse)), pa),
+        dot(absolute_vec3(gather_vec3(data, inverse + 4)), pa),
+        dot(absolute_vec3(gather_vec3(data, inverse + 8)), pa),
+    )
+    error = error + _GAMMA_16 * dot(na, reach + absolute_vec3(shift_of(data, inverse)))
+    return error / sqrt(length_squared(along_columns(data, inverse, n)))
+
+
+@kernel
+def surface(tables, k, hit, o, d):
+    """The `Geometry` of hits; k: offsets of the rows of instances, lanes."""
+    data = tables.data
+    flags = gather(tables.info, hit.shape * INFO + 4)
+    i0, i1, i2 = corners_of(tables, hit.shape, hit.prim)
+    v0, v1 = gather_vec3(tables.vertices, 3 * i0), gather_vec3(tables.vertices, 3 * i1)
+    v2 = gather_vec3(tables.vertices, 3 * i2)
+    e1, e2 = v1 - v0, v2 - v0
+    p = v0 + hit.u * e1 + hit.v * e2
+    across = cross(e1, e2)
+    n = across * (1.0 / sqrt(maximum(length_squared(across), 1e-37)))
+    error = triangle_error(v0, v1, v2, n)
+    tangent, u, v = texture_frame(tables, flags, hit, i0, i1, i2, e1, e2)
+
+    ns = n
+    smooth = (flags & SMOOTH) != 0
+    if any_lane(smooth):
+        mixed = mix(tables.normals, smooth, i0, i1, i2, hit.u, hit.v)
+        ns = where(smooth & (length_squared(mixed) > 0.0), mixed, n)
+    color = lanes_vec3(1.0)
+    colored = (flags & COLORS) != 0
+    if any_lane(colored):
+        found = mix(tables.colors, colored, i0, i1, i2, hit.u, hit.v)
+        color = where(colored, found, color)
+
+    instanced = (flags & INSTANCED) != 0
+    if any_lane(instanced):
+        k = where(instanced, k, 0)
+        world = along_rows(data, k, p) + shift_of(data, k)
+        error = where(instanced, instance_error(data, k, world, n, error), error)
+        p = where(instanced, world, p)
+        tangent = where(instanced, along_rows(data, k, tangent), tangent)
+        # Normals by the inverse transpose.
+        n1, ns1 = along_columns(data, k + 12, n), along_columns(data, k + 12, ns)
+        n = where(instanced, n1 * (1.0 / sqrt(length_squared(n1))), n)
+        ns = where(instanced, ns1, ns)
+    ns = ns * (1.0 / sqrt(length_squared(ns)))
+
+    n = where((flags & FLIP) != 0, -n, n)
+    ns = where(dot(ns, n) < 0.0, -ns, ns)
+    s, t = frame_from_tangent(ns, tangent)
+    return Geometry(p, error, n, ns, s, t, u, v, color)
+
+
+@kernel
+def rows_if(mask, i0, i1, i2):
+    """Row numbers where the mask holds, else 0: the table may have no further rows."""
+    return where(mask, i0, 0), where(mask, i1, 0), where(mask, i2, 0)
+
+
+@kernel
+def texture_frame(tables, flags, hit, i0, i1, i2, e1, e2):
+    """dp/du, u and v: from texture coordinates; e1 and the barycentrics where there are none."""
+    tangent, u, v = e1 + lanes_vec3(0.0), hit.u, hit.v
+    mapped = (flags & UVS) != 0
+    if any_lane(mapped):
+        j0, j1, j2 = rows_if(mapped, i0, i1, i2)
+        u0, v0 = gather(tables.uvs, 2 * j0), gather(tables.uvs, 2 * j0 + 1)
+        du1, dv1 = gather(tables.uvs, 2 * j1) - u0, gather(tables.uvs, 2 * j1 + 1) - v0
+        du2, dv2 = gather(tables.uvs, 2 * j2) - u0, gather(tables.uvs, 2 * j2 + 1) - v0
+        u = where(mapped, u0 + hit.u * du1 + hit.v * du2, u)
+        v = where(mapped, v0 + hit.u * dv1 + hit.v * dv2, v)
+        # e1 = du1 dp/du + dv1 dp/dv, and likewise e2: Cramer's rule.
+        determinant = du1 * dv2 - dv1 * du2
+        turned = dv2 * e1 - dv1 * e2
+        turned = where(determinant < 0.0, -turned, turned)
+        tangent = where(mapped & (absolute(determinant) > 0.0), turned, tangent)
+    return tangent, u, v
+
+
+@kernel
+def light_triangle(tables, shape, prim):
+    """First corner, two edges, unit outer normal, area and error bound of a triangle in the world.
+
+    Meshes that shine are never instanced.
+    """
+    i0, i1, i2 = corners_of(tables, shape, prim)
+    v0, v1 = gather_vec3(tables.vertices, 3 * i0), gather_vec3(tables.vertices, 3 * i1)
+    v2 = gather_vec3(tables.vertices, 3 * i2)
+    e1, e2 = v1 - v0, v2 - v0
+    across = cross(e1, e2)
+    size = sqrt(maximum(length_squared(across), 1e-37))
+    n = across * (1.0 / size)
+    error = triangle_error(v0, v1, v2, n)
+    flip = (gather(tables.info, shape * INFO + 4) & FLIP) != 0
+    return v0, e1, e2, where(flip, -n, n), 0.5 * size, error
+
+
+@kernel
+def sample(tables, cdf, start, shape, p, u, u2):
+    """Choose a triangle by its area, a point on it uniformly.
+
+    Parameters
+    ----------
+    tables : ShapeTables
+    cdf : View
+        Distributions of the triangles.
+    start : uint32
+        Where this mesh's begins.
+    shape, p, u2
+        See `alight.shapes.rectangle.sample`.
+    u : float
+        Uniform in [0, 1), chooses the triangle.
+
+    Returns
+    -------
+    ShapeSample
+    """
+    count = gather(tables.info, shape * INFO + 7)
+    prim, pmf, _ = sample_discrete(cdf, start, count, u)
+    v0, e1, e2, n, area, error = light_triangle(tables, shape, prim)
+    b1, b2 = square_to_triangle(u2)
+    to_light = (v0 - p) + b1 * e1 + b2 * e2
+    distance = sqrt(length_squared(to_light))
+    wi = to_light * (1.0 / maximum(distance, 1e-30))
+    cosine = -dot(wi, n)
+    # The probability as stored in the table, so that sampling and density agree to the last bit.
+    density = area_to_solid_angle(pmf / area, distance, cosine)
+    return ShapeSample(wi, distance, cosine, error, density)
+
+
+@kernel
+def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
+    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
+    mine = prim < gather(tables.info, shape * INFO + 7)
+    _, _, _, _, area, _ = light_triangle(tables, shape, prim)
+    pmf = pmf_discrete(cdf, where(mine, start, 0), where(mine, prim, 0))
+    return area_to_solid_angle(pmf / area, distance, cosine)

@@ -1,0 +1,165 @@
+r"""Rectangle [-1, 1]^2 at z = 0 with normal +z and parameters (u, v) = ((x + 1)/2, (y + 1)/2).
+
+Size and place come from the transform of its node; a shear makes it a parallelogram.
+
+Source: the plug-in ``rectangle`` of Mitsuba 3 for the canonical placement.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from alight.core.jit import kernel
+from alight.core.simd import absolute, gather, maximum, minimum, sqrt, where
+from alight.core.spec import Shape
+from alight.core.vec import dot, gather_vec3, length_squared
+from alight.core.warps import (
+    spherical_rectangle,
+    spherical_rectangle_pdf,
+    square_to_spherical_rectangle,
+)
+from alight.shapes.flat import (
+    AREA,
+    CENTER,
+    E1,
+    E2,
+    IS_RECTANGLE,
+    flat_geometry,
+    flat_point,
+    meet_plane,
+    pack_flat,
+)
+from alight.shapes.hit import INFO, ShapeSample, area_to_solid_angle
+
+
+class Rectangle(Shape):
+    """Square of side 2 in the plane z = 0.
+
+    Parameters
+    ----------
+    flip_normals : bool, default False
+        Point the normal to -z.
+    """
+
+    type: Literal["rectangle"] = "rectangle"
+
+
+EXAMPLES = (Rectangle(), Rectangle(flip_normals=True))
+
+#: Rectangles reach a little over their edges, so that rays do not slip through where two of them
+#: (the faces of a cube) share one: 2^-20 of the half side, above the rounding of local coordinates.
+REACH = 1.0 + 2.0**-20
+
+
+def pack(spec: Rectangle, matrix: np.ndarray) -> np.ndarray:
+    """The row of the table, see `alight.shapes.flat`."""
+    return pack_flat(matrix, spec.flip_normals, extent=1.0)
+
+
+def area(row: np.ndarray) -> float:
+    """Surface area in m^2 from a packed row."""
+    return float(row[AREA])
+
+
+def bounds(row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the bounding box from a packed row."""
+    center, half = row[12:15], np.abs(row[16:19]) + np.abs(row[20:23])
+    half = half * np.float32(REACH) + row[15]
+    return center - half, center + half
+
+
+@kernel(strict=True)
+def intersect(data, k, o, d, t_max):
+    """Meet one rectangle with rays.
+
+    Parameters
+    ----------
+    data : View
+        Table of rows.
+    k : int
+        Offset of the row, uniform.
+    o, d : Vec3
+        Origins and directions (of any length).
+    t_max : float
+        End of the rays.
+
+    Returns
+    -------
+    t, u, v : float
+        Ray parameter and local coordinates in [-1, 1].
+    hit : mask
+        0 < t <= t_max and inside.
+    """
+    t, x, y = meet_plane(data, k, o, d)
+    inside = (absolute(x) <= REACH) & (absolute(y) <= REACH)
+    return t, x, y, inside & (t > 0.0) & (t <= t_max)
+
+
+@kernel
+def surface(tables, k, hit, o, d):
+    """The `Geometry` of hits; k: offsets of the rows, lanes."""
+    x = maximum(minimum(hit.u, 1.0), -1.0)
+    y = maximum(minimum(hit.v, 1.0), -1.0)
+    error = gather(tables.data, k + 15)
+    return flat_geometry(tables.data, k, x, y, error, 0.5 * x + 0.5, 0.5 * y + 0.5)
+
+
+@kernel
+def seen_from(data, k, p):
+    """The rectangle as `alight.core.warps` describes it; meaningless for a parallelogram."""
+    e1, e2 = gather_vec3(data, k + E1), gather_vec3(data, k + E2)
+    corner = gather_vec3(data, k + CENTER) - e1 - e2
+    return spherical_rectangle(corner, 2.0 * e1, 2.0 * e2, p)
+
+
+@kernel
+def sample(tables, cdf, start, shape, p, u, u2):
+    """Choose a point: uniform in the solid angle, on parallelograms uniform in the area.
+
+    Parameters
+    ----------
+    tables : ShapeTables
+    cdf, start, u
+        Not used: for meshes.
+    shape : uint32
+        Index of the shape.
+    p : Vec3
+        Where it is seen from.
+    u2 : tuple of 2 floats
+        Uniform in [0, 1).
+
+    Returns
+    -------
+    ShapeSample
+    """
+    data = tables.data
+    k = gather(tables.info, shape * INFO + 3)
+    seen = seen_from(data, k, p)
+    by_angle = square_to_spherical_rectangle(seen, u2)
+    x, y = 2.0 * u2[0] - 1.0, 2.0 * u2[1] - 1.0
+    by_area = flat_point(data, k, x, y) - p
+    to_light = where(gather(data, k + IS_RECTANGLE) > 0.0, by_angle, by_area)
+    distance = sqrt(length_squared(to_light))
+    wi = to_light * (1.0 / distance)
+    cosine = -dot(wi, gather_vec3(data, k))
+    density = density_of(data, k, seen, to_light, distance, cosine)
+    return ShapeSample(wi, distance, cosine, gather(data, k + 15), density)
+
+
+@kernel
+def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
+    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
+    k = gather(tables.info, shape * INFO + 3)
+    return density_of(
+        tables.data, k, seen_from(tables.data, k, p), distance * wi, distance, cosine
+    )
+
+
+@kernel
+def density_of(data, k, seen, to_light, distance, cosine):
+    """Density per solid angle of the point `to_light` away."""
+    by_area = area_to_solid_angle(1.0 / gather(data, k + AREA), distance, cosine)
+    by_angle = spherical_rectangle_pdf(seen, to_light)
+    return where(gather(data, k + IS_RECTANGLE) > 0.0, by_angle, by_area)

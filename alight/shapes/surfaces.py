@@ -1,0 +1,109 @@
+"""The surface at a hit, whatever shapes the scene has: written anew for each program."""
+
+from __future__ import annotations
+
+from alight.core.jit import kernel, specialised
+from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
+from alight.shapes import MODELS, disk, mesh, plane, rectangle, sphere
+from alight.shapes.hit import INFO, Geometry, Surface
+
+#: Name of a shape -> its number in `ShapeTables.info`. (A cube is compiled to six rectangles.)
+KINDS = {model.__name__.rpartition(".")[2]: i for i, model in enumerate(MODELS)}
+
+#: The shapes that appear in tables, and the kernels that describe their surfaces.
+SURFACES = {
+    "sphere": sphere.surface,
+    "plane": plane.surface,
+    "rectangle": rectangle.surface,
+    "disk": disk.surface,
+    "mesh": mesh.surface,
+}
+
+
+@kernel
+def blend(mask, a, b):
+    """Lane-wise choice between two `Geometry`."""
+    return Geometry(
+        where(mask, a.p, b.p),
+        where(mask, a.error, b.error),
+        where(mask, a.ng, b.ng),
+        where(mask, a.ns, b.ns),
+        where(mask, a.s, b.s),
+        where(mask, a.t, b.t),
+        where(mask, a.u, b.u),
+        where(mask, a.v, b.v),
+        where(mask, a.color, b.color),
+    )
+
+
+@kernel
+def blank():
+    """A `Geometry` of zeros in every lane."""
+    zero, vector = lanes(0.0), lanes_vec3(0.0)
+    return Geometry(vector, zero, vector, vector, vector, vector, zero, zero, vector)
+
+
+def _chain(kinds: tuple[str, ...]):
+    """A kernel that runs the surface kernel of each kind for the lanes that hit one."""
+    if not kinds:
+
+        @kernel
+        def nothing(tables, kind, k, hit, o, d, active):
+            return blank()
+
+        return nothing
+    number, surface, rest = KINDS[kinds[0]], SURFACES[kinds[0]], _chain(kinds[1:])
+
+    @kernel
+    def choose(tables, kind, k, hit, o, d, active):
+        result = rest(tables, kind, k, hit, o, d, active)
+        mine = active & (kind == number)
+        if any_lane(mine):
+            result = blend(mine, surface(tables, k, hit, o, d), result)
+        return result
+
+    return choose
+
+
+@specialised
+def find_geometry(program):
+    """``find_geometry(tables, kind, k, hit, o, d, active) -> Geometry``."""
+    kinds = tuple(name for name in SURFACES if name in program.shapes)
+    if len(kinds) != 1:
+        return _chain(kinds)
+    surface = SURFACES[kinds[0]]
+
+    @kernel
+    def only(tables, kind, k, hit, o, d, active):
+        return surface(tables, k, hit, o, d)
+
+    return only
+
+
+@kernel
+def make_surface(scene, hit, o, d, active):
+    """Describe the surfaces that rays have hit.
+
+    Parameters
+    ----------
+    scene : namedtuple
+        With the field `shapes`.
+    hit : Hit
+        Of `intersect_closest`.
+    o, d : Vec3
+        The rays.
+    active : mask
+        Lanes that hit something; the others get valid but meaningless numbers.
+
+    Returns
+    -------
+    Surface
+    """
+    tables = scene.shapes
+    row = hit.shape * INFO
+    kind, k = gather(tables.info, row), gather(tables.info, row + 3)
+    g = find_geometry(tables, kind, k, hit, o, d, active)
+    bsdf, light = gather(tables.info, row + 1), gather(tables.info, row + 2)
+    return Surface(
+        g.p, g.error, g.ng, g.ns, g.s, g.t, g.u, g.v, hit.shape, hit.prim, bsdf, light, g.color
+    )

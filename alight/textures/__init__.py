@@ -1,0 +1,9 @@
+"""Colours that vary over a surface, one model per file. A new one is one file and one line here."""
+
+from alight.textures import checkerboard, constant, vertex_color
+
+MODELS = (
+    constant,
+    checkerboard,
+    vertex_color,
+)

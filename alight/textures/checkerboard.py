@@ -1,0 +1,74 @@
+r"""Checkerboard over the surface parameters (u, v).
+
+.. math::
+    (s, t) = \text{scale} \cdot (u, v) + \text{offset}, \qquad
+    c = \text{color}_{(\lfloor s \rfloor + \lfloor t \rfloor) \bmod 2}
+
+With scale 1 one square covers the unit square of (u, v). On an infinite plane (u, v) = (x, y)
+in metres.
+
+Source: PBR4 section 10.3 (without its filtering).
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from alight.core.jit import kernel
+from alight.core.simd import floor, gather, where
+from alight.core.spec import Reflectance, Scale2, Texture, Triple, Vector2
+from alight.core.vec import Vec3
+
+
+class Checkerboard(Texture):
+    """Squares of two colours.
+
+    Parameters
+    ----------
+    color0, color1 : Reflectance, defaults 0.4 and 0.2
+        Linear sRGB; `color0` holds the square next to the origin.
+    scale : float or (2,) float, default 1
+        Squares per unit of u and of v.
+    offset : (2,) float, default 0
+        Shift in squares.
+    """
+
+    type: Literal["checkerboard"] = "checkerboard"
+    color0: Reflectance = (0.4, 0.4, 0.4)
+    color1: Reflectance = (0.2, 0.2, 0.2)
+    scale: Scale2 = (1.0, 1.0)
+    offset: Vector2 = (0.0, 0.0)
+
+    def maximum(self) -> Triple:
+        """Largest value of each channel."""
+        red, green, blue = (max(pair) for pair in zip(self.color0, self.color1, strict=True))
+        return red, green, blue
+
+
+EXAMPLES = (
+    Checkerboard(),
+    Checkerboard(color0=(1.0, 0.0, 0.0), color1=(0.0, 0.0, 1.0), scale=10.0),
+    Checkerboard(color0=0.0, color1=1.0, scale=(3.0, -0.5), offset=(0.25, -7.0)),
+)
+
+SLOTS = {"color0": 3, "color1": 3, "scale": 2, "offset": 2}
+
+
+def pack(spec: Checkerboard, packer) -> None:
+    """Fill the row of one texture."""
+    packer.color("color0", spec.color0)
+    packer.color("color1", spec.color1)
+    packer.numbers("scale", *spec.scale)
+    packer.numbers("offset", *spec.offset)
+
+
+@kernel
+def evaluate(scene, base, surface):
+    """Colour of the square that (u, v) lies in."""
+    data = scene.materials.texture_data
+    s = gather(data, base + 6) * surface.u + gather(data, base + 8)
+    t = gather(data, base + 7) * surface.v + gather(data, base + 9)
+    # The fraction of half a whole number is 0 or 1/2, whatever its sign.
+    half = 0.5 * (floor(s) + floor(t))
+    first = where(half == floor(half), base, base + 3)
+    return Vec3(gather(data, first), gather(data, first + 1), gather(data, first + 2))

@@ -1,0 +1,47 @@
+"""What the compiler made of the hot kernel: float32 only, no reference counting."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import alight
+from alight.compiled.scene import compile_scene
+from alight.rendering.main_loop import Job
+from alight.scene import flatten
+
+
+@pytest.fixture(scope="module")
+def machine_code():
+    """LLVM IR of the main loop for the Cornell box with mirror and glass, after optimisation."""
+    flat = flatten(alight.load("mirror-and-glass"))
+    job = Job(compile_scene(flat), seed=0, threads=1, replicates=4, first_sample=0)
+    job.start(None)
+    (code,) = job.kernel.inspect_llvm().values()
+    return code
+
+
+def test_no_double_arithmetic(machine_code):
+    found = re.findall(
+        r"= (?:fadd|fsub|fmul|fdiv|fcmp|fpext|sitofp|uitofp)[^\n]*\bdouble\b[^\n]*", machine_code
+    )
+    assert not found, "\n".join(found[:5])
+
+
+def test_no_reference_counting(machine_code):
+    body = machine_code
+    hot = [
+        part
+        for part in re.split(r"(?=^define )", body, flags=re.MULTILINE)
+        if part.startswith("define") and "render_tile_kernel" in part.split("\n")[0]
+        and "cpython" not in part.split("\n")[0]
+    ]
+    assert hot
+    assert not any("NRT_incref" in part or "NRT_decref" in part for part in hot)
+
+
+def test_the_kernel_works_on_whole_packets(machine_code):
+    from alight.core.jit import lanes_of_machine
+
+    assert f"<{lanes_of_machine()} x float>" in machine_code

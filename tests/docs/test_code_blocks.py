@@ -1,0 +1,81 @@
+"""Code in the pages is right: it compiles, scenes load, and the models of extending.md work."""
+
+import types
+
+import numpy as np
+import pytest
+
+from alight.core.vec import Vec3
+from alight.samplers.state import SamplerState
+from alight.scene import loads
+from tests.docs.pages import PAGES, ROOT, blocks, name_of
+
+EXTENDING = ROOT / "docs" / "extending.md"
+LANES = 200_000
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_python_blocks_compile(page):
+    for block in blocks(page, "python"):
+        compile(block, name_of(page), "exec")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_whole_scenes_load(page):
+    for block in blocks(page, "yaml"):
+        if block.startswith("alight:"):
+            loads(block, name_of(page))
+
+
+def _module(name):
+    """The code block of extending.md that holds the model `name`, as a module."""
+    [block] = [text for text in blocks(EXTENDING, "python") if f'type: Literal["{name}"]' in text]
+    module = types.ModuleType(name)
+    exec(compile(block, name, "exec"), module.__dict__)
+    return module
+
+
+@pytest.mark.parametrize("name", ["minnaert", "downlight", "kronecker", "headlight"])
+def test_models_describe_themselves(name):
+    module = _module(name)
+    assert 1 <= len(module.EXAMPLES) <= 6
+    assert module.EXAMPLES[0].type_name() == name
+
+
+def _uniform(n, seed):
+    return np.random.default_rng(seed).random(n, dtype=np.float32)
+
+
+@pytest.mark.parametrize("k", [1.0, 1.5, 8.0])
+def test_minnaert_weight_is_value_over_density_and_energy_is_as_derived(k):
+    module = _module("minnaert")
+    full = np.ones(LANES, np.float32)
+    params = module.Params(Vec3(full, full, full), full * np.float32(k))
+    cos_o = np.float32(0.6)
+    wo = Vec3(full * 0.8, full * 0.0, full * cos_o)
+    u2 = _uniform(LANES, 1), _uniform(LANES, 2)
+    wi, weight, pdf, _ = module.sample(params, wo, _uniform(LANES, 3), u2)
+    f_cos, pdf_again = module.evaluate(params, wo, wi)
+    kept = wi.z > 1e-3
+    assert np.allclose(wi.x**2 + wi.y**2 + wi.z**2, 1.0, atol=1e-5)
+    assert np.allclose(pdf[kept], pdf_again[kept], rtol=1e-3)
+    assert np.allclose(weight.x[kept], (f_cos.x / pdf_again)[kept], rtol=1e-3)
+    assert np.allclose(weight.x[kept], cos_o ** (k - 1.0), rtol=1e-4)
+    # Uniform directions: the mean of 2 pi pdf is the integral of the pdf, 1.
+    z = _uniform(LANES, 4)
+    _, pdf = module.evaluate(params, wo, Vec3(np.sqrt(1 - z * z), full * 0.0, z))
+    assert abs(2 * np.pi * pdf.mean() - 1.0) < 0.02
+
+
+def test_kronecker_points_are_uniform_and_better_than_random():
+    module = _module("kronecker")
+    get_1d, get_2d = module.make_kernels()
+    n = 4096
+    zero = np.zeros(n, np.uint32)
+    state = SamplerState(zero + 3, zero + 7, np.arange(n, dtype=np.uint32), zero, zero)
+    points = [get_1d(state, 0), *get_2d(state, 2)]
+    for x in points:
+        assert x.min() >= 0.0
+        assert x.max() < 1.0
+        # Independent points would be off by 1 / sqrt(12 n), five times as much.
+        assert abs(x.mean() - 0.5) < 0.2 / np.sqrt(12 * n)

@@ -1,0 +1,121 @@
+"""The picture comparison passes equal pictures and finds small faults."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from alight.metrics import PictureStatistics, compare_pictures
+
+
+def reference_picture():
+    y, x = np.mgrid[0:64, 0:64] / 64
+    return np.stack([0.2 + x, 0.3 + 0.5 * y, 0.1 + x * y], axis=-1)
+
+
+def renders(seed, seeds=32, scale=1.0, spread=1.0):
+    """Pictures with skewed noise, as of path tracing: channels of a pixel share their paths."""
+    rng = np.random.default_rng(seed)
+    noise = rng.gamma(4.0, 0.25, (seeds, 64, 64, 1))
+    return reference_picture() * scale * (1 + spread * (noise - 1))
+
+
+def test_equal_pictures_pass():
+    results = [compare_pictures(renders(2 * i), renders(2 * i + 1)) for i in range(8)]
+    assert all(result.passed for result in results), [r.reasons for r in results]
+    assert results[0].z.shape == (32, 32)
+    assert bool(results[0])
+
+
+def test_pictures_of_different_noise_pass():
+    assert compare_pictures(renders(1, seeds=48), renders(2, spread=3.0)).passed
+
+
+@pytest.mark.parametrize("scale", [1.01, 0.99])
+def test_one_percent_more_or_less_light_is_found(scale):
+    result = compare_pictures(renders(1), renders(2, scale=scale))
+    assert not result.passed
+    assert any("mean" in reason for reason in result.reasons)
+
+
+def test_one_percent_in_one_channel_is_found():
+    b = renders(2)
+    b[..., 2] *= 1.01
+    result = compare_pictures(renders(1), b)
+    assert any(reason.startswith("mean B differs") for reason in result.reasons)
+
+
+def test_a_fault_in_one_block_is_found():
+    b = renders(2)
+    b[:, 10:12, 20:22] *= 1.6
+    result = compare_pictures(renders(1), b)
+    assert any("largest |z|" in reason for reason in result.reasons)
+    assert np.nanargmax(np.abs(result.z)) == 5 * 32 + 10
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.7])
+def test_a_misstated_variance_is_found(factor):
+    a, b = PictureStatistics.of(renders(1)), PictureStatistics.of(renders(2))
+    wrong = replace(
+        a, block_variance=a.block_variance * factor, channel_variance=a.channel_variance * factor
+    )
+    right, result = compare_pictures(a, b), compare_pictures(wrong, b)
+    assert right.passed
+    assert any(reason.startswith("rms(z)") for reason in result.reasons)
+
+
+def test_faults_that_cancel_in_the_mean_are_found():
+    pattern = np.where((np.mgrid[0:64, 0:64] // 2).sum(axis=0) % 2, 1.04, 0.96)[..., None]
+    result = compare_pictures(renders(1, spread=0.3), renders(2, spread=0.3) * pattern)
+    assert any(reason.startswith("rms(z)") for reason in result.reasons)
+
+
+def test_stored_statistics_give_the_same_result(tmp_path):
+    a, b = renders(1), renders(2)
+    PictureStatistics.of(a).save(tmp_path / "a.npz")
+    stored = compare_pictures(PictureStatistics.load(tmp_path / "a.npz"), b)
+    direct = compare_pictures(a, b)
+    np.testing.assert_array_equal(stored.z, direct.z)
+    assert stored.p_values == direct.p_values
+
+
+def test_black_blocks_are_not_judged_but_light_in_them_is():
+    a, b = renders(1), renders(2)
+    a[:, :8], b[:, :8] = 0, 0
+    result = compare_pictures(a, b)
+    assert np.isnan(result.z[:4]).all()
+    assert result.passed
+    b[:, 0, 0] = 0.5
+    assert not compare_pictures(a, b).passed
+
+
+def test_failures_can_be_looked_at(tmp_path):
+    result = compare_pictures(renders(1), renders(2, scale=1.05))
+    folder = result.dump(tmp_path / "failed")
+    assert {file.name for file in folder.iterdir()} == {"a.npy", "b.npy", "z.npy", "report.txt"}
+    assert "1024 blocks: rms(z)" in (folder / "report.txt").read_text()
+    assert np.load(folder / "a.npy").shape == (64, 64, 3)
+
+
+@pytest.mark.parametrize(
+    ("pictures", "message"),
+    [
+        (np.zeros((1, 4, 4, 3)), "S >= 2"),
+        (np.zeros((2, 4, 4)), "S >= 2"),
+        (np.zeros((2, 5, 4, 3)), "4x5 pixels do not divide"),
+        (np.full((2, 4, 4, 3), np.nan), "NaN"),
+    ],
+)
+def test_what_is_no_set_of_pictures_is_refused(pictures, message):
+    with pytest.raises(ValueError, match=message):
+        PictureStatistics.of(pictures)
+
+
+def test_different_sizes_are_refused():
+    with pytest.raises(ValueError, match="blocks of"):
+        compare_pictures(renders(1), renders(2)[:, :32])
+
+
+def test_pictures_without_noise_are_refused():
+    with pytest.raises(ValueError, match="nothing to judge"):
+        compare_pictures(np.ones((3, 4, 4, 3)), np.ones((3, 4, 4, 3)))

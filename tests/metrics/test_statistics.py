@@ -1,0 +1,118 @@
+"""Our own distributions against SciPy's, and the tests built on them."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import special, stats
+
+from alight.metrics.statistics import (
+    holm,
+    incomplete_beta,
+    normal_from_tail,
+    student_t_quantile,
+    student_t_tail,
+    t_to_z,
+    welch,
+)
+
+DOFS = [1.0, 2.0, 3.0, 7.5, 31.0, 62.3, 1000.0, 1e6]
+
+
+@pytest.mark.parametrize("dof", DOFS)
+def test_tails_of_student_t_are_right_to_nine_digits(dof):
+    # Below 1e-4 SciPy's own values for one degree of freedom are wrong in the ninth digit.
+    t = np.concatenate([[0.0], np.logspace(-4, 1.5, 400)])
+    truth = 2 * stats.t.sf(t, dof)
+    seen = truth > 1e-250
+    tolerance = 1e-9 if dof < 1e5 else 2e-8
+    np.testing.assert_allclose(student_t_tail(t, dof)[seen], truth[seen], rtol=tolerance)
+    np.testing.assert_array_equal(student_t_tail(-t, np.float64(dof)), student_t_tail(t, dof))
+
+
+def test_one_degree_of_freedom_is_cauchys_distribution():
+    t = np.logspace(-8, 6, 100)
+    np.testing.assert_allclose(student_t_tail(t, 1.0), 2 / np.pi * np.arctan(1 / t), rtol=1e-12)
+
+
+def test_infinite_degrees_of_freedom_are_normal():
+    t = np.linspace(0, 30, 200)
+    np.testing.assert_allclose(student_t_tail(t, math.inf), 2 * stats.norm.sf(t), rtol=1e-12)
+
+
+def test_incomplete_beta_over_its_whole_range():
+    rng = np.random.default_rng(1)
+    a, b, x = rng.uniform(0.3, 80, 2000), rng.uniform(0.3, 80, 2000), rng.uniform(0, 1, 2000)
+    np.testing.assert_allclose(
+        incomplete_beta(a, b, x, 1 - x), special.betainc(a, b, x), rtol=1e-10, atol=1e-280
+    )
+
+
+@pytest.mark.parametrize("dof", [1.0, 3.0, 30.0, 1e9])
+@pytest.mark.parametrize("p", [1e-9, 0.025, 0.4, 0.5, 0.975, 1 - 1e-9])
+def test_quantiles_of_student_t(dof, p):
+    assert student_t_quantile(p, dof) == pytest.approx(stats.t.ppf(p, dof), rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize(("p", "dof"), [(0.0, 3), (1.0, 3), (0.5, 0)])
+def test_impossible_quantiles_are_refused(p, dof):
+    with pytest.raises(ValueError, match="must lie in"):
+        student_t_quantile(p, dof)
+
+
+def test_z_has_the_tail_of_t():
+    t = np.array([-40.0, -2.0, 0.0, 0.3, 5.0, 400.0])
+    dof = np.array([62.0, 3.0, 5.0, 8.0, 10.0, 62.0])
+    # Above a tail of 1e-300 only: z stops there.
+    expected = np.sign(t) * stats.norm.isf(stats.t.sf(np.abs(t), dof))
+    np.testing.assert_allclose(t_to_z(t, dof), expected, rtol=1e-9, atol=1e-9)
+
+
+def test_z_stops_where_tails_vanish():
+    z = normal_from_tail(np.array([0.0, 1.0]), np.array([-1.0, 1.0]))
+    assert -38 < z[0] < -36
+    assert z[1] == 0.0
+
+
+def test_z_of_equal_noise_is_standard_normal():
+    rng = np.random.default_rng(2)
+    a, b = rng.normal(3, 1.0, (5, 20_000)), rng.normal(3, 4.0, (9, 20_000))
+    t, dof = welch(a.mean(0), a.var(0, ddof=1), 5, b.mean(0), b.var(0, ddof=1), 9)
+    assert stats.kstest(t_to_z(t, dof), "norm").pvalue > 0.01
+
+
+def test_welch_is_scipys():
+    rng = np.random.default_rng(3)
+    a, b = rng.normal(size=(40, 100)), rng.normal(0.2, 3.0, size=(32, 100))
+    t, dof = welch(a.mean(0), a.var(0, ddof=1), 40, b.mean(0), b.var(0, ddof=1), 32)
+    result = stats.ttest_ind(a, b, equal_var=False)
+    np.testing.assert_allclose(t, result.statistic)
+    np.testing.assert_allclose(student_t_tail(t, dof), result.pvalue, rtol=1e-9)
+
+
+def test_welch_of_values_without_spread():
+    t, dof = welch(
+        np.array([1.0, 2.0, 0.0]), np.zeros(3), 8, np.array([1.0, 1.0, 3.0]), np.zeros(3), 8
+    )
+    assert t.tolist() == [0.0, math.inf, -math.inf]
+    assert np.isinf(dof).all()
+    assert student_t_tail(t, dof).tolist() == [1.0, 0.0, 0.0]
+
+
+def test_welch_against_an_exact_value_is_the_one_sample_test():
+    a = np.random.default_rng(4).normal(size=12)
+    t, dof = welch(a.mean(), a.var(ddof=1), 12, np.float64(0.3), np.float64(0.0), math.inf)
+    assert float(dof) == pytest.approx(11)
+    assert float(t) == pytest.approx(stats.ttest_1samp(a, 0.3).statistic)
+
+
+def test_variances_too_small_to_be_squared_still_count():
+    _, dof = welch(np.array(1e-160), np.array(1e-200), 8, np.array(0.0), np.array(1e-200), 8)
+    assert float(dof) == pytest.approx(14)
+
+
+def test_holm_steps_down():
+    # 0.01 <= 0.04/4, 0.013 <= 0.04/3, 0.03 > 0.04/2: stop.
+    assert holm([0.03, 0.01, 0.9, 0.013], 0.04) == [False, True, False, True]
+    assert holm([], 0.01) == []
+    assert holm([math.nan, 0.5], 0.01)[0]

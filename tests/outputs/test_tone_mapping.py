@@ -1,0 +1,67 @@
+"""Tone curves: known points, order, range."""
+
+import numpy as np
+import pytest
+
+from alight.core.errors import OptionError
+from alight.outputs.tone_mapping import TONE_MAPS, Display, decode_srgb, encode_srgb
+
+
+def grey(value):
+    return np.full((1, 1, 3), value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("none", 0.18, 0.18),
+        ("none", 3.0, 1.0),
+        ("reinhard", 1.0, 0.5),
+        ("reinhard", 3.0, 0.75),
+        ("aces", 1.0, 0.8037975),
+        ("hable", 5.6, 1.0),
+        ("hable", 0.0, 0.0),
+    ],
+)
+def test_known_points(name, value, expected):
+    assert TONE_MAPS[name](grey(value))[0, 0, 0] == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", TONE_MAPS)
+def test_curves_grow_from_black_to_white(name):
+    levels = np.logspace(-4, 6, 200)[:, None, None] * np.ones(3)
+    shown = Display(tone_map=name).apply(np.concatenate([np.zeros((1, 1, 3)), levels]))
+    assert (np.diff(shown[:, 0, 0]) >= 0).all()
+    assert shown[0, 0, 0] == pytest.approx(0.0, abs=1e-9)
+    assert 0.99 < shown[-1, 0, 0] <= 1.0
+
+
+def test_reinhard_keeps_the_ratios_of_the_channels():
+    colour = np.array([[[4.0, 2.0, 1.0]]])
+    mapped = TONE_MAPS["reinhard"](colour)
+    np.testing.assert_allclose(mapped / mapped[..., 2:], colour)
+
+
+def test_one_stop_doubles():
+    np.testing.assert_allclose(Display(1.0).apply(grey(0.2)), Display().apply(grey(0.4)))
+
+
+def test_srgb_and_back():
+    linear = np.linspace(0, 1, 10_001)
+    np.testing.assert_allclose(decode_srgb(encode_srgb(linear)), linear, atol=2e-8)
+    assert encode_srgb(np.float64(1.0)) == pytest.approx(1.0)
+    assert encode_srgb(np.float64(0.18)) == pytest.approx(0.4613561, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"tone_map": "acess"}, 'unknown tone map "acess"; did you mean "aces"'),
+        ({"exposure": float("nan")}, r"\[-100, 100\] stops, got nan"),
+        ({"exposure": 101.0}, r"\[-100, 100\] stops, got 101"),
+        ({"bits": 12}, "8 or 16, got 12"),
+    ],
+)
+def test_wrong_options_are_refused(options, message):
+    with pytest.raises(OptionError, match=message):
+        Display(**options)

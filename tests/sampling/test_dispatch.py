@@ -1,0 +1,240 @@
+"""Tables, dispatcher and textures: any mixture of materials gives what each gives alone."""
+
+import numpy as np
+import pytest
+
+from alight.bsdfs import MODELS
+from alight.bsdfs.diffuse import UNIFORM, Diffuse
+from alight.bsdfs.dispatch import STRIDE, albedo_bsdf, evaluate_bsdf, sample_bsdf
+from alight.bsdfs.phong import Phong
+from alight.bsdfs.two_sided import TwoSided
+from alight.compiled.materials import Packer, compile_materials
+from alight.compiled.program import Program
+from alight.core.jit import instantiate, kernel
+from alight.core.simd import LANES, load_lanes, store_lanes, to_float
+from alight.core.vec3 import Vec3
+from alight.core.view import View
+from alight.shapes.hit import COLORS, INFO
+from alight.textures import vertex_color
+from alight.textures.checkerboard import Checkerboard
+from alight.textures.constant import Constant
+from alight.textures.fetch import color
+from alight.textures.vertex_color import VertexColor
+from tests.sampling.materials import (
+    EXAMPLES,
+    Material,
+    Scene,
+    Shapes,
+    Surface,
+    direction,
+    random_numbers,
+)
+from tests.sampling.statistics import unit_vectors
+
+N = 2048
+RESULTS = 15
+
+
+@kernel
+def load_vec3(view, i):
+    return Vec3(load_lanes(view, i), load_lanes(view, i + N), load_lanes(view, i + 2 * N))
+
+
+@kernel
+def store_vec3(view, row, i, v):
+    store_lanes(view, row * N + i, v.x)
+    store_lanes(view, (row + 1) * N + i, v.y)
+    store_lanes(view, (row + 2) * N + i, v.z)
+
+
+@kernel
+def scatter_all(scene, bsdf, wo, other, u, uv, out):
+    """Sample and evaluate the materials `bsdf` at N points; the columns of `out` hold the rest."""
+    for i in range(0, N, LANES):
+        zero = load_lanes(bsdf, i) & 0
+        vertex = Vec3(0.25, 0.5, 0.75) * load_lanes(uv, i)
+        surface = Surface(
+            load_lanes(uv, i), load_lanes(uv, i + N), zero, load_lanes(bsdf, i), vertex
+        )
+        w, v = load_vec3(wo, i), load_vec3(other, i)
+        u2 = load_lanes(u, i + N), load_lanes(u, i + 2 * N)
+        active = load_lanes(u, i) >= 0.0
+        wi, weight, pdf, flags = sample_bsdf(scene, surface, w, load_lanes(u, i), u2, active)
+        f_cos, density = evaluate_bsdf(scene, surface, w, v, active)
+        store_vec3(out, 0, i, wi)
+        store_vec3(out, 3, i, weight)
+        store_lanes(out, 6 * N + i, pdf)
+        store_vec3(out, 7, i, f_cos)
+        store_lanes(out, 10 * N + i, density)
+        store_vec3(out, 11, i, albedo_bsdf(scene, surface, active))
+        store_lanes(out, 14 * N + i, to_float(flags))
+
+
+def scatter(specs, bsdf, compiled):
+    """Results (RESULTS, N) of `scatter_all` on the same random input."""
+    tables, bsdfs, textures = compile_materials(specs)
+    scene = Scene(tables, Shapes(View(np.zeros(INFO, np.uint32))))
+    u, uv = random_numbers(N, 1), 6.0 * random_numbers(N, 2)[:2]
+    out = View(np.zeros((RESULTS, N), np.float32))
+    wo, other = (View(np.ascontiguousarray(unit_vectors(N, seed))) for seed in (3, 4))
+    run = instantiate(scatter_all, Program(bsdfs=bsdfs, textures=textures), compiled=compiled)
+    with np.errstate(all="ignore"):
+        run(scene, View(bsdf), wo, other, View(u), View(uv), out)
+    return out.array.reshape(RESULTS, N)
+
+
+# Every model, two-sided ones, and textures, in one program.
+MIXED = (
+    *EXAMPLES,
+    Diffuse(reflectance=Checkerboard(scale=3.0, color1=(0.9, 0.1, 0.0))),
+    Diffuse(reflectance=VertexColor(fallback=(0.1, 0.2, 0.3))),
+    Phong(diffuse=Checkerboard(scale=2.0), specular=Constant(color=0.1)),
+    TwoSided(bsdf=Phong()),
+)
+
+
+def mixed_ids():
+    return np.random.default_rng(5).integers(0, len(MIXED), N).astype(np.uint32)
+
+
+@pytest.mark.parametrize(
+    "specs",
+    [MIXED, (Diffuse(),), (TwoSided(bsdf=Diffuse(reflectance=0.2)), Diffuse(sampling="uniform"))],
+    ids=["all models", "one class", "one class, two-sided and uniform"],
+)
+def test_compiled_code_equals_the_twin(specs):
+    ids = (mixed_ids() % len(specs)).astype(np.uint32)
+    compiled, twin = scatter(specs, ids, True), scatter(specs, ids, False)
+    assert np.all(np.isfinite(compiled))
+    # Of directions; near the horizon the cosine is the root of a small difference.
+    np.testing.assert_allclose(compiled[:3], twin[:3], atol=3e-6)
+    # The sharpest lobe takes rounding errors of a direction to the power of 300.
+    np.testing.assert_allclose(compiled[3:14], twin[3:14], rtol=3e-5, atol=2e-6)
+    np.testing.assert_array_equal(compiled[14], twin[14])
+
+
+def test_a_mixture_gives_what_each_material_gives_alone():
+    ids = mixed_ids()
+    together = scatter(MIXED, ids, False)
+    for i, spec in enumerate(MIXED):
+        mine = ids == i
+        alone = scatter((spec,), np.zeros(N, np.uint32), False)
+        np.testing.assert_array_equal(together[:, mine], alone[:, mine], err_msg=str(spec))
+
+
+@pytest.mark.parametrize("inner", [Diffuse(reflectance=0.7), Phong()])
+def test_the_back_of_a_two_sided_surface_looks_like_its_front(inner):
+    both, front = Material(TwoSided(bsdf=inner)), Material(inner)
+    wo, wi = unit_vectors(N, 6), unit_vectors(N, 7)
+    flipped = np.float32([[1.0], [1.0], [-1.0]])
+    above = wo[2] > 0.0
+    to_front = np.where(above, 1.0, flipped)
+    for seen, expected in zip(
+        both.evaluate(wo, wi), front.evaluate(wo * to_front, wi * to_front), strict=True
+    ):
+        np.testing.assert_array_equal(seen, expected)
+    u = random_numbers(N, 8)
+    wi, weight, pdf, flags = both.sample(wo, u)
+    expected = front.sample(wo * to_front, u)
+    np.testing.assert_array_equal(wi, expected[0] * to_front)
+    for seen, wanted in zip((weight, pdf, flags), expected[1:], strict=True):
+        np.testing.assert_array_equal(seen, wanted)
+
+
+# ---------------------------------------------------------------- tables
+
+
+def test_slots_of_every_model_fit_its_row():
+    for model in MODELS:
+        if hasattr(model, "SLOTS"):
+            assert sum(model.SLOTS.values()) <= STRIDE
+
+
+def test_programs_name_what_they_must_compile():
+    specs = [Diffuse(), TwoSided(bsdf=Phong()), Diffuse(reflectance=Checkerboard())]
+    _, bsdfs, textures = compile_materials(specs)
+    assert bsdfs == ("diffuse", "phong", "two_sided")
+    assert textures == ("constant", "checkerboard")
+    assert UNIFORM in compile_materials([Diffuse(sampling="uniform")])[1]
+    # A constant texture costs nothing.
+    assert compile_materials([Diffuse(reflectance=Constant())])[2] == ("constant",)
+
+
+def test_equal_textures_are_stored_once():
+    tables, _, _ = compile_materials([Diffuse(reflectance=Checkerboard())] * 3)
+    assert tables.texture_info.size == 2
+    rows = tables.texture.array.reshape(3, STRIDE)
+    np.testing.assert_array_equal(rows[:, 0], 1)
+
+
+def test_a_scene_without_materials_has_valid_tables():
+    tables, bsdfs, _ = compile_materials([])
+    assert bsdfs == () and all(view.size > 0 for view in tables)
+
+
+def test_unresolved_names_are_refused():
+    for spec in (Diffuse(reflectance="wood"), TwoSided(bsdf="paint")):
+        with pytest.raises(ValueError, match="must be resolved"):
+            compile_materials([spec])
+
+
+def test_a_slot_takes_as_many_numbers_as_it_has():
+    with pytest.raises(ValueError, match="has 3 slots, got 2 numbers"):
+        Packer({"a": 1, "b": 3}, 8).numbers("b", 1.0, 2.0)
+
+
+# ---------------------------------------------------------------- textures
+
+
+def fetched(texture, u, v, vertex=(0.0, 0.0, 0.0), flags=0):
+    """The colour (n, 3) of a diffuse surface with a texture."""
+    tables, bsdfs, textures = compile_materials([Diffuse(), Diffuse(reflectance=texture)])
+    info = np.zeros(INFO, np.uint32)
+    info[vertex_color.FLAGS_COLUMN] = flags
+    n = len(u)
+    vertex = Vec3(*(np.full(n, c, np.float32) for c in vertex))
+    surface = Surface(u, v, np.zeros(n, np.uint32), np.ones(n, np.uint32), vertex)
+    fetch = instantiate(color, Program(bsdfs=bsdfs, textures=textures), compiled=False)
+    rgb = fetch(Scene(tables, Shapes(View(info))), surface.bsdf * STRIDE, surface)
+    return np.stack([np.broadcast_to(c, n) for c in (rgb.x, rgb.y, rgb.z)], 1)
+
+
+@pytest.mark.parametrize(
+    "texture",
+    [
+        Checkerboard(color0=0.0, color1=1.0),
+        Checkerboard(color0=0.0, color1=1.0, scale=(3.0, -0.5), offset=(0.25, -7.0)),
+    ],
+)
+def test_checkerboard_alternates(texture):
+    u, v = (8.0 * random_numbers(N, 9)[:2] - 4.0).astype(np.float32)
+    s = texture.scale[0] * u.astype(float) + texture.offset[0]
+    t = texture.scale[1] * v.astype(float) + texture.offset[1]
+    inside = (np.abs(s - np.rint(s)) > 1e-5) & (np.abs(t - np.rint(t)) > 1e-5)
+    expected = (np.floor(s) + np.floor(t)) % 2.0
+    np.testing.assert_array_equal(fetched(texture, u, v)[inside, 0], expected[inside])
+
+
+def test_vertex_color_is_interpolated_where_there_is_one():
+    u = np.zeros(4, np.float32)
+    texture = VertexColor(fallback=(0.9, 0.1, 0.2))
+    own = fetched(texture, u, u, (0.3, 0.6, 0.1), COLORS)
+    np.testing.assert_array_equal(own, np.float32([[0.3, 0.6, 0.1]] * 4))
+    np.testing.assert_array_equal(fetched(texture, u, u), np.float32([[0.9, 0.1, 0.2]] * 4))
+
+
+def test_vertex_color_reads_the_flag_that_shapes_write():
+    assert (vertex_color.SHAPE_ROW, vertex_color.HAS_COLORS) == (INFO, COLORS)
+
+
+def test_constant_texture_is_its_colour():
+    u = np.zeros(4, np.float32)
+    np.testing.assert_array_equal(fetched(Constant(color=0.25), u, u), 0.25)
+
+
+def test_diffuse_is_lambert():
+    f_cos, pdf = Material(Diffuse(reflectance=(0.9, 0.5, 0.1))).evaluate(
+        direction(0.3), direction(0.8)
+    )
+    np.testing.assert_allclose(f_cos[:, 0], 0.8 * np.array([0.9, 0.5, 0.1]) / np.pi, rtol=1e-6)
+    np.testing.assert_allclose(pdf, 0.8 / np.pi, rtol=1e-6)
