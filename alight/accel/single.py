@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel.layout import CHILD, IDS, WIDTH
+from alight.accel.layout import BLOCK, CHILD, IDS, LEAF, NODE, WIDTH
 from alight.core.jit import kernel
 from alight.core.simd import (
     absolute,
@@ -26,7 +26,7 @@ from alight.core.simd import (
     where,
 )
 from alight.core.vec import Vec3
-from alight.core.wide import lane, load_wide, wide
+from alight.core.wide import lane, load_wide, prefetch, wide
 from alight.shapes.triangle import Shear, component, shear_of, sheared_hit
 
 #: Found by one ray: t; index of the primitive in the tree (NONE: nothing up to t); face: triangle of
@@ -136,13 +136,26 @@ def entry(distances, nodes, at, i):
 
 
 @kernel(strict=True)
-def push_children(stack, size, bits, distances, nodes, at):
+def fetch_ahead(tree, code):
+    """Bring a child's cache lines in while others are looked at; rays wait mostly for memory."""
+    if code < LEAF:
+        for line in range(0, NODE, 16):
+            prefetch(tree.nodes, NODE * code + line)
+    else:
+        at = BLOCK * ((code & (LEAF - 1)) >> 4)
+        for line in range(0, BLOCK, 16):
+            prefetch(tree.blocks, at + line)
+
+
+@kernel(strict=True)
+def push_children(tree, stack, size, bits, distances, at):
     """Put the children in `bits` on the stack, nearest on top; the new size."""
     base = size
     while bits != 0:
         i = trailing_zeros(bits)
         bits &= bits - 1
-        key = entry(distances, nodes, at, i)
+        key = entry(distances, tree.nodes, at, i)
+        fetch_ahead(tree, key & 0xFFFFFFFF)
         j = size
         while j > base:
             if stack[j - 1] >= key:

@@ -18,6 +18,7 @@ from alight.accel.single import (
     SingleHit,
     box_ray,
     closest_of_block,
+    fetch_ahead,
     is_traceable,
     meet_boxes,
     meet_triangles,
@@ -107,7 +108,7 @@ def write_closest(closest_of_leaf: Callable) -> Callable:
                         code = as_int(float_bits(nodes[at + CHILD + trailing_zeros(bits)]))
                     else:
                         store_wide(distances, 0, enter)
-                        size = push_children(stack, size, bits, distances, nodes, at) - 1
+                        size = push_children(tree, stack, size, bits, distances, at) - 1
                         code = stack[size] & 0xFFFFFFFF
                 if code >= LEAF:
                     block, count = (code & (LEAF - 1)) >> 4, code & 15
@@ -139,7 +140,9 @@ def write_any(any_of_leaf: Callable) -> Callable:
                     while bits != 0:
                         i = trailing_zeros(bits)
                         bits &= bits - 1
-                        stack[size] = as_int(float_bits(nodes[at + CHILD + i]))
+                        child = as_int(float_bits(nodes[at + CHILD + i]))
+                        fetch_ahead(tree, child)
+                        stack[size] = child
                         size += 1
                 else:
                     block, count = (code & (LEAF - 1)) >> 4, code & 15

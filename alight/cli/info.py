@@ -31,8 +31,7 @@ def info(
     for name, value in facts(description, flat):
         typer.echo(f"{name:<13}{value}")
     if tree:
-        for name, value in accelerator_facts(flat):
-            typer.echo(f"{name:<13}{value}")
+        typer.echo(f"{'accelerator':<13}{accelerator_facts(flat)}")
         for line in tree_lines(description):
             typer.echo(line)
     for warning in description.warnings:
@@ -76,12 +75,12 @@ def mesh_bytes(flat: FlatScene) -> int:
     return sum(array.nbytes for array in arrays if array is not None)
 
 
-def accelerator_facts(flat: FlatScene) -> list[tuple[str, str]]:
-    """Build the acceleration structure and gather its figures, as (name, text)."""
+def accelerator_facts(flat: FlatScene) -> str:
+    """Build the acceleration structure and say its figures."""
     from alight.compiled.scene import compile_scene
 
     stats = compile_scene(flat).stats
-    return [(name.replace("_", " "), _figure(value)) for name, value in stats.items()]
+    return ", ".join(f"{name.replace('_', ' ')} {_figure(value)}" for name, value in stats.items())
 
 
 def tree_lines(scene: Scene) -> Iterator[str]:

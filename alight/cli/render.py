@@ -8,10 +8,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from alight.cli import arguments
 from alight.cli.reporting import INTERRUPTED, warn
 
 if TYPE_CHECKING:
@@ -21,96 +22,32 @@ if TYPE_CHECKING:
 
 DEFAULT_SCENE = "cornell-box"
 
-_IMAGE = "Picture"
-_SAMPLING = "Sampling"
-_SCENE = "Instead of what the scene file says"
-
 
 def render(
-    scene: Annotated[
-        str, typer.Argument(help="Scene file, or a name that `alight scenes` lists.")
-    ] = DEFAULT_SCENE,
-    output: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "-o", "--output", help="File to write; the suffix chooses the format. May be repeated.",
-            rich_help_panel=_IMAGE, show_default="SCENE.png",
-        ),
-    ] = None,
-    spp: Annotated[
-        int | None,
-        typer.Option(
-            help="Samples per pixel.", min=1, rich_help_panel=_SAMPLING,
-            show_default="64 without --time",
-        ),
-    ] = None,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            "--time", help="Seconds after which no pass starts.", rich_help_panel=_SAMPLING
-        ),
-    ] = None,
-    seed: Annotated[
-        int, typer.Option(help="Of the random numbers.", rich_help_panel=_SAMPLING)
-    ] = 0,
-    first_sample: Annotated[
-        int,
-        typer.Option(
-            help="Index of the first sample, to extend a film.", rich_help_panel=_SAMPLING
-        ),
-    ] = 0,
-    replicates: Annotated[
-        int | None,
-        typer.Option(help="Independent parts for the error bars.", rich_help_panel=_SAMPLING),
-    ] = None,
-    threads: Annotated[
-        int | None, typer.Option(help="Default: all processors.", rich_help_panel=_SAMPLING)
-    ] = None,
-    spp_per_pass: Annotated[
-        int | None, typer.Option(help="Between two progress reports.", rich_help_panel=_SAMPLING)
-    ] = None,
-    size: Annotated[
-        str | None, typer.Option(metavar="WxH", help="Pixels.", rich_help_panel=_SCENE)
-    ] = None,
-    crop: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,W,H", help="Part to render, in pixels.", rich_help_panel=_SCENE),
-    ] = None,
-    integrator: Annotated[str | None, typer.Option(rich_help_panel=_SCENE)] = None,
-    sampler: Annotated[str | None, typer.Option(rich_help_panel=_SCENE)] = None,
-    filter_name: Annotated[str | None, typer.Option("--filter", rich_help_panel=_SCENE)] = None,
-    max_depth: Annotated[
-        int | None, typer.Option(help="Longest path, in edges.", rich_help_panel=_SCENE)
-    ] = None,
-    rr_depth: Annotated[
-        int | None, typer.Option(help="Where Russian roulette begins.", rich_help_panel=_SCENE)
-    ] = None,
-    assignments: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="PATH=VALUE", help="Any key of the scene file. May be repeated.",
-            rich_help_panel=_SCENE,
-        ),
-    ] = None,
-    aov: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAMES", help="Further layers (EXR), by commas: direct,indirect.",
-            rich_help_panel=_IMAGE,
-        ),
-    ] = None,
-    exposure: Annotated[
-        float, typer.Option(help="Stops, for display formats.", rich_help_panel=_IMAGE)
-    ] = 0.0,
-    tone_map: Annotated[
-        str, typer.Option(help="none, reinhard, aces or hable.", rich_help_panel=_IMAGE)
-    ] = "none",
-    bits: Annotated[int, typer.Option(help="8, or 16 (PNG).", rich_help_panel=_IMAGE)] = 8,
-    stats: Annotated[
-        Path | None, typer.Option(help="JSON file for times and errors.", rich_help_panel=_IMAGE)
-    ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")] = False,
-) -> None:  # fmt: skip
+    scene: arguments.SceneName = DEFAULT_SCENE,
+    output: arguments.Output = None,
+    spp: arguments.Spp = None,
+    time_limit: arguments.TimeLimit = None,
+    seed: arguments.Seed = 0,
+    first_sample: arguments.FirstSample = 0,
+    replicates: arguments.Replicates = None,
+    threads: arguments.Threads = None,
+    spp_per_pass: arguments.SppPerPass = None,
+    size: arguments.Size = None,
+    crop: arguments.Crop = None,
+    integrator: arguments.IntegratorName = None,
+    sampler: arguments.SamplerName = None,
+    filter_name: arguments.FilterName = None,
+    max_depth: arguments.MaxDepth = None,
+    rr_depth: arguments.RrDepth = None,
+    assignments: arguments.Assignments = None,
+    aov: arguments.Layers = None,
+    exposure: arguments.Exposure = 0.0,
+    tone_map: arguments.ToneMap = "none",
+    bits: arguments.Bits = 8,
+    stats: arguments.Stats = None,
+    quiet: arguments.Quiet = False,
+) -> None:
     """Render a scene, by default the Cornell box."""
     from alight.cli.options import changes_of, parse_names
     from alight.cli.progress import ProgressBar

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 def summary_lines(film: Film, error: ErrorEstimate, seconds: float) -> list[str]:
     """Say size, samples, time, rate and error in words."""
     _, _, w, h = film.crop
-    rate = film.stats.get("msamples_per_s", 0.0)
-    lines = [f"{w}x{h} pixels, {film.spp:g} spp in {seconds:.2f} s, {rate:.2f} Msamples/s"]
+    rate, rendering = film.stats["msamples_per_s"], film.stats["seconds"]["render"]
+    speed = f"{film.spp:g} spp in {rendering:.2f} s, {rate:.2f} Msamples/s"
+    lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
     relative = error.relrmse
     if math.isnan(relative.value):
         lines.append("estimated error: unknown (too few samples, or a black picture)")

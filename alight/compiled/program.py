@@ -20,6 +20,8 @@ class Program(NamedTuple):
         Models that occur in the scene.
     light_shapes : tuple of str
         Kinds of shape that carry an area light.
+    single_light : bool
+        There is one light: nothing has to be chosen, and its rows are the same for all lanes.
     accel : tuple of str
         Parts of the acceleration structure, see `alight.accel`.
     camera, filter, integrator : str
@@ -37,6 +39,7 @@ class Program(NamedTuple):
     textures: tuple[str, ...] = ("constant",)
     lights: tuple[str, ...] = ()
     light_shapes: tuple[str, ...] = ()
+    single_light: bool = False
     accel: tuple[str, ...] = ()
     camera: str = "pinhole"
     sampler: tuple = ("sobol",)

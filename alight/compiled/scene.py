@@ -15,6 +15,7 @@ from alight.compiled.shapes import compile_shapes
 from alight.filters.importance import compile_filter
 from alight.integrators.walk import Settings
 from alight.core.spec import Integrator
+from alight.lights.tables import INFO as LIGHT_INFO
 from alight.samplers.sampling import sampler_key
 from alight.scene.flatten import FlatScene
 
@@ -111,6 +112,7 @@ def compile_scene(
         textures=textures,
         lights=lights.kinds,
         light_shapes=lights.shapes,
+        single_light=lights.tables.info.size == LIGHT_INFO,
         accel=plan,
         camera=flat.camera.camera.type_name(),
         sampler=sampler_key(flat.sampler),

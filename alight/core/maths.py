@@ -9,8 +9,9 @@ function                      range                        largest error
 `expm1`                       -86 <= x <= 88               3.5 ulp
 `log`                         x >= 2^-126 (-inf below)     1 ulp
 `log1p`                       x > -1                       2.5 ulp
-`pow`                         x >= 0                       (2.2 + abs(y log x)) 2^-23 relative
-`arccos`, `arcsin`            -1 <= x <= 1                 1.5 ulp
+`pow`                         x >= 0                       (2 + 1.25 abs(y log x)) 2^-23 rel.
+`arccos`                      -1 <= x <= 1                 1.5 ulp
+`arcsin`                      -1 <= x <= 1                 2.5 ulp
 `arctan2`                     finite                       2 ulp
 ============================  ===========================  =======================================
 

@@ -14,7 +14,7 @@ from collections import namedtuple
 
 from alight.core.constants import INV_FOUR_PI, INV_PI, INV_TWO_PI
 from alight.core.jit import kernel
-from alight.core.maths import arcsin, sincos, sincos_2pi, sincos_octant
+from alight.core.maths import arctan2, sincos, sincos_2pi, sincos_octant
 from alight.core.simd import absolute, maximum, minimum, sqrt, where
 from alight.core.vec import Vec3, cross, dot
 
@@ -142,9 +142,9 @@ SphericalRectangle = namedtuple(
     "SphericalRectangle", "x y z x0 x1 y0 y1 z0 b0 b1 start solid_angle area by_area"
 )
 
-# The four angles below carry relative errors of some 2^-23 each. Where their sum is smaller than
-# this part of them, the solid angle would be wrong by more than 2e-4, and the rectangle is so small
-# or so steeply seen that sampling its area costs hardly any variance.
+# The four angles below carry relative errors of some 2^-23 each. Where what is left of them is less
+# than this part, the solid angle could be wrong by more than 2e-4; the rectangle is then so small,
+# or so far aside, that sampling its area costs hardly any variance.
 _SMALLEST_SHARE = 1e-3
 
 
@@ -160,19 +160,25 @@ def spherical_rectangle(corner, edge_x, edge_y, p):
     z0 = -absolute(distance)
     x0, y0 = dot(d, x), dot(d, y)
     x1, y1 = x0 + width, y0 + height
-    # z of the unit normals of the four planes through p and a side.
-    zz = z0 * z0
-    n0, n2 = -_over_length(y0, zz), _over_length(y1, zz)
-    n3, n1 = -_over_length(x0, zz), _over_length(x1, zz)
-    # The angle between two of the planes is pi / 2 + arcsin(product), and the solid angle is the
-    # sum of the four less 2 pi: in this form nothing has to cancel in front of the rectangle.
-    a0, a1, a2, a3 = arcsin(n0 * n1), arcsin(n1 * n2), arcsin(n2 * n3), arcsin(n3 * n0)
-    solid_angle = (a0 + a1) + (a2 + a3)
-    sizes = (absolute(a0) + absolute(a1)) + (absolute(a2) + absolute(a3))
+    # Seen from p the rectangle is the difference of four with a corner at the foot of p, whose
+    # solid angles have a closed form. Where that foot lies inside, nothing cancels.
+    a00, a10 = _solid_angle_of_corner(x0, y0, z0), _solid_angle_of_corner(x1, y0, z0)
+    a01, a11 = _solid_angle_of_corner(x0, y1, z0), _solid_angle_of_corner(x1, y1, z0)
+    solid_angle = (a11 - a10) + (a00 - a01)
+    sizes = (absolute(a00) + absolute(a10)) + (absolute(a01) + absolute(a11))
     by_area = solid_angle <= _SMALLEST_SHARE * sizes
+    # Of the planes through p and the sides y = y0 and y = y1.
+    b0, b1 = -_over_length(y0, z0 * z0), _over_length(y1, z0 * z0)
+    area = width * height
     return SphericalRectangle(
-        x, y, z, x0, x1, y0, y1, z0, n0, n2, -(a2 + a3), solid_angle, width * height, by_area
+        x, y, z, x0, x1, y0, y1, z0, b0, b1, a01 - a00, solid_angle, area, by_area
     )
+
+
+@kernel(strict=True)
+def _solid_angle_of_corner(x, y, z):
+    """Of [0, x] times [0, y] at distance |z|, negative if x y is."""
+    return arctan2(x * y, absolute(z) * sqrt(x * x + y * y + z * z))
 
 
 @kernel(strict=True)
@@ -186,7 +192,7 @@ def _over_length(a, zz):
 def square_to_spherical_rectangle(rectangle, u2):
     """Vector from p to a point of the rectangle, uniform in the solid angle seen from p."""
     r = rectangle
-    # The first number sweeps a plane about y over the rectangle: where does it cut y = const.?
+    # The first number sweeps a plane through p that holds the y direction over the rectangle.
     s, c = sincos(r.start + u2[0] * r.solid_angle)
     f = (c * r.b0 + r.b1) / where(s == 0.0, 1e-30, s)
     cu = 1.0 / sqrt(f * f + r.b0 * r.b0)

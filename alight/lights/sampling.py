@@ -77,6 +77,44 @@ def sample_chosen(program):
 
 
 @specialised
+def choose_light(program):
+    """``choose_light(scene, u)``: index of a light, its probability, and what is left of u."""
+    if program.single_light:
+
+        @kernel
+        def the_only_one(scene, u):
+            # A uniform index: its rows are loaded once for all lanes.
+            return 0, lanes(1.0), u
+
+        return the_only_one
+
+    @kernel
+    def by_probability(scene, u):
+        count = scene.lights.info.size // INFO
+        return sample_discrete(scene.lights.cdf, 0, count, u)
+
+    return by_probability
+
+
+@specialised
+def light_index(program):
+    """``light_index(light)``: row of the light with the number light = index + 1; 0 for none."""
+    if program.single_light:
+
+        @kernel
+        def the_only_one(light):
+            return 0
+
+        return the_only_one
+
+    @kernel
+    def one_less(light):
+        return where(light > 0, light - 1, 0)
+
+    return one_less
+
+
+@specialised
 def sample_light(program):
     """Choose a light, and light from it: ``sample_light(scene, p, ns, u, u2, active)``.
 
@@ -108,8 +146,7 @@ def sample_light(program):
 
     @kernel
     def with_lights(scene, p, ns, u, u2, active):
-        count = scene.lights.info.size // INFO
-        index, pmf, rest = sample_discrete(scene.lights.cdf, 0, count, u)
+        index, pmf, rest = choose_light(scene, u)
         s = sample_chosen(scene, index, p, rest, u2)
         pdf = s.pdf * pmf
         # No light from behind, from nowhere, or from farther than float32 can tell.
@@ -168,7 +205,7 @@ def light_pdf(program):
     @kernel
     def with_area_lights(scene, light, p, wi, distance, surface):
         shines = light > 0
-        index = where(shines, light - 1, 0)
+        index = light_index(light)
         cosine = -dot(wi, surface.ng)
         density = area_pdf(scene, index, surface.prim, p, wi, distance, cosine)
         return where(shines, density * gather(scene.lights.data, index * STRIDE + 3), 0.0)
@@ -190,7 +227,7 @@ def emitted(program):
     @kernel
     def on_outer_side(scene, surface, wo):
         shines = (surface.light > 0) & (dot(wo, surface.ng) > 0.0)
-        index = where(shines, surface.light - 1, 0)
+        index = light_index(surface.light)
         radiance = gather_vec3(scene.lights.data, index * STRIDE)
         return where(shines, radiance, lanes_vec3(0.0))
 

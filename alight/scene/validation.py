@@ -74,9 +74,10 @@ class _Checker:
             here = f"{path}.{name}"
             if name == "bsdf":
                 self.check_nested(value, here)
-            elif isinstance(value, str) and holds_texture(bsdf, name):
-                if self.check_name("texture", value, self.scene.textures, here):
-                    resolved[name] = self.scene.textures[value]
+                continue
+            named = isinstance(value, str) and holds_texture(bsdf, name)
+            if named and self.check_name("texture", value, self.scene.textures, here):
+                resolved[name] = self.scene.textures[value]
         # Named textures count for the checks inside a model only once they are known.
         if {"diffuse", "specular"} & set(resolved):
             names = ("diffuse", "specular")

@@ -214,12 +214,18 @@ def mix(view, mask, i0, i1, i2, b1, b2):
 
 
 @kernel(strict=True)
+def larger(a, b):
+    """The larger one, component by component."""
+    return Vec3(maximum(a.x, b.x), maximum(a.y, b.y), maximum(a.z, b.z))
+
+
+@kernel(strict=True)
 def triangle_error(v0, v1, v2, n):
     """The error bound of a triangle in the space of its vertices."""
     a0, a1, a2 = absolute_vec3(v0), absolute_vec3(v1), absolute_vec3(v2)
-    largest = maximum(a0, maximum(a1, a2))
-    edges = maximum(absolute_vec3(v1 - v0), absolute_vec3(v2 - v0))
-    return _GAMMA_16 * (dot(absolute_vec3(n), largest) + max_component(edges))
+    extent = larger(absolute_vec3(v1 - v0), absolute_vec3(v2 - v0))
+    reach = dot(absolute_vec3(n), larger(a0, larger(a1, a2)))
+    return _GAMMA_16 * (reach + max_component(extent))
 
 
 @kernel(strict=True)

@@ -1,8 +1,8 @@
 """The other commands, help, and what a fresh process imports."""
 
+import os
 import subprocess
 import sys
-import time
 
 import pytest
 from typer.testing import CliRunner
@@ -47,11 +47,14 @@ def test_light_commands_import_no_compiler(arguments):
 
 
 def test_help_answers_within_half_a_second():
+    # Processor time: what others do on this machine must not count.
     times = []
-    for _ in range(5):
-        begin = time.perf_counter()
+    for _ in range(3):
+        before = os.times()
         subprocess.run([sys.executable, "-m", "alight", "--help"], capture_output=True, check=True)
-        times.append(time.perf_counter() - begin)
+        after = os.times()
+        user, system = after.children_user, after.children_system
+        times.append(user - before.children_user + system - before.children_system)
     assert min(times) <= 0.5
 
 
@@ -96,13 +99,14 @@ def test_info_takes_changes_and_refuses_wrong_ones():
 
 def test_info_shows_the_tree_and_the_accelerator():
     output = run("info", "cornell-box", "--tree").output
-    assert "scene\n" in output
+    assert "\nscene\n" in output
+    assert "\naccelerator  " in output
     assert "── " in output
     assert "rectangle, bsdf white" in output
 
 
 def test_deep_trees_are_shown(tmp_path, monkeypatch):
-    monkeypatch.setattr("alight.cli.info.accelerator_facts", lambda flat: [("nodes", "7")])
+    monkeypatch.setattr("alight.cli.info.accelerator_facts", lambda flat: "nodes 7")
     text = "{shape: {type: sphere}}"
     for _ in range(20):
         text = f"{{children: {{n: {text}}}}}"

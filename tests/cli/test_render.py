@@ -51,8 +51,7 @@ def test_the_default_is_the_cornell_box_named_after_the_scene(alight, tmp_path):
 def test_the_last_lines_say_time_rate_error_and_file(alight):
     lines = alight("render", *SMALL, "-o", "a.exr").stdout.splitlines()
     assert len(lines) == 3
-    assert lines[0].startswith("24x16 pixels, 16 spp in ")
-    assert lines[0].endswith(" s, 1.25 Msamples/s")
+    assert lines[0].startswith("24x16 pixels, 16 spp in 1.50 s, 1.25 Msamples/s (")
     assert lines[1].startswith("estimated error: ")
     assert "% relRMSE (95 %: " in lines[1]
     assert lines[2] == "picture: a.exr"

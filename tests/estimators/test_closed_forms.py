@@ -160,7 +160,7 @@ def test_constant_environment_on_a_white_plane_is_itself(tmp_path, strategy):
         "integrator: {type: direct}", f"integrator: {{type: direct, light_sampling: {strategy}}}"
     )
     text += "environment: {type: constant, radiance: [0.5, 1, 2]}\n"
-    assert_mean(render(tmp_path, text, spp=256), [0.5, 1, 2])
+    assert_mean(render(tmp_path, text, spp=4096), [0.5, 1, 2])
 
 
 def test_open_plane_has_no_ambient_occlusion(tmp_path):

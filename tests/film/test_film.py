@@ -56,7 +56,9 @@ def same_bits(a, b):
 
 def test_tiles_in_any_order_and_passes_of_any_length_give_the_same_bits():
     values = samples_of(24, 20, 0, 16)
+    values[3, 1, 2], values[9, 17, 20], values[9, 0, 0] = np.nan, np.inf, 1e30
     whole = film_of(values)
+    assert (whole.invalid, whole.saturated) == (2, 3)
     rng = np.random.default_rng(5)
     for cuts in ([0, 16], [0, 1, 7, 16], [0, 5, 10, 11, 16]):
         pieces = [

@@ -143,10 +143,11 @@ def decoded_png(data):
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-@pytest.mark.parametrize("source", ["noise", "ramp"])
+@pytest.mark.parametrize("source", ["noise", "ramp", "columns"])
 def test_png_of_either_depth_is_exact(tmp_path, bits, source):
     ramp = np.linspace(0, 1, 40 * 30 * 3).reshape(30, 40, 3)
-    linear = picture(30, 40) if source == "noise" else ramp
+    columns = np.repeat(picture(1, 40), 30, axis=0)
+    linear = {"noise": picture(30, 40), "ramp": ramp, "columns": columns}[source]
     write_image(tmp_path / "a.png", linear, bits=bits)
     stored, _ = decoded_png((tmp_path / "a.png").read_bytes())
     wanted = np.rint(encode_srgb(np.clip(linear.astype(np.float32), 0, 1)) * (2**bits - 1))

@@ -105,19 +105,17 @@ def test_light_goes_back_the_way_it_came(spec, cosine):
     wo_again, weight_back, pdf_back, flags_back = material.sample(wi, u)
     same = ok & (flags_back == flags)
     assert same.sum() >= 0.99 * ok.sum()
-    # Squares, because the cosine of a refracted ray is the root of a difference.
-    signed_square = wo_again * np.abs(wo_again)
-    np.testing.assert_allclose(
-        signed_square[:, same], (wo * np.abs(wo) + 0.0 * wi)[:, same], atol=2e-6
-    )
-    np.testing.assert_allclose(pdf_back[same], pdf[same], atol=2e-5)
+    # At grazing angles the cosine of a refracted ray is the root of a small difference.
+    atol = 2e-6 / abs(cosine)
+    np.testing.assert_allclose(wo_again[:, same], (wo + 0.0 * wi)[:, same], atol=atol)
+    np.testing.assert_allclose(pdf_back[same], pdf[same], atol=atol)
     # f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2: the factors 1 / eta^2 of both ways cancel.
     there, back = (weight * pdf)[:, same], (weight_back * pdf_back)[:, same]
     eta2 = 1.0
     if hasattr(spec, "int_ior"):
         eta = spec.int_ior / spec.ext_ior if cosine > 0.0 else spec.ext_ior / spec.int_ior
         eta2 = np.where(flags[same] & TRANSMISSION, eta * eta, 1.0)
-    np.testing.assert_allclose(there * eta2, back / eta2, atol=2e-5)
+    np.testing.assert_allclose(there * eta2, back / eta2, atol=atol)
 
 
 @pytest.mark.parametrize("cosine", [c for c in COSINES if c > 0.0])

@@ -251,6 +251,36 @@ def test_sobol_pairs_are_nets(dimension, first):
             assert np.unique(cell).size == n
 
 
+def test_second_sobol_dimension_is_the_published_one():
+    """Against SciPy's tables (Joe and Kuo 2008), which come in Gray code order."""
+    from alight.core.simd import reverse_bits
+    from alight.samplers.sobol import _second_dimension
+
+    k = u32(np.arange(4096))
+    found = reverse_bits(_second_dimension(k ^ (k >> u32(1)))) / 2.0**32
+    expected = stats.qmc.Sobol(2, scramble=False, bits=32).random(4096)[:, 1]
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_scrambling_is_nested():
+    """A digit is flipped depending on the digits above it only, half the time, independently."""
+    from alight.samplers.owen import scramble_reversed
+
+    rng = np.random.default_rng(2)
+    n = 20_000
+    word, seed = u32(rng.integers(0, 2**32, (2, n)))
+    for k in range(12):
+        # The same first k digits (lowest bits) and another one behind them.
+        other = (word & u32(2**k - 1)) | (~word & u32(2**k)) | u32(rng.integers(0, 2**19, n) << 13)
+        a, b = scramble_reversed(word, seed), scramble_reversed(other, seed)
+        assert ((a ^ b) & u32(2 ** (k + 1) - 1) == 2**k).all()
+        # Behind the first difference the flips of the two are independent.
+        agree = (~(a ^ b ^ word ^ other) >> u32(k + 1) & u32(1)).mean()
+        assert abs(agree - 0.5) < 5 * 0.5 / np.sqrt(n)
+        flipped = ((a ^ word) >> u32(k) & u32(1)).mean()
+        assert abs(flipped - 0.5) < 5 * 0.5 / np.sqrt(n)
+
+
 def test_sobol_digits_are_scrambled_to_the_last():
     """No two pixels share their points, however fine one looks; all 24 digits are random."""
     n = 4096

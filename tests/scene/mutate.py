@@ -15,11 +15,15 @@ import numpy as np
 from alight.scene import builtin_names
 from alight.scene.formats.ply import NAMES
 
+# fmt: off
 WORDS = (
-    "0 -1 1e30 1e-30 nan .inf 1e999 99999999999999999999 -0 null true ~ '' \"x\" [] {} [1,2,3] "
-    "&a *a !!binary ? - : # | > % @ ` \t \n --- ... sphere plane mesh diffuse dielectric two_sided "
-    "null_ area point constant translate matrix look_at nodes bsdfs prototypes type shape light"
-).split(" ")
+    "0", "-1", "1e30", "1e-30", "nan", ".inf", "1e999", "99999999999999999999", "-0", "null",
+    "true", "~", "''", '"x"', "[]", "{}", "[1,2,3]", "&a", "*a", "!!binary", "?", "-", ":", "#",
+    "|", ">", "%", "@", "`", "---", "...", "sphere", "plane", "mesh", "diffuse", "dielectric",
+    "two_sided", "area", "point", "constant", "translate", "matrix", "look_at", "nodes", "bsdfs",
+    "prototypes", "type", "shape", "light", "\t", "\n", "",
+)
+# fmt: on
 
 
 class Mutation(NamedTuple):

@@ -75,13 +75,16 @@ SCENES = {
     "too-many-instances": CAMERA
     + "prototypes:\n  p0: {shape: cube}\n"
     + "".join(
-        f"  p{i}: {{children: {{{', '.join(f'c{k}: {{instance: p{i - 1}}}' for k in range(10))}}}}}\n"
+        f"  p{i}: {{children: {{"
+        + ", ".join(f"c{k}: {{instance: p{i - 1}}}" for k in range(10))
+        + "}}\n"
         for i in range(1, 9)
     )
     + "nodes: {a: {instance: p8}}\n",
     "camera-in-prototype": CAMERA + "prototypes: {a: {camera: pinhole}}\n",
     "no-camera": "alight: 1\nenvironment: constant\n",
-    "unknown-camera-node": "alight: 1\ncamera: rig/hed\nnodes: {rig: {children: {head: {camera: pinhole}}}}\n",
+    "unknown-camera-node": "alight: 1\ncamera: rig/hed\nnodes: {rig: {children: {head: "
+    "{camera: pinhole}}}}\n",
     "node-without-camera": "alight: 1\ncamera: rig\nnodes: {rig: {}}\n",
     "field-of-view": "alight: 1\ncamera: {type: pinhole, fov: 180}\n",
     "point-light-on-shape": CAMERA + "nodes: {a: {shape: cube, light: point}}\n",
@@ -93,11 +96,14 @@ SCENES = {
     + "nodes: {a: {light: area, shape: {type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "
     + "faces: [[0, 1, 2]]}}}\n",
     "singular-matrix": CAMERA + "nodes: {a: {shape: disk, transform: {scale: [1, 1, 0]}}}\n",
-    "singular-camera": "alight: 1\ncamera: {type: pinhole, transform: {scale: 0}}\nenvironment: constant\n",
-    "too-large-together": CAMERA
-    + "nodes: {a: {transform: {scale: 1e10}, children: {b: {shape: cube, transform: {scale: 1e10}}}}}\n",
-    "look-along-up": "alight: 1\ncamera: {transform: {look_at: {origin: [0, 0, 0], target: [0, 3, 0]}}}\n",
-    "look-nowhere": "alight: 1\ncamera: {transform: {look_at: {origin: [1, 0, 0], target: [1, 0, 0]}}}\n",
+    "singular-camera": "alight: 1\ncamera: {type: pinhole, transform: {scale: "
+    "0}}\nenvironment: constant\n",
+    "too-large-together": CAMERA + "nodes: {a: {transform: {scale: 1e10}, children: {b: {shape: "
+    "cube, transform: {scale: 1e10}}}}}\n",
+    "look-along-up": "alight: 1\ncamera: {transform: {look_at: {origin: [0, 0, "
+    "0], target: [0, 3, 0]}}}\n",
+    "look-nowhere": "alight: 1\ncamera: {transform: {look_at: {origin: [1, 0, "
+    "0], target: [1, 0, 0]}}}\n",
     "two-steps-in-one": CAMERA + "nodes: {a: {transform: {scale: 1, translate: [0, 0, 0]}}}\n",
     "unknown-step": CAMERA
     + "nodes: {a: {transform: [{scale: 1}, {rotat: {axis: y, angle: 3}}]}}\n",
@@ -106,8 +112,8 @@ SCENES = {
     "axis-without-length": CAMERA
     + "nodes: {a: {transform: {rotate: {axis: [0, 0, 0], angle: 3}}}}\n",
     "matrix-rows": CAMERA + "nodes: {a: {transform: {matrix: [[1, 0, 0], [0, 1, 0]]}}}\n",
-    "matrix-last-row": CAMERA
-    + "nodes: {a: {transform: {matrix: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]]}}}\n",
+    "matrix-last-row": CAMERA + "nodes: {a: {transform: {matrix: [[1, 0, 0, 0], [0, 1, 0, "
+    "0], [0, 0, 1, 0], [0, 0, 1, 1]]}}}\n",
     "node-is-a-number": CAMERA + "nodes: {a: 3}\n",
     "nodes-is-a-list": CAMERA + "nodes: [3]\n",
     "zero-size": CAMERA + "film: {size: [0, 512]}\n",
@@ -140,7 +146,10 @@ SCENES = {
     "  floor: {shape: plane, bsdf: wite, transform: {scale: 0}}\n  lamp: {light: area}\n",
 }
 
-HEADER = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+HEADER = (
+    b"ply\nformat ascii 1.0\nelement vertex 3\n"
+    b"property float x\nproperty float y\nproperty float z\n"
+)
 FACES = b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
 TRIANGLE = b"0 0 0\n1 0 0\n0 1 0\n"
 

@@ -95,14 +95,17 @@ class World:
     def trace(self, o, d, t_max=np.inf, only=-1):
         """The nearest hits of rays (3, n), in NumPy."""
         one = np.ones(len(d[0]), np.float32)
-        return nearest(self.scene, vec(o) * one, vec(d) * one, one * np.float32(t_max), only)
+        # Dead lanes may divide by zero.
+        with np.errstate(all="ignore"):
+            return nearest(self.scene, vec(o) * one, vec(d) * one, one * np.float32(t_max), only)
 
     def surface(self, o, d, t_max=np.inf):
         """Hits and surfaces of rays (3, n), in NumPy."""
         hit = self.trace(o, d, t_max)
         found = np.isfinite(hit.t)
         make = instantiate(make_surface, PROGRAM, compiled=False)
-        return hit, make(self.scene, finite(hit), vec(o), vec(d), found), found
+        with np.errstate(all="ignore"):
+            return hit, make(self.scene, finite(hit), vec(o), vec(d), found), found
 
 
 def vec(rows):
@@ -228,9 +231,10 @@ def bounce(world, o, d, leaving, compiled=True):
     n = len(o[0]) // 16 * 16
     o, d, leaving = (np.ascontiguousarray(np.asarray(v)[:, :n], np.float32) for v in (o, d, leaving))
     vectors, scalars = np.zeros((15, n), np.float32), np.zeros((len(SCALARS), n), np.float32)
-    bounce_function(compiled)(
-        world.scene, View(o), View(d), View(leaving), View(vectors), View(scalars), n
-    )
+    with np.errstate(all="ignore"):
+        bounce_function(compiled)(
+            world.scene, View(o), View(d), View(leaving), View(vectors), View(scalars), n
+        )
     result = dict(zip(SCALARS, scalars, strict=True))
     result |= {name: vectors[3 * i : 3 * i + 3] for i, name in enumerate(VECTORS)}
     return SimpleNamespace(**result, found=np.isfinite(result["t"]))

@@ -319,8 +319,9 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
 
 
 def _columns(table: Table, names: tuple[str, ...]) -> NDArray[np.float32] | None:
-    columns = [table.get(name) for name in names]
-    if any(column is None or isinstance(column, Ragged) for column in columns):
+    found = [table.get(name) for name in names]
+    columns = [column for column in found if isinstance(column, np.ndarray)]
+    if len(columns) < len(names):
         return None
     # float64 values beyond float32 become infinite here and are reported with their row.
     with np.errstate(over="ignore", invalid="ignore"):

@@ -1,0 +1,103 @@
+"""The arguments of ``alight render``: what they are called, and what help says about them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+_IMAGE = "Picture"
+_SAMPLING = "Sampling"
+_SCENE = "Instead of what the scene file says"
+
+SceneName = Annotated[str, typer.Argument(help="Scene file, or a name that `alight scenes` lists.")]
+Output = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "-o",
+        "--output",
+        help="File to write; the suffix chooses the format. May be repeated.",
+        show_default="SCENE.png",
+        rich_help_panel=_IMAGE,
+    ),
+]
+Layers = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAMES",
+        help="Further layers (EXR), by commas: direct,indirect.",
+        rich_help_panel=_IMAGE,
+    ),
+]
+Exposure = Annotated[
+    float, typer.Option(help="Stops, for display formats.", rich_help_panel=_IMAGE)
+]
+ToneMap = Annotated[
+    str, typer.Option(help="none, reinhard, aces or hable.", rich_help_panel=_IMAGE)
+]
+Bits = Annotated[int, typer.Option(help="8, or 16 (PNG).", rich_help_panel=_IMAGE)]
+Stats = Annotated[
+    Path | None, typer.Option(help="JSON file for times and errors.", rich_help_panel=_IMAGE)
+]
+
+Spp = Annotated[
+    int | None,
+    typer.Option(
+        help="Samples per pixel.",
+        min=1,
+        show_default="64 without --time",
+        rich_help_panel=_SAMPLING,
+    ),
+]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option("--time", help="Seconds after which no pass starts.", rich_help_panel=_SAMPLING),
+]
+Seed = Annotated[int, typer.Option(help="Of the random numbers.", rich_help_panel=_SAMPLING)]
+FirstSample = Annotated[
+    int,
+    typer.Option(help="Index of the first sample, to extend a film.", rich_help_panel=_SAMPLING),
+]
+Replicates = Annotated[
+    int | None,
+    typer.Option(help="Independent parts for the error bars.", rich_help_panel=_SAMPLING),
+]
+Threads = Annotated[
+    int | None, typer.Option(help="Default: all processors.", rich_help_panel=_SAMPLING)
+]
+SppPerPass = Annotated[
+    int | None, typer.Option(help="Between two progress reports.", rich_help_panel=_SAMPLING)
+]
+
+Size = Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.", rich_help_panel=_SCENE)]
+Crop = Annotated[
+    str | None,
+    typer.Option(metavar="X,Y,W,H", help="Part to render, in pixels.", rich_help_panel=_SCENE),
+]
+IntegratorName = Annotated[
+    str | None, typer.Option(help="Algorithm, as path or direct.", rich_help_panel=_SCENE)
+]
+SamplerName = Annotated[
+    str | None, typer.Option(help="Source of random numbers, as sobol.", rich_help_panel=_SCENE)
+]
+FilterName = Annotated[
+    str | None, typer.Option("--filter", help="Pixel filter, as box.", rich_help_panel=_SCENE)
+]
+MaxDepth = Annotated[
+    int | None, typer.Option(help="Longest path, in edges.", rich_help_panel=_SCENE)
+]
+RrDepth = Annotated[
+    int | None, typer.Option(help="Where Russian roulette begins.", rich_help_panel=_SCENE)
+]
+Assignments = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Any key of the scene file. May be repeated.",
+        rich_help_panel=_SCENE,
+    ),
+]
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")]
