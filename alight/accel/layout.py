@@ -34,7 +34,7 @@ CHILD = 48
 COUNT = 56
 
 #: Triangles of a block: the width of a leaf test.
-WIDTH = 4
+WIDTH = 8
 IDS = 9 * WIDTH
 BLOCK = 10 * WIDTH
 

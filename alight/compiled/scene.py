@@ -6,6 +6,8 @@ from collections import namedtuple
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import compile_camera
 from alight.compiled.lights import compile_lights
@@ -64,7 +66,8 @@ class CompiledScene:
             rr_depth=options.get("rr_depth", UNLIMITED),
             seed=seed,
             replicates=replicates,
-            distance=float(options.get("distance") or float("inf")),
+            distance=np.float32(options.get("distance") or np.inf),
+            layer=0,
         )
 
 

@@ -220,11 +220,12 @@ class _Compiler:
         mesh = self.flat.geometries[placed.geometry]
         matrix = placed.to_world[:3, :3]
         vertices = (mesh.vertices @ matrix.T + placed.to_world[:3, 3]).astype(np.float32)
-        normals = mesh.normals
+        normals = unit_normals(mesh)
         if normals is not None:
-            normals = (normals @ np.linalg.inv(matrix)).astype(np.float64)
-            size = np.linalg.norm(normals, axis=1, keepdims=True)
-            normals = (normals / np.where(size > 0.0, size, 1.0)).astype(np.float32)
+            # By the inverse transpose. Kernels normalise after interpolation, as for instances;
+            # the factor keeps numbers in range.
+            inverse = np.linalg.inv(matrix) * np.cbrt(abs(np.linalg.det(matrix)))
+            normals = (normals @ inverse).astype(np.float32)
         place = self.arrays.add(vertices, normals, mesh)
         flags = mesh_flags(mesh, placed, matrix)
         areas = triangle_areas(vertices, mesh.faces)
@@ -236,7 +237,7 @@ class _Compiler:
     def _place_instance(self, source: int, placed: PlacedShape) -> None:
         mesh = self.flat.geometries[placed.geometry]
         if placed.geometry not in self.ranges:
-            place = self.arrays.add(mesh.vertices, mesh.normals, mesh)
+            place = self.arrays.add(mesh.vertices, unit_normals(mesh), mesh)
             self.ranges[placed.geometry] = len(self.geometries), place
             self.geometries.append((mesh.vertices, mesh.faces))
         number, place = self.ranges[placed.geometry]
@@ -311,6 +312,14 @@ def mesh_flags(mesh: Geometry, placed: PlacedShape, matrix: np.ndarray) -> int:
     # A mirror image reverses the order of the vertices, not the side.
     mirrored = bool(np.linalg.det(matrix) < 0.0)
     return flags | FLIP * (placed.shape.flip_normals != mirrored)
+
+
+def unit_normals(mesh: Geometry) -> NDArray[np.float32] | None:
+    """The vertex normals with length 1; zeros stay, and are shaded flat."""
+    if mesh.normals is None:
+        return None
+    lengths = np.linalg.norm(mesh.normals.astype(np.float64), axis=1, keepdims=True)
+    return (mesh.normals / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
 
 
 def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> NDArray[np.float64]:

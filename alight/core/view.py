@@ -17,13 +17,19 @@ class View:
     ----------
     array : ndarray
         float32, uint32, int32 or int64, C-contiguous. Kernels index it flat, without bounds.
+
+    Attributes
+    ----------
+    array, shaped : ndarray
+        The same memory flat, and in the shape that was given.
     """
 
-    __slots__ = ("address", "array", "size")
+    __slots__ = ("address", "array", "shaped", "size")
 
     def __init__(self, array: np.ndarray):
         if not array.flags.c_contiguous:
             raise ValueError("a View needs a C-contiguous array")
+        self.shaped = array
         self.array = array.reshape(-1)
         self.size = self.array.size
         self.address = self.array.ctypes.data
@@ -40,4 +46,4 @@ class View:
         self.array[index] = value
 
     def __reduce__(self):
-        return View, (self.array,)
+        return View, (self.shaped,)

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.constants import INV_FOUR_PI, INV_PI, INV_TWO_PI
+from alight.core.constants import INV_FOUR_PI, INV_PI, INV_TWO_PI, TWO_PI
 from alight.core.jit import kernel
 from alight.core.maths import arctan2, sincos, sincos_2pi, sincos_octant
-from alight.core.simd import absolute, maximum, minimum, sqrt, where
+from alight.core.simd import absolute, bits_float, float_bits, maximum, minimum, sqrt, where
 from alight.core.vec import Vec3, cross, dot
 
 _QUARTER_PI = 0.785398163397448310
@@ -134,90 +134,120 @@ def square_to_triangle(u2):
 # ---------------------------------------------------------------- spherical rectangle
 
 #: A rectangle as seen from a point p. x, y: its unit directions, z its unit normal away from p;
-#: x0 < x1, y0 < y1: its extent along them relative to p; z0 < 0: minus the distance of its plane;
-#: b0, b1: z of the unit normals of the planes through p and the sides y = y0 and y = y1;
-#: start: angle at which the sweep begins; solid_angle in steradians; area in square metres;
+#: x0 < x1, y0 < y1: its extent along them relative to p; z0 >= 0: distance of its plane; cosine,
+#: sine: of the angle at which the sweep begins; solid_angle in steradians; area in square metres;
 #: by_area: mask, the solid angle is too small to be told from rounding.
 SphericalRectangle = namedtuple(
-    "SphericalRectangle", "x y z x0 x1 y0 y1 z0 b0 b1 start solid_angle area by_area"
+    "SphericalRectangle", "x y z x0 x1 y0 y1 z0 cosine sine solid_angle area by_area"
 )
 
-# The four angles below carry relative errors of some 2^-23 each. Where what is left of them is less
-# than this part, the solid angle could be wrong by more than 2e-4; the rectangle is then so small,
-# or so far aside, that sampling its area costs hardly any variance.
-_SMALLEST_SHARE = 1e-3
+# The solid angle carries an absolute error of some 2^-22, from a dozen roundings. Below this it
+# could be wrong by more than 2e-4; the rectangle is then so small, so far away or so steeply seen
+# that sampling its area costs hardly any variance.
+_SMALLEST_SOLID_ANGLE = 2e-3
+
+_EXPONENT_BITS, _TWICE_BIAS = 0x7F800000, 0x7F000000
 
 
-@kernel(strict=True)
+@kernel
 def spherical_rectangle(corner, edge_x, edge_y, p):
     """The rectangle corner + [0, 1] edge_x + [0, 1] edge_y (edges at right angles) seen from p."""
-    width, height = sqrt(dot(edge_x, edge_x)), sqrt(dot(edge_y, edge_y))
-    x, y = edge_x * (1.0 / width), edge_y * (1.0 / height)
+    # Square roots and quotients by way of 1 / sqrt, for which processors have a fast instruction.
+    width2, height2 = dot(edge_x, edge_x), dot(edge_y, edge_y)
+    per_width, per_height = 1.0 / sqrt(width2), 1.0 / sqrt(height2)
+    x, y = edge_x * per_width, edge_y * per_height
+    width, height = width2 * per_width, height2 * per_height
     z = cross(x, y)
     d = corner - p
     distance = dot(d, z)
-    z = where(distance > 0.0, -z, z)
-    z0 = -absolute(distance)
+    z, z0 = where(distance < 0.0, -z, z), absolute(distance)
     x0, y0 = dot(d, x), dot(d, y)
     x1, y1 = x0 + width, y0 + height
-    # Seen from p the rectangle is the difference of four with a corner at the foot of p, whose
-    # solid angles have a closed form. Where that foot lies inside, nothing cancels.
-    a00, a10 = _solid_angle_of_corner(x0, y0, z0), _solid_angle_of_corner(x1, y0, z0)
-    a01, a11 = _solid_angle_of_corner(x0, y1, z0), _solid_angle_of_corner(x1, y1, z0)
-    solid_angle = (a11 - a10) + (a00 - a01)
-    sizes = (absolute(a00) + absolute(a10)) + (absolute(a01) + absolute(a11))
-    by_area = solid_angle <= _SMALLEST_SHARE * sizes
-    # Of the planes through p and the sides y = y0 and y = y1.
-    b0, b1 = -_over_length(y0, z0 * z0), _over_length(y1, z0 * z0)
-    area = width * height
+    # Seen from p the rectangle is the difference of four with one corner at the foot of p, whose
+    # solid angles are those of complex numbers: sums of angles are products.
+    scale = _power_of_two_below_inverse(absolute(x0) + absolute(x1) + absolute(y0) + absolute(y1))
+    u0, u1, v0, v1, w = x0 * scale, x1 * scale, y0 * scale, y1 * scale, z0 * scale
+    first = _times_conjugate(_corner(u1, v1, w), _corner(u1, v0, w))
+    second = _times_conjugate(_corner(u0, v1, w), _corner(u0, v0, w))
+    re, im = _times_conjugate(first, second)
+    angle = arctan2(im, re)
+    # Only a rectangle that p nearly touches shows more than half a sphere.
+    around = (angle < 0.0) & (x0 * x1 < 0.0) & (y0 * y1 < 0.0)
+    solid_angle = where(around, angle + TWO_PI, angle)
+    per_length = 1.0 / sqrt(maximum(second[0] * second[0] + second[1] * second[1], 1e-36))
+    cosine, sine = second[0] * per_length, second[1] * per_length
+    by_area = solid_angle <= _SMALLEST_SOLID_ANGLE
     return SphericalRectangle(
-        x, y, z, x0, x1, y0, y1, z0, b0, b1, a01 - a00, solid_angle, area, by_area
+        x, y, z, x0, x1, y0, y1, z0, cosine, sine, solid_angle, width * height, by_area
     )
 
 
-@kernel(strict=True)
-def _solid_angle_of_corner(x, y, z):
-    """Of [0, x] times [0, y] at distance |z|, negative if x y is."""
-    return arctan2(x * y, absolute(z) * sqrt(x * x + y * y + z * z))
+@kernel
+def _power_of_two_below_inverse(a):
+    """2^-k where a = m 2^k with 1 <= m < 2: scaling by it is exact."""
+    return bits_float(_TWICE_BIAS - (float_bits(a) & _EXPONENT_BITS))
 
 
-@kernel(strict=True)
-def _over_length(a, zz):
-    """a / sqrt(a^2 + zz), 0 for 0 / 0."""
-    squared = a * a + zz
-    return where(squared > 0.0, a / sqrt(where(squared > 0.0, squared, 1.0)), 0.0)
+@kernel
+def _root(a):
+    """sqrt(a), at least 1e-18."""
+    a = maximum(a, 1e-36)
+    return a * (1.0 / sqrt(a))
 
 
-@kernel(strict=True)
+@kernel
+def _corner(x, y, z):
+    """A complex number whose angle is the solid angle of [0, x] times [0, y] at distance z."""
+    return z * _root(x * x + y * y + z * z), x * y
+
+
+@kernel
+def _times_conjugate(a, b):
+    """The complex number a times the conjugate of b: its angle is the difference of theirs."""
+    return a[0] * b[0] + a[1] * b[1], a[1] * b[0] - a[0] * b[1]
+
+
+@kernel
+def _over_length(a, squared):
+    """a / sqrt(a^2 + squared)."""
+    return a * (1.0 / sqrt(maximum(a * a + squared, 1e-36)))
+
+
+@kernel
 def square_to_spherical_rectangle(rectangle, u2):
     """Vector from p to a point of the rectangle, uniform in the solid angle seen from p."""
     r = rectangle
-    # The first number sweeps a plane through p that holds the y direction over the rectangle.
-    s, c = sincos(r.start + u2[0] * r.solid_angle)
-    f = (c * r.b0 + r.b1) / where(s == 0.0, 1e-30, s)
-    cu = 1.0 / sqrt(f * f + r.b0 * r.b0)
-    cu = where(f > 0.0, cu, -cu)
-    xu = -(cu * r.z0) / sqrt(maximum(1e-30, 1.0 - cu * cu))
+    # The first number turns a plane through p that holds the y direction across the rectangle,
+    # until it has swept that part of the solid angle: the angle of the sum above, from its start.
+    s, c = sincos(u2[0] * r.solid_angle)
+    c, s = c * r.cosine - s * r.sine, s * r.cosine + c * r.sine
+    zz = r.z0 * r.z0
+    # Normals of the planes through p and the sides y = y0 and y = y1: their z, and the first's y.
+    b0, b1, e0 = -_over_length(r.y0, zz), _over_length(r.y1, zz), _over_length(r.z0, r.y0 * r.y0)
+    # The equation of Urena et al. for x / z, multiplied out so that s may be zero.
+    g = c * b0 + b1
+    remainder = maximum((g - s * e0) * (g + s * e0), 1e-36)
+    xu = r.z0 * where(g < 0.0, -s, s) * (1.0 / sqrt(remainder))
     xu = minimum(maximum(xu, r.x0), r.x1)
     # The second one moves along the cut, uniform in the sine of the elevation.
-    dd = xu * xu + r.z0 * r.z0
+    dd = xu * xu + zz
     h0, h1 = _over_length(r.y0, dd), _over_length(r.y1, dd)
     h = h0 + u2[1] * (h1 - h0)
-    yv = h * sqrt(dd) / sqrt(maximum(1e-30, 1.0 - h * h))
+    yv = h * (1.0 / sqrt(maximum((1.0 - h) * (1.0 + h), 1e-36))) * _root(dd)
     yv = minimum(maximum(yv, r.y0), r.y1)
     xv = where(r.by_area, r.x0 + u2[0] * (r.x1 - r.x0), xu)
     yv = where(r.by_area, r.y0 + u2[1] * (r.y1 - r.y0), yv)
     return xv * r.x + yv * r.y + r.z0 * r.z
 
 
-@kernel(strict=True)
+@kernel
 def spherical_rectangle_pdf(rectangle, d):
     """Density per steradian of the point at p + d of the rectangle."""
     r = rectangle
     squared = dot(d, d)
-    # Per area to per solid angle: dA cos theta / d^2 = d omega, with cos theta = |z0| / d.
-    projected = absolute(r.z0) * r.area
-    flat = projected <= 0.0
-    by_area = where(flat, 0.0, squared * sqrt(squared) / where(flat, 1.0, projected))
-    by_angle = 1.0 / where(r.by_area, 1.0, r.solid_angle)
-    return where(r.by_area, by_area, by_angle)
+    # Per area to per solid angle: dA cos theta / d^2 = d omega, with cos theta = z0 / d.
+    projected = r.z0 * r.area
+    by_area = projected > 0.0
+    over = where(r.by_area, where(by_area, projected, 1.0), r.solid_angle)
+    under = where(r.by_area, where(by_area, squared * _root(squared), 0.0), 1.0)
+    return under / over

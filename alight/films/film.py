@@ -30,6 +30,10 @@ from alight.outputs.picture import Picture
 if TYPE_CHECKING:
     import os
 
+#: Layers to which only the first sample of a pixel adds: a mean of numbers that name things would
+#: name another thing.
+FIRST_SAMPLE_LAYERS = frozenset({"id"})
+
 #: Rows whose error is worked out at a time: bounds the float64 scratch memory of big films.
 _BAND = 64
 
@@ -301,6 +305,8 @@ class Film:
             raise FilmError(f'the film has no AOV "{name}"; it has {_names(self.aov_sums)}')
         with self._lock:
             sums, n = self.aov_sums[name].copy(), self.counts.sum(axis=2)
+        if name in FIRST_SAMPLE_LAYERS:
+            n = np.minimum(n, 1)
         return (fixed_point.to_float(sums) / np.maximum(n, 1)[..., None]).astype(np.float32)
 
     def relmse_estimate(self) -> ErrorEstimate:

@@ -8,6 +8,7 @@ on by one vertex and clears `active` where the path has ended. The main loop sta
 from __future__ import annotations
 
 from collections import namedtuple
+from importlib import import_module
 
 from alight.core.jit import kernel, specialised
 from alight.core.registry import modules
@@ -26,8 +27,9 @@ from alight.samplers.state import SamplerState
 #: rays : uniform whole number, rays traced by all lanes so far.
 Path = namedtuple("Path", "o d p L L_direct beta pdf delta depth sampler active rays")
 
-#: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (metres).
-Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance")
+#: Uniform numbers of a render: max_depth, rr_depth, seed, replicates and layer (whole, the layer for
+#: `alight.integrators.aov`), distance (float32, metres).
+Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance layer")
 
 #: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time.
 FILTER, LENS = 0, 2
@@ -76,7 +78,9 @@ def to_world(surface, w):
 
 @specialised
 def step(program):
-    """The step of the program's integrator."""
+    """The step of the program's integrator, or of the pass for AOVs."""
+    if program.integrator == "aov":
+        return import_module("alight.integrators.aov").step(program)
     for module in modules("integrators"):
         if module.EXAMPLES[0].type_name() == program.integrator:
             return module.step(program)

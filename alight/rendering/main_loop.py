@@ -14,17 +14,19 @@ import numpy as np
 
 import alight
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.errors import OptionError
+from alight.core.errors import OptionError, unknown_name
 from alight.core.jit import fingerprint
 from alight.films import CELL_SIZE, Film
-from alight.rendering.tile import render_tile, tile_kernel
+from alight.integrators.aov import LAYERS
+from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tiles import tiles_of
 from alight.scene import Scene, content_hash, flatten, load
 
 #: A pass is long enough for its overhead not to show, short enough for progress to be seen.
 PASS_SECONDS = 1.0
 
-AOVS = {"direct": ("R", "G", "B"), "indirect": ("R", "G", "B")}
+#: Further layers and their channels.
+AOVS = {"direct": ("R", "G", "B"), "indirect": ("R", "G", "B"), **LAYERS}
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def render(
     time_limit: float | None = None,
     seed: int = 0,
     threads: int | None = None,
-    replicates: int = 4,
+    replicates: int | None = None,
     spp_per_pass: int | None = None,
     first_sample: int = 0,
     aovs: Sequence[str] = (),
@@ -76,14 +78,15 @@ def render(
         Another seed, other random numbers.
     threads : int, optional
         All processors that this process may use by default. Does not change the picture.
-    replicates : int, default 4
-        R of the film: independent scrambles whose spread gives the error bars.
+    replicates : int, optional
+        The scene's ``film.replicates`` (4) by default: R of the film: independent scrambles whose spread gives the error bars.
     spp_per_pass : int, optional
         Samples per pixel between two reports of progress. Does not change the picture.
     first_sample : int, default 0
         Index of the first sample, to extend an earlier film (`Film.merge`).
     aovs : sequence of str
-        Further layers: "direct" (depth <= 2) and "indirect", whose sum is the picture.
+        Further layers: "direct" (depth <= 2) and "indirect", whose sum is the picture, and those
+        of `alight.integrators.aov.LAYERS`.
     progress : callable, optional
         Called with a `Progress` from time to time, in the calling thread.
     cancel : threading.Event, optional
@@ -107,9 +110,10 @@ def render(
     _check(spp, time_limit, seed, threads, replicates, spp_per_pass, first_sample, aovs)
     flat = flatten(scene)
     clock.lap("load")
-    compiled = compile_scene(flat, content_hash(scene), aovs=tuple(aovs))
+    compiled = compile_scene(flat, content_hash(scene), aovs=_layers(aovs))
     clock.lap("bvh")
-    job = Job(compiled, seed, threads or usable_processors(), replicates, first_sample)
+    job = Job(compiled, seed, threads or usable_processors(), replicates or flat.film.replicates,
+              first_sample)
     job.start(progress)
     clock.lap("compile")
     job.run(spp if spp or time_limit else 64, time_limit, spp_per_pass, progress, cancel)
@@ -132,7 +136,7 @@ class Job:
             *scene.size,
             crop=scene.crop,
             replicates=replicates,
-            aovs={name: AOVS[name] for name in sorted(set(scene.program.aovs) & set(AOVS))},
+            aovs={name: AOVS[name] for name in scene.program.aovs},
             scene_hash=scene.content_hash,
             seed=seed,
             options=dict(scene.integrator),
@@ -145,9 +149,9 @@ class Job:
         """Compile the kernel (or read it from the cache) by rendering no sample of one tile."""
         if progress:
             progress(Progress("compile", 0, 0, 0.0, None))
-        self.kernel = tile_kernel(self.scene)
+        self.kernels = make_kernels(self.scene)
         tile = self.tiles[0]
-        render_tile(self.kernel, self.scene, self.settings, tile, _ranges(tile, 0, 0))
+        render_tile(self.kernels, self.scene, self.settings, tile, _ranges(tile, 0, 0))
 
     def run(
         self,
@@ -197,7 +201,7 @@ class Job:
             if cancel.is_set():
                 return
             ranges = _ranges(tile, self.next_sample, count)
-            partial, rays = render_tile(self.kernel, self.scene, self.settings, tile, ranges)
+            partial, rays = render_tile(self.kernels, self.scene, self.settings, tile, ranges)
             self.film.add_tile(partial)
             with lock:
                 self.rays += rays
@@ -273,7 +277,15 @@ def _check(spp, time_limit, seed, threads, replicates, spp_per_pass, first_sampl
         raise OptionError(f"time_limit: must be > 0 seconds, got {time_limit}")
     for name in aovs:
         if name not in AOVS:
-            raise OptionError(f'aovs: unknown layer "{name}"  (layers: {", ".join(AOVS)})')
+            raise OptionError("aovs: " + unknown_name("layer", name, list(AOVS)))
+
+
+def _layers(names: Sequence[str]) -> tuple[str, ...]:
+    """Layers in our order, each once; direct and indirect light come together."""
+    wanted = set(names)
+    if wanted & {"direct", "indirect"}:
+        wanted |= {"direct", "indirect"}
+    return tuple(name for name in AOVS if name in wanted)
 
 
 def _whole(name: str, value: Any, least: int, most: int) -> None:

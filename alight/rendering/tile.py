@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
+from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
 from alight.core.jit import instantiate
 from alight.core.view import View
 from alight.films import PartialFilm
+from alight.integrators.aov import LAYERS, layer_number
 from alight.integrators.walk import Settings
 from alight.rendering.tile_kernel import INVALID, RAYS, SATURATED, Tile, render_tile_kernel
 
@@ -18,20 +21,35 @@ from alight.rendering.tile_kernel import INVALID, RAYS, SATURATED, Tile, render_
 TileFilm = namedtuple("TileFilm", "sums counts direct tally")
 
 
-def tile_kernel(scene: CompiledScene, *, compiled: bool = True) -> Callable:
+class Kernels(NamedTuple):
+    """Machine code for one scene: the main loop, and the pass for its AOVs if it has any."""
+
+    beauty: Callable
+    aov: Callable | None
+
+
+def make_kernels(scene: CompiledScene, *, compiled: bool = True) -> Kernels:
     """The main loop specialised on a scene's program; compiled False gives the NumPy twin."""
-    return instantiate(render_tile_kernel, scene.program, compiled=compiled)
+
+    def make(program: Program) -> Callable:
+        return instantiate(render_tile_kernel, program, compiled=compiled)
+
+    wanted = set(LAYERS) & set(scene.program.aovs)
+    # What light does there plays no part in these layers, and need not be compiled for them.
+    looking = scene.program._replace(integrator="aov", options=(), aovs=("uv",))
+    beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
+    return Kernels(make(beauty), make(looking) if wanted else None)
 
 
 def render_tile(
-    kernel: Callable, scene: CompiledScene, settings: Settings, tile: Tile, ranges: np.ndarray
+    kernels: Kernels, scene: CompiledScene, settings: Settings, tile: Tile, ranges: np.ndarray
 ) -> tuple[PartialFilm, int]:
     """Render some samples of one tile.
 
     Parameters
     ----------
-    kernel : callable
-        From `tile_kernel`.
+    kernels : Kernels
+        From `make_kernels`.
     scene : CompiledScene
     settings : Settings
         Seed, replicates, depths.
@@ -44,21 +62,36 @@ def render_tile(
     PartialFilm
         Sums of exactly these samples; the same bits whatever else is rendered, when and where.
     int
-        Rays traced.
+        Rays traced for the picture.
     """
-    height, width = tile.y1 - tile.y0, tile.x1 - tile.x0
-    sums = np.zeros((height, width, settings.replicates, 3, 2), np.int64)
-    counts = np.zeros((height, width, settings.replicates), np.int64)
     split = "direct" in scene.program.aovs
-    direct = np.zeros((height, width, 3, 2) if split else (1,), np.int64)
-    tally = np.zeros(4, np.int64)
-    film = TileFilm(View(sums), View(counts), View(direct), View(tally))
-    kernel(scene.tables, settings, tile, View(np.ascontiguousarray(ranges, np.int64)), film)
-    aovs = None
+    film = _empty_film(settings, tile, split)
+    samples = View(np.ascontiguousarray(ranges, np.int64))
+    kernels.beauty(scene.tables, settings, tile, samples, film)
+    sums, direct, tally = film.sums.shaped, film.direct.shaped, film.tally.array
+    aovs: dict[str, np.ndarray] = {}
     if split:
         # Exact whole numbers: direct + indirect is the picture to the last bit.
         aovs = {"direct": direct, "indirect": sums.sum(axis=2) - direct}
+    for name, channels in LAYERS.items():
+        if name in scene.program.aovs:
+            layer = _empty_film(settings, tile, False)
+            one = settings._replace(layer=layer_number(name))
+            kernels.aov(scene.tables, one, tile, samples, layer)
+            aovs[name] = layer.sums.shaped.sum(axis=2)[:, :, : len(channels)]
     partial = PartialFilm(
-        tile.x0, tile.y0, sums, counts, int(tally[INVALID]), int(tally[SATURATED]), ranges, aovs
+        tile.x0, tile.y0, sums, film.counts.shaped, int(tally[INVALID]), int(tally[SATURATED]),
+        ranges, {name: aovs[name] for name in scene.program.aovs},
     )
     return partial, int(tally[RAYS])
+
+
+def _empty_film(settings: Settings, tile: Tile, split: bool) -> TileFilm:
+    """Zeros for the sums of one tile."""
+    height, width = tile.y1 - tile.y0, tile.x1 - tile.x0
+    return TileFilm(
+        View(np.zeros((height, width, settings.replicates, 3, 2), np.int64)),
+        View(np.zeros((height, width, settings.replicates), np.int64)),
+        View(np.zeros((height, width, 3, 2) if split else (1,), np.int64)),
+        View(np.zeros(4, np.int64)),
+    )

@@ -36,8 +36,9 @@ from alight.samplers.sampling import SamplerState, get_2d
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
 
-#: Which sample a lane takes next: pixel, sample index, and the 8x8 cell of ranges it is in.
-Cursor = namedtuple("Cursor", "x y sample cell")
+#: Which sample a lane takes next: pixel, sample = index * replicates + scramble, how many samples of
+#: the pixel are left, and the 8x8 cell that the pixel is in.
+Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
 CELL = 8
 INVALID, SATURATED, RAYS = 0, 1, 2
@@ -51,13 +52,23 @@ def count_cells(tile):
 
 
 @kernel
-def seek(tile, ranges, cursor):
-    """The first sample at or after a position: sample by sample, pixel by pixel, cell by cell.
+def next_sample(settings, cursor):
+    """The next sample of the same pixel, without a division."""
+    index, scramble = cursor.index, cursor.scramble + 1
+    if scramble == settings.replicates:
+        index, scramble = index + 1, 0
+    return Cursor(cursor.x, cursor.y, index, scramble, cursor.left - 1, cursor.cell)
 
-    A cursor with x < 0 stands before the first sample of its cell.
+
+@kernel
+def next_pixel(settings, tile, ranges, cursor):
+    """The first sample of the next pixel: along the rows of a cell, then cell by cell.
+
+    A cursor with x < 0 stands before the first pixel of its cell.
     """
-    x, y, sample, cell = cursor.x, cursor.y, cursor.sample, cursor.cell
+    x, y, cell = cursor.x, cursor.y, cursor.cell
     columns, cells = count_cells(tile)
+    first, count = 0, 0
     while cell < cells:
         left = (tile.x0 // CELL + cell % columns) * CELL
         top = (tile.y0 // CELL + cell // columns) * CELL
@@ -66,22 +77,25 @@ def seek(tile, ranges, cursor):
         first, count = ranges[2 * cell], ranges[2 * cell + 1]
         if count > 0:
             if x < 0:
-                x, y, sample = cx0, cy0, first
-            elif sample >= first + count:
-                x, sample = x + 1, first
-            if x >= cx1:
-                x, y = cx0, y + 1
+                x, y = cx0, cy0
+            else:
+                x += 1
+                if x >= cx1:
+                    x, y = cx0, y + 1
             if y < cy1:
                 break
         x = -1
         cell += 1
-    return Cursor(x, y, sample, cell)
+    replicates = settings.replicates
+    return Cursor(x, y, first // replicates, first % replicates, count, cell)
 
 
 @kernel
 def refill(scene, settings, tile, ranges, cursor, path):
     """Give the next samples to the lanes that have none; returns the cursor and the paths."""
     columns, cells = count_cells(tile)
+    if cursor.cell >= cells:
+        return cursor, path
     xs, ys, indices, scrambles = (
         local_uints(16), local_uints(16), local_uints(16), local_uints(16)
     )
@@ -97,11 +111,12 @@ def refill(scene, settings, tile, ranges, cursor, path):
         fresh |= 1 << lane
         xs[lane] = as_uint(cursor.x)
         ys[lane] = as_uint(cursor.y)
-        indices[lane] = as_uint(cursor.sample // settings.replicates)
-        scrambles[lane] = as_uint(cursor.sample % settings.replicates)
-        cursor = seek(tile, ranges, Cursor(cursor.x, cursor.y, cursor.sample + 1, cursor.cell))
-    if fresh == 0:
-        return cursor, path
+        indices[lane] = as_uint(cursor.index)
+        scrambles[lane] = as_uint(cursor.scramble)
+        if cursor.left > 1:
+            cursor = next_sample(settings, cursor)
+        else:
+            cursor = next_pixel(settings, tile, ranges, cursor)
     new = bits_mask(fresh)
     sampler = SamplerState(
         load_lanes(xs, 0), load_lanes(ys, 0), load_lanes(indices, 0), load_lanes(scrambles, 0),
@@ -177,7 +192,7 @@ def put_limbs(limbs, channel, value):
 def render_tile_kernel(scene, settings, tile, ranges, film):
     """Render the samples `ranges` of one tile into `film` (sums counts direct tally)."""
     path = empty_paths()
-    cursor = seek(tile, ranges, Cursor(-1, 0, 0, 0))
+    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     while True:
         if mask_bits(~path.active) != 0:
             cursor, path = refill(scene, settings, tile, ranges, cursor, path)

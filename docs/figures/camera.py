@@ -10,7 +10,7 @@ def scene(camera: str) -> str:
     balls = "".join(
         f"""
   ball-{i}:
-    shape: {{type: sphere, radius: 0.5, center: [{(i - 2) * 0.28 * z}, 0.5, {-z}]}}
+    shape: {{type: sphere, radius: 0.5, center: [{(i - 2) * 0.19 * z}, 0.5, {-z}]}}
     bsdf: {{type: phong, diffuse: [0.1, {0.15 + 0.1 * i}, 0.5], specular: 0.2, exponent: 60}}"""
         for i, z in enumerate(DISTANCES)
     )

@@ -61,7 +61,7 @@ def film_points(n, size=SIZE, seed=1):
     return u[0] * np.float32(size[0]), u[1] * np.float32(size[1]), u[2], u[3]
 
 
-def test_camera_basis_and_viewport():
+def test_corners_and_sides_of_the_viewport():
     """The corner and the centre of each side of the film, by hand, for a camera turned by 90 deg.
 
     Looking along world -x with +z up, image right is world +y.

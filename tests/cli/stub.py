@@ -21,6 +21,7 @@ class StubRender:
         self.during = during or {}
         self.value = value
         self.scene = self.options = None
+        self.compiled = False
 
     def __call__(self, scene, *, progress=None, cancel=None, **options):
         self.scene, self.options = scene, options
@@ -33,6 +34,7 @@ class StubRender:
         )  # fmt: skip
         progress(Progress("compile", 0, 0, 0.0, None))
         self.during.get("compile", lambda: None)()
+        self.compiled = True
         progress(Progress("render", 0, 0, 0.0, film))
         total = (options["spp"] or 8) * film.sample_count.size
         done, step = 0, film.replicates

@@ -178,6 +178,8 @@ def test_ctrl_c_before_the_first_sample_writes_nothing(alight, tmp_path):
     result = alight("render", *SMALL, stub=StubRender(during={"compile": interrupt}))
     assert result.exit_code == 130
     assert result.stderr == "stopped before the first samples; nothing was written\n"
+    # At once: compiling is not waited for.
+    assert not alight.stub.compiled
     assert names_in(tmp_path) == []
 
 

@@ -19,6 +19,10 @@ def words(x, y, index, dimension, scramble, seed):
     return np.stack(hash_2(a, b, dimension))
 
 
+def u32(values):
+    return np.asarray(values).astype(np.uint32)
+
+
 def natural_inputs(n, seed):
     """Inputs as a render has them: small numbers, most of whose bits are 0."""
     rng = np.random.default_rng(seed)
@@ -51,9 +55,12 @@ def chi_squared_of_pairs(u, v, cells):
     return stats.chisquare(counts).pvalue
 
 
-@pytest.mark.parametrize("step", INPUTS)
+@pytest.mark.parametrize("step", [*INPUTS, "index, dimension"])
 def test_neighbours_are_independent(step):
-    """A number and its neighbour along one of the inputs fill the square evenly, in all places."""
+    """A number and its neighbour along one of the inputs fill the square evenly, in all places.
+
+    The diagonal neighbour too: the streams of two samples must not be shifted copies.
+    """
     n = 1 << 18
     inputs = natural_inputs(n, 7)
     # Each stream once only: repeated ones would make the counts too uneven.
@@ -62,8 +69,10 @@ def test_neighbours_are_independent(step):
     for k in range(2, 6):
         inputs[k][:] = 3
     neighbour = list(inputs)
-    place = INPUTS.index(step)
-    neighbour[place] = inputs[place] + np.uint32(512 if place < 2 else 1)
+    for name, sign in zip(step.split(", "), (1, -1), strict=False):
+        place = INPUTS.index(name)
+        # Beyond the pixels at hand, so that no number is counted twice.
+        neighbour[place] = inputs[place] + u32(sign * (512 if place < 2 else 1))
     u, v = unit_float(words(*inputs)), unit_float(words(*neighbour))
     for a in (0, 1):
         for b in (0, 1):
@@ -79,7 +88,9 @@ def test_numbers_of_one_pixel_fill_the_interval(along):
     counter, zero = np.arange(n, dtype=np.uint32), np.zeros(n, np.uint32)
     other = zero + np.uint32(5)
     index, dimension = (counter, other) if along == "index" else (other, counter)
-    for w in words(zero + 1, zero + 2, index, dimension, zero, zero):
+    pair = words(zero + 1, zero + 2, index, dimension, zero, zero)
+    assert chi_squared_of_pairs(*unit_float(pair), 32) > 1e-5
+    for w in pair:
         assert stats.kstest(unit_float(w), "uniform").pvalue > 1e-5
         low = np.bincount(w & np.uint32(0xFF), minlength=256)
         assert stats.chisquare(low).pvalue > 1e-5
@@ -104,7 +115,8 @@ def test_pixels_do_not_share_keys():
 def test_mix_is_a_bijection():
     """No two of 2^20 inputs collide (random words would, 128 times)."""
     counter = np.arange(1 << 20, dtype=np.uint32)
-    assert np.unique(mix(counter)).size == counter.size
+    for word in (counter, counter << u32(12)):
+        assert np.unique(mix(word)).size == counter.size
 
 
 def test_unit_float_stays_below_one():

@@ -55,6 +55,12 @@ def test_numbers_lie_in_the_unit_interval(spec):
             for u in values:
                 assert u.dtype == np.float32
                 assert ((u >= 0.0) & (u < 1.0)).all()
+    many = sequence(1 << 16)
+    u = np.stack([*twin(spec)(many, 4), twin(spec, False)(many, 4)])
+    assert ((u >= 0.0) & (u < 1.0)).all()
+    # The ends of the interval are reached.
+    assert u.min() < 1e-4
+    assert u.max() > 1.0 - 1e-4
 
 
 @pytest.mark.parametrize("spec", EXAMPLES, ids=repr)

@@ -29,7 +29,7 @@ SCENES = {
     "tiny": ((-1e-4, -1e-4, 1), (2e-4, 0, 0), (0, 2e-4, 0), (0, 0, 0)),
     "corner of a room": ((0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, 0)),
 }
-BY_AREA = {"far aside"}
+BY_AREA = {"far", "far aside", "tiny"}
 
 each_scene = pytest.mark.parametrize("name", SCENES)
 
