@@ -21,7 +21,18 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.wide import high_half, join, lane, load_wide, low_half, shuffled, store_wide, wide
+from alight.core.wide import (
+    four,
+    high_half,
+    join,
+    lane,
+    load_wide,
+    low_half,
+    shuffled,
+    smaller,
+    store_wide,
+    wide,
+)
 
 #: Most bins an axis.
 BINS = 16
@@ -33,26 +44,34 @@ ROUNDING = 2.0**-22
 
 
 @kernel(strict=True)
+def corner(vertices, faces, k):
+    """Vertex number ``faces[k]`` and a zero."""
+    at = 3 * as_int(faces[k])
+    return four(vertices[at], vertices[at + 1], vertices[at + 2], 0.0)
+
+
+@kernel(strict=True)
+def enlarged(box):
+    """A box with the margin that it needs (`MARGIN`)."""
+    edges = -(low_half(box) + high_half(box))
+    size = maximum(lane(edges, 0), maximum(lane(edges, 1), lane(edges, 2)))
+    return box - (size * MARGIN + absolute(box) * ROUNDING)
+
+
+@kernel(strict=True)
 def refer_to_triangles(vertices, faces, references, boxes, chunk, begin, end):
     """Write references to triangles begin to end, and the union of boxes and centroids at `chunk`."""
     box, centers = wide(8, INFINITY), wide(8, INFINITY)
     for i in range(begin, end):
-        a, b, c = 3 * as_int(faces[3 * i]), 3 * as_int(faces[3 * i + 1]), 3 * as_int(faces[3 * i + 2])
-        size = as_float(0)
-        for k in range(3):
-            low = minimum(vertices[a + k], minimum(vertices[b + k], vertices[c + k]))
-            high = maximum(vertices[a + k], maximum(vertices[b + k], vertices[c + k]))
-            size = maximum(size, high - low)
-            references[8 * i + k] = low
-            references[8 * i + 4 + k] = -high
-        size = size * MARGIN
-        reference = load_wide(8, references, 8 * i)
-        reference = reference - (size + absolute(reference) * ROUNDING)
+        a = corner(vertices, faces, 3 * i)
+        b = corner(vertices, faces, 3 * i + 1)
+        c = corner(vertices, faces, 3 * i + 2)
+        box_of_corners = smaller(smaller(join(a, -a), join(b, -b)), join(c, -c))
+        reference = enlarged(box_of_corners)
         store_wide(references, 8 * i, reference)
         references[8 * i + 3] = bits_float(as_uint(i))
-        references[8 * i + 7] = as_float(0)
-        box = minimum(box, reference)
-        centers = minimum(centers, centroid(reference))
+        box = smaller(box, reference)
+        centers = smaller(centers, centroid(reference))
     store_wide(boxes, 16 * chunk, box)
     store_wide(boxes, 16 * chunk + 8, centers)
 
@@ -63,8 +82,8 @@ def union_of_references(references, boxes, at, begin, end):
     box, centers = wide(8, INFINITY), wide(8, INFINITY)
     for i in range(begin, end):
         reference = load_wide(8, references, 8 * i)
-        box = minimum(box, reference)
-        centers = minimum(centers, centroid(reference))
+        box = smaller(box, reference)
+        centers = smaller(centers, centroid(reference))
     store_wide(boxes, at, box)
     store_wide(boxes, at + 8, centers)
 
@@ -106,6 +125,13 @@ def bin_of(reference, base, scale, last):
 
 
 @kernel(strict=True)
+def put_into_bin(table, counts, b, reference):
+    """Count a reference in bin b and enlarge the bin's box."""
+    store_wide(table, 8 * b, smaller(load_wide(8, table, 8 * b), reference))
+    counts[b] += 1
+
+
+@kernel(strict=True)
 def fill_bins(references, begin, end, centers, bins, table, counts):
     """Sort references into bins on all three axes.
 
@@ -120,20 +146,23 @@ def fill_bins(references, begin, end, centers, bins, table, counts):
     counts : int64, 3 * BINS
         References of each bin, written.
     """
-    for b in range(3 * BINS):
-        store_wide(table, 8 * b, wide(8, INFINITY))
-        counts[b] = 0
+    for axis in range(3):
+        for b in range(axis * BINS, axis * BINS + bins):
+            store_wide(table, 8 * b, wide(8, INFINITY))
+            counts[b] = 0
     base, scale, last = low_half(centers), bin_scale(centers, bins), as_float(bins - 1)
-    for i in range(begin, end):
-        reference = load_wide(8, references, 8 * i)
-        k = bin_of(reference, base, scale, last)
-        x, y, z = as_int(lane(k, 0)), BINS + as_int(lane(k, 1)), 2 * BINS + as_int(lane(k, 2))
-        store_wide(table, 8 * x, minimum(load_wide(8, table, 8 * x), reference))
-        store_wide(table, 8 * y, minimum(load_wide(8, table, 8 * y), reference))
-        store_wide(table, 8 * z, minimum(load_wide(8, table, 8 * z), reference))
-        counts[x] += 1
-        counts[y] += 1
-        counts[z] += 1
+    # Two at a time: the next reference is on its way while a bin waits for the one before.
+    for i in range(begin, end - 1, 2):
+        first, second = load_wide(8, references, 8 * i), load_wide(8, references, 8 * i + 8)
+        k, m = bin_of(first, base, scale, last), bin_of(second, base, scale, last)
+        for axis in range(3):
+            put_into_bin(table, counts, axis * BINS + as_int(lane(k, axis)), first)
+            put_into_bin(table, counts, axis * BINS + as_int(lane(m, axis)), second)
+    if (end - begin) & 1 != 0:
+        single = load_wide(8, references, 8 * end - 8)
+        k = bin_of(single, base, scale, last)
+        for axis in range(3):
+            put_into_bin(table, counts, axis * BINS + as_int(lane(k, axis)), single)
 
 
 @kernel(strict=True)
@@ -154,7 +183,7 @@ def partition(source, target, begin, end, left, right, centers, bins, axis, spli
         left += step
         right += 1 - step
         c = centroid(reference)
-        left_centers = minimum(left_centers, where(goes_left, c, nothing))
-        right_centers = minimum(right_centers, where(goes_left, nothing, c))
+        left_centers = smaller(left_centers, where(goes_left, c, nothing))
+        right_centers = smaller(right_centers, where(goes_left, nothing, c))
     store_wide(boxes, at, left_centers)
     store_wide(boxes, at + 8, right_centers)

@@ -109,8 +109,10 @@ def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[_Row]:
 
 def _weights(rows: list[_Row], radius: float, selection: Selection) -> np.ndarray:
     brightness = [float(luminance(Vec3(*row.color))) for row in rows]
-    powers = np.array([
-        POWERS[row.kind](bright, float(row.areas.sum()), radius)
-        for row, bright in zip(rows, brightness, strict=True)
-    ])
+    powers = np.array(
+        [
+            POWERS[row.kind](bright, float(row.areas.sum()), radius)
+            for row, bright in zip(rows, brightness, strict=True)
+        ]
+    )
     return powers if selection == "power" else (powers > 0.0).astype(np.float64)

@@ -127,7 +127,7 @@ class _Arrays:
 class _Range(NamedTuple):
     first_face: int
     first_vertex: int
-    count: int
+    face_count: int
 
 
 NO_FACES = _Range(0, 0, 0)
@@ -168,8 +168,10 @@ class _Compiler:
         """Geometries that are kept once for several instances."""
         uses = Counter(s.geometry for s in self.flat.shapes if s.light is None)
         return {
-            index for index, count in uses.items()
-            if index >= 0 and count > 1
+            index
+            for index, count in uses.items()
+            if index >= 0
+            and count > 1
             and count * len(self.flat.geometries[index].faces) > FEW_TRIANGLES
         }
 
@@ -189,8 +191,14 @@ class _Compiler:
             self._place_analytic(source, placed, shape, placed.to_world)
 
     def _enter(
-        self, kind: str, source: int, placed: PlacedShape, row: np.ndarray, flags: int,
-        areas: np.ndarray, place: _Range = NO_FACES,
+        self,
+        kind: str,
+        source: int,
+        placed: PlacedShape,
+        row: np.ndarray,
+        flags: int,
+        areas: np.ndarray,
+        place: _Range = NO_FACES,
     ) -> int:
         """Append a row to the tables and return its index."""
         index = len(self.rows)
@@ -227,7 +235,9 @@ class _Compiler:
             inverse = np.linalg.inv(matrix) * np.cbrt(abs(np.linalg.det(matrix)))
             normals = (normals @ inverse).astype(np.float32)
         place = self.arrays.add(vertices, normals, mesh)
-        flags = mesh_flags(mesh, placed, matrix)
+        # A mirror image reverses the order of the vertices, not the outer side.
+        mirrored = bool(np.linalg.det(matrix) < 0.0)
+        flags = mesh_flags(mesh, placed.shape.flip_normals != mirrored)
         areas = triangle_areas(vertices, mesh.faces)
         index = self._enter("mesh", source, placed, np.zeros(0, np.float32), flags, areas, place)
         self.info[index][3] = 0
@@ -246,7 +256,8 @@ class _Compiler:
         square = np.vstack([forward.astype(np.float64), [0.0, 0.0, 0.0, 1.0]])
         backward = np.linalg.inv(square)[:3].astype(np.float32)
         row = np.concatenate([forward.ravel(), backward.ravel()])
-        flags = mesh_flags(mesh, placed, placed.to_world[:3, :3]) | INSTANCED
+        # Kernels turn the normals of object space by the inverse transpose, which keeps the side.
+        flags = mesh_flags(mesh, placed.shape.flip_normals) | INSTANCED
         index = self._enter("mesh", source, placed, row, flags, np.zeros(0), place)
         corners = mesh.vertices @ square[:3, :3].T + square[:3, 3]
         self._grow(corners.min(axis=0), corners.max(axis=0))
@@ -292,7 +303,9 @@ class _Compiler:
             _joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
             _joined(
                 [f + start for (_, f, _), start in zip(parts, starts, strict=False)],
-                3, np.int32, empty=True,
+                3,
+                np.int32,
+                empty=True,
             ),
             np.repeat(
                 np.array([index for _, _, index in parts], np.uint32),
@@ -305,13 +318,11 @@ class _Compiler:
         )
 
 
-def mesh_flags(mesh: Geometry, placed: PlacedShape, matrix: np.ndarray) -> int:
-    """Flags of a mesh; FLIP says that the outer side is not that of the counter-clockwise order."""
+def mesh_flags(mesh: Geometry, flip: bool) -> int:
+    """Flags of a mesh; `flip`: the outer side is not that of the counter-clockwise order."""
     flags = SMOOTH * (mesh.normals is not None)
     flags |= UVS * (mesh.uvs is not None) | COLORS * (mesh.colors is not None)
-    # A mirror image reverses the order of the vertices, not the side.
-    mirrored = bool(np.linalg.det(matrix) < 0.0)
-    return flags | FLIP * (placed.shape.flip_normals != mirrored)
+    return flags | FLIP * flip
 
 
 def unit_normals(mesh: Geometry) -> NDArray[np.float32] | None:

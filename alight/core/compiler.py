@@ -8,9 +8,21 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from numba.core import ir as numba_ir
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import FunctionPass, register_pass
-from numba.core.untyped_passes import IRProcessing
+from numba.core.compiler import CompilerBase
+from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
+from numba.core.typed_passes import (
+    NativeLowering,
+    NoPythonBackend,
+    NopythonTypeInference,
+    PreLowerStripPhis,
+)
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FixupArgs,
+    IRProcessing,
+    ReconstructSSA,
+    TranslateByteCode,
+)
 
 from alight.core import simd
 from alight.core.lane_types import N
@@ -39,13 +51,56 @@ class Float32Constants(FunctionPass):
 
 
 class KernelCompiler(CompilerBase):
-    """Numba's nopython pipeline with float32 constants."""
+    """Numba's nopython pipeline reduced to the passes that kernel text needs.
+
+    Compile time is a user's time, and nearly all of it is Numba's own. Left out are passes for
+    closures, generators, list comprehensions, parallel loops and typed-IR rewrites, none of which
+    kernels have, and the annotation of types for display.
+    """
+
+    lowering = NativeLowering
 
     def define_pipelines(self):
-        pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        pipeline.add_pass_after(Float32Constants, IRProcessing)
+        pipeline = PassManager("alight")
+        for step in (
+            TranslateByteCode,
+            FixupArgs,
+            IRProcessing,
+            Float32Constants,
+            DeadBranchPrune,
+            ReconstructSSA,
+            NopythonTypeInference,
+            PreLowerStripPhis,
+            self.lowering,
+            NoPythonBackend,
+        ):
+            pipeline.add_pass(step, step._name)
         pipeline.finalize()
         return [pipeline]
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LowerForLinking(NativeLowering):
+    """Lowering of kernels that only kernels call: LLVM IR to link with, no machine code."""
+
+    _name = "alight_lower_for_linking"
+
+    def run_pass(self, state):
+        state.flags.no_compile = True
+        super().run_pass(state)
+        # The dispatcher insists on an entry point of its own, a built-in callable, to tell its
+        # functions apart; nothing ever calls this one. Methods of two lists are never equal.
+        entry = [].append
+        lowered = state["cr"]
+        state.targetctx.insert_user_function(entry, lowered.fndesc, [state.library])
+        state["cr"] = lowered._replace(cfunc=entry)
+        return True
+
+
+class InnerCompiler(KernelCompiler):
+    """For kernels that only kernels call."""
+
+    lowering = LowerForLinking
 
 
 def jit(function, *, fast_math, root):
@@ -55,7 +110,7 @@ def jit(function, *, fast_math, root):
         nogil=True,
         fastmath=fast_math,
         error_model="numpy",
-        pipeline_class=KernelCompiler,
+        pipeline_class=KernelCompiler if root else InnerCompiler,
         cache=root,
         no_cpython_wrapper=not root,
         no_cfunc_wrapper=True,

@@ -1,8 +1,8 @@
 r"""Discrete and piecewise constant distributions: tables on the host, sampling in lanes.
 
 A table is a cumulative distribution c of n + 1 numbers, c_0 = 0 and c_n = 1, in float32; entry i
-has probability c_{i+1} - c_i *exactly as stored*, so sampling and density always agree. The largest i
-with c_i <= u is found by bisection: well-stratified u give well-stratified choices, and
+has probability c_{i+1} - c_i *exactly as stored*, so sampling and density always agree. The largest
+i with c_i <= u is found by bisection: well-stratified u give well-stratified choices, and
 (u - c_i) / (c_{i+1} - c_i) is again uniform and stratified.
 
 A u of 24 bits cannot find entries of probability below 2^-24; there the table holds 0 or 2^-24.

@@ -43,6 +43,16 @@ from alight.core.lane_types import (
 PRIMITIVES: dict = {}
 
 
+def _has_avx512() -> bool:
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features()
+    return bool(features.get("avx512f") and features.get("avx512vl"))
+
+
+_HAS_AVX512 = _has_avx512()
+
+
 def _stands_for(primitive):
     def register(stand_in):
         PRIMITIVES[primitive] = stand_in
@@ -92,6 +102,26 @@ for _primitive, _arity, _name in (
     (simd.fma, 3, "fma"),
 ):
     _arithmetic(_primitive, _arity, _llvm(_name))
+
+
+def _rsqrt_lanes(builder, x):
+    if _HAS_AVX512 and isinstance(x.type, ir.VectorType) and x.type.count in (8, 16):
+        # 14 bits of the processor's estimate, and one step of Newton's iteration.
+        n, bits = x.type.count, 32 * x.type.count
+        mask = ir.Constant(ir.IntType(n), -1)
+        y = call(builder, f"llvm.x86.avx512.rsqrt14.ps.{bits}", x.type, [x, x, mask])
+        half = builder.fmul(x, ir.Constant(x.type, [-0.5] * n))
+        correction = call(
+            builder, f"llvm.fma.{suffix(x.type)}", x.type,
+            [builder.fmul(half, y), y, ir.Constant(x.type, [1.5] * n)],
+        )
+        return builder.fmul(y, correction)
+    one = ir.Constant(x.type, [1.0] * x.type.count if isinstance(x.type, ir.VectorType) else 1.0)
+    root = call(builder, f"llvm.sqrt.{suffix(x.type)}", x.type, [x])
+    return builder.fdiv(one, root)
+
+
+_arithmetic(simd.rsqrt, 1, _rsqrt_lanes)
 # A compare and a select are one minps or maxps.
 _arithmetic(simd.minimum, 2, lambda b, x, y: b.select(b.fcmp_ordered("<", x, y), x, y))
 _arithmetic(simd.maximum, 2, lambda b, x, y: b.select(b.fcmp_ordered(">", x, y), x, y))
@@ -375,16 +405,6 @@ def _gather(typing, view, index):
         return out
 
     return result(view, index), codegen
-
-
-def _has_avx512() -> bool:
-    import llvmlite.binding as llvm
-
-    features = llvm.get_host_cpu_features()
-    return bool(features.get("avx512f") and features.get("avx512vl"))
-
-
-_HAS_AVX512 = _has_avx512()
 
 
 def _allocator(primitive, element):

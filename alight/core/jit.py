@@ -48,7 +48,7 @@ class Specialised:
         self.__name__ = factory.__name__
         self.__doc__ = factory.__doc__
 
-    def __call__(self, *args):
+    def __call__(self, *args) -> Any:
         raise TypeError(f"{self.__name__} depends on the program: use instantiate() first")
 
 

@@ -11,6 +11,8 @@ programming").
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from alight.core.vec3 import Vec3
@@ -26,7 +28,7 @@ LANES = LaneCount(16)
 _ALL = np.arange(int(LANES), dtype=np.uint32)
 
 
-def where(mask, a, b):
+def where(mask, a, b) -> Any:
     """Lane-wise choice: `a` where `mask`, else `b` (scalars, lanes or Vec3)."""
     if isinstance(a, Vec3) or isinstance(b, Vec3):
         ax, ay, az = (a.x, a.y, a.z) if isinstance(a, Vec3) else (a, a, a)
@@ -54,6 +56,14 @@ def all_lanes(mask):
 def sqrt(x):
     """Square root, correctly rounded."""
     return np.sqrt(np.float32(x))
+
+
+def rsqrt(x):
+    """1 / sqrt(x) within 2 units in the last place, for x in [1e-30, 1e30]; not strict.
+
+    Several times faster than a square root and a division where the processor estimates it.
+    """
+    return np.float32(1.0) / np.sqrt(np.float32(x))
 
 
 def floor(x):

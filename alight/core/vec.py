@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from alight.core.jit import kernel
-from alight.core.simd import absolute, gather, maximum, minimum, sqrt
+from alight.core.simd import absolute, gather, maximum, minimum, rsqrt, sqrt
 from alight.core.vec3 import Vec3 as Vec3
 
 
@@ -38,7 +38,7 @@ def length(a):
 @kernel
 def normalize(a):
     """a / |a|; NaN for the zero vector."""
-    return a * (1.0 / sqrt(dot(a, a)))
+    return a * rsqrt(dot(a, a))
 
 
 @kernel

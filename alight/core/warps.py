@@ -15,7 +15,16 @@ from collections import namedtuple
 from alight.core.constants import INV_FOUR_PI, INV_PI, INV_TWO_PI, TWO_PI
 from alight.core.jit import kernel
 from alight.core.maths import arctan2, sincos, sincos_2pi, sincos_octant
-from alight.core.simd import absolute, bits_float, float_bits, maximum, minimum, sqrt, where
+from alight.core.simd import (
+    absolute,
+    bits_float,
+    float_bits,
+    maximum,
+    minimum,
+    rsqrt,
+    sqrt,
+    where,
+)
 from alight.core.vec import Vec3, cross, dot
 
 _QUARTER_PI = 0.785398163397448310
@@ -165,7 +174,8 @@ def spherical_rectangle(corner, edge_x, edge_y, p):
     x1, y1 = x0 + width, y0 + height
     # Seen from p the rectangle is the difference of four with one corner at the foot of p, whose
     # solid angles are those of complex numbers: sums of angles are products.
-    scale = _power_of_two_below_inverse(absolute(x0) + absolute(x1) + absolute(y0) + absolute(y1))
+    size = absolute(x0) + absolute(x1) + absolute(y0) + absolute(y1) + z0
+    scale = _power_of_two_below_inverse(size)  # or products of eight lengths would overflow
     u0, u1, v0, v1, w = x0 * scale, x1 * scale, y0 * scale, y1 * scale, z0 * scale
     first = _times_conjugate(_corner(u1, v1, w), _corner(u1, v0, w))
     second = _times_conjugate(_corner(u0, v1, w), _corner(u0, v0, w))

@@ -16,6 +16,11 @@ def wide(n, x):
     return np.full(n, x, np.float32)
 
 
+def four(a, b, c, d):
+    """The vector of four float32 numbers."""
+    return np.array([a, b, c, d], np.float32)
+
+
 def load_wide(n, table, i):
     """``table[i : i + n]`` as one vector (float32 or uint32 as the table is)."""
     values = table[i : i + n]
@@ -54,3 +59,12 @@ def shuffled(x, order):
 
 def prefetch(table, i):
     """Ask for the cache line of ``table[i]``; only time depends on it."""
+
+
+def smaller(a, b):
+    """The smaller one in every lane, of numbers that are not NaN.
+
+    `simd.minimum` defines what happens to NaN, which here has a price: "load, minimum, store" to
+    one place becomes a masked store, and a masked store delays the next load from there.
+    """
+    return np.fmin(a, b)

@@ -54,6 +54,21 @@ def _wide(typing, n, x):
     )
 
 
+@_stands_for(wide.four)
+@intrinsic
+def _four(typing, a, b, c, d):
+    result = Floats(4)
+
+    def codegen(context, builder, sig, args):
+        vector = ir.Constant(result.vector, ir.Undefined)
+        for i, (value, kind) in enumerate(zip(args, sig.args, strict=True)):
+            number = context.cast(builder, value, kind, f32)
+            vector = builder.insert_element(vector, number, ir.Constant(I32, i))
+        return vector
+
+    return result(a, b, c, d), codegen
+
+
 @_stands_for(wide.load_wide)
 @intrinsic(prefer_literal=True)
 def _load_wide(typing, n, table, i):
@@ -150,3 +165,18 @@ def _prefetch(typing, table, i):
         return context.get_dummy_value()
 
     return types.void(table, i), codegen
+
+
+@_stands_for(wide.smaller)
+@intrinsic
+def _smaller(typing, a, b):
+    if not isinstance(a, Floats) or a != b:
+        return None
+
+    def codegen(context, builder, sig, args):
+        kind = ir.FunctionType(a.vector, [a.vector, a.vector])
+        name = f"llvm.minnum.v{a.n}f32"
+        function = cgutils.get_or_insert_function(builder.module, kind, name)
+        return builder.call(function, args, fastmath=("nnan", "nsz"))
+
+    return a(a, b), codegen

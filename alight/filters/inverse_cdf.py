@@ -53,7 +53,8 @@ def tabulate(
     change = np.float32(min(sign_change, 2.0 * radius))
     negative = np.interp(-change, -distances, at) ** 2
     # u = 1/2 falls on the last distance, which is interpolated with the one after it.
-    return np.concatenate([[1.0 / (1.0 - 2.0 * negative), change], distances, [0.0]])
+    head = np.array([1.0 / (1.0 - 2.0 * negative), change])
+    return np.concatenate([head, distances, np.zeros(1)])
 
 
 @kernel

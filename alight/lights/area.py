@@ -156,7 +156,5 @@ def pdf(scene, index, prim, p, wi, distance, cosine):
     """Density of `sample` per solid angle at a point of the light; 0 on the dark side."""
     info = scene.lights.info
     shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
-    density = shape_pdf(
-        scene.shapes, scene.lights.cdf, start, shape, prim, p, wi, distance, cosine
-    )
+    density = shape_pdf(scene.shapes, scene.lights.cdf, start, shape, prim, p, wi, distance, cosine)
     return where(cosine > 0.0, density, 0.0)

@@ -49,6 +49,11 @@ def sample(scene, index, p, u, u2):
     distance = sqrt(squared)
     one = lanes(1.0)
     return LightSample(
-        to_light * (1.0 / distance), distance, lanes_vec3(1.0) * (1.0 / squared), one,
-        lanes_mask(True), one, lanes(0.0),
+        to_light * (1.0 / distance),
+        distance,
+        lanes_vec3(1.0) * (1.0 / squared),
+        one,
+        lanes_mask(True),
+        one,
+        lanes(0.0),
     )

@@ -32,7 +32,9 @@ def make_kernels(scene: CompiledScene, *, compiled: bool = True) -> Kernels:
     """The main loop specialised on a scene's program; compiled False gives the NumPy twin."""
 
     def make(program: Program) -> Callable:
-        return instantiate(render_tile_kernel, program, compiled=compiled)
+        kernel = instantiate(render_tile_kernel, program, compiled=compiled)
+        # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
+        return kernel if compiled else np.errstate(all="ignore")(kernel)
 
     wanted = set(LAYERS) & set(scene.program.aovs)
     # What light does there plays no part in these layers, and need not be compiled for them.

@@ -83,11 +83,12 @@ def shadow_length(distance, cosine, error_light, error):
 
     The ray starts within `error` of p (`spawn_origin`) and points along the rounded wi; it
     approaches the tangent plane of the light at the rate |cosine|. Measured along the light's
-    normal, three things move the place where it meets the light: the light's own band `error_light`; the
-    start of the ray, by `error`; and the rounding of wi, of the distance, and of an intersection
-    computed from that far, together at most gamma(24) distance. Ending the ray their sum before the
-    plane leaves the light unhit (a convex one too: it lies behind its tangent plane). A blocker is
-    missed only within twice that sum of the light, where float32 cannot tell the two apart.
+    normal, three things move the place where it meets the light: the light's own band
+    `error_light`; the start of the ray, by `error`; and the rounding of wi, of the distance, and of
+    an intersection computed from that far, together at most gamma(24) distance. Ending the ray
+    their sum before the plane leaves the light unhit (a convex one too: it lies behind its tangent
+    plane). A blocker is missed only within twice that sum of the light, where float32 cannot tell
+    the two apart.
 
     Parameters
     ----------

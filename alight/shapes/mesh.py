@@ -10,8 +10,8 @@ and a row of the table with two 3 x 4 matrices, object to world (0-11) and world
 
 **Error bound**, in units of the machine epsilon, along the normal n: with E = the sum over i of
 \|n_i\| times the largest \|p_i\| of a corner, rounding of p takes 5 E, of the moved origin 2 E, of
-the corners relative to it 1 E. The watertight test then finds t from barycentrics; seen edge-on they are
-uncertain by 8 L / (L cos) for a triangle of size L, which shifts t by as much as 16 L along the
+the corners relative to it 1 E. The watertight test finds t from barycentrics; seen edge-on they
+are uncertain by 8 L / (L cos) for a triangle of size L, which shifts t by as much as 16 L along the
 normal. The bound is gamma(16) (E + L). For instances the bound in object space, with the rounding
 of the transformed ray, sum \|n_i\| (sum \|W_ij p_j\| + \|W_i4\|), is taken to world space by
 1 / \|W^T n\|.
@@ -157,9 +157,7 @@ class Mesh(Shape):
     def __hash__(self) -> int:
         """Hash of the array bytes and the other fields."""
         return hash(
-            tuple(
-                value.tobytes() if isinstance(value, np.ndarray) else value for _, value in self
-            )
+            tuple(value.tobytes() if isinstance(value, np.ndarray) else value for _, value in self)
         )
 
 

@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 
 from alight.core.jit import kernel
-from alight.core.simd import absolute, gather, maximum, minimum, sqrt, where
+from alight.core.simd import absolute, gather, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Shape
-from alight.core.vec import dot, gather_vec3, length_squared
+from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.core.warps import (
     spherical_rectangle,
     spherical_rectangle_pdf,
@@ -26,12 +26,12 @@ from alight.shapes.flat import (
     E1,
     E2,
     IS_RECTANGLE,
-    flat_geometry,
     flat_point,
     meet_plane,
     pack_flat,
+    point_on_plane,
 )
-from alight.shapes.hit import INFO, ShapeSample, area_to_solid_angle
+from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
 
 
 class Rectangle(Shape):
@@ -100,10 +100,16 @@ def intersect(data, k, o, d, t_max):
 @kernel
 def surface(tables, k, hit, o, d):
     """The `Geometry` of hits; k: offsets of the rows, lanes."""
+    data = tables.data
+    n = gather_vec3(data, k)
+    p = point_on_plane(data, k, n, hit.t, o, d)
+    s = gather_vec3(data, k + E1) * gather(data, k + 24)
     x = maximum(minimum(hit.u, 1.0), -1.0)
     y = maximum(minimum(hit.v, 1.0), -1.0)
-    error = gather(tables.data, k + 15)
-    return flat_geometry(tables.data, k, x, y, error, 0.5 * x + 0.5, 0.5 * y + 0.5)
+    error = gather(data, k + 15)
+    return Geometry(
+        p, error, n, n, s, cross(n, s), 0.5 * x + 0.5, 0.5 * y + 0.5, lanes_vec3(1.0)
+    )
 
 
 @kernel
@@ -152,9 +158,7 @@ def sample(tables, cdf, start, shape, p, u, u2):
 def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
     k = gather(tables.info, shape * INFO + 3)
-    return density_of(
-        tables.data, k, seen_from(tables.data, k, p), distance * wi, distance, cosine
-    )
+    return density_of(tables.data, k, seen_from(tables.data, k, p), distance * wi, distance, cosine)
 
 
 @kernel

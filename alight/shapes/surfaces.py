@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from alight.core.frame import frame_from_normal
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
 from alight.shapes import MODELS, disk, mesh, plane, rectangle, sphere
@@ -18,6 +19,11 @@ SURFACES = {
     "disk": disk.surface,
     "mesh": mesh.surface,
 }
+
+
+def needs_tangents(program) -> bool:
+    """True if a material of the program is not the same all around the normal."""
+    return "anisotropic" in program.bsdfs
 
 
 @kernel
@@ -80,6 +86,27 @@ def find_geometry(program):
     return only
 
 
+@specialised
+def tangents(program):
+    """``tangents(geometry) -> (s, t)``: the shape's own where a model reads them, else any.
+
+    A scene of isotropic materials does not see the difference, and need not look the shape's up.
+    """
+    if needs_tangents(program):
+
+        @kernel
+        def of_the_shape(g):
+            return g.s, g.t
+
+        return of_the_shape
+
+    @kernel
+    def of_the_normal(g):
+        return frame_from_normal(g.ns)
+
+    return of_the_normal
+
+
 @kernel
 def make_surface(scene, hit, o, d, active):
     """Describe the surfaces that rays have hit.
@@ -104,6 +131,7 @@ def make_surface(scene, hit, o, d, active):
     kind, k = gather(tables.info, row), gather(tables.info, row + 3)
     g = find_geometry(tables, kind, k, hit, o, d, active)
     bsdf, light = gather(tables.info, row + 1), gather(tables.info, row + 2)
+    s, t = tangents(g)
     return Surface(
-        g.p, g.error, g.ng, g.ns, g.s, g.t, g.u, g.v, hit.shape, hit.prim, bsdf, light, g.color
+        g.p, g.error, g.ng, g.ns, s, t, g.u, g.v, hit.shape, hit.prim, bsdf, light, g.color
     )

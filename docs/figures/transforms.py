@@ -37,8 +37,8 @@ def scene() -> str:
     """The scene as text."""
     return f"""
 camera:
-  fov: 29
-  transform: {{look_at: {{origin: [0, -0.6, 5.2], target: [0.1, -0.85, 0]}}}}
+  fov: 30
+  transform: {{look_at: {{origin: [0, -0.6, 5.2], target: [-0.3, -0.85, 0]}}}}
 film: {{size: [800, 500]}}
 environment: {{type: constant, radiance: 0.9}}
 nodes:

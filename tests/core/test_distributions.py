@@ -43,7 +43,7 @@ def test_cumulative_of_zeros_gives_everything_to_the_last():
 def test_stratified_numbers_choose_each_entry_by_its_share(weights, offset):
     n = len(weights)
     view = View(np.concatenate([np.full(offset, 9.0), cumulative(weights)]).astype(np.float32))
-    index, pmf, rest = sample_discrete(view, offset, n, U)
+    index, pmf, rest = np.broadcast_arrays(*sample_discrete(view, offset, n, U))
     share = np.array(weights) / np.sum(weights)
     assert np.all(np.abs(np.bincount(index, minlength=n) - N * share) <= 1.0)
     np.testing.assert_allclose(pmf, share[index], rtol=1e-6)
@@ -58,7 +58,8 @@ def test_stratified_numbers_choose_each_entry_by_its_share(weights, offset):
 
 def test_ends_of_the_interval():
     view = View(cumulative([0.0, 1.0, 1.0, 0.0]))
-    ends = np.array([0.0, np.nextafter(np.float32(0.5), np.float32(0)), 0.5, 1 - 2.0**-24], np.float32)
+    below = np.nextafter(np.float32(0.5), np.float32(0))
+    ends = np.array([0.0, below, 0.5, 1 - 2.0**-24], np.float32)
     index, _, _ = sample_discrete(view, 0, 4, ends)
     np.testing.assert_array_equal(index, [1, 1, 2, 2])
 

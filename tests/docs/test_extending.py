@@ -40,8 +40,8 @@ nodes:
 
 RENDER = """
 image = alight.render(loads({scene!r}), spp=4, threads=1).image
-centre, corner = image[6, 8], image[0, 0]
-print(centre.min() > 0.01, corner.max() == 0.0)
+ball, corner = image[:, 8], image[0, 0]
+print(ball.max() > 0.01, corner.max() == 0.0)
 """
 
 

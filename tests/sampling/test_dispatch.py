@@ -26,7 +26,6 @@ from tests.sampling.materials import (
     Scene,
     Shapes,
     Surface,
-    direction,
     random_numbers,
 )
 from tests.sampling.statistics import unit_vectors
@@ -230,11 +229,3 @@ def test_vertex_color_reads_the_flag_that_shapes_write():
 def test_constant_texture_is_its_colour():
     u = np.zeros(4, np.float32)
     np.testing.assert_array_equal(fetched(Constant(color=0.25), u, u), 0.25)
-
-
-def test_diffuse_is_lambert():
-    f_cos, pdf = Material(Diffuse(reflectance=(0.9, 0.5, 0.1))).evaluate(
-        direction(0.3), direction(0.8)
-    )
-    np.testing.assert_allclose(f_cos[:, 0], 0.8 * np.array([0.9, 0.5, 0.1]) / np.pi, rtol=1e-6)
-    np.testing.assert_allclose(pdf, 0.8 / np.pi, rtol=1e-6)

@@ -26,10 +26,12 @@ SCENES = {
     "thin": ((-5, 0.3, 0.2), (10, 0, 0), (0, 1e-2, 0), (0, 0, 0)),
     "far": ((-0.5, -0.5, 300), (1, 0, 0), (0, 1, 0), (0, 0, 0)),
     "far aside": ((200, 100, 150), (0.1, 0, 0), (0, 0, 0.1), (0, 0, 0)),
+    "a speck a mile away": ((0, 0, 1e4), (1e-3, 0, 0), (0, 1e-3, 0), (0, 0, 0)),
+    "a world": ((-1e6, -2e6, 1e6), (3e6, 0, 0), (0, 3e6, 0), (0, 0, 0)),
     "tiny": ((-1e-4, -1e-4, 1), (2e-4, 0, 0), (0, 2e-4, 0), (0, 0, 0)),
     "corner of a room": ((0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, 0)),
 }
-BY_AREA = {"far", "far aside", "tiny"}
+BY_AREA = {"a speck a mile away", "far", "far aside", "tiny"}
 
 each_scene = pytest.mark.parametrize("name", SCENES)
 

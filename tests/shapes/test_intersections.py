@@ -74,7 +74,9 @@ def test_ground_sphere_is_as_exact_as_a_floor_near_the_origin():
     _, g, found = world.surface(o, d)
     assert found.all()
     p = np.array([g.p.x, g.p.y, g.p.z], float)
-    height = np.linalg.norm(p + [[0], [radius], [0]], axis=0) - radius
+    p[1] += radius
+    height = np.linalg.norm(p, axis=0) - radius
+    p[1] -= radius
     assert np.all(np.abs(height) <= g.error)
     # A single ulp of the radius is 1e-3.
     assert np.all(g.error[np.linalg.norm(p, axis=0) < 2.0] < 2e-6)

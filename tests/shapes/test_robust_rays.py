@@ -148,8 +148,10 @@ def lit_points(shape, placement, n, rng):
 def test_shadow_rays_do_not_meet_their_light(name, placement):
     rng = np.random.default_rng(4)
     place = PLACEMENTS[placement]
-    # Both ways up, so that some points see the bright side.
-    shapes = FINITE[name], FINITE[name].replaced(flip_normals=True)
+    # Flat ones both ways up, so that some points see the bright side.
+    shapes = [FINITE[name]]
+    if name != "sphere":
+        shapes.append(FINITE[name].replaced(flip_normals=True))
     world, surface, light, o, length = max(
         (lit_points(shape, place, 20_000, rng) for shape in shapes),
         key=lambda case: np.count_nonzero(case[2].pdf > 0.0),

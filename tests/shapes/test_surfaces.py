@@ -141,7 +141,9 @@ def test_mesh_normals_and_colours_are_interpolated(placement):
 
     def mix(table):
         table = np.asarray(table, float)
-        return ((1 - b1 - b2)[:, None] * table[0] + b1[:, None] * table[i] + b2[:, None] * table[j]).T
+        weights = (1 - b1 - b2, b1, b2)
+        corners = (table[0], table[i], table[j])
+        return sum(w[:, None] * c for w, c in zip(weights, corners, strict=True)).T
 
     normals = np.asarray(QUAD.normals, float)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -154,8 +156,11 @@ def test_instances_look_like_copies():
     rng = np.random.default_rng(6)
     v = rng.normal(size=(30, 3)).astype(np.float32)
     mesh = Mesh(
-        vertices=v, faces=rng.permuted(np.tile(np.arange(30), (40, 1)), axis=1)[:, :3],
-        normals=v, uvs=v[:, :2], colors=np.abs(v) / 10,
+        vertices=v,
+        faces=rng.permuted(np.tile(np.arange(30), (40, 1)), axis=1)[:, :3],
+        normals=v,
+        uvs=v[:, :2],
+        colors=np.abs(v) / 10,
     )
     places = [PLACEMENTS[name] for name in ("sheared", "mirrored")]
     shared = World(*((mesh, place) for place in places))

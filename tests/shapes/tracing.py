@@ -17,6 +17,7 @@ from alight.core.simd import (
     lanes,
     lanes_u32,
     load_lanes,
+    minimum,
     store_lanes,
     to_float,
     where,
@@ -42,6 +43,7 @@ Scene = namedtuple("Scene", "shapes lights triangles triangle_ids")
 
 #: One program for all worlds, so that the kernels below are compiled once.
 PROGRAM = Program(
+    bsdfs=("anisotropic",),
     shapes=("sphere", "plane", "rectangle", "disk", "mesh"),
     textures=("constant", "checkerboard"),
     lights=("point", "directional", "area", "constant"),
@@ -165,7 +167,9 @@ def nearest(scene, o, d, t_max, only):
             prim = where(hit, lanes_u32(as_int(scene.triangle_ids[2 * i + 1])), prim)
             found = where(hit, 1.0, found)
     missed = found < 0.5
-    return Hit(where(missed, INFINITY, t_best), u_best, v_best, shape, prim)
+    # A hit at infinity is wrong, and must not pass for a miss.
+    t_best = where(missed, INFINITY, minimum(t_best, 3e38))
+    return Hit(t_best, u_best, v_best, shape, prim)
 
 
 @kernel
@@ -229,7 +233,9 @@ def bounce_function(compiled):
 def bounce(world, o, d, leaving, compiled=True):
     """`bounce_kernel` for rays (3, n) and local directions (3, n): arrays by name."""
     n = len(o[0]) // 16 * 16
-    o, d, leaving = (np.ascontiguousarray(np.asarray(v)[:, :n], np.float32) for v in (o, d, leaving))
+    o, d, leaving = (
+        np.ascontiguousarray(np.asarray(v)[:, :n], np.float32) for v in (o, d, leaving)
+    )
     vectors, scalars = np.zeros((15, n), np.float32), np.zeros((len(SCALARS), n), np.float32)
     with np.errstate(all="ignore"):
         bounce_function(compiled)(

@@ -37,7 +37,7 @@ FUNCTIONS = (
 
 
 def inputs():
-    """Arguments (12, N) float32 over the ranges that the table of `maths` names, and a second one."""
+    """First and second arguments (12, N) over the ranges that the table of `maths` names."""
     rng = np.random.default_rng(1)
 
     def uniform(low, high):

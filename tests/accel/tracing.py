@@ -1,0 +1,243 @@
+"""Rays and scenes for the tests of acceleration structures, and an oracle in float64."""
+
+from collections import namedtuple
+from functools import lru_cache
+
+import numba
+import numpy as np
+
+from alight.accel import TriangleSet, build_accelerator, intersect_closest, is_occluded
+from alight.core.jit import instantiate, kernel
+from alight.core.simd import (
+    LANES,
+    bits_float,
+    lanes,
+    load_lanes,
+    store_lanes,
+    where,
+)
+from alight.core.vec import Vec3
+from alight.core.view import View
+
+Program = namedtuple("Program", "accel")
+Shapes = namedtuple("Shapes", "data")
+Scene = namedtuple("Scene", "accel shapes")
+Hits = namedtuple("Hits", "t u v shape prim occluded")
+
+#: Lanes for which packets are padded; a multiple of any packet width.
+PADDING = 16
+
+
+@kernel(strict=True)
+def trace_packets(scene, rays, active, results, n):
+    """Closest hits and occlusion of n rays; rays: 7 columns of n, results: 6 columns of n."""
+    for i in range(0, n, LANES):
+        o = Vec3(load_lanes(rays, i), load_lanes(rays, n + i), load_lanes(rays, 2 * n + i))
+        d = Vec3(load_lanes(rays, 3 * n + i), load_lanes(rays, 4 * n + i), load_lanes(rays, 5 * n + i))
+        t_max, on = load_lanes(rays, 6 * n + i), load_lanes(active, i) > 0.5
+        hit = intersect_closest(scene, o, d, t_max, on)
+        blocked = is_occluded(scene, o, d, t_max, on)
+        store_lanes(results, i, hit.t)
+        store_lanes(results, n + i, hit.u)
+        store_lanes(results, 2 * n + i, hit.v)
+        store_lanes(results, 3 * n + i, bits_float(hit.shape))
+        store_lanes(results, 4 * n + i, bits_float(hit.prim))
+        store_lanes(results, 5 * n + i, where(blocked, lanes(1.0), lanes(0.0)))
+
+
+@lru_cache(maxsize=32)
+def kernel_of(plan, compiled=True):
+    return instantiate(trace_packets, Program(plan), compiled=compiled)
+
+
+class World:
+    """A scene of bare primitives that can be traced."""
+
+    def __init__(self, *parts, data=None, **options):
+        self.accel, self.plan, self.stats = build_accelerator(*parts, **options)
+        rows = np.zeros(1, np.float32) if data is None else np.asarray(data, np.float32)
+        self.scene = Scene(self.accel, Shapes(View(rows)))
+
+    def trace(self, origins, directions, t_max=np.inf, active=True, compiled=True):
+        """Hits of rays (n, 3), (n, 3) in packets."""
+        n = len(origins)
+        padded = -(-n // PADDING) * PADDING
+        rays = np.zeros((7, padded), np.float32)
+        rays[:3, :n], rays[3:6, :n], rays[6, :n] = origins.T, directions.T, t_max
+        on = np.zeros(padded, np.float32)
+        on[:n] = active
+        results = np.zeros((6, padded), np.float32)
+        with np.errstate(all="ignore"):
+            kernel_of(self.plan, compiled)(
+                self.scene, View(rays), View(on), View(results), padded
+            )
+        bits = results.view(np.uint32)
+        return Hits(*results[:3, :n], *bits[3:5, :n], results[5, :n] > 0)
+
+
+def same_bits(a, b):
+    """Are all fields of two `Hits` the same, bit for bit?"""
+    return all(x.tobytes() == y.tobytes() for x, y in zip(a, b, strict=True))
+
+
+def triangle_set(vertices, faces, shape=0):
+    """One mesh, or one shape number a face."""
+    faces = np.asarray(faces, np.int32)
+    shapes = np.broadcast_to(np.asarray(shape, np.uint32), len(faces)).copy()
+    prims = np.zeros(len(faces), np.uint32)
+    for number in np.unique(shapes):
+        mine = shapes == number
+        prims[mine] = np.arange(mine.sum())
+    return TriangleSet(np.asarray(vertices, np.float32), faces, shapes, prims)
+
+
+def unit(v):
+    """Rows of length 1."""
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def soup(seed, n=120):
+    """Random triangles: ordinary, tiny, huge, degenerate and doubled ones; at some scale."""
+    rng = np.random.default_rng(seed)
+    size = np.exp(rng.normal(-1.0, 1.0, (n, 1, 1)))
+    size[rng.random(n) < 0.1] = 1e-5
+    corners = rng.normal(size=(n, 1, 3)) + size * rng.normal(size=(n, 3, 3))
+    huge = rng.random(n) < 0.03
+    corners[huge] *= 10.0 ** rng.uniform(1, 3)
+    flat = rng.random(n) < 0.05
+    corners[flat, 2] = corners[flat, 1]
+    needle = rng.random(n) < 0.05
+    corners[needle, 2] = 0.5 * (corners[needle, 0] + corners[needle, 1])
+    corners[rng.random(n) < 0.02] = corners[0, 0]
+    axis = rng.integers(3)
+    level = rng.random(n) < 0.1
+    corners[level, :, axis] = corners[level, :1, axis]
+    corners *= 10.0 ** rng.uniform(-4, 4)
+    vertices = corners.reshape(-1, 3).astype(np.float32)
+    faces = np.arange(3 * n, dtype=np.int32).reshape(n, 3)
+    faces[n // 2] = faces[0]
+    return triangle_set(vertices, faces, rng.integers(0, 3, n))
+
+
+def soup_rays(seed, triangles, n):
+    """Rays from and to the neighbourhood of random triangles, some along an axis."""
+    rng = np.random.default_rng(seed)
+    points = triangles.vertices[triangles.faces].astype(np.float64)
+    middle = points.mean(axis=1)
+    spread = np.median(np.abs(middle))
+    target = middle[rng.integers(len(middle), size=n)]
+    weights = rng.dirichlet((1, 1, 1), n)
+    aimed = rng.random(n) < 0.5
+    chosen = points[rng.integers(len(points), size=n)]
+    target[aimed] = np.einsum("nk,nkc->nc", weights, chosen)[aimed]
+    origins = spread * 3.0 * rng.normal(size=(n, 3))
+    directions = unit(target - origins)
+    straight = rng.random(n) < 0.1
+    directions[straight] = np.eye(3)[rng.integers(3, size=straight.sum())]
+    return origins.astype(np.float32), directions.astype(np.float32)
+
+
+@numba.njit(cache=False)
+def float64_oracle(corners, origins, directions):
+    """What a ray meets, in float64, with the doubtful cases known.
+
+    Returns, for each ray, the nearest triangle that it meets farther than a margin from all edges
+    (-1: none), its t, and the least t of any other triangle that it meets or passes within the margin.
+    The margin is 1e-4 of the size of the numbers involved.
+    """
+    n = len(origins)
+    sure, t_sure, t_other = np.full(n, -1), np.full(n, np.inf), np.full(n, np.inf)
+    for r in range(n):
+        o, d = origins[r], directions[r]
+        for k in range(len(corners)):
+            a, b, c = corners[k, 0] - o, corners[k, 1] - o, corners[k, 2] - o
+            scale = max(np.abs(a).max(), np.abs(b).max(), np.abs(c).max(), np.abs(o).max())
+            normal = np.cross(b - a, c - a)
+            along = np.dot(normal, d)
+            edge = np.inf
+            nearest = np.inf
+            for p, q in ((a, b), (b, c), (c, a)):
+                gap, s = _line_to_segment(d, p, q)
+                if gap < edge:
+                    edge, nearest = gap, s
+            inside = False
+            t = nearest
+            if along != 0.0:
+                u = np.dot(np.cross(c, b), d) / along
+                v = np.dot(np.cross(a, c), d) / along
+                inside = u >= 0.0 and v >= 0.0 and 1.0 - u - v >= 0.0
+                t = np.dot(normal, a) / along
+            steep = abs(along) > 1e-2 * np.sqrt(np.dot(normal, normal))
+            margin = 1e-4 * scale
+            if inside and edge > margin and steep and abs(t) > margin:
+                if t > 0.0:
+                    if t < t_sure[r]:
+                        t_other[r] = min(t_other[r], t_sure[r])
+                        sure[r], t_sure[r] = k, t
+                    else:
+                        t_other[r] = min(t_other[r], t)
+            elif inside or edge <= margin:
+                low = min(t, nearest) - 100.0 * margin
+                if max(t, nearest) > -margin:
+                    t_other[r] = min(t_other[r], low)
+    return sure, t_sure, t_other
+
+
+@numba.njit(cache=False)
+def _line_to_segment(d, p, q):
+    """Distance of the line s d (|d| about 1) from the segment p q, and s of the nearest point."""
+    e = q - p
+    # Across the line all is flat: the distance of the origin from the projected segment.
+    dd = np.dot(d, d)
+    p_flat = p - d * (np.dot(p, d) / dd)
+    e_flat = e - d * (np.dot(e, d) / dd)
+    ee = np.dot(e_flat, e_flat)
+    x = 0.0
+    if ee > 0.0:
+        x = min(1.0, max(0.0, -np.dot(p_flat, e_flat) / ee))
+    gap = p_flat + x * e_flat
+    return np.sqrt(np.dot(gap, gap)), np.dot(p + x * e, d) / dd
+
+
+def mismatches(triangles, origins, directions, t, which):
+    """Rays whose nearest triangle is beyond doubt in float64, and how many of them differ.
+
+    Parameters
+    ----------
+    t, which : (n,) arrays
+        Distance found, and row of the triangle found, -1 for none.
+
+    Returns
+    -------
+    differing, decided : int
+    """
+    corners = triangles.vertices[triangles.faces].astype(np.float64)
+    sure, t_sure, t_other = float64_oracle(
+        corners, origins.astype(np.float64), directions.astype(np.float64)
+    )
+    decided = (sure >= 0) & (t_sure * (1 + 1e-6) < t_other)
+    empty = (sure < 0) & np.isinf(t_other)
+    wrong = decided & (which != sure)
+    wrong |= decided & (np.abs(t - t_sure) > 1e-3 * (np.abs(origins).max() + t_sure))
+    wrong |= empty & (which >= 0)
+    return int(wrong.sum()), int((decided | empty).sum())
+
+
+def icosphere(levels):
+    """Closed mesh of 20 * 4^levels triangles around the origin."""
+    import trimesh
+
+    mesh = trimesh.creation.icosphere(subdivisions=levels)
+    return np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.int32)
+
+
+def torus(n, m, wave=0.0):
+    """Closed mesh of 2 n m triangles: a tube around a circle, radius 0.4 with a wave on it."""
+    u, v = np.meshgrid(np.arange(n) / n * 2 * np.pi, np.arange(m) / m * 2 * np.pi, indexing="ij")
+    r = 0.4 + wave * np.sin(7 * u) * np.cos(3 * v)
+    x, y, z = (1 + r * np.cos(v)) * np.cos(u), (1 + r * np.cos(v)) * np.sin(u), r * np.sin(v)
+    i, j = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+    a, b = i * m + j, (i + 1) % n * m + j
+    c, d = (i + 1) % n * m + (j + 1) % m, i * m + (j + 1) % m
+    faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
+    return np.stack([x, y, z], -1).reshape(-1, 3).astype(np.float32), faces.astype(np.int32)

@@ -1,0 +1,97 @@
+"""Loads, compiles and renders mutated scenes in a process of its own.
+
+A process can be stopped when it hangs, may crash without taking the tests along, and can be denied
+memory. It renders in the NumPy twin: the same kernel text, but no two minutes of compilation for
+each of thousands of programs.
+"""
+
+from __future__ import annotations
+
+import time
+import warnings
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from alight.compiled.scene import compile_scene
+from alight.core.errors import AlightError
+from alight.films import fixed_point
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.scene import FlatScene, flatten, loads
+
+SIDE = 8
+#: Paths of the twin end here. A million edges between white walls are legal, and would be as right
+#: as they are slow; eight pass through all that an integrator does.
+MOST_EDGES = 8
+#: The twin tests every primitive for every ray, at some 0.1 ms a packet. Scenes with more are
+#: compiled whole and then thinned evenly: which of a thousand equal instances a ray meets is a
+#: question to the acceleration structure, which has tests of its own.
+MOST_PRIMITIVES = 100
+MOST_BYTES = 2 << 30
+
+
+class Outcome(NamedTuple):
+    """What became of one scene.
+
+    Attributes
+    ----------
+    kind : {"refused", "rendered", "failed"}
+    text : str
+        The message, or what went wrong.
+    seconds : float
+        Processor time.
+    invalid : int
+        Samples that were not finite, as the film counts them.
+    """
+
+    kind: str
+    text: str
+    seconds: float
+    invalid: int = 0
+
+
+def serve(connection: Connection, folder: str) -> None:
+    """Answer each mutation with its `Outcome` until None comes."""
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
+    # NumPy's warnings would appear between a user's lines: they are defects too.
+    warnings.simplefilter("error")
+    while (case := connection.recv()) is not None:
+        connection.send(outcome(case, Path(folder)))
+
+
+def outcome(case, folder: Path) -> Outcome:
+    """Treat one `Mutation`; nothing but a picture or an `AlightError` with words will do."""
+    (folder / case.mesh_name).write_bytes(case.mesh)
+    start = time.process_time()
+    try:
+        kind, text, invalid = "rendered", "", picture(flatten(loads(case.text, "scene.yaml", folder)))
+    except AlightError as error:
+        kind, text, invalid = "refused" if str(error).strip() else "failed", str(error), 0
+    except BaseException as error:
+        kind, text, invalid = "failed", f"{type(error).__name__}: {error}", 0
+    return Outcome(kind, text, time.process_time() - start, invalid)
+
+
+def picture(flat: FlatScene) -> int:
+    """Render 8x8 pixels at 1 spp; the number of invalid samples."""
+    film = flat.film.model_copy(update={"size": (SIDE, SIDE), "crop": None})
+    flat = replace(flat, film=film)
+    scene = compile_scene(flat, structure="list")
+    if scene.stats["listed"] > MOST_PRIMITIVES:
+        stride = -(-scene.stats["listed"] // MOST_PRIMITIVES)
+        scene = compile_scene(replace(flat, shapes=flat.shapes[::stride]), structure="list")
+    settings = scene.settings(seed=0, replicates=film.replicates)
+    settings = settings._replace(max_depth=min(settings.max_depth, MOST_EDGES))
+    kernels = make_kernels(scene, compiled=False)
+    tile, one = Tile(0, 0, SIDE, SIDE), np.array([[[0, 1]]], np.int64)
+    partial, _ = render_tile(kernels, scene, settings, tile, one)
+    assert (partial.counts.sum(axis=2) == 1).all(), "samples were lost"
+    fixed_point.carry(partial.sums)
+    assert np.isfinite(fixed_point.to_float(partial.sums)).all()
+    return partial.invalid

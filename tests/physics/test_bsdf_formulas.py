@@ -1,0 +1,80 @@
+"""Values of BSDFs against the formulas of their pages, in float64."""
+
+import numpy as np
+import pytest
+
+from alight.bsdfs.conductor import METALS, Conductor
+from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.phong import SHARPEST, Phong
+from alight.bsdfs.uniform_scatter import UniformScatter
+from tests.sampling.materials import Material, direction, random_numbers, unit_interval
+from tests.sampling.statistics import unit_vectors
+
+COLOR = (0.9, 0.5, 0.1)
+
+
+def upper(seed, n=5000):
+    w = unit_vectors(n, seed)
+    w[2] = np.abs(w[2])
+    return w
+
+
+@pytest.mark.parametrize("sampling", ["cosine", "uniform"])
+def test_diffuse_is_lambert_however_it_is_sampled(sampling):
+    wi = upper(1)
+    f_cos, pdf = Material(Diffuse(reflectance=COLOR, sampling=sampling)).evaluate(upper(2), wi)
+    exact = np.multiply.outer(COLOR, wi[2].astype(float)) / np.pi
+    np.testing.assert_allclose(f_cos, exact, rtol=5e-7)
+    density = wi[2] / np.pi if sampling == "cosine" else np.full(wi.shape[1], 0.5 / np.pi)
+    np.testing.assert_allclose(pdf, density, rtol=5e-7)
+
+
+def test_uniform_scatter_forgets_the_cosine():
+    f_cos, pdf = Material(UniformScatter(reflectance=COLOR)).evaluate(upper(3), upper(4))
+    np.testing.assert_allclose(f_cos, np.outer(COLOR, np.ones(5000)) / (2.0 * np.pi), rtol=5e-7)
+    np.testing.assert_allclose(pdf, 0.5 / np.pi, rtol=5e-7)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 7.5, 300.0, 1e4])
+def test_phong_is_its_formula(exponent):
+    kd, ks = np.array([0.5, 0.2, 0.0]), np.array([0.3, 0.4, 0.9])
+    material = Material(Phong(diffuse=tuple(kd), specular=tuple(ks), exponent=exponent))
+    # Around the mirrored direction, where a sharp lobe has values.
+    wo = upper(5)
+    wi, *_ = material.sample(wo, random_numbers(wo.shape[1], 6))
+    above = wi[2] > 1e-3
+    wo, wi = wo[:, above], wi[:, above]
+    f_cos, _ = material.evaluate(wo, wi)
+    mirrored = wo.astype(float) * np.array([[-1.0], [-1.0], [1.0]])
+    chord2 = np.sum((wi - mirrored) ** 2, axis=0)
+    cosine = 1.0 - 0.5 * chord2
+    lobe = np.where(cosine > 0.0, np.exp(exponent * np.log(np.maximum(cosine, 1e-300))), 0.0)
+    exact = kd[:, None] / np.pi + ks[:, None] * (exponent + 2.0) / (2.0 * np.pi) * lobe
+    # The chord of two float32 vectors, to the power of n.
+    np.testing.assert_allclose(f_cos, exact * wi[2], rtol=1e-5 + 2e-7 * exponent, atol=1e-7)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 3.0, 50.0, 1e4, 1e7, 1e12])
+def test_phong_lobe_seen_from_above_reflects_exactly_its_specular_part(exponent):
+    material = Material(Phong(diffuse=0.0, specular=0.8, exponent=exponent))
+    wi, weight, pdf, _ = material.sample(direction(1.0), unit_interval(20_000))
+    assert np.all(pdf > 0.0)
+    # Each weight is 0.8 (n + 2) / (n + 1) cos theta, of mean 0.8: ratio of two exact moments.
+    n = min(exponent, SHARPEST)
+    exact = 0.8 * (n + 2.0) / (n + 1.0) * wi[2].astype(float)
+    np.testing.assert_allclose(weight[0], exact, rtol=1e-5)
+    spread = np.sqrt((n + 2.0) ** 2 / ((n + 1.0) * (n + 3.0)) - 1.0)
+    assert weight[0].mean() == pytest.approx(0.8, abs=5.0 * 0.8 * spread / np.sqrt(20_000) + 1e-6)
+
+
+@pytest.mark.parametrize("metal", sorted(METALS))
+@pytest.mark.parametrize("cosine", [1.0, 0.5, 0.02])
+def test_metals_reflect_by_fresnel(metal, cosine):
+    _, weight, _, _ = Material(Conductor(metal=metal)).sample(direction(cosine), unit_interval(1))
+    eta, k = (np.array(v) for v in METALS[metal])
+    index = eta + 1j * k
+    cos_t = np.sqrt(1.0 - (1.0 - cosine**2) / index**2)
+    s = (cosine - index * cos_t) / (cosine + index * cos_t)
+    p = (index * cosine - cos_t) / (index * cosine + cos_t)
+    exact = 0.5 * (np.abs(s) ** 2 + np.abs(p) ** 2)
+    np.testing.assert_allclose(weight[:, 0], exact, atol=3e-6)
