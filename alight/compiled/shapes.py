@@ -56,7 +56,7 @@ class CompiledShape(NamedTuple):
     source : int
         Index into `FlatScene.shapes`; the six faces of a cube share one.
     areas : (n,) float64, m^2
-        Of each triangle of a mesh; of the shape itself otherwise; empty for planes.
+        Of each triangle of a mesh that shines; of the shape itself otherwise; empty for planes.
     """
 
     kind: str
@@ -115,7 +115,7 @@ class _Arrays:
         """Append a mesh; attributes that it lacks are filled up if another mesh has them."""
         place = _Range(self.face_count, self.vertex_count, len(mesh.faces))
         self.vertices.append(vertices)
-        self.faces.append(mesh.faces.astype(np.int64) + self.vertex_count)
+        self.faces.append(mesh.faces.astype(np.uint32) + np.uint32(self.vertex_count))
         self.normals.append(_or_zeros(normals, len(vertices), 3))
         self.uvs.append(_or_zeros(mesh.uvs, len(vertices), 2))
         self.colors.append(_or_zeros(mesh.colors, len(vertices), 3))
@@ -238,7 +238,8 @@ class _Compiler:
         # A mirror image reverses the order of the vertices, not the outer side.
         mirrored = bool(np.linalg.det(matrix) < 0.0)
         flags = mesh_flags(mesh, placed.shape.flip_normals != mirrored)
-        areas = triangle_areas(vertices, mesh.faces)
+        # Float64 corners of a big mesh would be the largest array of all.
+        areas = np.zeros(0) if placed.light is None else triangle_areas(vertices, mesh.faces)
         index = self._enter("mesh", source, placed, np.zeros(0, np.float32), flags, areas, place)
         self.info[index][3] = 0
         self._grow(vertices.min(axis=0), vertices.max(axis=0))
@@ -302,7 +303,7 @@ class _Compiler:
         return Triangles(
             _joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
             _joined(
-                [f + start for (_, f, _), start in zip(parts, starts, strict=False)],
+                [f + np.int32(start) for (_, f, _), start in zip(parts, starts, strict=False)],
                 3,
                 np.int32,
                 empty=True,

@@ -27,7 +27,7 @@ from numba.extending import (
 )
 from numba.np.numpy_support import from_dtype
 
-from alight.core.jit import lanes_of_machine
+from alight.core.machine import lanes_of_machine
 from alight.core.vec3 import Vec3
 from alight.core.view import View
 

@@ -15,7 +15,7 @@ import numpy as np
 import alight
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import OptionError, unknown_name
-from alight.core.jit import fingerprint
+from alight.core.machine import fingerprint
 from alight.films import CELL_SIZE, Film
 from alight.integrators.aov import LAYERS
 from alight.rendering.tile import make_kernels, render_tile

@@ -10,9 +10,11 @@ and a row of the table with two 3 x 4 matrices, object to world (0-11) and world
 
 **Error bound**, in units of the machine epsilon, along the normal n: with E = the sum over i of
 \|n_i\| times the largest \|p_i\| of a corner, rounding of p takes 5 E, of the moved origin 2 E, of
-the corners relative to it 1 E. The watertight test finds t from barycentrics; seen edge-on they
-are uncertain by 8 L / (L cos) for a triangle of size L, which shifts t by as much as 16 L along the
-normal. The bound is gamma(16) (E + L). For instances the bound in object space, with the rounding
+the corners relative to it 1 E; gamma(16) E is taken. The watertight test finds t by barycentrics.
+Seen edge-on at the angle of cosine c they are uncertain by the order of 1 / c, which shifts t, for a
+triangle whose edges reach L along an axis, by the order of L / c, so the plane by the order of L:
+2 L where it was measured. gamma(6) L is added.
+For instances the bound in object space, with the rounding
 of the transformed ray, sum \|n_i\| (sum \|W_ij p_j\| + \|W_i4\|), is taken to world space by
 1 / \|W^T n\|.
 
@@ -190,7 +192,7 @@ EXAMPLES = (
 
 STRIDE = 24
 
-_GAMMA_16 = gamma(16)
+_GAMMA_6, _GAMMA_16 = gamma(6), gamma(16)
 
 
 @kernel
@@ -223,7 +225,7 @@ def triangle_error(v0, v1, v2, n):
     a0, a1, a2 = absolute_vec3(v0), absolute_vec3(v1), absolute_vec3(v2)
     extent = larger(absolute_vec3(v1 - v0), absolute_vec3(v2 - v0))
     reach = dot(absolute_vec3(n), larger(a0, larger(a1, a2)))
-    return _GAMMA_16 * (reach + max_component(extent))
+    return _GAMMA_16 * reach + _GAMMA_6 * max_component(extent)
 
 
 @kernel(strict=True)

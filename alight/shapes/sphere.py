@@ -38,7 +38,6 @@ for Direct Lighting Calculations, for sampling the cone.
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -126,8 +125,8 @@ def pack(spec: Sphere, matrix: np.ndarray) -> np.ndarray:
 def ellipsoid_area(matrix: np.ndarray) -> float:
     r"""Area of the image of the unit sphere under a 3 x 3 matrix, m^2.
 
-    With half axes a, b, c it is :math:`4 \pi R_G(a^2 b^2, a^2 c^2, b^2 c^2)`, because R_G is the mean
-    of the stretch :math:`|\det A| \, |A^{-T} q|` over the unit sphere.
+    With half axes a, b, c it is :math:`4 \pi R_G(a^2 b^2, a^2 c^2, b^2 c^2)`: R_G is the mean of
+    the stretch :math:`|\det A| \, |A^{-T} q|` over the unit sphere.
 
     Notes
     -----

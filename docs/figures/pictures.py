@@ -27,9 +27,7 @@ def save_beside(name: str, *images: np.ndarray, gap: int = 8) -> None:
 def icosphere(levels: int) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (n, 3) on the unit sphere and faces (20 * 4^levels, 3), counter-clockwise."""
     golden = (1 + 5**0.5) / 2
-    corners = [
-        (sign_a * 1.0, sign_b * golden, 0.0) for sign_a in (-1, 1) for sign_b in (-1, 1)
-    ]
+    corners = [(sign_a * 1.0, sign_b * golden, 0.0) for sign_a in (-1, 1) for sign_b in (-1, 1)]
     vertices = np.array([np.roll(corner, turn) for turn in range(3) for corner in corners])
     edge = 2.0 + 1e-6
     faces = []

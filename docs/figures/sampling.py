@@ -23,7 +23,9 @@ nodes:
     shape: cube
     bsdf: grey
     transform:
-      [{{scale: [0.5, 0.9, 0.5]}}, {{rotate: {{axis: y, angle: 25}}}}, {{translate: [-0.9, 0.9, 0]}}]
+      - {{scale: [0.5, 0.9, 0.5]}}
+      - {{rotate: {{axis: y, angle: 25}}}}
+      - {{translate: [-0.9, 0.9, 0]}}
 """
 
 

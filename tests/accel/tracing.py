@@ -137,7 +137,72 @@ def soup_rays(seed, triangles, n):
     return origins.astype(np.float32), directions.astype(np.float32)
 
 
-@numba.njit(cache=False)
+@numba.njit
+def _dot(p, q):
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+
+
+@numba.njit
+def _minus(p, q):
+    return (p[0] - q[0], p[1] - q[1], p[2] - q[2])
+
+
+@numba.njit
+def _cross(p, q):
+    return (
+        p[1] * q[2] - p[2] * q[1],
+        p[2] * q[0] - p[0] * q[2],
+        p[0] * q[1] - p[1] * q[0],
+    )
+
+
+@numba.njit
+def _largest(p):
+    return max(abs(p[0]), abs(p[1]), abs(p[2]))
+
+
+@numba.njit
+def _across(p, d):
+    """The part of p at right angles to the unit vector d."""
+    s = _dot(p, d)
+    return (p[0] - s * d[0], p[1] - s * d[1], p[2] - s * d[2])
+
+
+@numba.njit
+def _line_to_segment(d, p, q):
+    """Distance of the line s d (|d| = 1) from the segment p q, and s of the nearest point."""
+    e = _minus(q, p)
+    # Seen along the line all is flat: the distance of the origin from the projected segment.
+    p_flat, e_flat = _across(p, d), _across(e, d)
+    ee = _dot(e_flat, e_flat)
+    x = min(1.0, max(0.0, -_dot(p_flat, e_flat) / ee)) if ee > 0.0 else 0.0
+    gap = (p_flat[0] + x * e_flat[0], p_flat[1] + x * e_flat[1], p_flat[2] + x * e_flat[2])
+    return np.sqrt(_dot(gap, gap)), _dot(p, d) + x * _dot(e, d)
+
+
+@numba.njit
+def _meet(a, b, c, d, margin):
+    """One triangle relative to the origin: (2 hit, 1 doubtful, 0 missed; t; least t)."""
+    gap_ab, t_ab = _line_to_segment(d, a, b)
+    gap_bc, t_bc = _line_to_segment(d, b, c)
+    gap_ca, t_ca = _line_to_segment(d, c, a)
+    edge = min(gap_ab, gap_bc, gap_ca)
+    normal = _cross(_minus(b, a), _minus(c, a))
+    along = _dot(normal, d)
+    inside, t = False, t_ab
+    if along != 0.0:
+        u, v = _dot(_cross(b, c), d) / along, _dot(_cross(c, a), d) / along
+        inside = u >= 0.0 and v >= 0.0 and u + v <= 1.0
+        t = _dot(normal, a) / along
+    steep = abs(along) > 1e-2 * np.sqrt(_dot(normal, normal))
+    if inside and edge > margin and steep and abs(t) > margin:
+        return 2, t, t
+    if inside or edge <= margin:
+        return 1, t, min(_dot(a, d), _dot(b, d), _dot(c, d)) - margin
+    return 0, t, t
+
+
+@numba.njit
 def float64_oracle(corners, origins, directions):
     """What a ray meets, in float64, with the doubtful cases known.
 
@@ -148,55 +213,27 @@ def float64_oracle(corners, origins, directions):
     n = len(origins)
     sure, t_sure, t_other = np.full(n, -1), np.full(n, np.inf), np.full(n, np.inf)
     for r in range(n):
-        o, d = origins[r], directions[r]
+        o = (origins[r, 0], origins[r, 1], origins[r, 2])
+        length = np.sqrt((directions[r] ** 2).sum())
+        d = (directions[r, 0] / length, directions[r, 1] / length, directions[r, 2] / length)
         for k in range(len(corners)):
-            a, b, c = corners[k, 0] - o, corners[k, 1] - o, corners[k, 2] - o
-            scale = max(np.abs(a).max(), np.abs(b).max(), np.abs(c).max(), np.abs(o).max())
-            normal = np.cross(b - a, c - a)
-            along = np.dot(normal, d)
-            edge = np.inf
-            nearest = np.inf
-            for p, q in ((a, b), (b, c), (c, a)):
-                gap, s = _line_to_segment(d, p, q)
-                if gap < edge:
-                    edge, nearest = gap, s
-            inside = False
-            t = nearest
-            if along != 0.0:
-                u = np.dot(np.cross(c, b), d) / along
-                v = np.dot(np.cross(a, c), d) / along
-                inside = u >= 0.0 and v >= 0.0 and 1.0 - u - v >= 0.0
-                t = np.dot(normal, a) / along
-            steep = abs(along) > 1e-2 * np.sqrt(np.dot(normal, normal))
-            margin = 1e-4 * scale
-            if inside and edge > margin and steep and abs(t) > margin:
-                if t > 0.0:
-                    if t < t_sure[r]:
-                        t_other[r] = min(t_other[r], t_sure[r])
-                        sure[r], t_sure[r] = k, t
-                    else:
-                        t_other[r] = min(t_other[r], t)
-            elif inside or edge <= margin:
-                low = min(t, nearest) - 100.0 * margin
-                if max(t, nearest) > -margin:
-                    t_other[r] = min(t_other[r], low)
+            a = _minus((corners[k, 0, 0], corners[k, 0, 1], corners[k, 0, 2]), o)
+            b = _minus((corners[k, 1, 0], corners[k, 1, 1], corners[k, 1, 2]), o)
+            c = _minus((corners[k, 2, 0], corners[k, 2, 1], corners[k, 2, 2]), o)
+            margin = 1e-4 * max(_largest(a), _largest(b), _largest(c), _largest(o))
+            flat = _across(a, d)
+            radius = margin + 2.0 * max(_largest(_minus(b, a)), _largest(_minus(c, a)))
+            if _dot(flat, flat) > radius * radius:
+                continue
+            kind, t, low = _meet(a, b, c, d, margin)
+            if kind == 2 and t > 0.0 and t < t_sure[r]:
+                t_other[r] = min(t_other[r], t_sure[r])
+                sure[r], t_sure[r] = k, t
+            elif kind == 2 and t > 0.0:
+                t_other[r] = min(t_other[r], t)
+            elif kind == 1 and max(_dot(a, d), _dot(b, d), _dot(c, d)) > -margin:
+                t_other[r] = min(t_other[r], low)
     return sure, t_sure, t_other
-
-
-@numba.njit(cache=False)
-def _line_to_segment(d, p, q):
-    """Distance of the line s d (|d| about 1) from the segment p q, and s of the nearest point."""
-    e = q - p
-    # Across the line all is flat: the distance of the origin from the projected segment.
-    dd = np.dot(d, d)
-    p_flat = p - d * (np.dot(p, d) / dd)
-    e_flat = e - d * (np.dot(e, d) / dd)
-    ee = np.dot(e_flat, e_flat)
-    x = 0.0
-    if ee > 0.0:
-        x = min(1.0, max(0.0, -np.dot(p_flat, e_flat) / ee))
-    gap = p_flat + x * e_flat
-    return np.sqrt(np.dot(gap, gap)), np.dot(p + x * e, d) / dd
 
 
 def mismatches(triangles, origins, directions, t, which):
@@ -215,10 +252,12 @@ def mismatches(triangles, origins, directions, t, which):
     sure, t_sure, t_other = float64_oracle(
         corners, origins.astype(np.float64), directions.astype(np.float64)
     )
+    t_sure[sure < 0] = 1e30
     decided = (sure >= 0) & (t_sure * (1 + 1e-6) < t_other)
     empty = (sure < 0) & np.isinf(t_other)
     wrong = decided & (which != sure)
-    wrong |= decided & (np.abs(t - t_sure) > 1e-3 * (np.abs(origins).max() + t_sure))
+    found = np.where(np.isfinite(t), t, -1e30)
+    wrong[decided] |= (np.abs(found - t_sure) > 1e-3 * (np.abs(origins).max() + t_sure))[decided]
     wrong |= empty & (which >= 0)
     return int(wrong.sum()), int((decided | empty).sum())
 

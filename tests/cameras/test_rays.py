@@ -215,6 +215,6 @@ def test_compiled_rays_are_the_twins(camera):
 
 
 def compiled_lanes():
-    from alight.core.jit import lanes_of_machine
+    from alight.core.machine import lanes_of_machine
 
     return lanes_of_machine()

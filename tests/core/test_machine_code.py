@@ -42,6 +42,6 @@ def test_no_reference_counting(machine_code):
 
 
 def test_the_kernel_works_on_whole_packets(machine_code):
-    from alight.core.jit import lanes_of_machine
+    from alight.core.machine import lanes_of_machine
 
     assert f"<{lanes_of_machine()} x float>" in machine_code

@@ -8,7 +8,8 @@ import pytest
 from scipy import integrate, stats
 
 from alight.compiled.program import Program
-from alight.core.jit import instantiate, kernel, lanes_of_machine
+from alight.core.jit import instantiate, kernel
+from alight.core.machine import lanes_of_machine
 from alight.core.simd import LANES, load_lanes, store_lanes
 from alight.core.view import View
 from alight.filters import MODELS

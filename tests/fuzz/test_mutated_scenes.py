@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import multiprocessing
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,12 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.fuzz.in_the_twin import Outcome, serve
-
-_SPEC = importlib.util.spec_from_file_location(
-    "mutate", Path(__file__).parents[1] / "scene" / "mutate.py"
-)
-mutate = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(mutate)
+from tests.scene.mutate import mutations
 
 #: Processor time that one scene may take; the slowest takes less than a tenth of it.
 MOST_SECONDS = 10.0
@@ -57,7 +51,7 @@ def outcomes(cases, folder: Path) -> Iterator[Outcome]:
 
 def check(seed: int, n: int, folder: Path) -> None:
     """Render `n` mutated scenes; all that went wrong is told at once."""
-    cases = list(mutate.mutations(seed, n))
+    cases = list(mutations(seed, n))
     results = list(outcomes(cases, folder))
     wrong = [
         f"case {i} of seed {seed}: {r.kind}, {r.seconds:.1f} s: {r.text[:300]}"

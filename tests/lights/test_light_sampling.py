@@ -282,7 +282,7 @@ def test_inside_of_a_flipped_sphere_is_all_around():
 @pytest.mark.parametrize("name", [*SHAPES, "cube"])
 def test_area_is_that_of_the_image(name, placement):
     shape = {**SHAPES, "cube": Cube()}[name]
-    area = sum(row.areas.sum() for row in World((shape, placement)).shapes.rows)
+    area = sum(row.areas.sum() for row in World((shape, placement, Area())).shapes.rows)
     linear, rng = placement[:3, :3], np.random.default_rng(4)
     if name == "sphere":
         q = directions(400_000, rng)

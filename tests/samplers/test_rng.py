@@ -147,7 +147,7 @@ def all_words(inputs, out):
 
 def test_compiled_words_are_the_twins():
     """Machine code and NumPy give the same bits for words from the whole range of u32."""
-    from alight.core.jit import lanes_of_machine
+    from alight.core.machine import lanes_of_machine
 
     n, lanes = 4096, lanes_of_machine()
     inputs = np.random.default_rng(3).integers(0, 2**32, (6, n)).astype(np.uint32)

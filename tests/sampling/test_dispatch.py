@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from alight.bsdfs import MODELS
+from alight.bsdfs.conductor import Conductor
 from alight.bsdfs.diffuse import UNIFORM, Diffuse
 from alight.bsdfs.dispatch import STRIDE, albedo_bsdf, evaluate_bsdf, sample_bsdf
 from alight.bsdfs.phong import Phong
@@ -138,6 +139,14 @@ def test_the_back_of_a_two_sided_surface_looks_like_its_front(inner):
     np.testing.assert_array_equal(wi, expected[0] * to_front)
     for seen, wanted in zip((weight, pdf, flags), expected[1:], strict=True):
         np.testing.assert_array_equal(seen, wanted)
+
+
+def test_albedo_is_the_reflected_part_of_the_light():
+    specs = (Diffuse(reflectance=0.3), Phong(diffuse=0.5, specular=0.2), Conductor(eta=1.5, k=0.0))
+    ids = (np.arange(N) % 3).astype(np.uint32)
+    albedo = scatter(specs, ids, False)[11:14]
+    for i, expected in enumerate((0.3, 0.7, 0.04)):
+        np.testing.assert_allclose(albedo[:, ids == i], expected, rtol=1e-6)
 
 
 # ---------------------------------------------------------------- tables

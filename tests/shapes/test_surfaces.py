@@ -171,7 +171,7 @@ def test_instances_look_like_copies():
         o, d = rng.uniform(-2, 2, (3, N)), directions(N, rng)
         hit, expected, found = copy.surface(o, d)
         same = hit._replace(shape=np.full(N, index, np.uint32))
-        got = surface_of(shared, same, o, d, found)
+        got = shared.surface_at(same, o, d, found)
         for name, value in select(expected, found).__dict__.items():
             if name[0] != "_" and name not in ("shape", "error"):
                 np.testing.assert_allclose(
@@ -179,17 +179,6 @@ def test_instances_look_like_copies():
                 )
         ratio = got.error[found] / expected.error[found]
         assert np.all((ratio > 0.5) & (ratio < 20.0))
-
-
-def surface_of(world, hit, o, d, found):
-    """`make_surface` for given hits."""
-    from alight.core.jit import instantiate
-    from alight.shapes.surfaces import make_surface
-    from tests.shapes.tracing import PROGRAM, finite, vec
-
-    make = instantiate(make_surface, PROGRAM, compiled=False)
-    with np.errstate(all="ignore"):
-        return make(world.scene, finite(hit), vec(o), vec(d), found)
 
 
 def test_compiled_surfaces_are_those_of_numpy():

@@ -105,9 +105,13 @@ class World:
         """Hits and surfaces of rays (3, n), in NumPy."""
         hit = self.trace(o, d, t_max)
         found = np.isfinite(hit.t)
+        return hit, self.surface_at(hit, o, d, found), found
+
+    def surface_at(self, hit, o, d, found):
+        """The surfaces of given hits."""
         make = instantiate(make_surface, PROGRAM, compiled=False)
         with np.errstate(all="ignore"):
-            return hit, make(self.scene, finite(hit), vec(o), vec(d), found), found
+            return make(self.scene, finite(hit), vec(o), vec(d), found)
 
 
 def vec(rows):

@@ -15,7 +15,9 @@ def _lines(path):
 
 
 def test_no_file_is_longer_than_500_lines():
-    too_long = [f"{place(path)}: {_lines(path)}" for path in all_files() if _lines(path) > LONGEST_FILE]
+    too_long = [
+        f"{place(path)}: {_lines(path)}" for path in all_files() if _lines(path) > LONGEST_FILE
+    ]
     assert not too_long, f"more than {LONGEST_FILE} lines: {too_long}"
 
 

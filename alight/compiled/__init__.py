@@ -1,0 +1,1 @@
+"""From flat scenes to the arrays that kernels read."""

@@ -1,0 +1,56 @@
+"""What decides the bits of compiled code: the processor, the packet width, and all sources."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+from functools import lru_cache
+from pathlib import Path
+
+
+def lanes_of_machine() -> int:
+    """Packet width: 16 with AVX-512, else 8; the environment variable ALIGHT_LANES overrides."""
+    asked = os.environ.get("ALIGHT_LANES")
+    if asked is not None:
+        if asked not in ("1", "4", "8", "16"):
+            raise ValueError(f"ALIGHT_LANES must be 1, 4, 8 or 16, got {asked!r}")
+        return int(asked)
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features()
+    return 16 if features.get("avx512f") and features.get("avx512vl") else 8
+
+
+@lru_cache(maxsize=1)
+def fingerprint() -> str:
+    """Names everything that decides the bits of a picture: sources, compiler, processor, lanes."""
+    import llvmlite
+    import llvmlite.binding as llvm
+    import numba
+    import numpy as np
+
+    h = hashlib.sha256()
+    package = Path(__file__).resolve().parent.parent
+    for path in sorted(package.rglob("*.py")):
+        h.update(str(path.relative_to(package)).encode())
+        h.update(path.read_bytes())
+    features = llvm.get_host_cpu_features().flatten()
+    parts = [numba.__version__, llvmlite.__version__, np.__version__, platform.python_version(),
+             llvm.get_host_cpu_name(), features, str(lanes_of_machine()),
+             os.environ.get("NUMBA_CPU_NAME", ""), os.environ.get("NUMBA_CPU_FEATURES", "")]
+    h.update("|".join(parts).encode())
+    return h.hexdigest()[:20]
+
+
+def cache_folder() -> Path:
+    """Where compiled kernels are kept: a folder named by the fingerprint.
+
+    Numba's own cache looks only at the file of the outermost function; a callee changed in
+    another file would go unseen. The folder changes with any source file of the package.
+    """
+    base = os.environ.get("ALIGHT_CACHE")
+    if base is None:
+        base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+        base = os.path.join(base, "alight")
+    return Path(base) / fingerprint()

@@ -1,0 +1,82 @@
+"""The build: the same tree for any number of threads, bounded depth, nothing lost."""
+
+import numpy as np
+import pytest
+
+from alight.accel import batch
+from alight.accel.layout import BLOCK, CHILD, COUNT, IDS, LEAF, MAX_DEPTH, NODE, STACK, WIDTH
+from tests.accel.tracing import icosphere, torus
+
+
+def indices_in_leaves(bvh):
+    """Triangle indices of all leaves reached from the root, and the number of levels."""
+    nodes = bvh.nodes.array.reshape(-1, NODE)
+    children = nodes.view(np.uint32)[:, CHILD:COUNT]
+    ids = bvh.blocks.array.view(np.uint32).reshape(-1, BLOCK)[:, IDS : IDS + WIDTH]
+    found, level, depth = [], np.array([0]), 0
+    while len(level):
+        depth += 1
+        there = nodes[level][:, :8] <= nodes[level][:, 24:32]
+        codes = children[level][there].astype(np.int64)
+        leaves = codes[codes >= LEAF] - LEAF
+        for block, count in zip(leaves >> 4, leaves & 15, strict=True):
+            found.append(np.unique(ids[block : block + count]))
+        level = codes[codes < LEAF]
+    return np.concatenate(found), depth
+
+
+def assert_complete(bvh, stats, n):
+    found, depth = indices_in_leaves(bvh)
+    assert np.array_equal(np.sort(found), np.arange(n))
+    assert depth == stats["depth"] <= MAX_DEPTH
+    assert 7 * depth + 1 <= STACK
+
+
+@pytest.mark.parametrize("method", ["sah", "median"])
+def test_every_triangle_is_in_exactly_one_leaf(method):
+    for vertices, faces in (icosphere(0), icosphere(3), torus(200, 100)):
+        bvh, stats = batch.build(vertices, faces, method=method)
+        assert_complete(bvh, stats, len(faces))
+
+
+def test_the_tree_does_not_depend_on_the_number_of_threads():
+    vertices, faces = torus(500, 120, 0.1)
+    trees = [batch.build(vertices, faces, threads=threads)[0] for threads in (1, 2, 3)]
+    for tree in trees[1:]:
+        assert np.array_equal(tree.nodes.array.view(np.uint32), trees[0].nodes.array.view(np.uint32))
+        assert np.array_equal(
+            tree.blocks.array.view(np.uint32), trees[0].blocks.array.view(np.uint32)
+        )
+
+
+def hard_cases():
+    rng = np.random.default_rng(1)
+    n = 20_000
+    small = 1e-3 * rng.normal(size=(n, 3, 3))
+    yield "the same triangle", np.tile(rng.normal(size=(1, 3, 3)), (n, 1, 1))
+    yield "the same centre", small - small.mean(axis=1, keepdims=True)
+    yield "points", np.tile(rng.normal(size=(n, 1, 3)), (1, 3, 1))
+    yield "on a line", small * [1, 0, 0] + np.linspace(0, 1, n)[:, None, None] * [1, 0, 0]
+    # Each is a thousandth of the one before: every split takes off very few.
+    powers = np.float64(10.0) ** -np.linspace(0, 36, 400)
+    yield "a geometric series", powers[:, None, None] * (np.eye(3) + 1.0)
+    yield "huge ones", np.where(rng.random((n, 1, 1)) < 0.01, 1e30, 1.0) * small
+
+
+@pytest.mark.parametrize(("name", "corners"), list(hard_cases()), ids=[c[0] for c in hard_cases()])
+@pytest.mark.parametrize("method", ["sah", "median"])
+def test_hard_cases_give_a_complete_tree_of_bounded_depth(name, corners, method):
+    vertices = corners.reshape(-1, 3).astype(np.float32)
+    faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
+    bvh, stats = batch.build(vertices, faces, method=method, threads=2)
+    assert_complete(bvh, stats, len(faces))
+    o = np.random.default_rng(2).normal(size=(1000, 3)).astype(np.float32)
+    batch.intersect_batch(bvh, o, -o)
+
+
+def test_sah_costs_less_than_the_median():
+    from alight.accel.forest import sah_cost
+
+    vertices, faces = torus(300, 100, 0.15)
+    costs = [sah_cost(batch.build(vertices, faces, method=m)[0]) for m in ("sah", "median")]
+    assert costs[0] < costs[1]
