@@ -6,26 +6,20 @@ from collections import namedtuple
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import compile_camera
 from alight.compiled.lights import compile_lights
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.compiled.shapes import compile_shapes
-from alight.filters.importance import compile_filter
-from alight.integrators.walk import Settings
 from alight.core.spec import Integrator
+from alight.filters.importance import compile_filter
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.samplers.sampling import sampler_key
 from alight.scene.flatten import FlatScene
 
 #: The tables that kernels are given; each is a namedtuple of `View`.
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
-
-#: Depth of paths that only roulette ends.
-UNLIMITED = 2**31 - 1
 
 
 @dataclass(frozen=True)
@@ -44,6 +38,8 @@ class CompiledScene:
         x, y, width, height of the window to render.
     content_hash : str
         Names everything that decides the picture.
+    integrator : Integrator
+        Description, for its numbers.
     stats : dict
         Counts, bytes and seconds of the acceleration structure.
     """
@@ -53,22 +49,9 @@ class CompiledScene:
     size: tuple[int, int]
     crop: tuple[int, int, int, int] | None
     content_hash: str
-    integrator: Any
+    integrator: Integrator
     stats: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-
-    def settings(self, *, seed: int, replicates: int) -> Settings:
-        """The uniform numbers of a render."""
-        options = dict(self.integrator)
-        depth = options.get("max_depth")
-        return Settings(
-            max_depth=UNLIMITED if depth is None else depth,
-            rr_depth=options.get("rr_depth", UNLIMITED),
-            seed=seed,
-            replicates=replicates,
-            distance=np.float32(options.get("distance") or np.inf),
-            layer=0,
-        )
 
 
 def compile_scene(
@@ -95,8 +78,13 @@ def compile_scene(
     """
     shapes = compile_shapes(flat)
     accel, plan, stats = build_accelerator(
-        shapes.triangles, shapes.analytic, shapes.planes, shapes.instances, shapes.geometries,
-        structure=structure, threads=threads,
+        shapes.triangles,
+        shapes.analytic,
+        shapes.planes,
+        shapes.instances,
+        shapes.geometries,
+        structure=structure,
+        threads=threads,
     )
     materials, bsdfs, textures = compile_materials(flat.bsdfs)
     light_choice = getattr(flat.integrator, "light_choice", "power")

@@ -38,13 +38,12 @@ class Float32Constants(FunctionPass):
     def __init__(self):
         super().__init__()
 
-    def run_pass(self, state):
+    def run_pass(self, state):  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Replace the constants of one function."""
         for block in state.func_ir.blocks.values():
             for statement in block.body:
                 value = getattr(statement, "value", None)
-                constant = isinstance(
-                    value, (numba_ir.Const, numba_ir.Global, numba_ir.FreeVar)
-                )
+                constant = isinstance(value, (numba_ir.Const, numba_ir.Global, numba_ir.FreeVar))
                 if constant and type(value.value) is float:
                     value.value = np.float32(value.value)
         return True
@@ -61,6 +60,7 @@ class KernelCompiler(CompilerBase):
     lowering = NativeLowering
 
     def define_pipelines(self):
+        """The passes in order."""
         pipeline = PassManager("alight")
         for step in (
             TranslateByteCode,
@@ -86,6 +86,7 @@ class LowerForLinking(NativeLowering):
     _name = "alight_lower_for_linking"
 
     def run_pass(self, state):
+        """Lower one function."""
         state.flags.no_compile = True
         super().run_pass(state)
         # The dispatcher insists on an entry point of its own, a built-in callable, to tell its
@@ -105,7 +106,7 @@ class InnerCompiler(KernelCompiler):
 
 def jit(function, *, fast_math, root):
     """A Numba dispatcher; only root kernels are callable from Python and cached on disk."""
-    return njit(
+    return njit(  # pyright: ignore[reportCallIssue]
         function,
         nogil=True,
         fastmath=fast_math,

@@ -12,7 +12,6 @@ from numba.extending import intrinsic
 
 from alight.core import simd
 from alight.core.lane_types import (
-    F32,
     FLOATS,
     I1,
     I8,
@@ -26,15 +25,12 @@ from alight.core.lane_types import (
     N,
     Uints,
     Vec3Type,
-    ViewType,
     call,
     convert,
     emit,
     f32,
     is_number,
-    make_vec3,
     pointer_of,
-
     splat,
     suffix,
     widest,
@@ -70,23 +66,17 @@ def _arithmetic(primitive, arity, make):
     def result_of(*kinds):
         return widest(kinds) or f32
 
-    if arity == 1:
+    # Numba reads the number of arguments off the function.
+    def of_one(typing, x):
+        return result_of(x)(x), codegen
 
-        @intrinsic
-        def stand_in(typing, x):
-            return result_of(x)(x), codegen
-    elif arity == 2:
+    def of_two(typing, x, y):
+        return result_of(x, y)(x, y), codegen
 
-        @intrinsic
-        def stand_in(typing, x, y):
-            return result_of(x, y)(x, y), codegen
-    else:
+    def of_three(typing, x, y, z):
+        return result_of(x, y, z)(x, y, z), codegen
 
-        @intrinsic
-        def stand_in(typing, x, y, z):
-            return result_of(x, y, z)(x, y, z), codegen
-
-    PRIMITIVES[primitive] = stand_in
+    PRIMITIVES[primitive] = intrinsic({1: of_one, 2: of_two, 3: of_three}[arity])
 
 
 def _llvm(name):
@@ -112,7 +102,9 @@ def _rsqrt_lanes(builder, x):
         y = call(builder, f"llvm.x86.avx512.rsqrt14.ps.{bits}", x.type, [x, x, mask])
         half = builder.fmul(x, ir.Constant(x.type, [-0.5] * n))
         correction = call(
-            builder, f"llvm.fma.{suffix(x.type)}", x.type,
+            builder,
+            f"llvm.fma.{suffix(x.type)}",
+            x.type,
             [builder.fmul(half, y), y, ir.Constant(x.type, [1.5] * n)],
         )
         return builder.fmul(y, correction)
@@ -164,7 +156,11 @@ def _where(typing, mask, a, b):
             elif isinstance(kind, Vec3Type) and isinstance(kind.component, LaneType):
                 condition = splat(builder, condition, kind.component.n)
         return emit(
-            context, builder, sig.args[1:], args[1:], kind,
+            context,
+            builder,
+            sig.args[1:],
+            args[1:],
+            kind,
             lambda b, x, y: b.select(condition, x, y),
         )
 
@@ -338,8 +334,14 @@ def _minimum_u32(typing, a, b):
     kind = widest((a, b))
 
     def codegen(context, builder, sig, args):
-        return emit(context, builder, sig.args, args, kind, lambda bl, x, y: bl.select(
-            bl.icmp_unsigned("<", x, y), x, y))
+        return emit(
+            context,
+            builder,
+            sig.args,
+            args,
+            kind,
+            lambda bl, x, y: bl.select(bl.icmp_unsigned("<", x, y), x, y),
+        )
 
     return kind(a, b), codegen
 
@@ -389,8 +391,10 @@ def _gather(typing, view, index):
         n, vector = index.n, result.vector
         x86 = {16: "llvm.x86.avx512.mask.gather.dps.512", 8: "llvm.x86.avx512.mask.gather3siv8.sf"}
         if result.llvm == I32:
-            x86 = {16: "llvm.x86.avx512.mask.gather.dpi.512",
-                   8: "llvm.x86.avx512.mask.gather3siv8.si"}
+            x86 = {
+                16: "llvm.x86.avx512.mask.gather.dpi.512",
+                8: "llvm.x86.avx512.mask.gather3siv8.si",
+            }
         if n in x86 and N == 16 and _HAS_AVX512:
             zero = ir.Constant(vector, [0] * n)
             ones = ir.Constant(ir.VectorType(I1, n), [1] * n)

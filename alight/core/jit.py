@@ -13,14 +13,19 @@ from __future__ import annotations
 
 import hashlib
 import types
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from alight.core.machine import cache_folder
 
 #: Fast-math of shading code. Never nnan or ninf: NaN must be seen, infinity is used as "no hit".
 FAST_MATH = frozenset({"contract", "reassoc", "arcp", "nsz", "afn"})
+
+
+#: Attributes that mark a function as kernel text, and as strict.
+_KERNEL, _STRICT = "__alight_kernel__", "__alight_strict__"
 
 
 def kernel(function: Callable | None = None, *, strict: bool = False) -> Callable:
@@ -34,8 +39,8 @@ def kernel(function: Callable | None = None, *, strict: bool = False) -> Callabl
     """
     if function is None:
         return lambda f: kernel(f, strict=strict)
-    function.__alight_kernel__ = True
-    function.__alight_strict__ = strict
+    setattr(function, _KERNEL, True)
+    setattr(function, _STRICT, strict)
     return function
 
 
@@ -58,7 +63,7 @@ def specialised(factory: Callable[[Any], Callable]) -> Specialised:
 
 def is_kernel(value: Any) -> bool:
     """True for functions marked with `kernel`."""
-    return isinstance(value, types.FunctionType) and hasattr(value, "__alight_kernel__")
+    return isinstance(value, types.FunctionType) and hasattr(value, _KERNEL)
 
 
 def instantiate(root: Callable, program: Hashable = None, *, compiled: bool = True) -> Callable:
@@ -76,17 +81,22 @@ def instantiate(root: Callable, program: Hashable = None, *, compiled: bool = Tr
     return (_CompiledBuild if compiled else _PythonBuild)(program).get(root)
 
 
-class _Build:
+class _Build(ABC):
     """One walk over the call graph; the subclasses say what a node becomes."""
+
+    @abstractmethod
+    def make(self, node: Callable, strict: bool) -> Any:
+        """What a kernel becomes."""
 
     def __init__(self, program: Hashable):
         self.program = program
         self.done: dict[tuple, Any] = {}
 
     def get(self, node: Any, strict: bool = False) -> Any:
+        """The kernel `node` for this program, made once."""
         if isinstance(node, Specialised):
             node = self.text_of(node)
-        strict = strict or node.__alight_strict__
+        strict = strict or getattr(node, _STRICT)
         key = (node, strict)
         if key not in self.done:
             self.done[key] = self.make(node, strict)
@@ -137,12 +147,12 @@ class _CompiledBuild(_Build):
         root = not self.done
         if root:
             self.done[None] = None
-            return self.make(self.text_of(node) if isinstance(node, Specialised) else node,
-                             strict, root=True)
+            text = self.text_of(node) if isinstance(node, Specialised) else node
+            return self.make(text, strict, root=True)
         return super().get(node, strict)
 
     def make(self, node: Callable, strict: bool, root: bool = False) -> Any:
-        strict = strict or node.__alight_strict__
+        strict = strict or getattr(node, _STRICT)
         shared = not depends_on_program(node)
         if shared and (node, strict, root) in _SHARED:
             return _SHARED[node, strict, root]
@@ -173,7 +183,7 @@ def _write(node: Specialised, program: Hashable) -> Callable:
     return text
 
 
-@lru_cache(maxsize=None)
+@cache
 def depends_on_program(node: Any) -> bool:
     """True if a factory is reachable from the kernel `node`."""
     if isinstance(node, Specialised):
@@ -182,9 +192,7 @@ def depends_on_program(node: Any) -> bool:
         return False
     used = [node.__globals__.get(name) for name in _names(node.__code__)]
     used += [cell.cell_contents for cell in node.__closure__ or ()]
-    return any(
-        depends_on_program(v) for v in used if isinstance(v, Specialised) or is_kernel(v)
-    )
+    return any(depends_on_program(v) for v in used if isinstance(v, Specialised) or is_kernel(v))
 
 
 def _names(code: types.CodeType) -> set[str]:
@@ -207,9 +215,9 @@ def digest(program: Hashable) -> str:
 @lru_cache(maxsize=1)
 def load_compiler():
     """Import Numba and our compiler, with the disk cache pointed at this version's own folder."""
-    import numba
+    from numba.core import config
 
-    numba.config.CACHE_DIR = str(cache_folder())
+    config.CACHE_DIR = str(cache_folder())  # pyright: ignore[reportAttributeAccessIssue]
     from alight.core import compiler
 
     return compiler

@@ -48,6 +48,7 @@ class LaneType(types.Type):
 
     @property
     def vector(self) -> ir.VectorType:
+        """The LLVM type."""
         return ir.VectorType(self.llvm, self.n)
 
 
@@ -141,6 +142,7 @@ def scalar(context, builder, value, source, target):
 
 
 def make_vec3(context, builder, kind, parts):
+    """A Vec3 of type `kind` from its three components."""
     struct = cgutils.create_struct_proxy(kind)(context, builder)
     for name, part in zip("xyz", parts, strict=True):
         setattr(struct, name, part)
@@ -148,6 +150,7 @@ def make_vec3(context, builder, kind, parts):
 
 
 def is_number(kind) -> bool:
+    """True for Numba's scalar types."""
     return isinstance(kind, (types.Number, types.Boolean))
 
 
@@ -168,14 +171,10 @@ def widest(kinds):
 
 def emit(context, builder, kinds, values, target, make):
     """Lift all values to `target` and apply ``make(builder, *values)`` to each component."""
-    lifted = [
-        convert(context, builder, v, k, target) for v, k in zip(values, kinds, strict=True)
-    ]
+    lifted = [convert(context, builder, v, k, target) for v, k in zip(values, kinds, strict=True)]
     if not isinstance(target, Vec3Type):
         return make(builder, *lifted)
-    parts = [
-        make(builder, *(builder.extract_value(v, i) for v in lifted)) for i in range(3)
-    ]
+    parts = [make(builder, *(builder.extract_value(v, i) for v in lifted)) for i in range(3)]
     return make_vec3(context, builder, target, parts)
 
 
@@ -326,8 +325,9 @@ def _unbox_vec3(kind, value, c):
         setattr(struct, name, c.builder.fptrunc(double, F32))
         c.pyapi.decref(number)
         c.pyapi.decref(part)
-    return NativeValue(struct._getvalue(), is_error=cgutils.is_not_null(
-        c.builder, c.pyapi.err_occurred()))
+    return NativeValue(
+        struct._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred())
+    )
 
 
 class ViewType(types.Type):

@@ -36,9 +36,17 @@ def fingerprint() -> str:
         h.update(str(path.relative_to(package)).encode())
         h.update(path.read_bytes())
     features = llvm.get_host_cpu_features().flatten()
-    parts = [numba.__version__, llvmlite.__version__, np.__version__, platform.python_version(),
-             llvm.get_host_cpu_name(), features, str(lanes_of_machine()),
-             os.environ.get("NUMBA_CPU_NAME", ""), os.environ.get("NUMBA_CPU_FEATURES", "")]
+    parts = [
+        numba.__version__,
+        llvmlite.__version__,
+        np.__version__,
+        platform.python_version(),
+        llvm.get_host_cpu_name(),
+        features,
+        str(lanes_of_machine()),
+        os.environ.get("NUMBA_CPU_NAME", ""),
+        os.environ.get("NUMBA_CPU_FEATURES", ""),
+    ]
     h.update("|".join(parts).encode())
     return h.hexdigest()[:20]
 
@@ -50,7 +58,7 @@ def cache_folder() -> Path:
     another file would go unseen. The folder changes with any source file of the package.
     """
     base = os.environ.get("ALIGHT_CACHE")
-    if base is None:
-        base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-        base = os.path.join(base, "alight")
-    return Path(base) / fingerprint()
+    if base is not None:
+        return Path(base) / fingerprint()
+    home = os.environ.get("XDG_CACHE_HOME")
+    return (Path(home) if home else Path.home() / ".cache") / "alight" / fingerprint()

@@ -19,7 +19,7 @@ from alight.core.vec3 import Vec3
 
 
 class LaneCount(int):
-    """The packet width; a type of its own so that the compiler can put the machine's in its place."""
+    """The packet width; a type of its own, so that the compiler can put the machine's in place."""
 
 
 #: Lanes of a packet: 16 in the NumPy twin; compiled code uses the processor's width.

@@ -21,7 +21,6 @@ from alight.core.simd import (
     float_bits,
     maximum,
     minimum,
-    rsqrt,
     sqrt,
     where,
 )

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.accel.packets import intersect_closest, is_occluded
+from alight.accel import intersect_closest, is_occluded
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.simd import any_lane, lanes, lanes_mask, where
@@ -66,8 +66,18 @@ def step(program):
             shut = is_occluded(scene, o, d, lanes(settings.distance), active)
             L = where(active & ~shut, path.beta, L)
         return Path(
-            path.o, path.d, path.p, L, L, path.beta, path.pdf, path.delta, depth, path.sampler,
-            lanes_mask(False), rays,
+            path.o,
+            path.d,
+            path.p,
+            L,
+            L,
+            path.beta,
+            path.pdf,
+            path.delta,
+            depth,
+            path.sampler,
+            lanes_mask(False),
+            rays,
         )
 
     return ambient_occlusion_step

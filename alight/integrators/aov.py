@@ -2,18 +2,18 @@
 
 A separate pass over the same samples as the picture's, one layer at a time, so that asking for
 layers never changes the picture. Where a ray meets nothing a layer is 0. Layers are means over the
-samples of a pixel, weighted by the pixel filter, except for `FIRST_SAMPLE_LAYERS`.
+samples of a pixel, weighted by the pixel filter; ids are those of its first sample
+(`alight.films.FIRST_SAMPLE_LAYERS`).
 """
 
 from __future__ import annotations
 
-from alight.accel.packets import intersect_closest
+from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import albedo_bsdf
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.simd import any_lane, lanes, lanes_mask, lanes_vec3, to_float, where
 from alight.core.vec import Vec3
-from alight.films import FIRST_SAMPLE_LAYERS
 from alight.integrators.walk import Path, count_lanes
 from alight.shapes.surfaces import make_surface
 
@@ -70,8 +70,18 @@ def step(program):
             weight = path.beta
         L = where(active, value * weight, path.L)
         return Path(
-            path.o, path.d, path.p, L, L, path.beta, path.pdf, path.delta, path.depth + 1,
-            path.sampler, lanes_mask(False), path.rays + count_lanes(path.active),
+            path.o,
+            path.d,
+            path.p,
+            L,
+            L,
+            path.beta,
+            path.pdf,
+            path.delta,
+            path.depth + 1,
+            path.sampler,
+            lanes_mask(False),
+            path.rays + count_lanes(path.active),
         )
 
     return aov_step

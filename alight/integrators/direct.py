@@ -50,7 +50,11 @@ def step(program):
     def direct_step(scene, settings, walk):
         """One more vertex of each path."""
         two_edges = Settings(
-            MAX_DEPTH, settings.rr_depth, settings.seed, settings.replicates, settings.distance,
+            MAX_DEPTH,
+            settings.rr_depth,
+            settings.seed,
+            settings.replicates,
+            settings.distance,
             settings.layer,
         )
         return path_step(scene, two_edges, walk)

@@ -14,7 +14,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from alight.accel.packets import intersect_closest, is_occluded
+from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA
 from alight.core.constants import INFINITY
@@ -29,11 +29,13 @@ from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
     ROULETTE,
-    Path as WalkPath,
     count_lanes,
     to_local,
     to_world,
     vertex_dimension,
+)
+from alight.integrators.walk import (
+    Path as WalkPath,
 )
 from alight.lights.sampling import (
     emitted,
@@ -160,9 +162,12 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
         # Direct light, by sampling the lights.
         if by_light or delta_lights:
             light = sample_light(
-                scene, surface.p, surface.ns,
+                scene,
+                surface.p,
+                surface.ns,
                 get_1d(path.sampler, dimension + LIGHT_CHOICE),
-                get_2d(path.sampler, dimension + LIGHT_POINT), active,
+                get_2d(path.sampler, dimension + LIGHT_POINT),
+                active,
             )
             if by_light:
                 lit = active & (light.pdf > 0.0)
@@ -181,9 +186,12 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
 
         # Where the path goes on.
         wi, weight, pdf, flags = scatter(
-            scene, surface, wo,
+            scene,
+            surface,
+            wo,
             get_1d(path.sampler, dimension + BSDF_CHOICE),
-            get_2d(path.sampler, dimension + BSDF_DIRECTION), active,
+            get_2d(path.sampler, dimension + BSDF_DIRECTION),
+            active,
         )
         beta = path.beta * weight
         largest = max_component(beta)
@@ -201,8 +209,18 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
             beta = where(playing, beta / survival, beta)
 
         return WalkPath(
-            o, d, surface.p, L, L_direct, beta, pdf, (flags & DELTA) != 0, depth,
-            path.sampler, active, rays,
+            o,
+            d,
+            surface.p,
+            L,
+            L_direct,
+            beta,
+            pdf,
+            (flags & DELTA) != 0,
+            depth,
+            path.sampler,
+            active,
+            rays,
         )
 
     @kernel

@@ -10,9 +10,12 @@ from __future__ import annotations
 from collections import namedtuple
 from importlib import import_module
 
+import numpy as np
+
 from alight.core.jit import kernel, specialised
 from alight.core.registry import modules
 from alight.core.simd import as_int, count_bits, lanes, lanes_mask, lanes_u32, lanes_vec3, mask_bits
+from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, normalize
 from alight.samplers.state import SamplerState
 
@@ -27,9 +30,12 @@ from alight.samplers.state import SamplerState
 #: rays : uniform whole number, rays traced by all lanes so far.
 Path = namedtuple("Path", "o d p L L_direct beta pdf delta depth sampler active rays")
 
-#: Uniform numbers of a render: max_depth, rr_depth, seed, replicates and layer (whole, the layer for
-#: `alight.integrators.aov`), distance (float32, metres).
+#: Uniform numbers of a render: max_depth, rr_depth, seed, replicates and layer (whole; the layer is
+#: for `alight.integrators.aov`), distance (float32, metres).
 Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance layer")
+
+#: Depth of paths that only roulette ends.
+UNLIMITED = 2**31 - 1
 
 #: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time.
 FILTER, LENS = 0, 2
@@ -40,14 +46,37 @@ VERTEX_DIMENSIONS = 16
 LIGHT_CHOICE, LIGHT_POINT, BSDF_CHOICE, BSDF_DIRECTION, ROULETTE = 0, 1, 3, 4, 6
 
 
+def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Settings:
+    """The uniform numbers of a render, those of the integrator from its description."""
+    fields = dict(integrator)
+    depth = fields.get("max_depth")
+    return Settings(
+        max_depth=UNLIMITED if depth is None else depth,
+        rr_depth=fields.get("rr_depth", UNLIMITED),
+        seed=seed,
+        replicates=replicates,
+        distance=np.float32(fields.get("distance") or np.inf),
+        layer=0,
+    )
+
+
 @kernel
 def empty_paths():
     """Paths of which none is active."""
     zero = lanes_u32(0)
     black = lanes_vec3(0.0)
     return Path(
-        black, lanes_vec3(1.0), black, black, black, black, lanes(0.0), lanes_mask(False), zero,
-        SamplerState(zero, zero, zero, zero, zero), lanes_mask(False),
+        black,
+        lanes_vec3(1.0),
+        black,
+        black,
+        black,
+        black,
+        lanes(0.0),
+        lanes_mask(False),
+        zero,
+        SamplerState(zero, zero, zero, zero, zero),
+        lanes_mask(False),
         as_int(0),
     )
 

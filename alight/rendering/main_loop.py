@@ -18,6 +18,7 @@ from alight.core.errors import OptionError, unknown_name
 from alight.core.machine import fingerprint
 from alight.films import CELL_SIZE, Film
 from alight.integrators.aov import LAYERS
+from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tiles import tiles_of
 from alight.scene import Scene, content_hash, flatten, load
@@ -112,8 +113,8 @@ def render(
     clock.lap("load")
     compiled = compile_scene(flat, content_hash(scene), aovs=_layers(aovs))
     clock.lap("bvh")
-    job = Job(compiled, seed, threads or usable_processors(), replicates or flat.film.replicates,
-              first_sample)
+    replicates = replicates or flat.film.replicates
+    job = Job(compiled, seed, threads or usable_processors(), replicates, first_sample)
     job.start(progress)
     clock.lap("compile")
     job.run(spp if spp or time_limit else 64, time_limit, spp_per_pass, progress, cancel)
@@ -129,7 +130,7 @@ class Job:
         self, scene: CompiledScene, seed: int, threads: int, replicates: int, first_sample: int
     ) -> None:
         self.scene, self.threads = scene, threads
-        self.settings = scene.settings(seed=seed, replicates=replicates)
+        self.settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
         self.next_sample = first_sample
         self.rays = self.samples = 0
         self.film = Film(

@@ -79,11 +79,18 @@ def render_tile(
         if name in scene.program.aovs:
             layer = _empty_film(settings, tile, False)
             one = settings._replace(layer=layer_number(name))
+            assert kernels.aov is not None
             kernels.aov(scene.tables, one, tile, samples, layer)
             aovs[name] = layer.sums.shaped.sum(axis=2)[:, :, : len(channels)]
     partial = PartialFilm(
-        tile.x0, tile.y0, sums, film.counts.shaped, int(tally[INVALID]), int(tally[SATURATED]),
-        ranges, {name: aovs[name] for name in scene.program.aovs},
+        tile.x0,
+        tile.y0,
+        sums,
+        film.counts.shaped,
+        int(tally[INVALID]),
+        int(tally[SATURATED]),
+        ranges,
+        {name: aovs[name] for name in scene.program.aovs},
     )
     return partial, int(tally[RAYS])
 

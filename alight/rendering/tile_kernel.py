@@ -36,7 +36,7 @@ from alight.samplers.sampling import SamplerState, get_2d
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
 
-#: Which sample a lane takes next: pixel, sample = index * replicates + scramble, how many samples of
+#: Which sample a lane takes next: pixel, sample (index * replicates + scramble), how many samples of
 #: the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
@@ -93,11 +93,14 @@ def next_pixel(settings, tile, ranges, cursor):
 @kernel
 def refill(scene, settings, tile, ranges, cursor, path):
     """Give the next samples to the lanes that have none; returns the cursor and the paths."""
-    columns, cells = count_cells(tile)
+    _, cells = count_cells(tile)
     if cursor.cell >= cells:
         return cursor, path
     xs, ys, indices, scrambles = (
-        local_uints(16), local_uints(16), local_uints(16), local_uints(16)
+        local_uints(16),
+        local_uints(16),
+        local_uints(16),
+        local_uints(16),
     )
     store_lanes(xs, 0, path.sampler.x)
     store_lanes(ys, 0, path.sampler.y)
@@ -119,23 +122,35 @@ def refill(scene, settings, tile, ranges, cursor, path):
             cursor = next_pixel(settings, tile, ranges, cursor)
     new = bits_mask(fresh)
     sampler = SamplerState(
-        load_lanes(xs, 0), load_lanes(ys, 0), load_lanes(indices, 0), load_lanes(scrambles, 0),
+        load_lanes(xs, 0),
+        load_lanes(ys, 0),
+        load_lanes(indices, 0),
+        load_lanes(scrambles, 0),
         lanes_u32(settings.seed),
     )
     # Filter importance sampling: the sample belongs to this pixel alone, at an offset that has
     # the filter's density (Ernst, Stamminger and Greiner 2006).
     dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
     o, d = generate_ray(
-        scene, to_float(sampler.x) + 0.5 + dx, to_float(sampler.y) + 0.5 + dy,
+        scene,
+        to_float(sampler.x) + 0.5 + dx,
+        to_float(sampler.y) + 0.5 + dy,
         get_2d(sampler, LENS),
     )
     black = lanes_vec3(0.0)
     path = Path(
-        where(new, o, path.o), where(new, d, path.d), where(new, o, path.p),
-        where(new, black, path.L), where(new, black, path.L_direct),
+        where(new, o, path.o),
+        where(new, d, path.d),
+        where(new, o, path.p),
+        where(new, black, path.L),
+        where(new, black, path.L_direct),
         where(new, lanes_vec3(1.0) * weight, path.beta),
-        where(new, lanes(0.0), path.pdf), path.delta | new, where(new, lanes_u32(0), path.depth),
-        sampler, path.active | new, path.rays,
+        where(new, lanes(0.0), path.pdf),
+        path.delta | new,
+        where(new, lanes_u32(0), path.depth),
+        sampler,
+        path.active | new,
+        path.rays,
     )
     return cursor, path
 

@@ -11,8 +11,8 @@ and a row of the table with two 3 x 4 matrices, object to world (0-11) and world
 **Error bound**, in units of the machine epsilon, along the normal n: with E = the sum over i of
 \|n_i\| times the largest \|p_i\| of a corner, rounding of p takes 5 E, of the moved origin 2 E, of
 the corners relative to it 1 E; gamma(16) E is taken. The watertight test finds t by barycentrics.
-Seen edge-on at the angle of cosine c they are uncertain by the order of 1 / c, which shifts t, for a
-triangle whose edges reach L along an axis, by the order of L / c, so the plane by the order of L:
+Seen edge-on at the angle of cosine c they are uncertain by the order of 1 / c; for a triangle whose
+edges reach L along an axis this shifts t by the order of L / c, so the plane by the order of L:
 2 L where it was measured. gamma(6) L is added.
 For instances the bound in object space, with the rounding
 of the transformed ray, sum \|n_i\| (sum \|W_ij p_j\| + \|W_i4\|), is taken to world space by

@@ -18,8 +18,9 @@ by rays that pass it at a distance, in the prolongation of its edges, where all 
 are nothing but rounding; whether such a hit is found then depends on the boxes around it.
 
 Source: Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2(1), which asks double
-precision where a function is zero; Kahan's algorithm makes that superfluous. We form t from
-barycentrics, not from U a_z + V b_z + W c_z, which overflows a million times earlier.
+precision where a function is zero; Kahan's algorithm makes that superfluous. We form t
+as a_z + b_1 (b_z - a_z) + b_2 (c_z - a_z), not as (U a_z + V b_z + W c_z) / (U + V + W), which
+overflows a million times earlier and is not exact on a wall at right angles to an axis.
 """
 
 from __future__ import annotations
@@ -105,7 +106,7 @@ def sheared_hit(a, b, c, shear):
     inside = (minimum(minimum(wa, wb), wc) >= 0.0) | (maximum(maximum(wa, wb), wc) <= 0.0)
     reciprocal = 1.0 / (wa + wb + wc)
     u, v = wb * reciprocal, wc * reciprocal
-    t = ((wa * reciprocal) * a.z + u * b.z + v * c.z) * shear.sz
+    t = (a.z + u * (b.z - a.z) + v * (c.z - a.z)) * shear.sz
     return t, u, v, inside
 
 

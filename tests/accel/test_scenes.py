@@ -182,7 +182,7 @@ def instanced_scene(seed, copies):
     geometries = [icosphere(2), icosphere(1)]
     instances = []
     for i in range(copies):
-        matrix = placement(rng, np.exp(rng.normal(-2.5, 0.5)), 1.0)
+        matrix = placement(rng, np.exp(rng.normal(-1.7, 0.4)), 1.0)
         matrix[:3, :3] *= rng.uniform(0.5, 2.0, 3)
         instances.append((i % 2, 100 + i, matrix[:3], np.linalg.inv(matrix)[:3]))
     return instances, geometries

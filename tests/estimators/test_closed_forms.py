@@ -100,8 +100,10 @@ def test_light_scaled_by_powers_of_ten_scales_the_picture(tmp_path):
 
 def plane_under(light):
     return (
-        CAMERA % ([0, 1e-3, 0], [0, 0, 0])
-    ).replace("up: [0, 1, 0]", "up: [0, 0, 1]").replace("fov: 60", "fov: 1e-3") + f"""
+        (CAMERA % ([0, 1e-3, 0], [0, 0, 0]))
+        .replace("up: [0, 1, 0]", "up: [0, 0, 1]")
+        .replace("fov: 60", "fov: 1e-3")
+        + f"""
 integrator: {{type: direct}}
 nodes:
   floor:
@@ -111,6 +113,7 @@ nodes:
   lamp:
 {light}
 """
+    )
 
 
 def test_disk_light_above_a_plane(tmp_path):
