@@ -24,7 +24,7 @@ from alight.core.jit import instantiate
 from alight.core.view import View
 
 #: Primitives that one thread takes at a time while all work on the same set.
-CHUNK = 65536
+CHUNK = 32768
 
 #: Sets below this size, or this part of all primitives, are left to one thread each.
 SMALLEST_TASK, TASKS = 8192, 48

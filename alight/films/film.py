@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 FIRST_SAMPLE_LAYERS = frozenset({"id"})
 
 #: Rows whose error is worked out at a time: bounds the float64 scratch memory of big films.
-_BAND = 64
+_BAND = 16
 
 
 class PartialFilm(NamedTuple):
@@ -280,13 +280,18 @@ class Film:
     @property
     def image(self) -> np.ndarray:
         """The picture: linear sRGB, float32, shape (h, w, 3)."""
-        return self.mean[..., :3].astype(np.float32)
+        return self._by_bands(
+            lambda sums, counts: statistics.pixel_mean(sums, counts)[..., :3].astype(np.float32)
+        )
 
     @property
     def standard_error(self) -> np.ndarray:
         """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown."""
-        error = self._by_bands(lambda sums, counts: statistics.mean_and_error(sums, counts)[1])
-        return error[..., :3].astype(np.float32)
+        return self._by_bands(
+            lambda sums, counts: statistics.mean_and_error(sums, counts)[1][..., :3].astype(
+                np.float32
+            )
+        )
 
     @property
     def sample_count(self) -> np.ndarray:
@@ -315,18 +320,24 @@ class Film:
         Unknown (NaN) until every replicate of some pixel has a sample.
         """
         both = self._by_bands(
-            lambda sums, counts: np.stack(statistics.mean_and_error(sums, counts), axis=-1)
+            lambda sums, counts: np.stack(
+                statistics.mean_and_error(sums, counts), axis=-1, dtype=np.float32, casting="same_kind"
+            )
         )
         return estimate_relmse(both[:, :, :3, 0], both[:, :, :3, 1], self.replicates)
 
     def _by_bands(self, statistic: Any) -> np.ndarray:
         """Work out a statistic band of rows by band: the lock is held only to copy."""
-        bands = []
+        result = None
         for y in range(0, self.crop[3], _BAND):
             with self._lock:
                 sums, counts = self.sums[y : y + _BAND].copy(), self.counts[y : y + _BAND].copy()
-            bands.append(statistic(sums, counts))
-        return np.concatenate(bands)
+            band = statistic(sums, counts)
+            if result is None:
+                result = np.zeros((self.crop[3], *band.shape[1:]), band.dtype)
+            result[y : y + _BAND] = band
+        assert result is not None
+        return result
 
     @property
     def provenance(self) -> dict[str, Any]:
@@ -349,18 +360,20 @@ class Film:
 
     def picture(self, layers: bool = True) -> Picture:
         """Image, layers (unless they are not wanted) and provenance, ready to be written."""
-        film = self.snapshot()
-        attributes = {key: str(value) for key, value in film.provenance.items()}
-        planes: dict[str, np.ndarray] = {}
-        if layers:
-            error = film.standard_error
-            planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
-            planes["samples"] = film.sample_count.astype(np.uint32)
-            for name, channels in film.aov_channels.items():
-                plane = film.aov(name)
-                planes |= {f"{name}.{c}": plane[..., i] for i, c in enumerate(channels)}
-        size = (film.width, film.height)
-        return Picture(film.image, planes, attributes, size=size, offset=film.crop[:2])
+        # Tiles wait for the few milliseconds that this takes: a copy of the film would be its
+        # largest use of memory.
+        with self._lock:
+            attributes = {key: str(value) for key, value in self.provenance.items()}
+            planes: dict[str, np.ndarray] = {}
+            if layers:
+                error = self.standard_error
+                planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
+                planes["samples"] = self.sample_count.astype(np.uint32)
+                for name, channels in self.aov_channels.items():
+                    plane = self.aov(name)
+                    planes |= {f"{name}.{c}": plane[..., i] for i, c in enumerate(channels)}
+            size = (self.width, self.height)
+            return Picture(self.image, planes, attributes, size=size, offset=self.crop[:2])
 
     def save(self, path: str | os.PathLike[str], **display: Any) -> Path:
         """Write the picture; the suffix chooses the format.

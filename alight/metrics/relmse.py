@@ -136,13 +136,18 @@ def estimate_relmse(mean: np.ndarray, standard_error: np.ndarray, replicates: in
     no estimate.
     """
     known = np.isfinite(standard_error.sum(axis=2))
-    mean = np.asarray(mean, np.float64)
+    # Planes in float32: an estimate needs no more, and a film's memory is its largest use of it.
+    mean = np.asarray(mean, np.float32)
     epsilon = default_epsilon(np.maximum(mean, 0.0))
-    squared = np.where(known[..., None], standard_error, 0.0).astype(np.float64) ** 2
-    brightness = _steady_brightness(mean, squared)[known]
+    squared = np.where(known[..., None], standard_error, 0.0).astype(np.float32) ** 2
+    brightness = _steady_brightness(mean, squared)
+    if known.all():
+        brightness, squared = brightness.reshape(-1, 3), squared.reshape(-1, 3)
+    else:
+        brightness, squared = brightness[known], squared[known]
     return ErrorEstimate(
-        _estimate(brightness, squared[known], replicates, epsilon),
-        _estimate(brightness, squared[known], replicates, LITERATURE_EPSILON),
+        _estimate(brightness, squared, replicates, epsilon),
+        _estimate(brightness, squared, replicates, LITERATURE_EPSILON),
         epsilon,
         float(known.mean()),
     )
@@ -161,7 +166,7 @@ def _box(plane: np.ndarray) -> np.ndarray:
     h, w = plane.shape[:2]
     padded = np.pad(plane, ((1, 1), (1, 1), (0, 0)), mode="edge")
     rows = padded[:h] + padded[1 : h + 1] + padded[2:]
-    return (rows[:, :w] + rows[:, 1 : w + 1] + rows[:, 2:]) / 9.0
+    return (rows[:, :w] + rows[:, 1 : w + 1] + rows[:, 2:]) / np.float32(9.0)
 
 
 def _estimate(
@@ -172,7 +177,7 @@ def _estimate(
         # No pixel is known, or no light has been seen: neither has a relative error.
         return Estimate(math.nan, math.nan, math.nan)
     # Channels of a pixel share their paths: only pixels are independent.
-    terms = (squared / scale).mean(axis=1)
+    terms = (squared / scale).mean(axis=1, dtype=np.float64)
     value = float(terms.mean())
     if value == 0.0:
         return Estimate(0.0, 0.0, 0.0)

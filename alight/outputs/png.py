@@ -19,13 +19,21 @@ SUFFIXES = (".png",)
 IS_DISPLAY = True
 KEEPS_LAYERS = False
 
+#: Rows that are tone-mapped at a time.
+_BAND = 64
+
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
 def write(path: Path, picture: Picture, display: Display) -> None:
     """Write the tone-mapped picture."""
-    encoded = display.apply(picture.image)
-    path.write_bytes(encode_png(encoded, bits=display.bits, text=picture.attributes))
+    image, bits = picture.image, display.bits
+    # Band by band: the steps of tone mapping would take several times the picture's own memory.
+    bands = [
+        _whole_numbers(display.apply(image[y : y + _BAND]), bits)
+        for y in range(0, len(image), _BAND)
+    ]
+    path.write_bytes(_encode(np.concatenate(bands), bits, picture.attributes))
 
 
 def read(path: Path) -> np.ndarray:
@@ -54,9 +62,17 @@ def encode_png(encoded: np.ndarray, *, bits: int, text: Mapping[str, str] | None
     text : mapping of str to str, optional
         Stored as ``alight.<key>``.
     """
-    h, w = encoded.shape[:2]
-    top = 2**bits - 1
-    whole = np.rint(encoded * top).astype(">u2" if bits == 16 else np.uint8)
+    return _encode(_whole_numbers(encoded, bits), bits, text)
+
+
+def _whole_numbers(encoded: np.ndarray, bits: int) -> np.ndarray:
+    return np.rint(encoded * (2**bits - 1)).astype(np.uint16 if bits == 16 else np.uint8)
+
+
+def _encode(whole: np.ndarray, bits: int, text: Mapping[str, str] | None) -> bytes:
+    h, w = whole.shape[:2]
+    # Big-endian, as the standard asks; joining bands makes it the machine's order.
+    whole = whole.astype(">u2") if bits == 16 else whole
     rows = np.ascontiguousarray(whole).view(np.uint8).reshape(h, -1)
     chunks = [
         _chunk(b"IHDR", struct.pack(">IIBBBBB", w, h, bits, 2, 0, 0, 0)),
@@ -77,10 +93,11 @@ def _filtered(rows: np.ndarray, pixel_bytes: int) -> bytes:
     left[:, pixel_bytes:] = rows[:, :-pixel_bytes]
     up = np.zeros_like(rows)
     up[1:] = rows[:-1]
-    candidates = np.stack([rows, rows - left, rows - up])
-    cost = np.abs(candidates.view(np.int8).astype(np.int16)).sum(axis=2)
-    best = cost.argmin(axis=0)
-    lines = candidates[best, np.arange(len(rows))]
+    candidates = (rows, rows - left, rows - up)
+    # The size of a difference modulo 256, without a wider copy: min(x, 256 - x).
+    cost = [np.minimum(c, -c).sum(axis=1, dtype=np.int64) for c in candidates]
+    best = np.argmin(cost, axis=0)
+    lines = np.choose(best[:, None], candidates)
     return np.concatenate([best.astype(np.uint8)[:, None], lines], axis=1).tobytes()
 
 
