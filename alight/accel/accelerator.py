@@ -173,6 +173,7 @@ class _Sorter:
         }
         listed = [chosen(self.triangles, self.listed), *self.flattened]
         corners = np.concatenate([t.vertices[t.faces].reshape(-1, 9) for t in listed])
+        corners = np.ascontiguousarray(corners, np.float32)
         ids = np.concatenate([np.stack([t.shape, t.prim], axis=1) for t in listed])
         order = np.lexsort((ids[:, 1], ids[:, 0]))
         if len(ids):
@@ -188,7 +189,8 @@ class _Sorter:
         return (
             Accelerator(
                 **tables,
-                triangles=View(np.ascontiguousarray(corners[order], np.float32).reshape(-1)),
+                # One number more: the last corner is read as four.
+                triangles=View(np.append(corners[order].reshape(-1), np.float32(0.0))),
                 triangle_ids=View(np.ascontiguousarray(ids[order], np.uint32).reshape(-1)),
                 tree=tree,
                 box=box,

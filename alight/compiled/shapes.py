@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.core.errors import Issue, SceneError
 from alight.core.view import View
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry
@@ -25,6 +26,9 @@ FEW_TRIANGLES = 64
 
 #: Zeros after the last row, so that a lane that reads another kind of row stays inside the table.
 PADDING = 64
+
+#: Shapes that are told of in one message.
+MOST_TOLD = 10
 
 ANALYTIC = {"sphere": sphere, "rectangle": rectangle, "disk": disk, "plane": plane}
 
@@ -140,11 +144,34 @@ def _or_zeros(table: np.ndarray | None, rows: int, columns: int) -> np.ndarray:
 
 
 def compile_shapes(flat: FlatScene) -> CompiledShapes:
-    """Make the tables of all shapes; the light of a shape is entered by `compile_lights`."""
+    """Make the tables of all shapes; the light of a shape is entered by `compile_lights`.
+
+    Raises
+    ------
+    SceneError
+        For shapes that are too small, too large or too flat for float32.
+    """
     compiler = _Compiler(flat)
+    issues = []
     for source, placed in enumerate(flat.shapes):
-        compiler.place(source, placed)
+        try:
+            with np.errstate(over="raise", divide="raise", invalid="raise"):
+                compiler.place(source, placed)
+        except (FloatingPointError, np.linalg.LinAlgError):
+            issues.append(Issue(placed.name, _out_of_range(placed)))
+            if len(issues) == MOST_TOLD:
+                break
+    if issues:
+        raise SceneError(issues)
     return compiler.finish()
+
+
+def _out_of_range(placed: PlacedShape) -> str:
+    scales = np.linalg.svd(placed.to_world[:3, :3], compute_uv=False)
+    return (
+        "is too small, too large or too flat for numbers of float32: keep sizes between 1e-12 m "
+        f"and 1e12 m; its transforms scale by {scales.min():.3g} to {scales.max():.3g}"
+    )
 
 
 class _Compiler:

@@ -57,6 +57,15 @@ def shuffled(x, order):
     return x[list(order)]
 
 
+def gather_near(table, k, index):
+    """``table[k + index]`` in each lane, for a uniform k and lanes of indices 0 to 3.
+
+    ``table[k : k + 4]`` must exist, whichever of them are asked for: the four are loaded once and
+    permuted in registers.
+    """
+    return table.array[k + np.asarray(index).astype(np.int64)]
+
+
 def prefetch(table, i):
     """Ask for the cache line of ``table[i]``; only time depends on it."""
 

@@ -18,6 +18,7 @@ from alight.core.lane_types import (
     Floats,
     LaneType,
     Uints,
+    call,
     convert,
     f32,
     pointer_of,
@@ -150,6 +151,44 @@ def _shuffled(typing, x, order):
     return type(x)(len(constants))(x, order), lambda context, builder, sig, args: _shuffle(
         builder, args[0], args[0], constants
     )
+
+
+@_stands_for(wide.gather_near)
+@intrinsic
+def _gather_near(typing, table, k, index):
+    if not isinstance(index, Uints) or table.dtype != f32:
+        return None
+    result = Floats(index.n)
+
+    def codegen(context, builder, sig, args):
+        four = ir.VectorType(result.llvm, 4)
+        load = builder.load(
+            _pointer(context, builder, sig.args[0], args[0], args[1], sig.args[1], four)
+        )
+        load.align = 4
+        repeated = _shuffle(builder, load, load, [i % 4 for i in range(index.n)])
+        name = {16: "llvm.x86.avx512.permvar.sf.512", 8: "llvm.x86.avx2.permps"}.get(index.n)
+        if name is not None and _HAS_PERMUTATION[index.n]:
+            return call(builder, name, result.vector, [repeated, args[2]])
+        out = ir.Constant(result.vector, ir.Undefined)
+        for i in range(index.n):
+            lane = builder.extract_element(args[2], ir.Constant(I32, i))
+            one = builder.extract_element(load, lane)
+            out = builder.insert_element(out, one, ir.Constant(I32, i))
+        return out
+
+    return result(table, k, index), codegen
+
+
+def _permutation_features() -> dict[int, bool]:
+    """Widths at which the processor permutes floats by a vector of indices."""
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features()
+    return {16: bool(features.get("avx512f")), 8: bool(features.get("avx2"))}
+
+
+_HAS_PERMUTATION = _permutation_features()
 
 
 @_stands_for(wide.prefetch)

@@ -24,6 +24,9 @@ _Z95 = 1.959964
 #: Relative variance (of 5.5 % noise) at which a pixel's own brightness counts half.
 _STEADY = 0.003
 
+#: Rows that are worked on at a time, to bound the memory that this takes.
+_BAND = 64
+
 #: Logarithmic bias of the estimate: 5 %, and more where the picture is hardly more than noise.
 _BIAS_FINE, _BIAS_COARSE = 0.05, 0.7
 
@@ -139,7 +142,8 @@ def estimate_relmse(mean: np.ndarray, standard_error: np.ndarray, replicates: in
     # Planes in float32: an estimate needs no more, and a film's memory is its largest use of it.
     mean = np.asarray(mean, np.float32)
     epsilon = default_epsilon(np.maximum(mean, 0.0))
-    squared = np.where(known[..., None], standard_error, 0.0).astype(np.float32) ** 2
+    squared = np.where(known[..., None], standard_error, np.float32(0.0)).astype(np.float32)
+    squared *= squared
     brightness = _steady_brightness(mean, squared)
     if known.all():
         brightness, squared = brightness.reshape(-1, 3), squared.reshape(-1, 3)
@@ -155,6 +159,17 @@ def estimate_relmse(mean: np.ndarray, standard_error: np.ndarray, replicates: in
 
 def _steady_brightness(mean: np.ndarray, squared: np.ndarray) -> np.ndarray:
     """Take the mean of 3x3 pixels where its noise is above 5 % of it, else the pixel itself."""
+    result = np.zeros_like(mean)
+    for y in range(0, len(mean), _BAND):
+        # One row more on either side, for the neighbours.
+        low = max(y - 1, 0)
+        rows = slice(low, y + _BAND + 1)
+        steady = _steady_band(mean[rows], squared[rows])
+        result[y : y + _BAND] = steady[y - low : y - low + _BAND]
+    return result
+
+
+def _steady_band(mean: np.ndarray, squared: np.ndarray) -> np.ndarray:
     around, noise = _box(mean), _box(squared)
     scale = noise + _STEADY * around**2
     weight = np.divide(noise, scale, out=np.zeros_like(noise), where=scale > 0.0)
@@ -172,12 +187,14 @@ def _box(plane: np.ndarray) -> np.ndarray:
 def _estimate(
     brightness: np.ndarray, squared: np.ndarray, replicates: int, epsilon: float
 ) -> Estimate:
-    scale = brightness**2 + epsilon
+    scale = brightness**2
+    scale += epsilon
     if len(scale) == 0 or not (scale > 0.0).all():
         # No pixel is known, or no light has been seen: neither has a relative error.
         return Estimate(math.nan, math.nan, math.nan)
     # Channels of a pixel share their paths: only pixels are independent.
-    terms = (squared / scale).mean(axis=1, dtype=np.float64)
+    np.divide(squared, scale, out=scale)
+    terms = scale.mean(axis=1, dtype=np.float64)
     value = float(terms.mean())
     if value == 0.0:
         return Estimate(0.0, 0.0, 0.0)

@@ -30,6 +30,7 @@ from collections import namedtuple
 from alight.core.jit import kernel
 from alight.core.simd import absolute, fma, maximum, minimum, where
 from alight.core.vec import Vec3
+from alight.core.wide import gather_near
 
 #: What the test needs of a ray, once: kx, ky, kz are the axes in cyclic order, kz the one along
 #: which |d| is largest (lane of u32 or whole numbers); sx, sy, sz the shear.
@@ -111,13 +112,23 @@ def sheared_hit(a, b, c, shear):
 
 
 @kernel(strict=True)
+def rotated_corner(data, k, shear):
+    """The corner at data[k], components in the order kx, ky, kz of each lane."""
+    return Vec3(
+        gather_near(data, k, shear.kx),
+        gather_near(data, k, shear.ky),
+        gather_near(data, k, shear.kz),
+    )
+
+
+@kernel(strict=True)
 def intersect(data, k, origin, shear, t_max):
     """One triangle against a packet of rays.
 
     Parameters
     ----------
     data : View of float32
-        At k: the corners a, b, c, nine numbers, metres.
+        At k: the corners a, b, c, nine numbers, metres; one more number must follow.
     k : int
         Uniform.
     origin : Vec3
@@ -132,8 +143,8 @@ def intersect(data, k, origin, shear, t_max):
     t, u, v, hit
         As of `sheared_hit`; hit requires 0 < t <= t_max.
     """
-    a = rotated(Vec3(data[k], data[k + 1], data[k + 2]), shear) - origin
-    b = rotated(Vec3(data[k + 3], data[k + 4], data[k + 5]), shear) - origin
-    c = rotated(Vec3(data[k + 6], data[k + 7], data[k + 8]), shear) - origin
+    a = rotated_corner(data, k, shear) - origin
+    b = rotated_corner(data, k + 3, shear) - origin
+    c = rotated_corner(data, k + 6, shear) - origin
     t, u, v, inside = sheared_hit(a, b, c, shear)
     return t, u, v, inside & (t > 0.0) & (t <= t_max)

@@ -27,7 +27,7 @@ def meet(corners, o, d, t_max=np.inf):
     o, d = lanes_of(o), lanes_of(d)
     with np.errstate(all="ignore"):
         shear = shear_of(d)
-        data = View(np.ascontiguousarray(corners, np.float32))
+        data = View(np.append(np.asarray(corners, np.float32), np.float32(0)))
         return intersect(data, 0, rotated(o, shear), shear, np.float32(t_max))
 
 
