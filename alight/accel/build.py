@@ -24,10 +24,10 @@ from alight.core.jit import instantiate
 from alight.core.view import View
 
 #: Primitives that one thread takes at a time while all work on the same set.
-CHUNK = 32768
+CHUNK = 131072
 
 #: Sets below this size, or this part of all primitives, are left to one thread each.
-SMALLEST_TASK, TASKS = 8192, 48
+SMALLEST_TASK, TASKS = 8192, 7
 
 #: Levels that are built by all threads together, at most.
 TOP_LEVELS = 4

@@ -21,6 +21,7 @@ from alight.core.simd import (
     float_bits,
     maximum,
     minimum,
+    rsqrt,
     sqrt,
     where,
 )
@@ -162,7 +163,7 @@ def spherical_rectangle(corner, edge_x, edge_y, p):
     """The rectangle corner + [0, 1] edge_x + [0, 1] edge_y (edges at right angles) seen from p."""
     # Square roots and quotients by way of 1 / sqrt, for which processors have a fast instruction.
     width2, height2 = dot(edge_x, edge_x), dot(edge_y, edge_y)
-    per_width, per_height = 1.0 / sqrt(width2), 1.0 / sqrt(height2)
+    per_width, per_height = rsqrt(width2), rsqrt(height2)
     x, y = edge_x * per_width, edge_y * per_height
     width, height = width2 * per_width, height2 * per_height
     z = cross(x, y)
@@ -183,7 +184,7 @@ def spherical_rectangle(corner, edge_x, edge_y, p):
     # Only a rectangle that p nearly touches shows more than half a sphere.
     around = (angle < 0.0) & (x0 * x1 < 0.0) & (y0 * y1 < 0.0)
     solid_angle = where(around, angle + TWO_PI, angle)
-    per_length = 1.0 / sqrt(maximum(second[0] * second[0] + second[1] * second[1], 1e-36))
+    per_length = rsqrt(maximum(second[0] * second[0] + second[1] * second[1], 1e-36))
     cosine, sine = second[0] * per_length, second[1] * per_length
     by_area = solid_angle <= _SMALLEST_SOLID_ANGLE
     return SphericalRectangle(
@@ -201,7 +202,7 @@ def _power_of_two_below_inverse(a):
 def _root(a):
     """sqrt(a), at least 1e-18."""
     a = maximum(a, 1e-36)
-    return a * (1.0 / sqrt(a))
+    return a * rsqrt(a)
 
 
 @kernel
@@ -219,7 +220,7 @@ def _times_conjugate(a, b):
 @kernel
 def _over_length(a, squared):
     """a / sqrt(a^2 + squared)."""
-    return a * (1.0 / sqrt(maximum(a * a + squared, 1e-36)))
+    return a * rsqrt(maximum(a * a + squared, 1e-36))
 
 
 @kernel
@@ -236,13 +237,13 @@ def square_to_spherical_rectangle(rectangle, u2):
     # The equation of Urena et al. for x / z, multiplied out so that s may be zero.
     g = c * b0 + b1
     remainder = maximum((g - s * e0) * (g + s * e0), 1e-36)
-    xu = r.z0 * where(g < 0.0, -s, s) * (1.0 / sqrt(remainder))
+    xu = r.z0 * where(g < 0.0, -s, s) * rsqrt(remainder)
     xu = minimum(maximum(xu, r.x0), r.x1)
     # The second one moves along the cut, uniform in the sine of the elevation.
     dd = xu * xu + zz
     h0, h1 = _over_length(r.y0, dd), _over_length(r.y1, dd)
     h = h0 + u2[1] * (h1 - h0)
-    yv = h * (1.0 / sqrt(maximum((1.0 - h) * (1.0 + h), 1e-36))) * _root(dd)
+    yv = h * rsqrt(maximum((1.0 - h) * (1.0 + h), 1e-36)) * _root(dd)
     yv = minimum(maximum(yv, r.y0), r.y1)
     xv = where(r.by_area, r.x0 + u2[0] * (r.x1 - r.x0), xu)
     yv = where(r.by_area, r.y0 + u2[1] * (r.y1 - r.y0), yv)

@@ -75,7 +75,7 @@ def empty_paths():
         lanes(0.0),
         lanes_mask(False),
         zero,
-        SamplerState(zero, zero, zero, zero, zero),
+        SamplerState(zero, zero, zero, zero, zero, zero, zero),
         lanes_mask(False),
         as_int(0),
     )

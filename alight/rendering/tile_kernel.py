@@ -31,7 +31,7 @@ from alight.core.simd import (
 from alight.films.fixed_point import split
 from alight.filters.importance import sample_filter
 from alight.integrators.walk import FILTER, LENS, Path, count_lanes, empty_paths, step
-from alight.samplers.sampling import SamplerState, get_2d
+from alight.samplers.sampling import get_2d, sampler_state
 
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
@@ -121,7 +121,7 @@ def refill(scene, settings, tile, ranges, cursor, path):
         else:
             cursor = next_pixel(settings, tile, ranges, cursor)
     new = bits_mask(fresh)
-    sampler = SamplerState(
+    sampler = sampler_state(
         load_lanes(xs, 0),
         load_lanes(ys, 0),
         load_lanes(indices, 0),

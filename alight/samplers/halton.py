@@ -16,7 +16,7 @@ from typing import Literal
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.jit import kernel
-from alight.core.rng import M3, hash_1, mix, pixel_keys
+from alight.core.rng import M3, hash_1, mix
 from alight.core.simd import any_lane, lanes, lanes_u32, minimum, to_float, to_uint, where
 from alight.core.spec import Sampler
 from alight.samplers.sobol import get_1d as padded_number
@@ -87,7 +87,7 @@ def _base(state, dimension):
 @kernel
 def _radical_inverse(state, dimension, base):
     """Scrambled radical inverse of the index in a prime base (u32 lanes)."""
-    a, b = pixel_keys(state.x, state.y, state.scramble, state.seed)
+    a, b = state.a, state.b
     key = hash_1(a, b, dimension)
     b_float = to_float(base)
     inverse = 1.0 / b_float

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.jit import kernel
-from alight.core.rng import hash_1, hash_2, pixel_keys, sample_keys, unit_float
+from alight.core.rng import hash_1, hash_2, sample_keys, unit_float
 from alight.core.spec import Sampler
 
 
@@ -48,5 +48,5 @@ def get_2d(state, dimension):
 
 @kernel
 def _keys(state):
-    a, b = pixel_keys(state.x, state.y, state.scramble, state.seed)
+    a, b = state.a, state.b
     return sample_keys(a, b, state.index)

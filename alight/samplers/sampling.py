@@ -11,6 +11,7 @@ from alight.core.jit import specialised
 from alight.core.registry import modules
 from alight.core.spec import Sampler
 from alight.samplers.state import SamplerState as SamplerState
+from alight.samplers.state import sampler_state as sampler_state
 
 
 def sampler_key(spec: Sampler) -> tuple:

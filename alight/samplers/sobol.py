@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.jit import kernel
-from alight.core.rng import hash_2, pixel_keys, unit_float
+from alight.core.rng import hash_2, unit_float
 from alight.core.simd import reverse_bits
 from alight.core.spec import Sampler
 from alight.samplers.owen import scramble_reversed, shuffle_index
@@ -60,7 +60,7 @@ def get_2d(state, dimension):
 
 @kernel
 def _seeds(state, dimension):
-    a, b = pixel_keys(state.x, state.y, state.scramble, state.seed)
+    a, b = state.a, state.b
     return hash_2(a, b, dimension)
 
 

@@ -13,7 +13,7 @@ from typing import Literal
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.jit import kernel
-from alight.core.rng import hash_1, hash_2, pixel_keys, sample_keys, unit_float
+from alight.core.rng import hash_1, hash_2, sample_keys, unit_float
 from alight.core.simd import minimum, to_float
 from alight.core.spec import Sampler, Strata
 from alight.samplers.permutation import make_permute
@@ -73,6 +73,6 @@ def make_kernels(strata):
 def block_and_keys(state, cells):
     """Number of the block that a sample is in, and the keys of that block."""
     block = state.index // cells
-    a, b = pixel_keys(state.x, state.y, state.scramble, state.seed)
+    a, b = state.a, state.b
     a, b = sample_keys(a, b, block)
     return block, a, b

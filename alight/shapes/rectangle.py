@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from alight.core.jit import kernel
-from alight.core.simd import absolute, gather, lanes_vec3, maximum, minimum, sqrt, where
+from alight.core.simd import absolute, gather, lanes_vec3, maximum, minimum, rsqrt, where
 from alight.core.spec import Shape
 from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.core.warps import (
@@ -147,8 +147,9 @@ def sample(tables, cdf, start, shape, p, u, u2):
     x, y = 2.0 * u2[0] - 1.0, 2.0 * u2[1] - 1.0
     by_area = flat_point(data, k, x, y) - p
     to_light = where(gather(data, k + IS_RECTANGLE) > 0.0, by_angle, by_area)
-    distance = sqrt(length_squared(to_light))
-    wi = to_light * (1.0 / distance)
+    squared = length_squared(to_light)
+    per_distance = rsqrt(squared)
+    distance, wi = squared * per_distance, to_light * per_distance
     cosine = -dot(wi, gather_vec3(data, k))
     density = density_of(data, k, seen, to_light, distance, cosine)
     return ShapeSample(wi, distance, cosine, gather(data, k + 15), density)

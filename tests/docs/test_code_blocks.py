@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from alight.core.vec import Vec3
-from alight.samplers.state import SamplerState
+from alight.samplers.state import sampler_state
 from alight.scene import loads
 from tests.docs.pages import PAGES, ROOT, blocks, name_of
 
@@ -72,7 +72,7 @@ def test_kronecker_points_are_uniform_and_better_than_random():
     get_1d, get_2d = module.make_kernels()
     n = 4096
     zero = np.zeros(n, np.uint32)
-    state = SamplerState(zero + 3, zero + 7, np.arange(n, dtype=np.uint32), zero, zero)
+    state = sampler_state(zero + 3, zero + 7, np.arange(n, dtype=np.uint32), zero, zero)
     points = [get_1d(state, 0), *get_2d(state, 2)]
     for x in points:
         assert x.min() >= 0.0

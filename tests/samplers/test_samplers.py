@@ -12,7 +12,7 @@ from alight.core.view import View
 from alight.samplers import MODELS
 from alight.samplers.halton import PRIMES, Halton
 from alight.samplers.multijittered import Multijittered
-from alight.samplers.sampling import SamplerState, get_1d, get_2d, sampler_key
+from alight.samplers.sampling import sampler_state, get_1d, get_2d, sampler_key
 from alight.samplers.sobol import Sobol
 from alight.samplers.stratified import Stratified
 
@@ -34,13 +34,13 @@ def u32(values):
 def sequence(n, first=0, pixel=(3, 7), scramble=1, seed=5):
     """State of n successive samples of one pixel."""
     index = u32(np.arange(first, first + n))
-    return SamplerState(u32(np.full(n, pixel[0])), u32(np.full(n, pixel[1])), index, scramble, seed)
+    return sampler_state(u32(np.full(n, pixel[0])), u32(np.full(n, pixel[1])), index, scramble, seed)
 
 
 def replicates(n, pixels):
     """State of n samples in each of `pixels` pixels; results reshape to (pixels, n)."""
     x = u32(np.repeat(np.arange(pixels), n))
-    return SamplerState(x & u32(63), x >> u32(6), u32(np.tile(np.arange(n), pixels)), 0, 5)
+    return sampler_state(x & u32(63), x >> u32(6), u32(np.tile(np.arange(n), pixels)), 0, 5)
 
 
 # ---------------------------------------------------------------- every sampler
@@ -50,7 +50,7 @@ def replicates(n, pixels):
 def test_numbers_lie_in_the_unit_interval(spec):
     index = u32([0, 1, 2, 15, 16, 17, 255, 2**16, 2**24 + 1, 2**31 - 1, 2**31, 2**32 - 1])
     for pixel in range(64):
-        state = SamplerState(u32(index * 0 + pixel), index, index, 3, 2**32 - 1)
+        state = sampler_state(u32(index * 0 + pixel), index, index, 3, 2**32 - 1)
         for dimension in (0, 1, 8, 38, 39, 40, FAR):
             values = [twin(spec, False)(state, dimension), *twin(spec)(state, dimension)]
             for u in values:
@@ -70,7 +70,7 @@ def test_each_number_alone_is_uniform(spec):
     n = 1 << 14
     pixel = u32(np.arange(n))
     for index in (0, 1, 13, 100_000):
-        state = SamplerState(pixel & u32(127), pixel >> u32(7), u32(np.full(n, index)), 2, 9)
+        state = sampler_state(pixel & u32(127), pixel >> u32(7), u32(np.full(n, index)), 2, 9)
         for dimension in (0, 8, FAR):
             x, y = twin(spec)(state, dimension)
             counts = np.histogram2d(x, y, bins=16, range=[[0, 1], [0, 1]])[0]
@@ -334,7 +334,7 @@ def three_numbers(inputs, scramble, seed, out):
     """A pair and a single number for each packet of x, y, index, dimension."""
     for i in range(0, out.size // 3, LANES):
         k = 4 * i
-        state = SamplerState(
+        state = sampler_state(
             load_lanes(inputs, k), load_lanes(inputs, k + LANES),
             load_lanes(inputs, k + 2 * LANES), scramble, seed,
         )  # fmt: skip
@@ -358,7 +358,7 @@ def test_compiled_numbers_are_the_twins(spec):
     program = Program(sampler=sampler_key(spec))
     instantiate(three_numbers, program)(View(blocks), 3, 77, out)
     found = out.array.reshape(-1, 3, lanes).swapaxes(0, 1).reshape(3, n)
-    state = SamplerState(inputs[0], inputs[1], inputs[2], 3, 77)
+    state = sampler_state(inputs[0], inputs[1], inputs[2], 3, 77)
     expected = np.stack([*twin(spec)(state, inputs[3]), twin(spec, False)(state, inputs[3])])
     if spec.type_name() in ("independent", "sobol"):
         np.testing.assert_array_equal(found, expected)
