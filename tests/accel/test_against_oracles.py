@@ -24,8 +24,10 @@ def test_a_million_rays_meet_in_the_tree_what_they_meet_one_by_one_and_in_float6
             for i, (s, p) in enumerate(zip(triangles.shape, triangles.prim, strict=True))
         }
         which = np.array(
-            [row[s, p] if t < np.inf else -1
-             for t, s, p in zip(tree.t, tree.shape.tolist(), tree.prim.tolist(), strict=True)]
+            [
+                row[s, p] if t < np.inf else -1
+                for t, s, p in zip(tree.t, tree.shape.tolist(), tree.prim.tolist(), strict=True)
+            ]
         )
         # `soup` gives its middle triangle the corners of the first one; the oracle names the first.
         which[which == len(triangles.faces) // 2] = 0

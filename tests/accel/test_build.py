@@ -43,7 +43,9 @@ def test_the_tree_does_not_depend_on_the_number_of_threads():
     vertices, faces = torus(500, 120, 0.1)
     trees = [batch.build(vertices, faces, threads=threads)[0] for threads in (1, 2, 3)]
     for tree in trees[1:]:
-        assert np.array_equal(tree.nodes.array.view(np.uint32), trees[0].nodes.array.view(np.uint32))
+        assert np.array_equal(
+            tree.nodes.array.view(np.uint32), trees[0].nodes.array.view(np.uint32)
+        )
         assert np.array_equal(
             tree.blocks.array.view(np.uint32), trees[0].blocks.array.view(np.uint32)
         )

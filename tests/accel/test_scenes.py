@@ -90,9 +90,7 @@ def test_structures_of_a_scene_follow_from_its_size():
     assert plan == ("triangles", "tree")
     assert stats["listed"] == 2
     o, d = random_rays(3, 10_000)
-    assert same_bits(
-        World(room).trace(o, d), World(room, structure="list").trace(o, d)
-    )
+    assert same_bits(World(room).trace(o, d), World(room, structure="list").trace(o, d))
 
 
 @pytest.mark.parametrize("structure", ["list", "bvh"])
@@ -135,13 +133,19 @@ def test_rays_that_make_no_sense_meet_nothing(structure):
                 d.append(bad[1])
                 t_max.append(np.inf)
     for bad_d, bad_t in (
-        (np.zeros(3), np.inf), (-np.zeros(3), np.inf), (good_d, np.nan), (good_d, 0.0),
-        (good_d, -1.0), (good_d, -np.inf),
+        (np.zeros(3), np.inf),
+        (-np.zeros(3), np.inf),
+        (good_d, np.nan),
+        (good_d, 0.0),
+        (good_d, -1.0),
+        (good_d, -np.inf),
     ):
         o.append(good_o)
         d.append(bad_d)
         t_max.append(bad_t)
-    hits = world.trace(np.array(o, np.float32), np.array(d, np.float32), np.array(t_max, np.float32))
+    hits = world.trace(
+        np.array(o, np.float32), np.array(d, np.float32), np.array(t_max, np.float32)
+    )
     assert np.isinf(hits.t).all()
     assert not hits.occluded.any()
     assert (hits.shape == 0).all()
@@ -216,8 +220,9 @@ def test_instances_agree_with_float64_away_from_edges():
         start += len(v)
     flat = triangle_set(np.concatenate(vertices), np.concatenate(faces))
     which = np.where(
-        np.isfinite(tree.t), [first.get(s, 0) + p for s, p in zip(tree.shape.tolist(),
-                                                                  tree.prim.tolist(), strict=True)], -1
+        np.isfinite(tree.t),
+        [first.get(s, 0) + p for s, p in zip(tree.shape.tolist(), tree.prim.tolist(), strict=True)],
+        -1,
     )
     wrong, decided = mismatches(flat, o, d, tree.t, which)
     assert wrong == 0

@@ -33,7 +33,9 @@ def trace_packets(scene, rays, active, results, n):
     """Closest hits and occlusion of n rays; rays: 7 columns of n, results: 6 columns of n."""
     for i in range(0, n, LANES):
         o = Vec3(load_lanes(rays, i), load_lanes(rays, n + i), load_lanes(rays, 2 * n + i))
-        d = Vec3(load_lanes(rays, 3 * n + i), load_lanes(rays, 4 * n + i), load_lanes(rays, 5 * n + i))
+        d = Vec3(
+            load_lanes(rays, 3 * n + i), load_lanes(rays, 4 * n + i), load_lanes(rays, 5 * n + i)
+        )
         t_max, on = load_lanes(rays, 6 * n + i), load_lanes(active, i) > 0.5
         hit = intersect_closest(scene, o, d, t_max, on)
         blocked = is_occluded(scene, o, d, t_max, on)
@@ -68,9 +70,7 @@ class World:
         on[:n] = active
         results = np.zeros((6, padded), np.float32)
         with np.errstate(all="ignore"):
-            kernel_of(self.plan, compiled)(
-                self.scene, View(rays), View(on), View(results), padded
-            )
+            kernel_of(self.plan, compiled)(self.scene, View(rays), View(on), View(results), padded)
         bits = results.view(np.uint32)
         return Hits(*results[:3, :n], *bits[3:5, :n], results[5, :n] > 0)
 
@@ -207,8 +207,8 @@ def float64_oracle(corners, origins, directions):
     """What a ray meets, in float64, with the doubtful cases known.
 
     Returns, for each ray, the nearest triangle that it meets farther than a margin from all edges
-    (-1: none), its t, and the least t of any other triangle that it meets or passes within the margin.
-    The margin is 1e-4 of the size of the numbers involved.
+    (-1: none), its t, and the least t of any other triangle that it meets or passes within the
+    margin. The margin is 1e-4 of the size of the numbers involved.
     """
     n = len(origins)
     sure, t_sure, t_other = np.full(n, -1), np.full(n, np.inf), np.full(n, np.inf)
