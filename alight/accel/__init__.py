@@ -1,4 +1,4 @@
-"""Acceleration structures: which surface does a ray meet first, and is anything in its way?
+"""Acceleration structures find the surface that a ray meets first, or whether it meets any.
 
 `build` makes a bounding volume hierarchy with 8 children a node, `traversal` follows one ray
 through it, `accelerator` puts it together with flat lists, planes and instances for a whole scene,

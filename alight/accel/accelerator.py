@@ -84,8 +84,10 @@ class _Sorter:
     def __init__(self, triangles, analytic, planes, instances, geometries):
         if triangles is None:
             triangles = TriangleSet(
-                np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32),
-                np.zeros(0, np.uint32), np.zeros(0, np.uint32),
+                np.zeros((0, 3), np.float32),
+                np.zeros((0, 3), np.int32),
+                np.zeros(0, np.uint32),
+                np.zeros(0, np.uint32),
             )
         self.triangles = in_order(finite(triangles))
         self.analytic = sorted((Analytic(*a) for a in analytic), key=lambda a: a.shape)
@@ -131,9 +133,7 @@ class _Sorter:
         """(part of the scene's surface, primitives, is it a mesh, first one) of small shapes."""
         boxes = [(np.asarray(a.low, float), np.asarray(a.high, float)) for a in self.analytic]
         entries = [(1, False, k) for k in range(len(boxes))]
-        _, firsts, counts = np.unique(
-            self.triangles.shape, return_index=True, return_counts=True
-        )
+        _, firsts, counts = np.unique(self.triangles.shape, return_index=True, return_counts=True)
         for first, count in zip(firsts.tolist(), counts.tolist(), strict=True):
             if count <= LIST_LIMIT:
                 points = self.triangles.vertices[self.triangles.faces[first : first + count]]
@@ -168,9 +168,7 @@ class _Sorter:
             ]
         lists["planes"] = self.planes
         plan += [name for name, rows in lists.items() if rows]
-        tables = {
-            name: View(np.array(rows, np.uint32).reshape(-1)) for name, rows in lists.items()
-        }
+        tables = {name: View(np.array(rows, np.uint32).reshape(-1)) for name, rows in lists.items()}
         listed = [chosen(self.triangles, self.listed), *self.flattened]
         corners = np.concatenate([t.vertices[t.faces].reshape(-1, 9) for t in listed])
         corners = np.ascontiguousarray(corners, np.float32)
@@ -180,7 +178,11 @@ class _Sorter:
             plan.append("triangles")
         forest = Forest(
             chosen(self.triangles, ~self.listed),
-            [a for a, listed in zip(self.analytic, self.listed_analytic, strict=True) if not listed],
+            [
+                a
+                for a, listed in zip(self.analytic, self.listed_analytic, strict=True)
+                if not listed
+            ],
             self.instances,
             self.geometries,
         )

@@ -1,8 +1,9 @@
 """Build of the bounding volume hierarchy on several threads.
 
-The top of the tree is built node by node, every pass over its big sets by all threads on chunks of
-references; the subtrees below are tasks, largest first. Chunks and tasks depend on the number of
-primitives only, so the tree is the same for any number of threads.
+First all threads together divide the whole set into 8, each pass over chunks of references (`top`).
+Then each thread takes one of the sets and divides it into 8, until there are enough for all; the
+subtrees over those are tasks, largest first. Chunks and tasks depend on the number of primitives
+only, so the tree is the same for any number of threads.
 """
 
 from __future__ import annotations
@@ -16,21 +17,21 @@ from functools import lru_cache
 import numpy as np
 
 from alight.accel import top
-from alight.accel.layout import BLOCK, CHILD, NODE, Bvh
+from alight.accel.layout import BLOCK, CHILD, NODE, WIDTH, Bvh
 from alight.accel.references import MARGIN, ROUNDING, refer_to_triangles
 from alight.accel.splitting import MEDIAN, SAH, Workspace, halve
-from alight.accel.subtree import Source, build_subtree, pack
+from alight.accel.subtree import Source, build_subtree, expand, pack
 from alight.core.jit import instantiate
 from alight.core.view import View
 
 #: Primitives that one thread takes at a time while all work on the same set.
-CHUNK = 131072
+CHUNK = 65536
 
-#: Sets below this size, or this part of all primitives, are left to one thread each.
-SMALLEST_TASK, TASKS = 8192, 7
+#: Sets below this size, or this part of all primitives, become tasks.
+SMALLEST_TASK, TASKS = 4096, 32
 
-#: Levels that are built by all threads together, at most.
-TOP_LEVELS = 4
+#: Levels of nodes above the tasks, at most.
+TOP_LEVELS = 3
 
 METHODS = {"sah": SAH, "median": MEDIAN}
 
@@ -68,15 +69,26 @@ def build_bvh(
         ``nodes``, ``blocks``, ``leaves``, ``depth``, ``bytes``, ``seconds`` (build without
         compilation).
     """
-    compiled = kernels()
-    begin = time.perf_counter()
     if others is None or boxes is None:
         others, boxes = np.zeros((0, BLOCK), np.float32), np.zeros((0, 2, 3), np.float32)
+    compile_kernels(len(faces) + len(others) > SMALLEST_TASK)
+    begin = time.perf_counter()
     with _Pool(threads) as pool:
-        builder = _Builder(compiled, pool, METHODS[method], vertices, faces, others, boxes)
+        builder = _Builder(kernels(), pool, METHODS[method], vertices, faces, others, boxes)
         bvh, stats = builder.run()
     stats["seconds"] = time.perf_counter() - begin
     return bvh, stats
+
+
+@lru_cache(maxsize=2)
+def compile_kernels(big: bool) -> None:
+    """Compile what a small or a big set needs, by building a set of that size."""
+    n = 16 * SMALLEST_TASK if big else 16
+    place = np.arange(3 * n, dtype=np.float32)
+    vertices = np.stack([place, place % 3, place % 128], axis=1)
+    faces = np.arange(3 * n, dtype=np.int32).reshape(n, 3)
+    nothing = np.zeros((0, BLOCK), np.float32), np.zeros((0, 2, 3), np.float32)
+    _Builder(kernels(), _Pool(1), SAH, vertices, faces, *nothing).run()
 
 
 def aligned_zeros(rows: int, columns: int) -> np.ndarray:
@@ -87,14 +99,23 @@ def aligned_zeros(rows: int, columns: int) -> np.ndarray:
     return memory[skip : skip + n].reshape(rows, columns)
 
 
-Kernels = namedtuple("Kernels", "refer bin choose partition conclude halve subtree pack")
+Kernels = namedtuple("Kernels", "refer bin choose partition conclude halve expand subtree pack")
 
 
 @lru_cache(maxsize=1)
 def kernels() -> Kernels:
-    """The compiled build kernels."""
-    texts = (refer_to_triangles, top.bin_chunk, top.choose, top.partition_chunk, top.conclude,
-             halve, build_subtree, pack)
+    """The build kernels, compiled when they are first called."""
+    texts = (
+        refer_to_triangles,
+        top.bin_chunk,
+        top.choose,
+        top.partition_chunk,
+        top.conclude,
+        halve,
+        expand,
+        build_subtree,
+        pack,
+    )
     return Kernels(*(instantiate(text) for text in texts))
 
 
@@ -132,11 +153,13 @@ class _Builder:
             View(aligned_zeros(n, 8)),
             View(aligned_zeros(n, 8)),
             View(np.zeros(n, np.uint32)),
-            View(aligned_zeros(n // 2 + 8 * (TASKS * 8 + 1), NODE)),
+            View(aligned_zeros(n // 2 + 2 * 8**TOP_LEVELS + 2, NODE)),
         )
         # Room for every set at the top: nodes of TOP_LEVELS levels with 8 children each.
-        self.records = View(aligned_zeros(8**TOP_LEVELS + 8, 16))
-        self.ranges = View(np.zeros(3 * (8**TOP_LEVELS + 8), np.int64))
+        room = sum(8**level for level in range(TOP_LEVELS + 1))
+        self.records = View(aligned_zeros(room, 16))
+        self.ranges = View(np.zeros(3 * room, np.int64))
+        self.used = 1
         rows = -(-n // CHUNK) + 1
         self.tables = View(aligned_zeros(rows, top.ROW))
         self.counts = View(np.zeros(rows * top.COUNTS, np.int64))
@@ -157,8 +180,13 @@ class _Builder:
         bounds = View(aligned_zeros(len(starts) + 1, 16))
         self.pool.run(
             lambda begin: self.compiled.refer(
-                self.source.vertices, self.source.faces, self.work.a, bounds,
-                begin // CHUNK, begin, min(begin + CHUNK, self.triangles),
+                self.source.vertices,
+                self.source.faces,
+                self.work.a,
+                bounds,
+                begin // CHUNK,
+                begin,
+                min(begin + CHUNK, self.triangles),
             ),
             starts,
         )
@@ -182,22 +210,38 @@ class _Builder:
         limit = max(SMALLEST_TASK, self.n // TASKS)
         nodes: list[list[int]] = []
         tasks: list[tuple[int, int]] = []
-        waiting = [(0, 0, None)]
-        self.used = 1
-        while waiting:
-            record, level, parent = waiting.pop(0)
-            if self._size(record) > limit and level < TOP_LEVELS:
+        # (record, its parent node and place there)
+        waiting = [(0, None)]
+        for level in range(TOP_LEVELS + 1):
+            big = [w for w in waiting if self._size(w[0]) > limit and level < TOP_LEVELS]
+            for record, parent in waiting:
+                if (record, parent) not in big:
+                    if parent is not None:
+                        nodes[parent[0]][parent[1]] = -1 - len(tasks)
+                    tasks.append((record, level))
+            waiting = []
+            for (_, parent), children in zip(big, self._expand([w[0] for w in big]), strict=True):
                 if parent is not None:
                     nodes[parent[0]][parent[1]] = len(nodes)
-                children = self._divide_into_children(record)
-                waiting += [(c, level + 1, (len(nodes), i)) for i, c in enumerate(children)]
+                waiting += [(child, (len(nodes), i)) for i, child in enumerate(children)]
                 nodes.append([0] * len(children))
                 self.boxes_of_top.append(self.records.array.reshape(-1, 16)[children, :8].copy())
-            else:
-                if parent is not None:
-                    nodes[parent[0]][parent[1]] = -1 - len(tasks)
-                tasks.append((record, level))
         return nodes, tasks
+
+    def _expand(self, sets: list[int]) -> list[list[int]]:
+        """Divide each of the sets into 8; the records of their parts."""
+        if len(sets) == 1:
+            return [self._divide_into_children(sets[0])]
+        sizes = View(np.zeros(self.records.size // 16, np.int64))
+        first = {record: self.used + 8 * k for k, record in enumerate(sets)}
+        self.used += 8 * len(sets)
+        self.pool.run(
+            lambda record: self.compiled.expand(
+                self.work, self.records, self.ranges, record, first[record], self.method, sizes
+            ),
+            sorted(sets, key=self._size, reverse=True),
+        )
+        return [[first[r] + k for k in range(int(sizes.array[r]))] for r in sets]
 
     def _size(self, record: int) -> int:
         begin, end = self.ranges.array[3 * record : 3 * record + 2]
@@ -212,10 +256,10 @@ class _Builder:
         """Divide a set into 8; the records of the parts."""
         children = [record]
         while len(children) < 8:
-            big = [c for c in children if self._size(c) > SMALLEST_TASK // 8]
-            if not big:
+            large = [c for c in children if self._size(c) > WIDTH]
+            if not large:
                 break
-            self._divide(max(big, key=self._area), self.used)
+            self._divide(max(large, key=self._area), self.used)
             children.append(self.used)
             self.used += 1
         return children
@@ -228,8 +272,15 @@ class _Builder:
 
         def bin_one(begin: int) -> None:
             self.compiled.bin(
-                self.work, self.records, self.ranges, i, begin, min(begin + CHUNK, end),
-                (begin - first) // CHUNK + 1, self.tables, self.counts,
+                self.work,
+                self.records,
+                self.ranges,
+                i,
+                begin,
+                min(begin + CHUNK, end),
+                (begin - first) // CHUNK + 1,
+                self.tables,
+                self.counts,
             )
 
         self.pool.run(bin_one, starts)
@@ -246,8 +297,17 @@ class _Builder:
             row = (begin - first) // CHUNK
             left = int(lefts[row])
             self.compiled.partition(
-                self.work, self.records, self.ranges, i, begin, min(begin + CHUNK, end),
-                first + left, middle + (begin - first - left), self.result, row + 1, self.tables,
+                self.work,
+                self.records,
+                self.ranges,
+                i,
+                begin,
+                min(begin + CHUNK, end),
+                first + left,
+                middle + (begin - first - left),
+                self.result,
+                row + 1,
+                self.tables,
             )
 
         self.pool.run(partition_one, starts)
@@ -258,18 +318,31 @@ class _Builder:
     def _build_subtrees(self, tasks: list[tuple[int, int]]) -> np.ndarray:
         """Build all tasks; (tasks, 4) int64: nodes, blocks, leaves and levels of each."""
         totals = View(np.zeros(4 * len(tasks), np.int64))
-        records, ranges = View(aligned_zeros(len(tasks), 16)), View(np.zeros(3 * len(tasks), np.int64))
+        records, ranges = (
+            View(aligned_zeros(len(tasks), 16)),
+            View(np.zeros(3 * len(tasks), np.int64)),
+        )
         for k, (record, _) in enumerate(tasks):
             records.array[16 * k : 16 * k + 16] = self.records.array[16 * record : 16 * record + 16]
             ranges.array[3 * k : 3 * k + 3] = self.ranges.array[3 * record : 3 * record + 3]
-        # A subtree over n primitives has at most n / 2 + 1 nodes: every inner node has two
-        # children at least, and leaves of one node only are made of more than WIDTH primitives.
-        self.first = [int(ranges.array[3 * k]) // 2 + 2 * k for k in range(len(tasks))]
+        # A subtree over n primitives has at most n / 2 + 1 nodes: a node without 8 children has
+        # leaves only, and holds more than WIDTH primitives unless it is the root. Counted along
+        # the references, so that no two subtrees write to the same place.
+        begins = ranges.array[::3]
+        place = np.argsort(np.argsort(begins))
+        self.first = (begins // 2 + 2 * place).tolist()
 
         def build_one(k: int) -> None:
             self.compiled.subtree(
-                self.work, records, ranges, k, self.first[k], tasks[k][1], self.method,
-                self.triangles, totals,
+                self.work,
+                records,
+                ranges,
+                k,
+                self.first[k],
+                tasks[k][1],
+                self.method,
+                self.triangles,
+                totals,
             )
 
         self.pool.run(build_one, sorted(range(len(tasks)), key=lambda k: -self._size(tasks[k][0])))
@@ -279,8 +352,11 @@ class _Builder:
         """The final arrays: top nodes, then the subtrees one after another."""
         node_at = len(top_nodes) + np.concatenate([[0], np.cumsum(totals[:, 0])])
         block_at = np.concatenate([[0], np.cumsum(totals[:, 1])])
-        bvh = Bvh(View(aligned_zeros(int(node_at[-1]), NODE)),
-                  View(aligned_zeros(int(block_at[-1]), BLOCK)), View(np.zeros(0, np.uint32)))
+        bvh = Bvh(
+            View(aligned_zeros(int(node_at[-1]), NODE)),
+            View(aligned_zeros(int(block_at[-1]), BLOCK)),
+            View(np.zeros(0, np.uint32)),
+        )
         for node, children in enumerate(top_nodes):
             row = bvh.nodes.array.reshape(-1, NODE)[node]
             row[:24], row[24:48] = np.inf, -np.inf
@@ -291,8 +367,14 @@ class _Builder:
 
         def pack_one(k: int) -> None:
             self.compiled.pack(
-                self.work, self.first[k], int(totals[k, 0]), bvh.nodes, int(node_at[k]),
-                bvh.blocks, int(block_at[k]), self.source,
+                self.work,
+                self.first[k],
+                int(totals[k, 0]),
+                bvh.nodes,
+                int(node_at[k]),
+                bvh.blocks,
+                int(block_at[k]),
+                self.source,
             )
 
         self.pool.run(pack_one, range(len(tasks)))

@@ -41,14 +41,10 @@ class Forest:
     def __init__(self, triangles, analytic, instances, geometries):
         self.triangles: TriangleSet = triangles
         self.analytic: list[Analytic] = analytic
-        self.instances: list[Instance] = [
-            i for i in instances if len(geometries[i.geometry][1])
-        ]
+        self.instances: list[Instance] = [i for i in instances if len(geometries[i.geometry][1])]
         self.geometries: list[tuple[np.ndarray, np.ndarray]] = geometries
 
-    def build(
-        self, method: str, threads: int
-    ) -> tuple[Bvh, View, tuple[str, ...], dict[str, Any]]:
+    def build(self, method: str, threads: int) -> tuple[Bvh, View, tuple[str, ...], dict[str, Any]]:
         """Build all trees.
 
         Returns
@@ -67,9 +63,7 @@ class Forest:
             tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)))
             return tree, View(np.zeros(6, np.float32)), (), {}
         used = sorted({i.geometry for i in self.instances})
-        trees = [
-            build_bvh(*self.geometries[g], method=method, threads=threads) for g in used
-        ]
+        trees = [build_bvh(*self.geometries[g], method=method, threads=threads) for g in used]
         blocks, boxes = np.zeros((others, BLOCK), np.float32), np.zeros((others, 2, 3), np.float32)
         self._describe_analytic(blocks, boxes)
         self._describe_instances(blocks, boxes)
@@ -176,8 +170,15 @@ def placed(one: Instance, vertices: np.ndarray, faces: np.ndarray) -> TriangleSe
 def placed_box(one: Instance, vertices: np.ndarray) -> np.ndarray:
     """Bounds of an instance in world space, (2, 3) float32, from the corners of its own box."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1])
-                        for z in (low[2], high[2])], np.float64)
+    corners = np.array(
+        [
+            [x, y, z]
+            for x in (low[0], high[0])
+            for y in (low[1], high[1])
+            for z in (low[2], high[2])
+        ],
+        np.float64,
+    )
     matrix = np.asarray(one.to_world, np.float64)
     world = corners @ matrix[:, :3].T + matrix[:, 3]
     margin = INSTANCE_MARGIN * np.abs(world).max()

@@ -14,11 +14,11 @@ word    meaning (8 words each, one a child)
 A missing child has the bounds (inf, -inf), which no ray meets.
 
 A *block* holds up to WIDTH triangles side by side, so that one ray meets all of them at once:
-corners a, b, c as 9 rows of WIDTH floats (ax, ay, az, bx, ...), then a row of WIDTH indices. A block
-that is not full repeats its last triangle. A block whose last index is OTHER holds one analytic
-shape or instance instead: word 0 its kind (`KINDS`), word 1 the row in the data, or for an instance
-the root node of its geometry, words 2..13 the map of the world to its own space (3 rows of 4); the
-first index is its own.
+corners a, b, c as 9 rows of WIDTH floats (ax, ay, az, bx, ...), then a row of WIDTH indices. A
+block that is not full repeats its last triangle. A block whose last index is OTHER holds one
+analytic shape or instance instead: word 0 its kind (`KINDS`), word 1 the row in the data, or for an
+instance the root node of its geometry, words 2..13 the map of the world to its own space (3 rows of
+4); the first index is its own.
 """
 
 from __future__ import annotations

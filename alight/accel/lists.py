@@ -19,9 +19,10 @@ from alight.shapes.hit import Hit
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
 
-#: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes: u32,
-#: shape and row in the data, of those in lists; triangles: float32, corners of those in the list, and
-#: triangle_ids: u32, their shape and prim; tree: `Bvh`; box: float32, lower and upper bounds of it.
+#: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes:
+#: u32, shape and row in the data, of those in lists; triangles: float32, corners of those in the
+#: list, and triangle_ids: u32, their shape and prim; tree: `Bvh`; box: float32, lower and upper
+#: bounds of it.
 Accelerator = namedtuple(
     "Accelerator", "rectangles spheres disks planes triangles triangle_ids tree box"
 )
@@ -40,7 +41,7 @@ NOTHING = 0xFFFFFFFF
 
 @kernel(strict=True)
 def keep_closer(best, hit, t, u, v, shape, prim):
-    """The lanes of `hit` (t <= best.t) replace `best` unless it has the same t and a lower shape."""
+    """The lanes of `hit` (t <= best.t) replace `best`, at the same t if their shape is lower."""
     closer = hit & ((t < best.t) | (shape < best.shape))
     return Hit(
         where(closer, t, best.t),

@@ -1,8 +1,9 @@
 """Leaves that hold analytic shapes and instances beside triangles.
 
 One ray meets an analytic shape in packet arithmetic, all lanes alike, so that its numbers are those
-that the flat lists get. An instance is met by moving the ray to the space of its geometry, whose tree
-lies in the same arrays; the direction keeps its length, so that t means the same in both spaces.
+that the flat lists get. An instance is met by moving the ray to the space of its geometry, whose
+tree lies in the same arrays; the direction keeps its length, so that t means the same in both
+spaces.
 """
 
 from __future__ import annotations
@@ -76,7 +77,10 @@ def _write_meet_shape(intersect: Callable) -> Callable:
 def meet_instance(tree, data, at, index, o, d, t_max):
     """The hit of one ray on an instance; index NONE if there is none."""
     root = as_int(float_bits(tree.blocks[at + 1]))
-    origin, direction = to_object(tree.blocks, at + 2, o, 1.0), to_object(tree.blocks, at + 2, d, 0.0)
+    origin, direction = (
+        to_object(tree.blocks, at + 2, o, 1.0),
+        to_object(tree.blocks, at + 2, d, 0.0),
+    )
     hit = closest_triangle(tree, data, origin, direction, t_max, root)
     found = index if hit.index != NONE else NONE
     return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
@@ -86,7 +90,10 @@ def meet_instance(tree, data, at, index, o, d, t_max):
 def instance_is_met(tree, data, at, index, o, d, t_max):
     """True if one ray meets an instance."""
     root = as_int(float_bits(tree.blocks[at + 1]))
-    origin, direction = to_object(tree.blocks, at + 2, o, 1.0), to_object(tree.blocks, at + 2, d, 0.0)
+    origin, direction = (
+        to_object(tree.blocks, at + 2, o, 1.0),
+        to_object(tree.blocks, at + 2, d, 0.0),
+    )
     return any_triangle(tree, data, origin, direction, t_max, root)
 
 

@@ -50,10 +50,14 @@ def enters_box(box, o, d, t_max):
     r = Vec3(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z))
     low = (Vec3(box[0], box[1], box[2]) - o) * r
     high = (Vec3(box[3], box[4], box[5]) - o) * r
-    enter = maximum(maximum(minimum(low.x, high.x), minimum(low.y, high.y)),
-                    maximum(minimum(low.z, high.z), 0.0))
-    leave = minimum(minimum(maximum(low.x, high.x), maximum(low.y, high.y)),
-                    minimum(maximum(low.z, high.z), t_max))
+    enter = maximum(
+        maximum(minimum(low.x, high.x), minimum(low.y, high.y)),
+        maximum(minimum(low.z, high.z), 0.0),
+    )
+    leave = minimum(
+        minimum(maximum(low.x, high.x), maximum(low.y, high.y)),
+        minimum(maximum(low.z, high.z), t_max),
+    )
     return enter <= leave * STRETCH
 
 
@@ -82,7 +86,7 @@ def direction_of(rays, i):
 
 @kernel(strict=True)
 def wins(t, shape, prim, t_best, shape_best, prim_best):
-    """Is the first of two hits nearer, or at the same t the one with the lower (shape, prim)?"""
+    """True if the first of two hits is nearer or, at the same t, has the lower (shape, prim)."""
     earlier = (shape < shape_best) | ((shape == shape_best) & (prim < prim_best))
     return (t < t_best) | ((t == t_best) & earlier)
 
@@ -118,8 +122,11 @@ def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
                     found_t[i], found_u[i], found_v[i] = hit.t, hit.u, hit.v
                     shapes[i], prims[i] = as_uint(shape), as_uint(prim)
         return Hit(
-            load_lanes(found_t, 0), load_lanes(found_u, 0), load_lanes(found_v, 0),
-            load_lanes(shapes, 0), load_lanes(prims, 0),
+            load_lanes(found_t, 0),
+            load_lanes(found_u, 0),
+            load_lanes(found_v, 0),
+            load_lanes(shapes, 0),
+            load_lanes(prims, 0),
         )
 
     @kernel(strict=True)
@@ -179,8 +186,9 @@ def _write_queries(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
         best = closest_of_lists(scene.accel, data, o, d, best)
         best = closest_of_tree(scene.accel, data, o, d, best)
         missed = best.shape == NOTHING
-        return Hit(where(missed, INFINITY, best.t), best.u, best.v,
-                   where(missed, 0, best.shape), best.prim)
+        return Hit(
+            where(missed, INFINITY, best.t), best.u, best.v, where(missed, 0, best.shape), best.prim
+        )
 
     @kernel(strict=True)
     def occluded(scene, o, d, t_max, active):

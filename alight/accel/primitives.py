@@ -46,7 +46,7 @@ class Instance(NamedTuple):
 
 def finite(triangles: TriangleSet) -> TriangleSet:
     """Without the triangles that have an infinite or undefined corner: no ray can meet them."""
-    good = np.isfinite(triangles.vertices).all(axis=1)
+    good = np.asarray(np.isfinite(triangles.vertices).all(axis=1))
     if good.all():
         return triangles
     vertices = np.where(good[:, None], triangles.vertices, np.float32(0.0))

@@ -1,9 +1,9 @@
 """Build kernels: the boxes of primitives, their sorting into bins and to both sides of a split.
 
-A *reference* stands for a primitive while the tree is built: 8 floats, the lower bounds x, y, z, the
-primitive's index (bits), the negated upper bounds, nothing. With the upper bounds negated the union
-of two boxes is one minimum of 8 lanes. Centroids are stored doubled (lower + upper): only their
-order counts.
+A *reference* stands for a primitive while the tree is built: 8 floats, the lower bounds x, y, z,
+the primitive's index (bits), the negated upper bounds, nothing. With the upper bounds negated the
+union of two boxes is one minimum of 8 lanes. Centroids are stored doubled (lower + upper): only
+their order counts.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def enlarged(box):
 
 @kernel(strict=True)
 def refer_to_triangles(vertices, faces, references, boxes, chunk, begin, end):
-    """Write references to triangles begin to end, and the union of boxes and centroids at `chunk`."""
+    """Write references to triangles begin to end; at `chunk` the union of boxes and centroids."""
     box, centers = wide(8, INFINITY), wide(8, INFINITY)
     for i in range(begin, end):
         a = corner(vertices, faces, 3 * i)

@@ -1,8 +1,8 @@
 """One ray against 8 boxes, or against WIDTH triangles, at once: the steps of a traversal.
 
 Nothing is culled wrongly: the boxes are larger than their triangles by more than the triangle test
-errs near them (`references.MARGIN`), and the far ends of the box test are stretched by a few units of
-2^-24, which covers all its rounding since every step is relative (Ize 2013, Robust BVH Ray
+errs near them (`references.MARGIN`), and the far ends of the box test are stretched by a few units
+of 2^-24, which covers all its rounding since every step is relative (Ize 2013, Robust BVH Ray
 Traversal, JCGT 2(2)).
 
 Nothing hangs: rays that are not finite, or that have no direction, meet nothing.
@@ -29,8 +29,8 @@ from alight.core.vec import Vec3
 from alight.core.wide import lane, load_wide, prefetch, wide
 from alight.shapes.triangle import Shear, component, shear_of, sheared_hit
 
-#: Found by one ray: t; index of the primitive in the tree (NONE: nothing up to t); face: triangle of
-#: an instance's mesh, else 0; u, v: barycentrics or local coordinates.
+#: Found by one ray: t; index of the primitive in the tree (NONE: nothing up to t); face: triangle
+#: of an instance's mesh, else 0; u, v: barycentrics or local coordinates.
 SingleHit = namedtuple("SingleHit", "t index face u v")
 
 #: What the box test needs: origin and reciprocal direction in every lane, and for each axis the row
@@ -81,10 +81,15 @@ def triangle_ray(o, d):
     """The `TriangleRay` of a ray (scalars)."""
     s = shear_of(d)
     return TriangleRay(
-        Vec3(wide(WIDTH, component(o, s.kx)), wide(WIDTH, component(o, s.ky)),
-             wide(WIDTH, component(o, s.kz))),
+        Vec3(
+            wide(WIDTH, component(o, s.kx)),
+            wide(WIDTH, component(o, s.ky)),
+            wide(WIDTH, component(o, s.kz)),
+        ),
         Shear(s.kx, s.ky, s.kz, wide(WIDTH, s.sx), wide(WIDTH, s.sy), wide(WIDTH, s.sz)),
-        s.kx * WIDTH, s.ky * WIDTH, s.kz * WIDTH,
+        s.kx * WIDTH,
+        s.ky * WIDTH,
+        s.kz * WIDTH,
     )
 
 

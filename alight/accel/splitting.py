@@ -5,8 +5,8 @@ inside it with a chance proportional to its surface area. The cost of a split is
 A(left) blocks(left) + A(right) blocks(right); it is looked for at the borders of a few bins (Wald
 2007, On fast construction of SAH-based bounding volume hierarchies).
 
-The *records* of sets that still have to be divided: 16 floats (box, then bounds of the centroids, as
-in `references`) and 3 whole numbers (first reference, end, which of the two buffers holds them).
+The *records* of sets that still have to be divided: 16 floats (box, then bounds of the centroids,
+as in `references`) and 3 whole numbers (first reference, end, which of the two buffers holds them).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from alight.core.simd import (
     minimum,
     where,
 )
-from alight.core.wide import lane, load_wide, low_half, store_wide, wide
+from alight.core.wide import lane, load_wide, store_wide, wide
 
 #: Cost of stepping through a node in units of testing a block of triangles.
 NODE_COST = 1.0
@@ -163,8 +163,20 @@ def divide(work, records, ranges, i, j, table, counts, method, by_count):
         return True
     middle = begin + split.left
     first = split.axis * BINS
-    partition(source, target, begin, end, begin, middle, centers, bins, split.axis, split.split,
-              table, 8 * 3 * BINS)
+    partition(
+        source,
+        target,
+        begin,
+        end,
+        begin,
+        middle,
+        centers,
+        bins,
+        split.axis,
+        split.split,
+        table,
+        8 * 3 * BINS,
+    )
     write_box(records, 16 * i, table, first, first + split.split)
     write_box(records, 16 * j, table, first + split.split + 1, first + bins - 1)
     store_wide(records, 16 * i + 8, load_wide(8, table, 8 * 3 * BINS))

@@ -1,4 +1,4 @@
-"""Build kernels: from a record (a set of primitives) to the nodes of its subtree, and their packing.
+"""Build kernels: from a record (a set of primitives) to its subtree, and the packing of it.
 
 While it is built a node's leaves say where their primitives stand in `order` (word CHILD) and how
 many they are (word COUNT, 0 for inner children). `pack` turns them into blocks and writes the nodes
@@ -78,6 +78,18 @@ def divide_into_children(work, records, ranges, whole, table, counts, method, by
         else:
             whole[i] = 1
     return n
+
+
+@kernel(strict=True)
+def expand(work, all_records, all_ranges, i, target, method, sizes):
+    """Divide record i into up to 8, which become records `target` and on; sizes[i]: how many."""
+    records, ranges, whole = local_floats(_RECORDS), local_longs(24), local_longs(8)
+    table, counts = local_floats(_TABLE), local_longs(_COUNTS)
+    copy_record(all_records, all_ranges, i, records, ranges, 0)
+    n = divide_into_children(work, records, ranges, whole, table, counts, method, False)
+    for k in range(n):
+        copy_record(records, ranges, k, all_records, all_ranges, target + k)
+    sizes[i] = n
 
 
 @kernel(strict=True)

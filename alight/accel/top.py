@@ -66,8 +66,20 @@ def partition_chunk(work, records, ranges, i, begin, end, left, right, result, r
     from_a = ranges[3 * i + 2] == 0
     source, target = (work.a, work.b) if from_a else (work.b, work.a)
     bins = bin_count(ranges[3 * i + 1] - ranges[3 * i])
-    partition(source, target, begin, end, left, right, load_wide(8, records, 16 * i + 8), bins,
-              result[0], result[1], tables, row * ROW + 8 * COUNTS)
+    partition(
+        source,
+        target,
+        begin,
+        end,
+        left,
+        right,
+        load_wide(8, records, 16 * i + 8),
+        bins,
+        result[0],
+        result[1],
+        tables,
+        row * ROW + 8 * COUNTS,
+    )
 
 
 @kernel(strict=True)
@@ -84,5 +96,8 @@ def conclude(records, ranges, i, j, rows, tables, result, middle):
     store_wide(records, 16 * i + 8, left)
     store_wide(records, 16 * j + 8, right)
     ranges[3 * j], ranges[3 * j + 1], ranges[3 * j + 2] = (
-        middle, ranges[3 * i + 1], 1 - ranges[3 * i + 2])
+        middle,
+        ranges[3 * i + 1],
+        1 - ranges[3 * i + 2],
+    )
     ranges[3 * i + 1], ranges[3 * i + 2] = middle, 1 - ranges[3 * i + 2]

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from alight.compiled.shapes import CompiledShapes
 from alight.core.distributions import cumulative
+from alight.core.spec import Light
 from alight.core.vec import luminance
 from alight.core.vec3 import Vec3
 from alight.core.view import View
-from alight.lights import area, constant, directional, point
-from alight.lights.sampling import KINDS, SAMPLES
+from alight.lights import area
+from alight.lights.sampling import KINDS, LIGHTS
 from alight.lights.tables import INFO, STRIDE, LightTables
 from alight.scene.flatten import FlatScene
 from alight.shapes.hit import INFO as SHAPE_INFO
-
-POWERS = {
-    "point": point.power,
-    "directional": directional.power,
-    "area": area.power,
-    "constant": constant.power,
-}
 
 Selection = Literal["uniform", "power"]
 
@@ -80,38 +74,37 @@ def compile_lights(
     shining = {shapes.rows[row.shape].kind for row in rows if row.shape >= 0}
     return CompiledLights(
         LightTables(View(info), View(data), View(np.concatenate(tables).astype(np.float32))),
-        tuple(name for name in SAMPLES if name in found),
+        tuple(name for name in LIGHTS if name in found),
         tuple(name for name in area.SHAPES if name in shining),
     )
 
 
 def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[_Row]:
     """All lights; the environment, if there is one, is the last."""
-    none = np.zeros(3)
     rows = []
     for index, shape in enumerate(shapes.rows):
-        light: Any = flat.shapes[shape.source].light
+        light = flat.shapes[shape.source].light
         if light is not None:
-            rows.append(_Row("area", light.radiance, none, index, shape.areas))
-    nothing = np.zeros(0)
-    for placed in flat.lights:
-        light, matrix = placed.light, placed.to_world
-        if light.type_name() == "point":
-            rows.append(_Row("point", light.intensity, matrix[:3, 3], -1, nothing))
-        else:
-            toward = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
-            rows.append(_Row("directional", light.irradiance, toward, -1, nothing))
-    environment: Any = flat.environment
-    if environment is not None:
-        rows.append(_Row("constant", environment.radiance, none, -1, nothing))
+            rows.append(_row(light, np.eye(4), index, shape.areas))
+    rows += [_row(placed.light, placed.to_world) for placed in flat.lights]
+    if flat.environment is not None:
+        rows.append(_row(flat.environment, np.eye(4)))
     return rows
+
+
+def _row(
+    light: Light, to_world: np.ndarray, shape: int = -1, areas: np.ndarray | None = None
+) -> _Row:
+    kind = light.type_name()
+    color, vector = LIGHTS[kind].place(light, to_world)
+    return _Row(kind, color, vector, shape, np.zeros(0) if areas is None else areas)
 
 
 def _weights(rows: list[_Row], radius: float, selection: Selection) -> np.ndarray:
     brightness = [float(luminance(Vec3(*row.color))) for row in rows]
     powers = np.array(
         [
-            POWERS[row.kind](bright, float(row.areas.sum()), radius)
+            LIGHTS[row.kind].power(bright, float(row.areas.sum()), radius)
             for row, bright in zip(rows, brightness, strict=True)
         ]
     )

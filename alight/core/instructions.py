@@ -3,6 +3,9 @@
 Each intrinsic below takes scalars or lanes; `PRIMITIVES` says which primitive it stands for.
 """
 
+# Numba declares infer_global and others as None until it is initialised.
+# pyright: reportOptionalCall=false
+
 from __future__ import annotations
 
 from llvmlite import ir

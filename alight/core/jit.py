@@ -53,6 +53,7 @@ class Specialised:
         self.__doc__ = factory.__doc__
 
     def __call__(self, *args) -> Any:
+        """Refuse: the text is not written yet."""
         raise TypeError(f"{self.__name__} depends on the program: use instantiate() first")
 
 

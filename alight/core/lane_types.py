@@ -7,6 +7,9 @@ Only `alight.core.compiler` brings this module in. Types:
 - ``View[dtype]``: pointer and size.
 """
 
+# Numba declares infer_global and others as None until it is initialised.
+# pyright: reportOptionalCall=false
+
 from __future__ import annotations
 
 import operator

@@ -92,7 +92,8 @@ def _load_wide(typing, n, table, i):
 def _store_wide(typing, table, i, x):
     def codegen(context, builder, sig, args):
         store = builder.store(
-            args[2], _pointer(context, builder, sig.args[0], args[0], args[1], sig.args[1], x.vector)
+            args[2],
+            _pointer(context, builder, sig.args[0], args[0], args[1], sig.args[1], x.vector),
         )
         store.align = 4
         return context.get_dummy_value()

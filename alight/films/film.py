@@ -320,8 +320,8 @@ class Film:
         Unknown (NaN) until every replicate of some pixel has a sample.
         """
         both = self._by_bands(
-            lambda sums, counts: np.stack(
-                statistics.mean_and_error(sums, counts), axis=-1, dtype=np.float32, casting="same_kind"
+            lambda sums, counts: np.stack(statistics.mean_and_error(sums, counts), axis=-1).astype(
+                np.float32
             )
         )
         return estimate_relmse(both[:, :, :3, 0], both[:, :, :3, 1], self.replicates)

@@ -41,6 +41,7 @@ from alight.lights.sampling import (
     emitted,
     environment_pdf,
     environment_radiance,
+    has_delta_lights,
     light_pdf,
     sample_light,
     shadow_ray,
@@ -48,6 +49,10 @@ from alight.lights.sampling import (
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
+
+#: Strategies of light sampling, as numbers that kernels compare.
+BY_LIGHT, MIS, BY_BSDF = 0, 1, 2
+STRATEGIES = {"emitter": BY_LIGHT, "mis": MIS, "bsdf": BY_BSDF}
 
 #: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
 MAX_SURVIVAL = 0.95
@@ -118,8 +123,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
         program.option("heuristic", "power")
     ]
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
-    weigh = {"mis": 1, "bsdf": 2, "emitter": 0}[strategy]
-    delta_lights = bool({"point", "directional"} & set(program.lights))
+    bsdf_weight, light_weight = weights_of(STRATEGIES[strategy], heuristic)
+    delta_lights = has_delta_lights(program)
     area_lights = "area" in program.lights
     environment = "constant" in program.lights
 
@@ -135,7 +140,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
         L, L_direct = path.L, path.L_direct
 
         # The ray left the scene: light of the environment.
-        if environment:
+        if environment:  # noqa: SIM102  (known when this is compiled; the next line is not)
             if any_lane(missed):
                 Le = environment_radiance(scene, path.d)
                 w = bsdf_weight(path, environment_pdf(scene, path.d))
@@ -176,7 +181,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
             if any_lane(lit):
                 wi = to_local(surface, light.wi)
                 f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
-                lit = lit & (max_component(f_cos) > 0.0)
+                lit = lit & ~(max_component(f_cos) <= 0.0)
                 rays += count_lanes(lit)
                 o, end = shadow_ray(surface, light)
                 lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
@@ -223,20 +228,26 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
             rays,
         )
 
+    return path_step
+
+
+def weights_of(strategy, heuristic):
+    """The kernels (bsdf_weight, light_weight) of a strategy."""
+
     @kernel
     def bsdf_weight(path, light_pdf):
         """MIS weight of light that the BSDF's direction came upon."""
-        if weigh == 1:
+        if strategy == MIS:
             return where(path.delta, 1.0, heuristic(path.pdf, light_pdf))
-        if weigh == 2:
+        if strategy == BY_BSDF:
             return where(path.delta, 1.0, lanes(1.0))
         return where(path.delta, 1.0, lanes(0.0))
 
     @kernel
     def light_weight(light, bsdf_pdf):
         """MIS weight of light that light sampling chose."""
-        if weigh == 1:
+        if strategy == MIS:
             return where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))
         return where(light.delta, 1.0, lanes(1.0))
 
-    return path_step
+    return bsdf_weight, light_weight

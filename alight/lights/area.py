@@ -11,10 +11,12 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
+import numpy as np
+
 from alight.core.constants import PI
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
-from alight.core.spec import Color, Light
+from alight.core.spec import Color, Light, Triple
 from alight.lights.tables import INFO, LightSample
 from alight.shapes import disk, mesh, rectangle, sphere
 from alight.shapes.hit import INFO as SHAPE_INFO
@@ -40,6 +42,15 @@ EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))
 
 #: Shapes that can shine.
 SHAPES = {"sphere": sphere, "rectangle": rectangle, "disk": disk, "mesh": mesh}
+
+
+#: Rays hit its shape.
+DELTA = False
+
+
+def place(spec: Area, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
+    """Colour; its shape has the place."""
+    return spec.radiance, np.zeros(3)
 
 
 def power(luminance: float, area: float, radius: float) -> float:

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
+import numpy as np
+
 from alight.core.constants import INFINITY, INV_FOUR_PI, PI
 from alight.core.jit import kernel
 from alight.core.simd import lanes, lanes_mask, lanes_vec3
-from alight.core.spec import Color, Light
+from alight.core.spec import Color, Light, Triple
 from alight.core.warps import square_to_uniform_sphere
 from alight.lights.tables import LightSample
 
@@ -32,6 +34,15 @@ class Constant(Light):
 
 
 EXAMPLES = (Constant(), Constant(radiance=(0.3, 0.5, 0.9)), Constant(radiance=0.0))
+
+
+#: A ray that leaves the scene finds it.
+DELTA = False
+
+
+def place(spec: Constant, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
+    """Colour; there is no place."""
+    return spec.radiance, np.zeros(3)
 
 
 def power(luminance: float, area: float, radius: float) -> float:

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+
 from alight.core.constants import INFINITY, PI
 from alight.core.jit import kernel
 from alight.core.simd import lanes, lanes_mask, lanes_vec3
-from alight.core.spec import Color, Light
+from alight.core.spec import Color, Light, Triple
 from alight.core.vec import gather_vec3
 from alight.lights.tables import STRIDE, LightSample
 
@@ -34,6 +36,16 @@ class Directional(Light):
 
 
 EXAMPLES = (Directional(), Directional(irradiance=(3.0, 2.0, 1.0)), Directional(irradiance=0.0))
+
+
+#: Rays cannot hit it, so every mode finds it by light sampling.
+DELTA = True
+
+
+def place(spec: Directional, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
+    """Colour, and the unit direction to the light."""
+    axis = to_world[:3, 2]
+    return spec.irradiance, -axis / np.linalg.norm(axis)
 
 
 def power(luminance: float, area: float, radius: float) -> float:

@@ -11,10 +11,12 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+
 from alight.core.constants import PI
 from alight.core.jit import kernel
 from alight.core.simd import lanes, lanes_mask, lanes_vec3, maximum, sqrt
-from alight.core.spec import Color, Light
+from alight.core.spec import Color, Light, Triple
 from alight.core.vec import gather_vec3, length_squared
 from alight.lights.tables import STRIDE, LightSample
 
@@ -33,6 +35,15 @@ class Point(Light):
 
 
 EXAMPLES = (Point(), Point(intensity=(10.0, 5.0, 0.0)), Point(intensity=0.0))
+
+
+#: Rays cannot hit it, so every mode finds it by light sampling.
+DELTA = True
+
+
+def place(spec: Point, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
+    """Colour, and the position in the world, metres."""
+    return spec.intensity, to_world[:3, 3]
 
 
 def power(luminance: float, area: float, radius: float) -> float:

@@ -10,21 +10,15 @@ from alight.core.distributions import sample_discrete
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, is_finite, lanes, lanes_mask, lanes_vec3, where
 from alight.core.vec import dot, gather_vec3, row_vec3
-from alight.lights import MODELS, area, constant, directional, point
+from alight.lights import MODELS
 from alight.lights.area import pdf as area_pdf
 from alight.lights.constant import pdf as constant_pdf
 from alight.lights.tables import INFO, STRIDE, LightSample
 from alight.shapes.hit import shadow_length, spawn_origin
 
-#: Name of a light -> its number in `LightTables.info`.
-KINDS = {model.__name__.rpartition(".")[2]: i for i, model in enumerate(MODELS)}
-
-SAMPLES = {
-    "point": point.sample,
-    "directional": directional.sample,
-    "area": area.sample,
-    "constant": constant.sample,
-}
+#: Models by name, and their numbers in `LightTables.info`.
+LIGHTS = {model.EXAMPLES[0].type_name(): model for model in MODELS}
+KINDS = {name: number for number, name in enumerate(LIGHTS)}
 
 #: Lights of which a scene has at most one, at infinity.
 ENVIRONMENTS = ("constant",)
@@ -55,9 +49,10 @@ def _by_kind(names: tuple[str, ...]):
     """A kernel that runs each light's `sample` where it was chosen."""
     if not names:
         return no_sample
+    own, number = LIGHTS[names[0]].sample, KINDS[names[0]]
     if len(names) == 1:
-        return SAMPLES[names[0]]
-    own, number, others = SAMPLES[names[0]], KINDS[names[0]], _by_kind(names[1:])
+        return own
+    others = _by_kind(names[1:])
 
     @kernel
     def choose(scene, index, p, u, u2):
@@ -73,7 +68,12 @@ def _by_kind(names: tuple[str, ...]):
 @specialised
 def sample_chosen(program):
     """``sample_chosen(scene, index, p, u, u2) -> LightSample`` of the lights `index`."""
-    return _by_kind(tuple(name for name in SAMPLES if name in program.lights))
+    return _by_kind(tuple(name for name in LIGHTS if name in program.lights))
+
+
+def has_delta_lights(program) -> bool:
+    """True if the program has lights that only light sampling finds."""
+    return any(LIGHTS[name].DELTA for name in program.lights)
 
 
 @specialised

@@ -80,7 +80,8 @@ def render(
     threads : int, optional
         All processors that this process may use by default. Does not change the picture.
     replicates : int, optional
-        The scene's ``film.replicates`` (4) by default: R of the film: independent scrambles whose spread gives the error bars.
+        R of the film, the scene's ``film.replicates`` (4) by default: independent scrambles whose
+        spread gives the error bars.
     spp_per_pass : int, optional
         Samples per pixel between two reports of progress. Does not change the picture.
     first_sample : int, default 0

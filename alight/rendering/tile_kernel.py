@@ -36,8 +36,8 @@ from alight.samplers.sampling import get_2d, sampler_state
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
 
-#: Which sample a lane takes next: pixel, sample (index * replicates + scramble), how many samples of
-#: the pixel are left, and the 8x8 cell that the pixel is in.
+#: Which sample a lane takes next: pixel, sample (index * replicates + scramble), how many samples
+#: of the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
 CELL = 8

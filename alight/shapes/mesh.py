@@ -76,7 +76,7 @@ class Rows:
         if table.size == 0 and isinstance(value, list | tuple):
             table = np.zeros((0, self.columns))
         numeric = np.issubdtype(table.dtype, np.number) and not np.iscomplexobj(table)
-        if not numeric or table.ndim != 2 or table.shape[1] != self.columns:
+        if not numeric or table.ndim != 2 or table.shape[1:] != (self.columns,):
             found = f"shape {table.shape}" if table.ndim else type(value).__name__
             raise invalid(f"must be a table of numbers, shape (n, {self.columns}), got {found}")
         self._check_range(table)

@@ -13,9 +13,9 @@ only, so neighbours share them; an edge function is accurate to 1.5 units in the
 (`difference_of_products`), so its sign is the exact one; and zero counts as inside. So every
 triangle that contains the origin exactly is hit, and no other.
 
-That no other is hit matters too. In plain float32 a needle, or a triangle seen edge-on, is also "hit"
-by rays that pass it at a distance, in the prolongation of its edges, where all three functions
-are nothing but rounding; whether such a hit is found then depends on the boxes around it.
+That no other is hit matters too. In plain float32 a needle, or a triangle seen edge-on, is also
+"hit" by rays that pass it at a distance, in the prolongation of its edges, where all three
+functions are nothing but rounding; whether such a hit is found then depends on the boxes around it.
 
 Source: Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2(1), which asks double
 precision where a function is zero; Kahan's algorithm makes that superfluous. We form t

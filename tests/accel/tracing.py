@@ -184,8 +184,8 @@ def _line_to_segment(d, p, q):
 def _meet(a, b, c, d, margin):
     """One triangle relative to the origin: (2 hit, 1 doubtful, 0 missed; t; least t)."""
     gap_ab, t_ab = _line_to_segment(d, a, b)
-    gap_bc, t_bc = _line_to_segment(d, b, c)
-    gap_ca, t_ca = _line_to_segment(d, c, a)
+    gap_bc, _ = _line_to_segment(d, b, c)
+    gap_ca, _ = _line_to_segment(d, c, a)
     edge = min(gap_ab, gap_bc, gap_ca)
     normal = _cross(_minus(b, a), _minus(c, a))
     along = _dot(normal, d)

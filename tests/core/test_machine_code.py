@@ -34,7 +34,8 @@ def test_no_reference_counting(machine_code):
     hot = [
         part
         for part in re.split(r"(?=^define )", body, flags=re.MULTILINE)
-        if part.startswith("define") and "render_tile_kernel" in part.split("\n")[0]
+        if part.startswith("define")
+        and "render_tile_kernel" in part.split("\n")[0]
         and "cpython" not in part.split("\n")[0]
     ]
     assert hot

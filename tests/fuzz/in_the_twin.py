@@ -19,6 +19,7 @@ import numpy as np
 from alight.compiled.scene import compile_scene
 from alight.core.errors import AlightError
 from alight.films import fixed_point
+from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import FlatScene, flatten, loads
@@ -69,12 +70,15 @@ def outcome(case, folder: Path) -> Outcome:
     """Treat one `Mutation`; nothing but a picture or an `AlightError` with words will do."""
     (folder / case.mesh_name).write_bytes(case.mesh)
     start = time.process_time()
+    text, invalid = "", 0
     try:
-        kind, text, invalid = "rendered", "", picture(flatten(loads(case.text, "scene.yaml", folder)))
+        invalid = picture(flatten(loads(case.text, "scene.yaml", folder)))
+        kind = "rendered"
     except AlightError as error:
-        kind, text, invalid = "refused" if str(error).strip() else "failed", str(error), 0
+        text = str(error)
+        kind = "refused" if text.strip() else "failed"
     except BaseException as error:
-        kind, text, invalid = "failed", f"{type(error).__name__}: {error}", 0
+        kind, text = "failed", f"{type(error).__name__}: {error}"
     return Outcome(kind, text, time.process_time() - start, invalid)
 
 
@@ -86,7 +90,7 @@ def picture(flat: FlatScene) -> int:
     if scene.stats["listed"] > MOST_PRIMITIVES:
         stride = -(-scene.stats["listed"] // MOST_PRIMITIVES)
         scene = compile_scene(replace(flat, shapes=flat.shapes[::stride]), structure="list")
-    settings = scene.settings(seed=0, replicates=film.replicates)
+    settings = make_settings(scene.integrator, seed=0, replicates=film.replicates)
     settings = settings._replace(max_depth=min(settings.max_depth, MOST_EDGES))
     kernels = make_kernels(scene, compiled=False)
     tile, one = Tile(0, 0, SIDE, SIDE), np.array([[[0, 1]]], np.int64)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
 
+from tests.fuzz.extremes import extremes
 from tests.fuzz.in_the_twin import Outcome, serve
-from tests.scene.mutate import mutations
+from tests.scene.mutate import Mutation, mutations
 
 #: Processor time that one scene may take; the slowest takes less than a tenth of it.
 MOST_SECONDS = 10.0
@@ -17,7 +18,7 @@ MOST_SECONDS = 10.0
 HANGS_AFTER = 120.0
 
 
-def outcomes(cases, folder: Path) -> Iterator[Outcome]:
+def outcomes(cases: list[Mutation], folder: Path) -> Iterator[Outcome]:
     """What became of each case, from a process that is replaced when it hangs or dies."""
     context = multiprocessing.get_context("spawn")
     process = None
@@ -49,28 +50,38 @@ def outcomes(cases, folder: Path) -> Iterator[Outcome]:
             process.kill()
 
 
-def check(seed: int, n: int, folder: Path) -> None:
-    """Render `n` mutated scenes; all that went wrong is told at once."""
-    cases = list(mutations(seed, n))
+def check(cases: Iterable[Mutation], folder: Path) -> list[Outcome]:
+    """Render mutated scenes; all that went wrong is told at once."""
+    cases = list(cases)
     results = list(outcomes(cases, folder))
     wrong = [
-        f"case {i} of seed {seed}: {r.kind}, {r.seconds:.1f} s: {r.text[:300]}"
+        f"case {i}: {r.kind}, {r.seconds:.1f} s: {r.text[:300]}"
         for i, r in enumerate(results)
         if r.kind == "failed" or r.seconds > MOST_SECONDS
     ]
     assert not wrong, "\n".join(wrong)
-    kinds = [r.kind for r in results]
+    assert len(results) == len(cases)
     # Both ways must be walked, or the mutations are too weak or too strong.
-    assert kinds.count("rendered") >= n // 10
-    assert kinds.count("refused") >= n // 2
+    kinds = [r.kind for r in results]
+    assert min(kinds.count("rendered"), kinds.count("refused")) >= len(cases) // 10
     # What is not finite is counted, but there is hardly any.
-    assert sum(r.invalid > 0 for r in results) <= n // 100
+    assert sum(r.invalid > 0 for r in results) <= len(cases) // 50
+    return results
 
 
 def test_mutated_scenes_render_or_are_refused(tmp_path):
-    check(seed=3, n=200, folder=tmp_path)
+    check(mutations(seed=3, n=200), tmp_path)
+
+
+def test_scenes_with_extreme_numbers_render_or_are_refused(tmp_path):
+    check(extremes(seed=3, n=200), tmp_path)
 
 
 @pytest.mark.proofs
 def test_two_thousand_mutated_scenes_render_or_are_refused(tmp_path):
-    check(seed=4, n=2000, folder=tmp_path)
+    check(mutations(seed=4, n=2000), tmp_path)
+
+
+@pytest.mark.proofs
+def test_two_thousand_scenes_with_extreme_numbers_render_or_are_refused(tmp_path):
+    check(extremes(seed=4, n=2000), tmp_path)

@@ -34,7 +34,8 @@ def u32(values):
 def sequence(n, first=0, pixel=(3, 7), scramble=1, seed=5):
     """State of n successive samples of one pixel."""
     index = u32(np.arange(first, first + n))
-    return sampler_state(u32(np.full(n, pixel[0])), u32(np.full(n, pixel[1])), index, scramble, seed)
+    x, y = (u32(np.full(n, coordinate)) for coordinate in pixel)
+    return sampler_state(x, y, index, scramble, seed)
 
 
 def replicates(n, pixels):

@@ -45,26 +45,26 @@ def mutations(seed: int, n: int) -> Iterator[Mutation]:
         How many.
     """
     rng = random.Random(seed)
-    texts = [_builtin_text(name) for name in builtin_names()]
-    meshes = {"mesh.ply": [_ply(""), _ply("<"), _ply(">")], "mesh.obj": [_OBJ]}
+    texts = [read_builtin(name) for name in builtin_names()]
+    meshes = {"mesh.ply": [mesh_file(""), mesh_file("<"), mesh_file(">")], "mesh.obj": [_OBJ]}
     for _ in range(n):
         mesh_name = rng.choice(list(meshes))
         mesh = rng.choice(meshes[mesh_name])
         if rng.random() < 0.35:
             mesh = _mutate_bytes(mesh, rng)
-            yield Mutation(_mesh_scene(mesh_name), mesh_name, mesh)
+            yield Mutation(mesh_scene(mesh_name), mesh_name, mesh)
         else:
-            text = rng.choice([*texts, _mesh_scene(mesh_name)])
+            text = rng.choice([*texts, mesh_scene(mesh_name)])
             for _ in range(rng.choice((1, 1, 1, 2, 5))):
                 text = rng.choice(_TEXT_MUTATIONS)(text, rng)
             yield Mutation(text, mesh_name, mesh)
 
 
-def _builtin_text(name: str) -> str:
+def read_builtin(name: str) -> str:
     return resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
 
 
-def _mesh_scene(mesh_name: str) -> str:
+def mesh_scene(mesh_name: str) -> str:
     return (
         "alight: 1\ncamera: {type: pinhole, transform: {translate: [0, 0, 4]}}\n"
         "environment: {type: constant, radiance: 0.5}\nfilm: {size: [8, 8]}\nnodes:\n  m:\n"
@@ -153,7 +153,7 @@ def _mutate_bytes(data: bytes, rng: random.Random) -> bytes:
     return data
 
 
-def _ply(order: str) -> bytes:
+def mesh_file(order: str) -> bytes:
     """Write a tetrahedron with normals, texture coordinates and colours."""
     names = [("x", "y", "z"), *(NAMES[name][0] for name in ("normals", "uvs", "colors"))]
     columns = [column for group in names for column in group]
