@@ -213,6 +213,27 @@ def digest(program: Hashable) -> str:
 # ---------------------------------------------------------------- the compiler and its disk cache
 
 
+def fixed(kernel: Callable) -> Callable:
+    """A compiled root kernel whose arguments have the same types at each call.
+
+    Numba's dispatcher looks at the types of all arguments each time; for nested tuples of tables
+    that takes longer than a small tile. Here it does so at the first call only.
+    """
+    entry = None
+
+    def call(*args: Any) -> Any:
+        nonlocal entry
+        if entry is None:
+            kernel(*args)
+            (compiled,) = kernel.overloads.values()
+            entry = compiled.entry_point
+        else:
+            entry(*args)
+
+    call.dispatcher = kernel  # pyright: ignore[reportFunctionMemberAccess]
+    return call
+
+
 @lru_cache(maxsize=1)
 def load_compiler():
     """Import Numba and our compiler, with the disk cache pointed at this version's own folder."""

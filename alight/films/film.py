@@ -46,7 +46,7 @@ class PartialFilm(NamedTuple):
     x0, y0 : int
         Corner of the tile in pixels of the full film; a multiple of 8 or the corner of the crop.
     sums : ndarray of int64, shape (th, tw, R, C, 2)
-        Fixed point, not necessarily canonical.
+        Fixed point, not necessarily canonical; `Film.add_tile` makes it so.
     counts : ndarray of int64, shape (th, tw, R)
     invalid, saturated : int
         Samples with NaN or infinity (added as 0) and sample values cut to 2^36.
@@ -407,10 +407,12 @@ class Film:
 
 
 def _add(target: np.ndarray, sums: np.ndarray) -> None:
-    """Add fixed-point sums in place. Carrying first leaves limb 1 room for the addition."""
-    added = sums.astype(np.int64)
-    fixed_point.carry(added)
-    target += added
+    """Add fixed-point sums in place. Carrying first leaves limb 1 room for the addition.
+
+    The addend is brought to canonical form where it is: a copy would take longer than the sum.
+    """
+    fixed_point.carry(sums)
+    target += sums
     fixed_point.carry(target)
 
 

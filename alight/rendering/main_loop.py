@@ -19,7 +19,7 @@ from alight.core.machine import fingerprint
 from alight.films import CELL_SIZE, Film
 from alight.integrators.aov import LAYERS
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile import Scratch, make_kernels, render_tile
 from alight.rendering.tiles import tiles_of
 from alight.scene import Scene, content_hash, flatten, load
 
@@ -203,13 +203,17 @@ class Job:
             if cancel.is_set():
                 return
             ranges = _ranges(tile, self.next_sample, count)
-            partial, rays = render_tile(self.kernels, self.scene, self.settings, tile, ranges)
+            if not hasattr(local, "scratch"):
+                local.scratch = Scratch()
+            partial, rays = render_tile(
+                self.kernels, self.scene, self.settings, tile, ranges, local.scratch
+            )
             self.film.add_tile(partial)
             with lock:
                 self.rays += rays
                 self.samples += count * (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
 
-        lock = threading.Lock()
+        lock, local = threading.Lock(), threading.local()
         futures = [pool.submit(work, tile) for tile in self.tiles]
         try:
             last = time.perf_counter()
@@ -258,7 +262,7 @@ class Clock:
 
 def _next_step(step: int, seconds: float) -> int:
     """Samples per pixel of the next pass: grows until a pass takes `PASS_SECONDS`."""
-    return max(1, min(2 * step, int(step * PASS_SECONDS / max(seconds, 1e-9))))
+    return max(1, min(4 * step, int(step * PASS_SECONDS / max(seconds, 1e-9))))
 
 
 def _ranges(tile, first: int, count: int) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
-from alight.core.jit import instantiate
+from alight.core.jit import fixed, instantiate
 from alight.core.view import View
 from alight.films import PartialFilm
 from alight.integrators.aov import LAYERS, layer_number
@@ -34,7 +34,7 @@ def make_kernels(scene: CompiledScene, *, compiled: bool = True) -> Kernels:
     def make(program: Program) -> Callable:
         kernel = instantiate(render_tile_kernel, program, compiled=compiled)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
-        return kernel if compiled else np.errstate(all="ignore")(kernel)
+        return fixed(kernel) if compiled else np.errstate(all="ignore")(kernel)
 
     wanted = set(LAYERS) & set(scene.program.aovs)
     # What light does there plays no part in these layers, and need not be compiled for them.
@@ -43,8 +43,30 @@ def make_kernels(scene: CompiledScene, *, compiled: bool = True) -> Kernels:
     return Kernels(make(beauty), make(looking) if wanted else None)
 
 
+class Scratch:
+    """Memory of one thread's tiles, used again: the system takes long to give and clear pages."""
+
+    def __init__(self) -> None:
+        self._films: dict[tuple, TileFilm] = {}
+
+    def film(self, settings: Settings, tile: Tile, split: bool) -> TileFilm:
+        """Zeros for a tile; the last tile of the same size is lost."""
+        key = (tile.x1 - tile.x0, tile.y1 - tile.y0, settings.replicates, split)
+        if key not in self._films:
+            self._films[key] = _empty_film(settings, tile, split)
+        else:
+            for table in self._films[key]:
+                table.array.fill(0)
+        return self._films[key]
+
+
 def render_tile(
-    kernels: Kernels, scene: CompiledScene, settings: Settings, tile: Tile, ranges: np.ndarray
+    kernels: Kernels,
+    scene: CompiledScene,
+    settings: Settings,
+    tile: Tile,
+    ranges: np.ndarray,
+    scratch: Scratch | None = None,
 ) -> tuple[PartialFilm, int]:
     """Render some samples of one tile.
 
@@ -58,6 +80,8 @@ def render_tile(
     tile : Tile
     ranges : ndarray of int64, shape (cells_y, cells_x, 2)
         (first, count) of the sample indices of each 8x8 cell that the tile touches.
+    scratch : Scratch, optional
+        Memory for the result, which is then valid until the next tile with the same scratch.
 
     Returns
     -------
@@ -67,7 +91,7 @@ def render_tile(
         Rays traced for the picture.
     """
     split = "direct" in scene.program.aovs
-    film = _empty_film(settings, tile, split)
+    film = (scratch or Scratch()).film(settings, tile, split)
     samples = View(np.ascontiguousarray(ranges, np.int64))
     kernels.beauty(scene.tables, settings, tile, samples, film)
     sums, direct, tally = film.sums.shaped, film.direct.shaped, film.tally.array

@@ -18,7 +18,7 @@ def machine_code():
     flat = flatten(alight.load("mirror-and-glass"))
     job = Job(compile_scene(flat), seed=0, threads=1, replicates=4, first_sample=0)
     job.start(None)
-    (code,) = job.kernels.beauty.inspect_llvm().values()
+    (code,) = job.kernels.beauty.dispatcher.inspect_llvm().values()
     return code
 
 

@@ -1,0 +1,88 @@
+"""The tests have teeth: each of the planted bugs is found by the test that is named for it.
+
+A bug is planted in a copy of the package and of its tests; the working tree is never touched.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.mutants.mutants import MUTANTS
+
+ROOT = Path(__file__).parents[2]
+
+#: In the root of a copy: tests that looked at the working tree instead would prove nothing.
+CONFTEST = """
+from pathlib import Path
+
+import alight
+
+assert Path(alight.__file__).is_relative_to(Path(__file__).parent)
+"""
+
+#: How pytest's summary shows that an assertion failed, and not that the patch broke the program.
+FAILED = re.compile(r"^FAILED \S+.* - (AssertionError|assert )", re.MULTILINE)
+
+
+def copy_of_the_project(folder: Path) -> Path:
+    """A copy of the package, its tests and its settings."""
+    ignored = shutil.ignore_patterns("__pycache__", "mutants", "references")
+    for name in ("alight", "tests"):
+        shutil.copytree(ROOT / name, folder / name, ignore=ignored)
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    (folder / "conftest.py").write_text(CONFTEST)
+    return folder
+
+
+def run_tests(folder: Path, *tests: str) -> subprocess.CompletedProcess:
+    """Run tests of a copy until one fails, with nothing compiled beforehand."""
+    environment = {
+        **os.environ, "PYTHONPATH": str(folder), "ALIGHT_CACHE": str(folder / "cache"),
+        "COLUMNS": "300", "PYTHONDONTWRITEBYTECODE": "1",
+    }  # fmt: skip
+    options = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=line"]
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", *options, *tests],
+        cwd=folder, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+@pytest.mark.proofs
+def test_killers_pass_without_a_bug(tmp_path):
+    killers = sorted({mutant.killer for mutant in MUTANTS})
+    result = run_tests(copy_of_the_project(tmp_path), *killers)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+@pytest.mark.proofs
+@pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
+def test_the_bug_is_found(mutant, tmp_path):
+    path = copy_of_the_project(tmp_path) / "alight" / mutant.file
+    text = path.read_text("utf-8")
+    for old, new in mutant.edits:
+        text = text.replace(old, new)
+    path.write_text(text, "utf-8")
+    result = run_tests(tmp_path, mutant.killer)
+    assert result.returncode == 1, f"survived: {mutant.killer}\n{result.stdout}{result.stderr}"
+    assert FAILED.search(result.stdout), f"broke the program:\n{result.stdout}{result.stderr}"
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
+def test_the_patch_fits(mutant):
+    text = (ROOT / "alight" / mutant.file).read_text("utf-8")
+    for old, new in mutant.edits:
+        assert text.count(old) == 1, f"{old!r} must occur once in {mutant.file}"
+        assert new != old
+
+
+def test_names_of_bugs_and_killers():
+    assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS) >= 20
+    for mutant in MUTANTS:
+        assert (ROOT / mutant.killer.partition("::")[0]).is_file(), mutant.killer
