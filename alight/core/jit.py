@@ -213,7 +213,7 @@ def digest(program: Hashable) -> str:
 # ---------------------------------------------------------------- the compiler and its disk cache
 
 
-def fixed(kernel: Callable) -> Callable:
+def fixed(kernel: Any) -> Callable:
     """A compiled root kernel whose arguments have the same types at each call.
 
     Numba's dispatcher looks at the types of all arguments each time; for nested tuples of tables

@@ -202,6 +202,12 @@ TRANSPORT = (
         f"{TWIN}::test_the_direct_layer_is_the_picture_of_two_edges",
     ),
     Mutant(
+        "NaN in the value of a BSDF taken for darkness",
+        "integrators/path.py",
+        (("~(max_component(f_cos) <= 0.0)", "(max_component(f_cos) > 0.0)"),),
+        f"{TWIN}::test_samples_that_are_not_finite_are_counted_and_add_nothing",
+    ),
+    Mutant(
         "NaN swallowed by the end of a path",
         "integrators/path.py",
         (("~(largest <= 0.0)", "(largest > 0.0)"),),
@@ -255,8 +261,8 @@ FILM = (
         (
             ("    as_int,\n", "    as_int,\n    as_float,\n"),
             (
-                "film.sums[at * 6 + i] += as_int(limbs[i * LANES + lane])",
-                "k = at * 6 + i; film.sums[k] = as_int(as_float(film.sums[k]) + limbs[i * LANES + lane])",
+                "+= as_int(limbs[i * LANES + lane])",
+                "= as_int(as_float(film.sums[at * 6 + i]) + limbs[i * LANES + lane])",
             ),
         ),
         f"{BITS}::test_two_halves_are_the_whole",

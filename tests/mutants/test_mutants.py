@@ -67,6 +67,7 @@ def test_the_bug_is_found(mutant, tmp_path):
     path = copy_of_the_project(tmp_path) / "alight" / mutant.file
     text = path.read_text("utf-8")
     for old, new in mutant.edits:
+        assert text.count(old) == 1
         text = text.replace(old, new)
     path.write_text(text, "utf-8")
     result = run_tests(tmp_path, mutant.killer)

@@ -123,22 +123,25 @@ def test_the_direct_layer_is_the_picture_of_two_edges(scene):
 CAMERA = "camera: {type: orthographic, height: 8, transform: {translate: [0, 0, 5]}}\n"
 
 
-def test_samples_that_are_not_finite_are_counted_and_add_nothing():
-    scene = compiled(
-        CAMERA
-        + """
-film: {size: [8, 8]}
-environment: {type: constant}
-nodes: {floor: {shape: plane}}
-"""
-    )
-    # A number that no scene file may hold; it must reach the film through the whole path.
-    scene.tables.materials.data.array[0] = np.nan
+@pytest.mark.parametrize(
+    "light",
+    [
+        "environment: {type: constant}\nintegrator: {type: path, light_sampling: bsdf}",
+        "  lamp: {light: {type: point}, transform: {translate: [0, 0, 5]}}",
+    ],
+    ids=["found", "sampled"],
+)
+def test_samples_that_are_not_finite_are_counted_and_add_nothing(light):
+    text = "film: {size: [8, 8]}\nnodes:\n  floor: {shape: plane}\n"
+    scene = compiled(CAMERA + text + light)
+    good = twin(scene, 4)
+    assert good.invalid == 0 and (good.sums.sum(axis=2) > 0).any(axis=(2, 3)).all()
+    # Numbers that no scene file may hold; they must reach the film through the whole path.
+    scene.tables.materials.data.array[:3] = np.nan
     film = twin(scene, 4)
     assert film.invalid == 4 * 64
     assert (film.counts.sum(axis=2) == 4).all()
-    red = film.sums[:, :, :, 0]
-    assert not red.any() and film.sums.any()
+    assert not film.sums.any()
 
 
 def test_an_edge_rings_as_the_mitchell_filter_says():
