@@ -16,6 +16,7 @@ from alight.core.simd import (
     as_int,
     as_uint,
     bits_mask,
+    is_finite,
     lanes,
     lanes_u32,
     lanes_vec3,
@@ -164,15 +165,19 @@ def add_finished(program):
     def add_finished(settings, tile, film, path, finished):
         limbs = local_floats(16 * 12)
         pixels, replicates = local_uints(16), local_uints(16)
-        bad = put_limbs(limbs, 0, path.L.x)
-        bad = bad | put_limbs(limbs, 1, path.L.y)
-        bad = bad | put_limbs(limbs, 2, path.L.z)
+        # A sample with one channel that is not a number adds nothing to the others either.
+        valid = is_finite(path.L.x) & is_finite(path.L.y) & is_finite(path.L.z)
+        L = where(valid, path.L, lanes_vec3(0.0))
+        saturated = put_limbs(limbs, 0, L.x)
+        saturated = saturated | put_limbs(limbs, 1, L.y)
+        saturated = saturated | put_limbs(limbs, 2, L.z)
         if split_direct:
-            put_limbs(limbs, 3, path.L_direct.x)
-            put_limbs(limbs, 4, path.L_direct.y)
-            put_limbs(limbs, 5, path.L_direct.z)
-        film.tally[INVALID] += count_lanes(finished & ((bad & 1) != 0))
-        film.tally[SATURATED] += count_lanes(finished & ((bad & 2) != 0))
+            direct = where(valid, path.L_direct, lanes_vec3(0.0))
+            put_limbs(limbs, 3, direct.x)
+            put_limbs(limbs, 4, direct.y)
+            put_limbs(limbs, 5, direct.z)
+        film.tally[INVALID] += count_lanes(finished & ~valid)
+        film.tally[SATURATED] += count_lanes(finished & saturated)
         x, y = path.sampler.x - tile.x0, path.sampler.y - tile.y0
         store_lanes(pixels, 0, y * (tile.x1 - tile.x0) + x)
         store_lanes(replicates, 0, path.sampler.scramble)
@@ -194,13 +199,11 @@ def add_finished(program):
 
 @kernel(strict=True)
 def put_limbs(limbs, channel, value):
-    """Store both limbs of one channel; returns bit 0 where invalid, bit 1 where saturated."""
+    """Store both limbs of one channel; returns where it was saturated."""
     parts = split(value)
     store_lanes(limbs, (2 * channel) * LANES, parts.hi)
     store_lanes(limbs, (2 * channel + 1) * LANES, parts.lo)
-    return where(parts.invalid, lanes_u32(1), lanes_u32(0)) | where(
-        parts.saturated, lanes_u32(2), lanes_u32(0)
-    )
+    return parts.saturated
 
 
 @kernel
