@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from numba.core import ir as numba_ir
+from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
 from numba.core.typed_passes import (
@@ -79,6 +80,20 @@ class KernelCompiler(CompilerBase):
         return [pipeline]
 
 
+class LinkingLibrary(JITCodeLibrary):
+    """Optimised LLVM IR to link with, kept out of the engine that makes machine code.
+
+    Were it in there, a kernel's calls could go to this copy of a function in place of the one in
+    the kernel's own module, which is optimised together with its callers: the same program would
+    round differently when compiled and when read from the disk cache, which holds only the latter.
+    """
+
+    def _finalize_final_module(self):
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LowerForLinking(NativeLowering):
     """Lowering of kernels that only kernels call: LLVM IR to link with, no machine code."""
@@ -88,6 +103,7 @@ class LowerForLinking(NativeLowering):
     def run_pass(self, state):
         """Lower one function."""
         state.flags.no_compile = True
+        state.library = LinkingLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         super().run_pass(state)
         # The dispatcher insists on an entry point of its own, a built-in callable, to tell its
         # functions apart; nothing ever calls this one. Methods of two lists are never equal.

@@ -1,0 +1,46 @@
+"""Kernels from the disk cache: the same bits as when they were compiled, and never out of date."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import alight
+
+PACKAGE = Path(alight.__file__).parent
+
+RENDER = """
+import hashlib, alight
+film = alight.render(alight.load("cornell-box", ["film.size=[24,16]"]), spp=8)
+print(hashlib.sha256(film.sums.tobytes()).hexdigest())
+"""
+
+
+def run(script: str, **environment: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+def test_compiled_and_cached_kernels_give_the_same_bits(tmp_path):
+    first = run(RENDER, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
+    assert list(tmp_path.rglob("*.nbc"))
+    again = run(RENDER, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
+    assert again == first
+
+
+def test_the_cache_folder_changes_with_any_callee(tmp_path):
+    shutil.copytree(PACKAGE, tmp_path / "alight", ignore=shutil.ignore_patterns("__pycache__"))
+    script = "from alight.core.machine import cache_folder; print(cache_folder())"
+    before = run(script, PYTHONPATH=str(tmp_path))
+    callee = tmp_path / "alight" / "core" / "mis.py"
+    callee.write_text(callee.read_text() + "\n#\n")
+    assert run(script, PYTHONPATH=str(tmp_path)) != before
