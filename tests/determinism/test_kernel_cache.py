@@ -19,9 +19,11 @@ print(hashlib.sha256(film.sums.tobytes()).hexdigest())
 """
 
 
-def run(script: str, **environment: str) -> str:
+def run(script: str, folder: Path, **environment: str) -> str:
+    """What a script prints that is run in `folder` (Python looks there for packages first)."""
     done = subprocess.run(
         [sys.executable, "-c", script],
+        cwd=folder,
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
@@ -31,16 +33,16 @@ def run(script: str, **environment: str) -> str:
 
 
 def test_compiled_and_cached_kernels_give_the_same_bits(tmp_path):
-    first = run(RENDER, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
+    first = run(RENDER, tmp_path, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
     assert list(tmp_path.rglob("*.nbc"))
-    again = run(RENDER, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
+    again = run(RENDER, tmp_path, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
     assert again == first
 
 
 def test_the_cache_folder_changes_with_any_callee(tmp_path):
     shutil.copytree(PACKAGE, tmp_path / "alight", ignore=shutil.ignore_patterns("__pycache__"))
     script = "from alight.core.machine import cache_folder; print(cache_folder())"
-    before = run(script, PYTHONPATH=str(tmp_path))
+    before = run(script, tmp_path, PYTHONPATH=str(tmp_path))
     callee = tmp_path / "alight" / "core" / "mis.py"
     callee.write_text(callee.read_text() + "\n#\n")
-    assert run(script, PYTHONPATH=str(tmp_path)) != before
+    assert run(script, tmp_path, PYTHONPATH=str(tmp_path)) != before
