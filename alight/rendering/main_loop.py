@@ -112,10 +112,11 @@ def render(
     _check(spp, time_limit, seed, threads, replicates, spp_per_pass, first_sample, aovs)
     flat = flatten(scene)
     clock.lap("load")
-    compiled = compile_scene(flat, content_hash(scene), aovs=_layers(aovs))
+    threads = threads or usable_processors()
+    compiled = compile_scene(flat, content_hash(flat), aovs=_layers(aovs), threads=threads)
     clock.lap("bvh")
     replicates = replicates or flat.film.replicates
-    job = Job(compiled, seed, threads or usable_processors(), replicates, first_sample)
+    job = Job(compiled, seed, threads, replicates, first_sample)
     job.start(progress)
     clock.lap("compile")
     job.run(spp if spp or time_limit else 64, time_limit, spp_per_pass, progress, cancel)
@@ -146,6 +147,8 @@ class Job:
             version=alight.__version__,
         )
         self.tiles = tiles_of(self.film.crop)
+        # The pool keeps its threads from pass to pass, and they their memory.
+        self.local = threading.local()
 
     def start(self, progress: Callable | None) -> None:
         """Compile the kernel (or read it from the cache) by rendering no sample of one tile."""
@@ -213,7 +216,7 @@ class Job:
                 self.rays += rays
                 self.samples += count * (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
 
-        lock, local = threading.Lock(), threading.local()
+        lock, local = threading.Lock(), self.local
         futures = [pool.submit(work, tile) for tile in self.tiles]
         try:
             last = time.perf_counter()
