@@ -12,8 +12,9 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Callable
 
+from alight.core.constants import INFINITY
 from alight.core.jit import kernel
-from alight.core.simd import as_int, where
+from alight.core.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 from alight.shapes import disk, plane, rectangle, sphere
 from alight.shapes.hit import Hit
 from alight.shapes.triangle import intersect as intersect_triangle
@@ -40,16 +41,38 @@ NOTHING = 0xFFFFFFFF
 
 
 @kernel(strict=True)
-def keep_closer(best, hit, t, u, v, shape, prim):
-    """The lanes of `hit` (t <= best.t) replace `best`, at the same t if their shape is lower."""
-    closer = hit & ((t < best.t) | (shape < best.shape))
+def nothing_yet(best):
+    """Where the search of one list starts: anything up to ``best.t``, itself included, is closer.
+
+    Inside a list, in its order, a later hit must be strictly closer; that is one comparison.
+    """
+    beyond = where(best.t < INFINITY, bits_float(float_bits(best.t) + 1), best.t)
+    return Hit(beyond, lanes(0.0), lanes(0.0), lanes_u32(NOTHING), lanes_u32(0))
+
+
+@kernel(strict=True)
+def keep(mask, a, b):
+    """Lane-wise choice between two hits."""
     return Hit(
-        where(closer, t, best.t),
-        where(closer, u, best.u),
-        where(closer, v, best.v),
-        where(closer, shape, best.shape),
-        where(closer, prim, best.prim),
+        where(mask, a.t, b.t),
+        where(mask, a.u, b.u),
+        where(mask, a.v, b.v),
+        where(mask, a.shape, b.shape),
+        where(mask, a.prim, b.prim),
     )
+
+
+@kernel(strict=True)
+def keep_closer(found, hit, t, u, v, shape, prim):
+    """The lanes of `hit` that are closer replace `found`."""
+    return keep(hit & (t < found.t), Hit(t, u, v, shape, prim), found)
+
+
+@kernel(strict=True)
+def merge(best, found):
+    """The closer one of two hits, at the same t the one with the lower shape."""
+    closer = (found.shape != NOTHING) & ((found.t < best.t) | (found.shape < best.shape))
+    return keep(closer, found, best)
 
 
 @kernel
@@ -81,11 +104,11 @@ def _write_shape_list(name: str) -> tuple[Callable, Callable]:
 
     @kernel(strict=True)
     def closest(accel, data, o, d, best):
-        table = table_of(accel)
+        table, found = table_of(accel), nothing_yet(best)
         for i in range(table.size // 2):
-            t, u, v, hit = intersect(data, as_int(table[2 * i + 1]), o, d, best.t)
-            best = keep_closer(best, hit, t, u, v, table[2 * i], 0)
-        return best
+            t, u, v, hit = intersect(data, as_int(table[2 * i + 1]), o, d, found.t)
+            found = keep_closer(found, hit, t, u, v, table[2 * i], 0)
+        return merge(best, found)
 
     @kernel(strict=True)
     def occlude(accel, data, o, d, t_max):
@@ -101,14 +124,14 @@ def _write_shape_list(name: str) -> tuple[Callable, Callable]:
 @kernel(strict=True)
 def closest_of_triangles(accel, data, o, d, best):
     """Closest hits with the triangles in the list."""
-    shear = shear_of(d)
+    shear, found = shear_of(d), nothing_yet(best)
     origin = rotated(o, shear)
     for i in range(accel.triangles.size // 9):
-        t, u, v, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, best.t)
-        best = keep_closer(
-            best, hit, t, u, v, accel.triangle_ids[2 * i], accel.triangle_ids[2 * i + 1]
+        t, u, v, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, found.t)
+        found = keep_closer(
+            found, hit, t, u, v, accel.triangle_ids[2 * i], accel.triangle_ids[2 * i + 1]
         )
-    return best
+    return merge(best, found)
 
 
 @kernel(strict=True)

@@ -13,6 +13,7 @@ from alight.accel.layout import KINDS
 from alight.accel.lists import (
     NOTHING,
     closest_of_nothing,
+    keep,
     occlude_by_nothing,
     write_lists,
 )
@@ -22,8 +23,8 @@ from alight.accel.traversal import any_triangle, closest_triangle
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
-    as_int,
     as_uint,
+    gather,
     lanes,
     lanes_u32,
     load_lanes,
@@ -85,10 +86,10 @@ def direction_of(rays, i):
 
 
 @kernel(strict=True)
-def wins(t, shape, prim, t_best, shape_best, prim_best):
+def wins(a, b):
     """True if the first of two hits is nearer or, at the same t, has the lower (shape, prim)."""
-    earlier = (shape < shape_best) | ((shape == shape_best) & (prim < prim_best))
-    return (t < t_best) | ((t == t_best) & earlier)
+    earlier = (a.shape < b.shape) | ((a.shape == b.shape) & (a.prim < b.prim))
+    return (a.t < b.t) | ((a.t == b.t) & earlier)
 
 
 def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
@@ -102,13 +103,10 @@ def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
             return best
         rays = local_floats(_RAYS)
         found_t, found_u, found_v = local_floats(_MOST), local_floats(_MOST), local_floats(_MOST)
-        shapes, prims = local_uints(_MOST), local_uints(_MOST)
+        indices, faces = local_uints(_MOST), local_uints(_MOST)
         spill(rays, o, d)
         store_lanes(found_t, 0, best.t)
-        store_lanes(found_u, 0, best.u)
-        store_lanes(found_v, 0, best.v)
-        store_lanes(shapes, 0, best.shape)
-        store_lanes(prims, 0, best.prim)
+        store_lanes(indices, 0, lanes_u32(NONE))
         while bits != 0:
             i = trailing_zeros(bits)
             bits &= bits - 1
@@ -116,18 +114,21 @@ def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
                 accel.tree, data, origin_of(rays, i), direction_of(rays, i), found_t[i], 0
             )
             if hit.index != NONE:
-                shape = as_int(accel.tree.ids[2 * hit.index])
-                prim = as_int(accel.tree.ids[2 * hit.index + 1]) + hit.face
-                if wins(hit.t, shape, prim, found_t[i], as_int(shapes[i]), as_int(prims[i])):
-                    found_t[i], found_u[i], found_v[i] = hit.t, hit.u, hit.v
-                    shapes[i], prims[i] = as_uint(shape), as_uint(prim)
-        return Hit(
-            load_lanes(found_t, 0),
+                found_t[i], found_u[i], found_v[i] = hit.t, hit.u, hit.v
+                indices[i], faces[i] = as_uint(hit.index), as_uint(hit.face)
+        # What was hit is looked up for all lanes at once: they wait for memory together.
+        index, t = load_lanes(indices, 0), load_lanes(found_t, 0)
+        # Triangles whose area underflows are "met" at infinity.
+        met = (index != NONE) & (t < INFINITY)
+        at = 2 * where(met, index, 0)
+        found = Hit(
+            t,
             load_lanes(found_u, 0),
             load_lanes(found_v, 0),
-            load_lanes(shapes, 0),
-            load_lanes(prims, 0),
+            gather(accel.tree.ids, at),
+            gather(accel.tree.ids, at + 1) + load_lanes(faces, 0),
         )
+        return keep(met & wins(found, best), found, best)
 
     @kernel(strict=True)
     def occlude(accel, data, o, d, t_max):

@@ -220,6 +220,16 @@ def load_lanes(buffer, i):
     return buffer[i : i + int(LANES)].copy()
 
 
+def expand_lanes(buffer, i, mask, otherwise):
+    """Deal ``buffer[i], buffer[i + 1], ...`` to the lanes of the mask in turn.
+
+    Lanes without it keep `otherwise`. ``buffer[i : i + LANES]`` must exist.
+    """
+    result = np.broadcast_to(otherwise, np.shape(mask)).astype(buffer.dtype)
+    result[mask] = buffer[i : i + np.count_nonzero(mask)]
+    return result
+
+
 def as_uint(i):
     """A uniform whole number as uint32 (to store into a buffer of uint32)."""
     return np.uint32(int(i) & 0xFFFFFFFF)

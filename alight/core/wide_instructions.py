@@ -10,18 +10,20 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from alight.core import wide
+from alight.core import simd, wide
 from alight.core.instructions import PRIMITIVES
 from alight.core.lane_types import (
     I8,
     I32,
     Floats,
     LaneType,
+    N,
     Uints,
     call,
     convert,
     f32,
     pointer_of,
+    suffix,
 )
 
 
@@ -42,6 +44,21 @@ def _pointer(context, builder, kind, value, index, index_kind, target):
     data = pointer_of(context, builder, kind, value)
     at = context.cast(builder, index, index_kind, types.int64)
     return builder.bitcast(builder.gep(data, [at]), target.as_pointer())
+
+
+@_stands_for(simd.expand_lanes)
+@intrinsic
+def _expand_lanes(typing, buffer, i, mask, otherwise):
+    kind = _vector_of(buffer, N)
+
+    def codegen(context, builder, sig, args):
+        element = kind.vector.element
+        start = _pointer(context, builder, buffer, args[0], args[1], i, element)
+        rest = convert(context, builder, args[3], otherwise, kind)
+        name = f"llvm.masked.expandload.{suffix(kind.vector)}"
+        return call(builder, name, kind.vector, [start, args[2], rest])
+
+    return kind(buffer, i, mask, otherwise), codegen
 
 
 @_stands_for(wide.wide)

@@ -16,6 +16,8 @@ from alight.core.simd import (
     as_int,
     as_uint,
     bits_mask,
+    count_bits,
+    expand_lanes,
     is_finite,
     lanes,
     lanes_u32,
@@ -29,10 +31,12 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
+from alight.core.vec import Vec3
 from alight.films.fixed_point import split
 from alight.filters.importance import sample_filter
 from alight.integrators.walk import FILTER, LENS, Path, count_lanes, empty_paths, step
 from alight.samplers.sampling import get_2d, sampler_state
+from alight.samplers.state import SamplerState
 
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
@@ -40,6 +44,13 @@ Tile = namedtuple("Tile", "x0 y0 x1 y1")
 #: Which sample a lane takes next: pixel, sample (index * replicates + scramble), how many samples
 #: of the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
+
+#: Samples that wait: `floats` holds rows of o, d and the filter's weight, `uints` rows of x, y,
+#: index, scramble and the keys a, b of the sampler. A row has room for two packets, so that a
+#: packet's worth can be read from any place in the first.
+Queue = namedtuple("Queue", "floats uints")
+ROOM = 32
+FLOATS, UINTS = 7 * ROOM, 6 * ROOM
 
 CELL = 8
 INVALID, SATURATED, RAYS = 0, 1, 2
@@ -92,56 +103,84 @@ def next_pixel(settings, tile, ranges, cursor):
 
 
 @kernel
-def refill(scene, settings, tile, ranges, cursor, path):
-    """Give the next samples to the lanes that have none; returns the cursor and the paths."""
+def fill(scene, settings, tile, ranges, cursor, queue):
+    """Make camera rays for the next packet of samples; returns the cursor and how many there are.
+
+    Lanes of the packet run empty a few at a time; making the rays for those few would keep the
+    other lanes of the processor idle.
+    """
     _, cells = count_cells(tile)
-    if cursor.cell >= cells:
-        return cursor, path
-    xs, ys, indices, scrambles = (
-        local_uints(16),
-        local_uints(16),
-        local_uints(16),
-        local_uints(16),
-    )
-    store_lanes(xs, 0, path.sampler.x)
-    store_lanes(ys, 0, path.sampler.y)
-    store_lanes(indices, 0, path.sampler.index)
-    store_lanes(scrambles, 0, path.sampler.scramble)
-    idle = mask_bits(~path.active)
-    fresh = 0
-    while idle != 0 and cursor.cell < cells:
-        lane = trailing_zeros(idle)
-        idle &= idle - 1
-        fresh |= 1 << lane
-        xs[lane] = as_uint(cursor.x)
-        ys[lane] = as_uint(cursor.y)
-        indices[lane] = as_uint(cursor.index)
-        scrambles[lane] = as_uint(cursor.scramble)
+    floats, uints = queue.floats, queue.uints
+    count = 0
+    while count < LANES and cursor.cell < cells:
+        uints[count] = as_uint(cursor.x)
+        uints[ROOM + count] = as_uint(cursor.y)
+        uints[2 * ROOM + count] = as_uint(cursor.index)
+        uints[3 * ROOM + count] = as_uint(cursor.scramble)
+        count += 1
         if cursor.left > 1:
             cursor = next_sample(settings, cursor)
         else:
             cursor = next_pixel(settings, tile, ranges, cursor)
-    new = bits_mask(fresh)
+    x, y = load_lanes(uints, 0), load_lanes(uints, ROOM)
     sampler = sampler_state(
-        load_lanes(xs, 0),
-        load_lanes(ys, 0),
-        load_lanes(indices, 0),
-        load_lanes(scrambles, 0),
-        lanes_u32(settings.seed),
+        x, y, load_lanes(uints, 2 * ROOM), load_lanes(uints, 3 * ROOM), lanes_u32(settings.seed)
     )
     # Filter importance sampling: the sample belongs to this pixel alone, at an offset that has
     # the filter's density (Ernst, Stamminger and Greiner 2006).
     dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
     o, d = generate_ray(
-        scene,
-        to_float(sampler.x) + 0.5 + dx,
-        to_float(sampler.y) + 0.5 + dy,
-        get_2d(sampler, LENS),
+        scene, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS)
     )
+    store_lanes(uints, 4 * ROOM, sampler.a)
+    store_lanes(uints, 5 * ROOM, sampler.b)
+    store_lanes(floats, 0, o.x)
+    store_lanes(floats, ROOM, o.y)
+    store_lanes(floats, 2 * ROOM, o.z)
+    store_lanes(floats, 3 * ROOM, d.x)
+    store_lanes(floats, 4 * ROOM, d.y)
+    store_lanes(floats, 5 * ROOM, d.z)
+    store_lanes(floats, 6 * ROOM, weight)
+    return cursor, count
+
+
+@kernel
+def first_bits(bits, count):
+    """The lowest `count` of the bits that are set."""
+    rest = bits
+    for _ in range(count):
+        rest &= rest - 1
+    return bits & ~rest
+
+
+@kernel
+def deal(settings, queue, at, new, path):
+    """Start paths in the lanes of `new` with the samples from number `at` of the queue."""
+    floats, uints, old = queue.floats, queue.uints, path.sampler
+    sampler = SamplerState(
+        expand_lanes(uints, at, new, old.x),
+        expand_lanes(uints, ROOM + at, new, old.y),
+        expand_lanes(uints, 2 * ROOM + at, new, old.index),
+        expand_lanes(uints, 3 * ROOM + at, new, old.scramble),
+        lanes_u32(settings.seed),
+        expand_lanes(uints, 4 * ROOM + at, new, old.a),
+        expand_lanes(uints, 5 * ROOM + at, new, old.b),
+    )
+    o = Vec3(
+        expand_lanes(floats, at, new, path.o.x),
+        expand_lanes(floats, ROOM + at, new, path.o.y),
+        expand_lanes(floats, 2 * ROOM + at, new, path.o.z),
+    )
+    d = Vec3(
+        expand_lanes(floats, 3 * ROOM + at, new, path.d.x),
+        expand_lanes(floats, 4 * ROOM + at, new, path.d.y),
+        expand_lanes(floats, 5 * ROOM + at, new, path.d.z),
+    )
+    weight = expand_lanes(floats, 6 * ROOM + at, new, 0.0)
     black = lanes_vec3(0.0)
-    path = Path(
-        where(new, o, path.o),
-        where(new, d, path.d),
+    return Path(
+        o,
+        d,
         where(new, o, path.p),
         where(new, black, path.L),
         where(new, black, path.L_direct),
@@ -153,7 +192,6 @@ def refill(scene, settings, tile, ranges, cursor, path):
         path.active | new,
         path.rays,
     )
-    return cursor, path
 
 
 @specialised
@@ -210,10 +248,24 @@ def put_limbs(limbs, channel, value):
 def render_tile_kernel(scene, settings, tile, ranges, film):
     """Render the samples `ranges` of one tile into `film` (sums counts direct tally)."""
     path = empty_paths()
+    queue = Queue(local_floats(FLOATS), local_uints(UINTS))
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
+    _, cells = count_cells(tile)
+    taken, waiting = 0, 0
     while True:
-        if mask_bits(~path.active) != 0:
-            cursor, path = refill(scene, settings, tile, ranges, cursor, path)
+        idle = mask_bits(~path.active)
+        while idle != 0:
+            if waiting == 0:
+                if cursor.cell >= cells:
+                    break
+                cursor, waiting = fill(scene, settings, tile, ranges, cursor, queue)
+                taken = 0
+            count = min(count_bits(idle), waiting)
+            new = first_bits(idle, count)
+            path = deal(settings, queue, taken, bits_mask(new), path)
+            idle &= ~new
+            taken += count
+            waiting -= count
         if not any_lane(path.active):
             break
         before = path.active
