@@ -242,7 +242,7 @@ RAYS = (
     Mutant(
         "ties go to the highest shape",
         "accel/lists.py",
-        (("(t < best.t) | (shape < best.shape)", "(t < best.t) | (shape > best.shape)"),),
+        (("hit & (t < found.t)", "hit & (t <= found.t)"),),
         "tests/accel/test_scenes.py"
         "::test_ties_go_to_the_lowest_shape_then_the_lowest_primitive[list]",
     ),
@@ -294,13 +294,13 @@ FILM = (
     Mutant(
         "camera rays by the pixel's place in the tile",
         "rendering/tile_kernel.py",
-        (("to_float(sampler.x) + 0.5 + dx", "to_float(sampler.x - tile.x0) + 0.5 + dx"),),
+        (("to_float(x) + 0.5 + dx", "to_float(x - tile.x0) + 0.5 + dx"),),
         f"{BITS}::test_crop_equals_the_cut_out",
     ),
     Mutant(
         "random numbers that depend on the tile",
         "rendering/tile_kernel.py",
-        (("lanes_u32(settings.seed)", "lanes_u32(settings.seed + tile.x0)"),),
+        (("3 * ROOM), lanes_u32(settings.seed)", "3 * ROOM), lanes_u32(settings.seed + tile.x0)"),),
         f"{BITS}::test_tile_order_and_size",
     ),
     Mutant(
