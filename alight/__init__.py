@@ -18,6 +18,10 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "render": "alight.rendering",
     "Progress": "alight.rendering",
+    "Trace": "alight.rendering.trace",
+    "trace": "alight.rendering.trace",
+    "register": "alight.core.registration",
+    "check_laws": "alight.laws",
     "Film": "alight.films",
     "load": "alight.scene",
     "save": "alight.scene",
@@ -26,11 +30,27 @@ _PUBLIC = {
 }
 
 if TYPE_CHECKING:
+    from alight.core.registration import register
     from alight.films import Film
+    from alight.laws import check_laws
     from alight.rendering import Progress, render
+    from alight.rendering.trace import Trace, trace
     from alight.scene import Scene, SceneManager, load, save
 
-__all__ = ["Film", "Progress", "Scene", "SceneManager", "__version__", "load", "render", "save"]
+__all__ = [
+    "Film",
+    "Progress",
+    "Scene",
+    "SceneManager",
+    "Trace",
+    "__version__",
+    "check_laws",
+    "load",
+    "register",
+    "render",
+    "save",
+    "trace",
+]
 
 
 def __getattr__(name: str) -> Any:

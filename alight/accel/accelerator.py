@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from alight.accel.forest import Forest, placed, placed_box
-from alight.accel.layout import KINDS
+from alight.accel.layout import ANALYTIC
 from alight.accel.lists import Accelerator
 from alight.accel.primitives import Analytic, Instance, TriangleSet, chosen, finite, in_order
 from alight.core.view import View
@@ -160,7 +160,7 @@ class _Sorter:
     def finish(self, builder: str, threads: int):
         """The accelerator, its plan, and figures about it."""
         plan, lists = [], {}
-        for kind in KINDS[:3]:
+        for kind in ANALYTIC:
             lists[kind + "s"] = [
                 (a.shape, a.row)
                 for a, listed in zip(self.analytic, self.listed_analytic, strict=True)

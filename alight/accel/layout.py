@@ -45,7 +45,8 @@ LEAF = 0x80000000
 OTHER = 0xFFFFFFFF
 
 #: What a block can hold besides triangles.
-KINDS = ("sphere", "rectangle", "disk", "instance")
+KINDS = ("sphere", "rectangle", "disk", "instance", "cylinder")
+ANALYTIC = tuple(kind for kind in KINDS if kind != "instance")
 
 #: Levels of nodes below the root until the build gives up on surface areas and halves by count.
 SAH_DEPTH = 24

@@ -15,17 +15,17 @@ from collections.abc import Callable
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
-from alight.shapes import disk, plane, rectangle, sphere
+from alight.shapes import cylinder, disk, plane, rectangle, sphere
 from alight.shapes.hit import Hit
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
 
-#: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes:
-#: u32, shape and row in the data, of those in lists; triangles: float32, corners of those in the
-#: list, and triangle_ids: u32, their shape and prim; tree: `Bvh`; box: float32, lower and upper
-#: bounds of it.
+#: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes,
+#: cylinders: u32, shape and row in the data, of those in lists; triangles: float32, corners of
+#: those in the list, and triangle_ids: u32, their shape and prim; tree: `Bvh`; box: float32, lower
+#: and upper bounds of it.
 Accelerator = namedtuple(
-    "Accelerator", "rectangles spheres disks planes triangles triangle_ids tree box"
+    "Accelerator", "rectangles spheres disks planes cylinders triangles triangle_ids tree box"
 )
 
 #: Intersection kernels of the lists of analytic shapes, by the name of the list.
@@ -34,6 +34,7 @@ SHAPE_LISTS = {
     "spheres": sphere.intersect,
     "disks": disk.intersect,
     "planes": plane.intersect,
+    "cylinders": cylinder.intersect,
 }
 
 #: Shape of a hit that is none; it loses every tie.
@@ -95,7 +96,18 @@ def _planes(accel):
     return accel.planes
 
 
-_TABLES = {"rectangles": _rectangles, "spheres": _spheres, "disks": _disks, "planes": _planes}
+@kernel
+def _cylinders(accel):
+    return accel.cylinders
+
+
+_TABLES = {
+    "rectangles": _rectangles,
+    "spheres": _spheres,
+    "disks": _disks,
+    "planes": _planes,
+    "cylinders": _cylinders,
+}
 
 
 def _write_shape_list(name: str) -> tuple[Callable, Callable]:

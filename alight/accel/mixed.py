@@ -18,13 +18,14 @@ from alight.core.jit import kernel
 from alight.core.simd import as_int, float_bits, lanes, mask_bits
 from alight.core.vec import Vec3
 from alight.core.wide import lane
-from alight.shapes import disk, rectangle, sphere
+from alight.shapes import cylinder, disk, rectangle, sphere
 
 #: Kernels of the analytic shapes.
 INTERSECT = {
     "sphere": sphere.intersect,
     "rectangle": rectangle.intersect,
     "disk": disk.intersect,
+    "cylinder": cylinder.intersect,
 }
 
 

@@ -26,7 +26,7 @@ class TriangleSet(NamedTuple):
 
 
 class Analytic(NamedTuple):
-    """A sphere, rectangle or disk: its kind, shape number, row in the data, bounds in metres."""
+    """A shape with a formula: its kind, shape number, row in the data, bounds in metres."""
 
     kind: str
     shape: int

@@ -18,11 +18,12 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator
 
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
+from alight.bsdfs.tints import WHITE, tint, tint_features
 from alight.core.errors import unknown_name
 from alight.core.fresnel import fresnel_dielectric, refract
 from alight.core.jit import kernel
 from alight.core.simd import absolute, lanes, lanes_u32, lanes_vec3, where
-from alight.core.spec import Bsdf, IndexOfRefraction, invalid
+from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, invalid
 from alight.core.vec import Vec3
 from alight.textures.fetch import scalar
 
@@ -54,19 +55,34 @@ def _by_name(value: object) -> object:
 Medium = Annotated[IndexOfRefraction, BeforeValidator(_by_name)]
 
 
-class Dielectric(Bsdf):
-    """Clear glass, water and the like.
+class Interface(Bsdf):
+    """Base class of boundaries between two clear media.
 
     Parameters
     ----------
     int_ior, ext_ior : float in [1, 5] or str, defaults "bk7" and "air"
         Indices of refraction inside and outside, as numbers or names of `MEDIA`.
+    specular_reflectance, specular_transmittance : ColorTexture, defaults 1
+        Factors of what is reflected and let through, each channel in [0, 1]; 1 for real media.
     """
 
     transmissive = True
-    type: Literal["dielectric"] = "dielectric"
     int_ior: Medium = MEDIA["bk7"]
     ext_ior: Medium = MEDIA["air"]
+    specular_reflectance: ColorTexture = WHITE
+    specular_transmittance: ColorTexture = WHITE
+
+
+class Dielectric(Interface):
+    """Clear glass, water and the like.
+
+    Parameters
+    ----------
+    int_ior, ext_ior, specular_reflectance, specular_transmittance
+        As in `Interface`.
+    """
+
+    type: Literal["dielectric"] = "dielectric"
 
 
 EXAMPLES = (
@@ -74,6 +90,7 @@ EXAMPLES = (
     Dielectric(int_ior="water", ext_ior="bk7"),
     Dielectric(int_ior="diamond", ext_ior="vacuum"),
     Dielectric(int_ior=1.0, ext_ior=1.0),
+    Dielectric(specular_reflectance=(0.9, 0.6, 0.2), specular_transmittance=(0.3, 1.0, 0.8)),
 )
 
 
@@ -82,29 +99,45 @@ EXAMPLES = (
 
 def is_lossless(spec: Dielectric) -> bool:
     """All light that arrives leaves again."""
-    return True
+    return spec.specular_reflectance == spec.specular_transmittance == WHITE
 
 
 def is_reciprocal(spec: Dielectric) -> bool:
-    """f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2, with the index on the side of each direction."""
+    """f(wo, wi) / eta_o^2 = f(wi, wo) / eta_i^2, with the index on the side of each direction."""
     return True
 
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"eta": 1}
-Params = namedtuple("DielectricParams", "eta")
+SLOTS = {"eta": 1, "specular_reflectance": 3, "specular_transmittance": 3}
+Params = namedtuple("DielectricParams", "eta reflectance transmittance")
 
 
 def pack(spec: Dielectric, packer) -> None:
     """Fill the row of one material."""
+    pack_interface(spec, packer)
+
+
+def pack_interface(spec: Interface, packer) -> None:
+    """Fill the slots of `SLOTS`."""
     packer.numbers("eta", spec.int_ior / spec.ext_ior)
+    packer.color("specular_reflectance", spec.specular_reflectance)
+    packer.color("specular_transmittance", spec.specular_transmittance)
+
+
+def features(spec: Dielectric) -> tuple[str, ...]:
+    """What must be compiled for this material beyond the model's usual path."""
+    return tint_features(spec.specular_reflectance, spec.specular_transmittance)
 
 
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    return Params(scalar(scene, base, surface))
+    return Params(
+        scalar(scene, base, surface),
+        tint(scene, base + 1, surface),
+        tint(scene, base + 4, surface),
+    )
 
 
 # ---------------------------------------------------------------- scattering
@@ -128,10 +161,10 @@ def sample(params, wo, u, u2):
     # denser side fans out into a wider solid angle: its radiance falls by 1 / eta^2.
     weight = where(reflects, 1.0, 1.0 / (eta * eta))
     flags = where(reflects, lanes_u32(REFLECTION | DELTA), lanes_u32(TRANSMISSION | DELTA))
-    return wi, Vec3(weight, weight, weight), pmf, flags
+    return wi, where(reflects, params.reflectance, params.transmittance) * weight, pmf, flags
 
 
 @kernel
 def albedo(params):
-    """Nothing is absorbed."""
-    return lanes_vec3(1.0)
+    """What is let through; nothing is absorbed by real media."""
+    return params.transmittance

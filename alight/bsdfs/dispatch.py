@@ -1,48 +1,76 @@
-"""Which model is it? The scattering of any surface of a scene, for packets that mix materials.
+r"""The scattering of any surface of a scene, whatever its material is made of.
 
-Each class of model runs only if one of the lanes needs it, over all lanes, and is then blended in.
-A program with one class calls it directly. Values in lanes that are not active are arbitrary.
+A material is a sum of models (`alight.bsdfs.nesting`), each with a share that may vary over the
+surface. For most materials it is one model with share 1, and a program without blends and masks
+goes straight to it. Otherwise the models are visited one after the other, as long as one of the
+lanes has another one:
+
+.. math:: f = \sum_i s_i f_i, \qquad p = \sum_i s_i p_i
+
+To sample, one model is chosen with its share as probability; then, unless its lobe is Dirac's, the
+others are evaluated for the direction too.
+
+`materials.layers` holds (start, count) for each material, and from `start` on, for each of its
+models: row in the tables, start of its factors, number of factors. A factor is 2 slot + 1 if the
+number in that slot is to be taken from 1.
+
+Source: Veach and Guibas, Optimally combining sampling techniques, SIGGRAPH 1995 (one-sample model).
 """
 
 from __future__ import annotations
 
-from alight.bsdfs import MODELS
+from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH
+from alight.bsdfs.switch import (
+    MIXED,
+    albedo_row,
+    evaluate_row,
+    material_flags,
+    sample_row,
+)
+from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
-from alight.core.vec import Vec3
+from alight.core.simd import (
+    any_lane,
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    where,
+)
+from alight.textures.fetch import textured_scalar
 
-#: Slots of a material in `materials.data`: a power of two.
-STRIDE = 1 << (max(sum(m.SLOTS.values()) for m in MODELS if hasattr(m, "SLOTS")) - 1).bit_length()
-#: Bit of a material's flags: the back looks like the front.
-TWO_SIDED = 1
-#: What programs call that bit.
-TWO_SIDED_NAME = "two_sided"
-
-
-def models_of(program) -> list[tuple[int, object]]:
-    """(kind number, module) of the models that a program uses."""
-    return [
-        (number, model)
-        for number, model in enumerate(MODELS)
-        if model.EXAMPLES[0].type_name() in program.bsdfs and hasattr(model, "sample")
-    ]
+#: What programs call it that materials have more than one model.
+LAYERED_NAME = "layered"
 
 
 @kernel
-def _kind(scene, surface):
-    return gather(scene.materials.info, 2 * surface.bsdf)
+def _layer(scene, surface, i, more):
+    """(row, share) of model number i of a material; share 0 where there are no `more`."""
+    layers = scene.materials.layers
+    at = gather(layers, 2 * surface.bsdf) + 3 * i
+    row = gather(layers, where(more, at, 0))
+    factor = gather(layers, where(more, at + 1, 0))
+    left = where(more, gather(layers, where(more, at + 2, 0)), 0)
+    share = where(more, lanes(1.0), 0.0)
+    while any_lane(left != 0):
+        code = gather(layers, where(left != 0, factor, 0))
+        # A slot is valid in every lane; the share of dead ones stays 0.
+        weight = textured_scalar(scene, where(left != 0, code >> 1, 0), surface)
+        weight = minimum(maximum(weight, 0.0), 1.0)
+        weight = where((code & 1) != 0, 1.0 - weight, weight)
+        share = where(left != 0, share * weight, share)
+        factor = factor + 1
+        left = where(left != 0, left - 1, 0)
+    return where(more, row, surface.bsdf), share
 
 
 @kernel
-def _turned(scene, surface, wo):
-    """Mask: seen from the back, and the back looks like the front."""
-    flags = gather(scene.materials.info, 2 * surface.bsdf + 1)
-    return (wo.z < 0.0) & ((flags & TWO_SIDED) != 0)
-
-
-@kernel
-def _flip(mask, w):
-    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
+def _count(scene, surface):
+    """How many models the material of a surface is made of."""
+    return gather(scene.materials.layers, 2 * surface.bsdf + 1)
 
 
 # ---------------------------------------------------------------- evaluate
@@ -51,60 +79,27 @@ def _flip(mask, w):
 @specialised
 def evaluate_bsdf(program):
     """``(scene, surface, wo, wi, active) -> (f_cos, pdf)`` in the local frame."""
-    one_sided = _evaluate_one_sided(models_of(program))
-    if TWO_SIDED_NAME not in program.bsdfs:
-        return one_sided
-
-    @kernel
-    def evaluate_bsdf(scene, surface, wo, wi, active):
-        back = _turned(scene, surface, wo)
-        return one_sided(scene, surface, _flip(back, wo), _flip(back, wi), active)
-
-    return evaluate_bsdf
-
-
-def _evaluate_one_sided(models):
-    if len(models) == 1:
-        return _evaluate_of(models[0][1])
-    switch = _evaluate_switch(models)
-
-    @kernel
-    def evaluate_bsdf(scene, surface, wo, wi, active):
-        kind = _kind(scene, surface)
-        return switch(scene, surface, kind, wo, wi, active, lanes_vec3(0.0), lanes(0.0))
-
-    return evaluate_bsdf
-
-
-def _evaluate_of(model):
-    load, evaluate = model.load, model.evaluate
-
-    @kernel
-    def evaluate_bsdf(scene, surface, wo, wi, active):
-        return evaluate(load(scene, surface.bsdf * STRIDE, surface), wo, wi)
-
-    return evaluate_bsdf
-
-
-def _evaluate_switch(models):
-    if not models:
-        return _keep_value
-    number, evaluate = models[0][0], _evaluate_of(models[0][1])
-    rest = _evaluate_switch(models[1:])
-
-    @kernel
-    def step(scene, surface, kind, wo, wi, active, f_cos, pdf):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            f_cos_new, pdf_new = evaluate(scene, surface, wo, wi, mine)
-            f_cos, pdf = where(mine, f_cos_new, f_cos), where(mine, pdf_new, pdf)
-        return rest(scene, surface, kind, wo, wi, active, f_cos, pdf)
-
-    return step
+    return _evaluate_layers if LAYERED_NAME in program.bsdfs else _evaluate_one
 
 
 @kernel
-def _keep_value(scene, surface, kind, wo, wi, active, f_cos, pdf):
+def _evaluate_one(scene, surface, wo, wi, active):
+    return evaluate_row(scene, surface, surface.bsdf, wo, wi, active)
+
+
+@kernel
+def _evaluate_layers(scene, surface, wo, wi, active):
+    f_cos, pdf = lanes_vec3(0.0), lanes(0.0)
+    count, i = _count(scene, surface), lanes_u32(0)
+    more = active & (count > i)
+    while any_lane(more):
+        row, share = _layer(scene, surface, i, more)
+        more = more & (share > 0.0)
+        f_cos_new, pdf_new = evaluate_row(scene, surface, row, wo, wi, more)
+        f_cos = where(more, f_cos + f_cos_new * share, f_cos)
+        pdf = where(more, pdf + pdf_new * share, pdf)
+        i = i + 1
+        more = active & (count > i)
     return f_cos, pdf
 
 
@@ -114,97 +109,89 @@ def _keep_value(scene, surface, kind, wo, wi, active, f_cos, pdf):
 @specialised
 def sample_bsdf(program):
     """``(scene, surface, wo, u, u2, active) -> (wi, weight, pdf, flags)`` in the local frame."""
-    one_sided = _sample_one_sided(models_of(program))
-    if TWO_SIDED_NAME not in program.bsdfs:
-        return one_sided
-
-    @kernel
-    def sample_bsdf(scene, surface, wo, u, u2, active):
-        back = _turned(scene, surface, wo)
-        wi, weight, pdf, flags = one_sided(scene, surface, _flip(back, wo), u, u2, active)
-        return _flip(back, wi), weight, pdf, flags
-
-    return sample_bsdf
-
-
-def _sample_one_sided(models):
-    if len(models) == 1:
-        return _sample_of(models[0][1])
-    switch = _sample_switch(models)
-
-    @kernel
-    def sample_bsdf(scene, surface, wo, u, u2, active):
-        kind = _kind(scene, surface)
-        wi, weight = lanes_vec3(0.0), lanes_vec3(0.0)
-        return switch(scene, surface, kind, wo, u, u2, active, wi, weight, lanes(0.0), lanes_u32(0))
-
-    return sample_bsdf
-
-
-def _sample_of(model):
-    load, sample = model.load, model.sample
-
-    @kernel
-    def sample_bsdf(scene, surface, wo, u, u2, active):
-        return sample(load(scene, surface.bsdf * STRIDE, surface), wo, u, u2)
-
-    return sample_bsdf
-
-
-def _sample_switch(models):
-    if not models:
-        return _keep_sample
-    number, sample = models[0][0], _sample_of(models[0][1])
-    rest = _sample_switch(models[1:])
-
-    @kernel
-    def step(scene, surface, kind, wo, u, u2, active, wi, weight, pdf, flags):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            wi_new, weight_new, pdf_new, flags_new = sample(scene, surface, wo, u, u2, mine)
-            wi, weight = where(mine, wi_new, wi), where(mine, weight_new, weight)
-            pdf, flags = where(mine, pdf_new, pdf), where(mine, flags_new, flags)
-        return rest(scene, surface, kind, wo, u, u2, active, wi, weight, pdf, flags)
-
-    return step
+    return _sample_layers if LAYERED_NAME in program.bsdfs else _sample_one
 
 
 @kernel
-def _keep_sample(scene, surface, kind, wo, u, u2, active, wi, weight, pdf, flags):
+def _sample_one(scene, surface, wo, u, u2, active):
+    return sample_row(scene, surface, surface.bsdf, wo, u, u2, active)
+
+
+@kernel
+def _choose_layer(scene, surface, u, active):
+    """(row, share, u rescaled) of one of the models, with its share as probability."""
+    row, share, rest = surface.bsdf, lanes(1.0), u
+    count, i, before = _count(scene, surface), lanes_u32(0), lanes(0.0)
+    more = active & (count > i)
+    while any_lane(more):
+        row_new, share_new = _layer(scene, surface, i, more)
+        # The last one that begins at or before u, so that rounding of the sum leaves no gap.
+        mine = more & (share_new > 0.0) & (u >= before)
+        row = where(mine, row_new, row)
+        share = where(mine, share_new, share)
+        rest = where(mine, (u - before) / where(mine, share_new, 1.0), rest)
+        before = before + share_new
+        i = i + 1
+        more = active & (count > i)
+    return row, share, minimum(rest, ONE_MINUS_EPSILON)
+
+
+@kernel
+def _sample_layers(scene, surface, wo, u, u2, active):
+    row, share, rest = _choose_layer(scene, surface, u, active)
+    wi, weight, pdf, flags = sample_row(scene, surface, row, wo, rest, u2, active)
+    pdf = pdf * share
+    # Of a Dirac lobe the share cancels: share * f / (share * pmf). A smooth direction might have
+    # come from the other models too.
+    layered = active & (_count(scene, surface) > 1)
+    smooth = layered & ((flags & DELTA) == 0) & (pdf > 0.0)
+    if any_lane(smooth):
+        f_cos, density = _evaluate_layers(scene, surface, wo, wi, smooth)
+        # Rounding may put a direction of the chosen model to where it says 0.
+        ok = density > 0.0
+        weight = where(smooth, f_cos * where(ok, 1.0 / where(ok, density, 1.0), 0.0), weight)
+        pdf = where(smooth, density, pdf)
     return wi, weight, pdf, flags
 
 
-# ---------------------------------------------------------------- albedo, for the AOV
+# ---------------------------------------------------------------- further questions
 
 
 @specialised
 def albedo_bsdf(program):
     """``(scene, surface, active) -> Vec3``: the colour of a material, without light and angle."""
-    switch = _albedo_switch(models_of(program))
-
-    @kernel
-    def albedo_bsdf(scene, surface, active):
-        return switch(scene, surface, _kind(scene, surface), active, lanes_vec3(0.0))
-
-    return albedo_bsdf
-
-
-def _albedo_switch(models):
-    if not models:
-        return _keep_albedo
-    number, load, albedo = models[0][0], models[0][1].load, models[0][1].albedo
-    rest = _albedo_switch(models[1:])
-
-    @kernel
-    def step(scene, surface, kind, active, value):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            value = where(mine, albedo(load(scene, surface.bsdf * STRIDE, surface)), value)
-        return rest(scene, surface, kind, active, value)
-
-    return step
+    return _albedo_layers if LAYERED_NAME in program.bsdfs else _albedo_one
 
 
 @kernel
-def _keep_albedo(scene, surface, kind, active, value):
+def _albedo_one(scene, surface, active):
+    return albedo_row(scene, surface, surface.bsdf, active)
+
+
+@kernel
+def _albedo_layers(scene, surface, active):
+    value = lanes_vec3(0.0)
+    count, i = _count(scene, surface), lanes_u32(0)
+    more = active & (count > i)
+    while any_lane(more):
+        row, share = _layer(scene, surface, i, more)
+        value = where(more, value + albedo_row(scene, surface, row, more) * share, value)
+        i = i + 1
+        more = active & (count > i)
     return value
+
+
+@specialised
+def is_mixed(program):
+    """``(scene, surface) -> mask``: the material may have Dirac lobes beside smooth ones."""
+    return _is_mixed if DELTA_AND_SMOOTH in program.bsdfs else _never_mixed
+
+
+@kernel
+def _is_mixed(scene, surface):
+    return (material_flags(scene, surface.bsdf) & MIXED) != 0
+
+
+@kernel
+def _never_mixed(scene, surface):
+    return lanes_mask(False)

@@ -6,3 +6,6 @@ TRANSMISSION = 2
 DELTA = 4
 #: Straight on through a surface that is not there.
 NULL = 8
+
+#: What programs call a material with Dirac lobes beside smooth ones.
+DELTA_AND_SMOOTH = "delta_and_smooth"

@@ -25,10 +25,10 @@ from alight.core.frame import frame_from_normal, to_world
 from alight.core.jit import kernel
 from alight.core.maths import exp, expm1, log1p
 from alight.core.simd import lanes_u32, where
-from alight.core.spec import Bsdf, ColorTexture, NonNegative, energy_problem, invalid
+from alight.core.spec import Bsdf, ColorTexture, ScalarTexture, energy_problem, invalid
 from alight.core.vec import Vec3, length_squared, luminance
 from alight.core.warps import direction_around_z, square_to_cosine_hemisphere
-from alight.textures.fetch import color, scalar
+from alight.textures.fetch import color, textured_scalar
 
 
 class Phong(Bsdf):
@@ -40,14 +40,14 @@ class Phong(Bsdf):
         Reflectance of the matte part.
     specular : ColorTexture, default 0.3
         Reflectance of the lobe; diffuse + specular is at most 1 in each channel.
-    exponent : float >= 0, default 30
+    exponent : ScalarTexture >= 0, default 30
         Sharpness n of the lobe; 0 is the widest.
     """
 
     type: Literal["phong"] = "phong"
     diffuse: ColorTexture = (0.5, 0.5, 0.5)
     specular: ColorTexture = (0.3, 0.3, 0.3)
-    exponent: NonNegative = 30.0
+    exponent: ScalarTexture = 30.0
 
     @model_validator(mode="after")
     def _conserves_energy(self) -> Self:
@@ -92,7 +92,8 @@ def pack(spec: Phong, packer) -> None:
     """Fill the row of one material."""
     packer.color("diffuse", spec.diffuse)
     packer.color("specular", spec.specular)
-    packer.numbers("exponent", min(spec.exponent, SHARPEST))
+    n = spec.exponent
+    packer.scalar("exponent", min(n, SHARPEST) if isinstance(n, float) else n)
 
 
 @kernel
@@ -101,7 +102,7 @@ def load(scene, base, surface):
     return Params(
         color(scene, base, surface),
         color(scene, base + 3, surface),
-        scalar(scene, base + 6, surface),
+        textured_scalar(scene, base + 6, surface),
     )
 
 

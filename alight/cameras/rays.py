@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from alight.cameras.basis import project_points, unproject_points
 from alight.core.jit import kernel, specialised
-from alight.core.registry import modules
+from alight.core.registry import Models
 
 if TYPE_CHECKING:
     from alight.core.spec import Camera
@@ -76,4 +76,4 @@ def unproject(
 
 def camera_module(name: str):
     """The module of a camera model."""
-    return next(m for m in modules("cameras") if type(m.EXAMPLES[0]).type_name() == name)
+    return Models("cameras")[name]

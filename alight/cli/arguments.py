@@ -26,7 +26,7 @@ Layers = Annotated[
     str | None,
     typer.Option(
         metavar="NAMES",
-        help="Further layers (EXR), by commas: direct,indirect.",
+        help="Further layers (EXR), by commas, as albedo,normal or direct,indirect.",
         rich_help_panel=_IMAGE,
     ),
 ]
@@ -97,6 +97,36 @@ Assignments = Annotated[
         metavar="PATH=VALUE",
         help="Any key of the scene file. May be repeated.",
         rich_help_panel=_SCENE,
+    ),
+]
+
+Plugins = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--plugin",
+        metavar="FILE.py",
+        help="Script that registers models for the scene (alight.register). May be repeated.",
+        rich_help_panel=_SCENE,
+    ),
+]
+
+_FOREIGN = "Scene files of Mitsuba (.xml)"
+
+Definitions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "-D",
+        metavar="NAME=VALUE",
+        help="Value of a $NAME in the file. May be repeated.",
+        rich_help_panel=_FOREIGN,
+    ),
+]
+Lenient = Annotated[
+    bool,
+    typer.Option(
+        "--lenient",
+        help="Replace what is not covered, and list it.",
+        rich_help_panel=_FOREIGN,
     ),
 ]
 

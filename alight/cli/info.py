@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from alight.cli import arguments
 from alight.cli.reporting import warn
 
 if TYPE_CHECKING:
@@ -22,11 +23,16 @@ def info(
     assignments: Annotated[
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a key first.")
     ] = None,
+    define: arguments.Definitions = None,
+    lenient: arguments.Lenient = False,
 ) -> None:
     """Show what a scene holds, without rendering it."""
+    from alight.cli.options import parse_definitions
     from alight.scene import flatten, load
 
-    description = load(scene, assignments or [])
+    description = load(
+        scene, assignments or [], definitions=parse_definitions(define), lenient=lenient
+    )
     flat = flatten(description)
     for name, value in facts(description, flat):
         typer.echo(f"{name:<13}{value}")
@@ -34,6 +40,8 @@ def info(
         typer.echo(f"{'accelerator':<13}{accelerator_facts(flat)}")
         for line in tree_lines(description):
             typer.echo(line)
+    for note in description.source.remarks.notes:
+        typer.echo(f"note: {note}", err=True)
     for warning in description.warnings:
         warn(warning)
 
@@ -49,7 +57,7 @@ def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
     lights = Counter(light.light.type_name() for light in flat.lights)
     lights.update(p.light.type_name() for p in flat.shapes if p.light is not None)
     if flat.environment is not None:
-        lights[f"environment {flat.environment.type_name()}"] += 1
+        lights[f"environment {flat.environment.light.type_name()}"] += 1
     bsdfs = Counter(bsdf.type_name() for bsdf in flat.bsdfs)
     return [
         ("film", f"{width}x{height} pixels{crop}, {scene.film.filter.type_name()} filter"),

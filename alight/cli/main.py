@@ -15,6 +15,7 @@ from alight.cli.info import info
 from alight.cli.render import render
 from alight.cli.reporting import reporting_errors
 from alight.cli.scenes import scenes
+from alight.cli.trace import trace
 
 app = typer.Typer(
     name="alight",
@@ -25,7 +26,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for command in (render, info, scenes, doctor):
+for command in (render, info, trace, scenes, doctor):
     app.command()(reporting_errors(command))
 
 

@@ -12,7 +12,7 @@ from alight.core.errors import OptionError, quote
 _PATHS = {
     "integrator": "integrator.type",
     "sampler": "sampler.type",
-    "filter": "film.filter.type",
+    "filter": "film.filter",
     "max_depth": "integrator.max_depth",
     "rr_depth": "integrator.rr_depth",
     "replicates": "film.replicates",
@@ -87,3 +87,25 @@ def parse_names(text: str | None) -> tuple[str, ...]:
     ('direct', 'indirect')
     """
     return tuple(name.strip() for name in (text or "").split(",") if name.strip())
+
+
+def parse_definitions(texts: list[str] | None) -> dict[str, str]:
+    """Read the values of ``-D NAME=VALUE``.
+
+    Raises
+    ------
+    OptionError
+        For a text that is none.
+
+    Examples
+    --------
+    >>> parse_definitions(["spp=64", "scene=a=b"])
+    {'spp': '64', 'scene': 'a=b'}
+    """
+    found = {}
+    for text in texts or []:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise OptionError(f"-D: must be NAME=VALUE, got {quote(text)}")
+        found[name.strip()] = value
+    return found

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from alight.cli import arguments
-from alight.cli.reporting import INTERRUPTED, warn
+from alight.cli.reporting import INTERRUPTED, note_unused, warn
 
 if TYPE_CHECKING:
     from alight.cli.progress import ProgressBar
@@ -41,6 +41,9 @@ def render(
     max_depth: arguments.MaxDepth = None,
     rr_depth: arguments.RrDepth = None,
     assignments: arguments.Assignments = None,
+    plugin: arguments.Plugins = None,
+    define: arguments.Definitions = None,
+    lenient: arguments.Lenient = False,
     aov: arguments.Layers = None,
     exposure: arguments.Exposure = 0.0,
     tone_map: arguments.ToneMap = "none",
@@ -49,7 +52,8 @@ def render(
     quiet: arguments.Quiet = False,
 ) -> None:
     """Render a scene, by default the Cornell box."""
-    from alight.cli.options import changes_of, parse_names
+    from alight.cli.options import changes_of, parse_definitions, parse_names
+    from alight.cli.plugins import load_plugins
     from alight.cli.progress import ProgressBar
     from alight.outputs.atomic import check_folder
     from alight.outputs.image import check_writable
@@ -63,12 +67,20 @@ def render(
         check_writable(path)
     if stats is not None:
         check_folder(stats)
+    load_plugins(plugin)
     options = {
         "size": size, "crop": crop, "integrator": integrator, "sampler": sampler,
         "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
         "replicates": replicates,
     }  # fmt: skip
-    description = load(scene, changes_of(options, assignments or []))
+    description = load(
+        scene,
+        changes_of(options, assignments or []),
+        definitions=parse_definitions(define),
+        lenient=lenient,
+    )
+    if not quiet:
+        note_unused(scene, description)
     layers = parse_names(aov)
     warnings = [*description.warnings, *_useless_options(outputs, display, layers)]
     for warning in warnings:

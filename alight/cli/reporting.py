@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from alight.core.errors import AlightError
+
+if TYPE_CHECKING:
+    from alight.scene import Scene
 
 #: Exit codes: wrong input, and stopped by Ctrl-C (128 + SIGINT, as shells expect).
 WRONG_INPUT = 2
@@ -38,3 +41,11 @@ def reporting_errors(command: Callable[..., Any]) -> Callable[..., Any]:
 def warn(message: str) -> None:
     """Say on stderr what is legal but suspicious."""
     typer.echo(f"warning: {message}", err=True)
+
+
+def note_unused(name: str, scene: Scene) -> None:
+    """Say on stderr how much of a foreign file plays no part in the picture."""
+    count = len(scene.source.remarks.notes)
+    if count:
+        what = "1 parameter plays" if count == 1 else f"{count} parameters play"
+        typer.echo(f"note: {what} no part in the picture, see alight info {name}", err=True)

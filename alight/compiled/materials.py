@@ -1,27 +1,30 @@
 """Descriptions of materials and textures -> the tables that kernels read.
 
 `info` holds (kind, flags) for each material: kind is the index of its model in
-`alight.bsdfs.MODELS`, flags has the bit `TWO_SIDED`. `data` holds `STRIDE` numbers for each
-material, laid out by the model's `SLOTS`. `texture` is as long as `data`: 0, or at the first slot
-of a colour the index of its texture plus 1. `texture_info` holds (kind, start in `texture_data`)
-for each texture.
+`alight.bsdfs.MODELS`, flags has the bits of `alight.bsdfs.switch`. Behind the materials that shapes
+refer to stand those that they are made of; `layers` says which (see `alight.bsdfs.dispatch`;
+without blends and masks nothing reads it). `data` holds `stride_of` numbers for each material, laid
+out by the model's `SLOTS`. `texture` is as long as `data`: 0, or at the first slot of a colour or
+number the index of its texture plus 1. The rest is described in `alight.compiled.textures`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from alight.bsdfs import MODELS as BSDFS
-from alight.bsdfs.dispatch import STRIDE, TWO_SIDED, TWO_SIDED_NAME
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.dispatch import LAYERED_NAME
+from alight.bsdfs.flags import DELTA_AND_SMOOTH
+from alight.bsdfs.nesting import Leaf, Nested, leaves
+from alight.bsdfs.switch import MIXED, TWO_SIDED, TWO_SIDED_NAME, stride_of
+from alight.compiled.packer import Packer
+from alight.compiled.textures import TextureTable
+from alight.core.registry import Models, Numbers
 from alight.core.spec import Bsdf, Texture
 from alight.core.view import View
-from alight.textures import MODELS as TEXTURES
-from alight.textures.constant import Constant
 
 
 class MaterialTables(NamedTuple):
@@ -32,60 +35,13 @@ class MaterialTables(NamedTuple):
     texture: View
     texture_info: View
     texture_data: View
-
-
-@dataclass
-class Packer:
-    """Puts the parameters of one material or texture into its row.
-
-    Attributes
-    ----------
-    slots : mapping of str to int
-        Name -> how many numbers, in the order of the row.
-    size : int
-        Length of the row.
-    row : (n,) float32
-        Numbers; 0 where nothing was put.
-    textures : (n,) uint32
-        Index + 1 of the texture that gives the colour starting there, or 0.
-    all_textures : list of Texture
-        Textures of the whole scene, each once.
-    """
-
-    slots: Mapping[str, int]
-    size: int
-    all_textures: list[Texture] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        """Start with an empty row."""
-        self.row = np.zeros(self.size, np.float32)
-        self.textures = np.zeros(self.size, np.uint32)
-        ends = np.cumsum(list(self.slots.values()), dtype=int)
-        self.starts = dict(zip(self.slots, [0, *ends.tolist()], strict=False))
-
-    def numbers(self, name: str, *values: float) -> None:
-        """Put as many numbers as the slot has."""
-        if len(values) != self.slots[name]:
-            raise ValueError(f"{name} has {self.slots[name]} slots, got {len(values)} numbers")
-        start = self.starts[name]
-        self.row[start : start + len(values)] = values
-
-    def color(self, name: str, value: tuple[float, float, float] | Texture | str) -> None:
-        """Put a colour: numbers, or a texture with its name resolved."""
-        if isinstance(value, Constant):
-            value = value.color
-        if isinstance(value, tuple):
-            self.numbers(name, *value)
-            return
-        if not isinstance(value, Texture):
-            raise ValueError(f"the texture name {value!r} must be resolved before compiling")
-        if value not in self.all_textures:
-            self.all_textures.append(value)
-        self.textures[self.starts[name]] = self.all_textures.index(value) + 1
+    texels: View
+    layers: View
+    curves: View
 
 
 def compile_materials(
-    bsdfs: Sequence[Bsdf],
+    bsdfs: Sequence[Bsdf], textures: Sequence[Texture] = ()
 ) -> tuple[MaterialTables, tuple[str, ...], tuple[str, ...]]:
     """Build the tables of a scene's materials.
 
@@ -93,6 +49,8 @@ def compile_materials(
     ----------
     bsdfs : sequence of Bsdf
         Names of nested materials and of textures resolved. The index is what shapes refer to.
+    textures : sequence of Texture, optional
+        Textures that are used elsewhere too, each once: they get the first numbers.
 
     Returns
     -------
@@ -100,53 +58,102 @@ def compile_materials(
     bsdf_names, texture_names : tuple of str
         For `Program`: the models in use in the order of the registries, then their features.
     """
-    kinds = {model.EXAMPLES[0].type_name(): i for i, model in enumerate(BSDFS)}
-    textures: list[Texture] = []
-    info, data, texture, used = [], [], [], set()
-    for spec in bsdfs:
-        flags = 0
-        if isinstance(spec, TwoSided):
-            if not isinstance(spec.bsdf, Bsdf):
-                raise ValueError(f"the name {spec.bsdf!r} must be resolved before compiling")
-            spec, flags = spec.bsdf, TWO_SIDED
-            used.add(TWO_SIDED_NAME)
-        name = spec.type_name()
-        model = BSDFS[kinds[name]]
-        packer = Packer(model.SLOTS, STRIDE, textures)
-        model.pack(spec, packer)
-        used |= {name, *getattr(model, "features", _no_features)(spec)}
-        info += [kinds[name], flags]
-        data.append(packer.row)
-        texture.append(packer.textures)
-    texture_info, texture_data, texture_names = _compile_textures(textures)
+    rows = _Rows(stride_of(leaf.bsdf.type_name() for spec in bsdfs for leaf in leaves(spec)))
+    for texture in textures:
+        rows.textures.number(texture)
+    layers = [rows.add(spec) for spec in bsdfs]
+    rows.used |= {LAYERED_NAME} if any(len(layer) > 1 for layer in layers) else set()
+    lists = rows.pack_layers(layers)
+    table = rows.textures.compiled()
     tables = MaterialTables(
-        View(np.array(info or [0, 0], np.uint32)),
-        View(np.concatenate(data or [np.zeros(STRIDE, np.float32)])),
-        View(np.concatenate(texture or [np.zeros(STRIDE, np.uint32)])),
-        texture_info,
-        texture_data,
+        View(np.array(rows.info or [0, 0], np.uint32)),
+        View(np.concatenate(rows.data or [np.zeros(rows.stride, np.float32)])),
+        View(np.concatenate(rows.texture or [np.zeros(rows.stride, np.uint32)])),
+        table.info,
+        table.data,
+        table.texels,
+        View(lists),
+        View(np.concatenate([*rows.curves, np.zeros(1, np.float32)])),
     )
-    models = [name for name in kinds if name in used]
-    return tables, (*models, *sorted(used - set(models))), texture_names
+    models = [name for name in _KINDS if name in rows.used]
+    return tables, (*models, *sorted(rows.used - set(models))), table.names
+
+
+_KINDS, _MODELS = Numbers("bsdfs"), Models("bsdfs")
+
+
+@dataclass
+class _Rows:
+    """The tables of materials while they grow."""
+
+    stride: int
+    info: list[int] = field(default_factory=list)
+    data: list[np.ndarray] = field(default_factory=list)
+    texture: list[np.ndarray] = field(default_factory=list)
+    textures: TextureTable = field(default_factory=TextureTable)
+    curves: list[np.ndarray] = field(default_factory=list)
+    used: set[str] = field(default_factory=set)
+    numbers: dict[tuple[Bsdf, int], int] = field(default_factory=dict)
+
+    def add(self, spec: Bsdf) -> list[Leaf]:
+        """Make the row that a shape refers to; returns the models of the material."""
+        found = list(leaves(spec))
+        if len(found) > 1:
+            self.put(_weighing(spec), MIXED)
+            self.used.add(DELTA_AND_SMOOTH)
+        else:
+            self.put(found[0].bsdf, self.flags(found[0]))
+        return found
+
+    def flags(self, leaf: Leaf) -> int:
+        """Flags of a model, entered into what the program uses."""
+        name = leaf.bsdf.type_name()
+        features = getattr(_MODELS[name], "features", _no_features)(leaf.bsdf)
+        self.used |= {name, *features} | ({TWO_SIDED_NAME} if leaf.two_sided else set())
+        return TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
+
+    def put(self, spec: Bsdf, flags: int) -> int:
+        """Append a row; returns its number."""
+        model = _MODELS[spec.type_name()]
+        packer = Packer(model.SLOTS, self.stride, self.textures, self.curves)
+        model.pack(spec, packer)
+        self.info += [_KINDS[spec.type_name()], flags]
+        self.data.append(packer.row)
+        self.texture.append(packer.textures)
+        return self.numbers.setdefault((spec, flags), len(self.data) - 1)
+
+    def number(self, spec: Bsdf, flags: int) -> int:
+        """The row of a material inside others, made once."""
+        key = spec, flags
+        return self.numbers[key] if key in self.numbers else self.put(spec, flags)
+
+    def pack_layers(self, layers: list[list[Leaf]]) -> np.ndarray:
+        """Lists of models and their factors; see `alight.bsdfs.dispatch`."""
+        heads: list[int] = []
+        lists: list[list[int]] = []
+        end = 2 * len(layers)
+        for found in layers:
+            heads += [end, len(found)]
+            factors: list[int] = []
+            first = end + 3 * len(found)
+            for leaf in found:
+                row = self.number(leaf.bsdf, self.flags(leaf))
+                lists.append([row, first + len(factors), len(leaf.factors)])
+                for owner, from_one in leaf.factors:
+                    factors.append(2 * self.stride * self.number(owner, MIXED) + from_one)
+            lists.append(factors)
+            end = first + len(factors)
+        return np.array([*heads, *(word for words in lists for word in words), 0, 0], np.uint32)
+
+
+def _weighing(spec: Bsdf) -> Bsdf:
+    """The outermost material with a weight in its row."""
+    while isinstance(spec, Nested) and not spec.weight_field:
+        (part,) = spec.parts
+        assert isinstance(part.bsdf, Bsdf)
+        spec = part.bsdf
+    return spec
 
 
 def _no_features(spec: Bsdf) -> tuple[str, ...]:
     return ()
-
-
-def _compile_textures(textures: Sequence[Texture]) -> tuple[View, View, tuple[str, ...]]:
-    kinds = {model.EXAMPLES[0].type_name(): i for i, model in enumerate(TEXTURES)}
-    info, data = [], []
-    for spec in textures:
-        kind = kinds[spec.type_name()]
-        slots = TEXTURES[kind].SLOTS
-        packer = Packer(slots, sum(slots.values()))
-        TEXTURES[kind].pack(spec, packer)
-        info += [kind, len(data)]
-        data += packer.row.tolist()
-    used = {"constant", *(spec.type_name() for spec in textures)}
-    return (
-        View(np.array(info or [0, 0], np.uint32)),
-        View(np.array(data or [0.0], np.float32)),
-        tuple(name for name in kinds if name in used),
-    )

@@ -6,7 +6,7 @@ are not in it.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Program(NamedTuple):
@@ -28,10 +28,12 @@ class Program(NamedTuple):
         Model in use.
     sampler : tuple
         Model in use and its parameters, see `alight.samplers.sampling.sampler_key`.
-    options : tuple of (str, str or bool or int)
+    options : tuple of (str, value)
         Choices of the sampler and the integrator that are made at compile time, sorted by name.
     aovs : tuple of str
         Further channels.
+    registered : tuple of (str, str, str)
+        Family, name and version of the users' own models in it, see `alight.core.registration`.
     """
 
     shapes: tuple[str, ...] = ()
@@ -45,8 +47,9 @@ class Program(NamedTuple):
     sampler: tuple = ("sobol",)
     filter: str = "box"
     integrator: str = "path"
-    options: tuple[tuple[str, str | bool | int], ...] = ()
+    options: tuple[tuple[str, Any], ...] = ()
     aovs: tuple[str, ...] = ()
+    registered: tuple[tuple[str, str, str], ...] = ()
 
     def option(self, name: str, default=None):
         """One of `options`."""

@@ -8,15 +8,17 @@ from typing import Any
 
 from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import compile_camera
-from alight.compiled.lights import compile_lights
+from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.compiled.shapes import compile_shapes
+from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.filters.importance import compile_filter
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.samplers.sampling import sampler_key
-from alight.scene.flatten import FlatScene
+from alight.scene.description import NO_LIGHT
+from alight.scene.flatten import FlatScene, described
 
 #: The tables that kernels are given; each is a namedtuple of `View`.
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
@@ -86,9 +88,10 @@ def compile_scene(
         structure=structure,
         threads=threads,
     )
-    materials, bsdfs, textures = compile_materials(flat.bsdfs)
+    materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     light_choice = getattr(flat.integrator, "light_choice", "power")
-    lights = compile_lights(flat, shapes, light_choice)
+    combined = getattr(flat.integrator, "light_sampling", None) == "mis"
+    lights = compile_lights(flat, shapes, light_choice, compensated=combined)
     tables = SceneTables(
         shapes=shapes.tables,
         materials=materials,
@@ -111,6 +114,7 @@ def compile_scene(
         integrator=flat.integrator.type_name(),
         options=compile_time_options(flat.integrator),
         aovs=aovs,
+        registered=versions(described(flat)),
     )
     return CompiledScene(
         tables=tables,
@@ -120,11 +124,22 @@ def compile_scene(
         content_hash=content_hash,
         integrator=flat.integrator,
         stats=stats,
-        warnings=tuple(flat.warnings),
+        warnings=(*flat.warnings, *_darkness(flat, lights.is_dark)),
     )
 
 
-def compile_time_options(integrator: Integrator) -> tuple[tuple[str, str], ...]:
-    """The choices of an integrator that select kernel text: its fields that are names."""
-    chosen = [(name, value) for name, value in integrator if isinstance(value, str)]
-    return tuple(sorted((name, value) for name, value in chosen if name != "type"))
+def _darkness(flat: FlatScene, is_dark: bool) -> tuple[str, ...]:
+    """A warning for what only the pictures of textures and environments tell."""
+    if flat.integrator.needs_light and is_dark and NO_LIGHT not in flat.warnings:
+        return (NO_LIGHT,)
+    return ()
+
+
+#: Numbers of integrators that kernels are given while they run (`alight.integrators.walk`).
+RUN_TIME = {"max_depth", "rr_depth", "distance"}
+
+
+def compile_time_options(integrator: Integrator) -> tuple[tuple[str, Any], ...]:
+    """All fields of an integrator but those of `RUN_TIME`: they select and shape kernel text."""
+    chosen = [(name, value) for name, value in integrator if name not in {"type", *RUN_TIME}]
+    return tuple(sorted(chosen, key=lambda option: option[0]))

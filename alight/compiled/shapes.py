@@ -13,7 +13,7 @@ from alight.core.errors import Issue, SceneError
 from alight.core.view import View
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry
-from alight.shapes import disk, plane, rectangle, sphere
+from alight.shapes import cylinder, disk, plane, rectangle, sphere
 from alight.shapes.cube import Cube
 from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeTables
 from alight.shapes.mesh import Mesh
@@ -30,7 +30,13 @@ PADDING = 64
 #: Shapes that are told of in one message.
 MOST_TOLD = 10
 
-ANALYTIC = {"sphere": sphere, "rectangle": rectangle, "disk": disk, "plane": plane}
+ANALYTIC = {
+    "sphere": sphere,
+    "rectangle": rectangle,
+    "disk": disk,
+    "plane": plane,
+    "cylinder": cylinder,
+}
 
 
 class Triangles(NamedTuple):

@@ -1,13 +1,15 @@
-r"""Discrete and piecewise constant distributions: tables on the host, sampling in lanes.
+r"""Discrete and bilinear distributions: tables on the host, sampling in lanes.
 
 A table is a cumulative distribution c of n + 1 numbers, c_0 = 0 and c_n = 1, in float32; entry i
 has probability c_{i+1} - c_i *exactly as stored*, so sampling and density always agree. The largest
 i with c_i <= u is found by bisection: well-stratified u give well-stratified choices, and
 (u - c_i) / (c_{i+1} - c_i) is again uniform and stratified.
 
-A u of 24 bits cannot find entries of probability below 2^-24; there the table holds 0 or 2^-24.
+A u of 24 bits cannot find entries of probability below 2^-24; there the table holds 0 or 2^-24
+(in two dimensions always 2^-24).
 
-Source: PBR4 sections 2.3 and A.4 (in the online edition "Sampling 1D functions").
+Source: PBR4 sections 2.3, A.4 and A.5 (in the online edition "Sampling 1D functions" and what
+follows).
 """
 
 from __future__ import annotations
@@ -19,15 +21,17 @@ from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.jit import kernel
 from alight.core.simd import (
     any_lane,
-    as_float,
+    floor,
     gather,
     lanes_u32,
+    maximum,
     minimum,
-    minimum_u32,
-    to_float,
-    to_uint,
+    sqrt,
     where,
 )
+
+#: Resolution of the random numbers that choose.
+UNIT = 2.0**-24
 
 
 def cumulative(weights: ArrayLike) -> NDArray[np.float32]:
@@ -50,16 +54,34 @@ def cumulative(weights: ArrayLike) -> NDArray[np.float32]:
 
 
 def cumulative_2d(weights: ArrayLike) -> NDArray[np.float32]:
-    """Tables for `sample_2d`: a conditional distribution a row, then the marginal one.
+    """Tables for `sample_cell`: a conditional distribution a row, then the marginal one.
 
     Parameters
     ----------
     weights : (rows, columns) float
-        Not negative.
+        Not negative; at most 2^23 of either.
+
+    Returns
+    -------
+    (rows (columns + 1) + rows + 1,) float32
+        Multiples of 2^-24. Every weight above 0 gets at least one of these units, so whatever can
+        be drawn is drawn, however bright its neighbours are.
     """
     weights = np.asarray(weights, np.float64)
-    rows = [cumulative(row) for row in weights]
-    return np.concatenate([*rows, cumulative(weights.sum(axis=1))])
+    conditional = _cumulative_units(weights)
+    return np.append(conditional, _cumulative_units(weights.sum(axis=1))).astype(np.float32)
+
+
+def _cumulative_units(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cumulative distributions along the last axis, in steps of `UNIT`."""
+    sums = np.cumsum(weights, axis=-1)
+    total = sums[..., -1:]
+    # One unit for each weight above 0, the others by share.
+    least = np.cumsum(weights > 0.0, axis=-1)
+    shared = np.rint(sums / np.where(total > 0.0, total, 1.0) * (1.0 / UNIT - least[..., -1:]))
+    table = np.asarray((least + shared) * UNIT, np.float64)
+    table[..., -1] = 1.0
+    return np.concatenate([np.zeros_like(total), table], axis=-1)
 
 
 @kernel
@@ -104,52 +126,64 @@ def pmf_discrete(cdf, offset, index):
 
 
 @kernel
-def sample_1d(cdf, offset, n, u):
-    """Draw from a density on [0, 1) that is constant on n intervals of equal length.
-
-    Returns
-    -------
-    x : float
-        In [0, 1).
-    pdf : float
-    index : uint32
-        The interval.
-    """
-    index, pmf, rest = sample_discrete(cdf, offset, n, u)
-    count = to_float(lanes_u32(n))
-    x = (to_float(index) + rest) / count
-    return minimum(x, ONE_MINUS_EPSILON), pmf * count, index
-
-
-@kernel
-def sample_2d(cdf, rows, columns, u2):
-    """Draw from a density on [0, 1)^2 that is constant on rows x columns cells.
+def sample_cell(cdf, offset, rows, columns, u, u2):
+    """Choose one of rows x columns cells.
 
     Parameters
     ----------
     cdf : View
-        Of `cumulative_2d`.
-    rows, columns : int
+        Holds the tables of `cumulative_2d` from `offset` on.
+    offset, rows, columns : int
         Uniform.
+    u : float
+        Uniform in [0, 1): the digits that the 24 bits of u2 lack where a cell is improbable.
     u2 : tuple of 2 floats
         Uniform in [0, 1).
 
     Returns
     -------
-    x, y : float
-        In [0, 1); x runs along the columns.
-    pdf : float
+    column, row : uint32
+    pmf : float
+        Probability of the cell.
+    rest : tuple of 2 floats
+        Again uniform in [0, 1), for the place inside the cell.
     """
-    y, pdf_y, row = sample_1d(cdf, rows * (columns + 1), rows, u2[1])
-    x, pdf_x, _ = sample_1d(cdf, row * (columns + 1), columns, u2[0])
-    return x, y, pdf_x * pdf_y
+    row, pmf_row, rest_y = sample_discrete(cdf, offset + rows * (columns + 1), rows, u2[1])
+    column, pmf_column, rest_x = sample_discrete(cdf, offset + row * (columns + 1), columns, u2[0])
+    # A cell of k units of 2^-24 meets k values of u2 only; u is spread between them.
+    lower = u * 4096.0
+    rest_y = rest_y + u * (UNIT / maximum(pmf_row, UNIT))
+    rest_x = rest_x + (lower - floor(lower)) * (UNIT / maximum(pmf_column, UNIT))
+    rest = minimum(rest_x, ONE_MINUS_EPSILON), minimum(rest_y, ONE_MINUS_EPSILON)
+    return column, row, pmf_row * pmf_column, rest
 
 
 @kernel
-def pdf_2d(cdf, rows, columns, x, y):
-    """The density of `sample_2d` at (x, y)."""
-    row = minimum_u32(to_uint(y * as_float(rows)), rows - 1)
-    column = minimum_u32(to_uint(x * as_float(columns)), columns - 1)
-    pmf = pmf_discrete(cdf, rows * (columns + 1), row)
-    pmf = pmf * pmf_discrete(cdf, row * (columns + 1), column)
-    return pmf * as_float(rows * columns)
+def pmf_cell(cdf, offset, rows, columns, column, row):
+    """Probability of a cell, as `sample_cell` returns it."""
+    pmf = pmf_discrete(cdf, offset + rows * (columns + 1), row)
+    return pmf * pmf_discrete(cdf, offset + row * (columns + 1), column)
+
+
+@kernel
+def bilinear(corners, x, y):
+    """The bilinear function with the values (at (0, 0), (1, 0), (0, 1), (1, 1))."""
+    low = corners[0] + x * (corners[1] - corners[0])
+    high = corners[2] + x * (corners[3] - corners[2])
+    return low + y * (high - low)
+
+
+@kernel
+def sample_linear(a, b, u):
+    """Draw from the density on [0, 1] that goes from a to b >= 0, up to a factor; PBR4 2.3.2."""
+    root = sqrt(a * a + u * (b * b - a * a))
+    return minimum(u * (a + b) / maximum(a + root, 1e-30), ONE_MINUS_EPSILON)
+
+
+@kernel
+def sample_bilinear(corners, u2):
+    """Draw (x, y) from the density on [0, 1]^2 in proportion to `bilinear`; PBR4 A.5.1."""
+    y = sample_linear(corners[0] + corners[1], corners[2] + corners[3], u2[1])
+    left = corners[0] + y * (corners[2] - corners[0])
+    right = corners[1] + y * (corners[3] - corners[1])
+    return sample_linear(left, right, u2[0]), y

@@ -67,7 +67,13 @@ def is_kernel(value: Any) -> bool:
     return isinstance(value, types.FunctionType) and hasattr(value, _KERNEL)
 
 
-def instantiate(root: Callable, program: Hashable = None, *, compiled: bool = True) -> Callable:
+def instantiate(
+    root: Callable,
+    program: Hashable = None,
+    *,
+    compiled: bool = True,
+    observe: Callable[[Any, Callable], Callable] | None = None,
+) -> Callable:
     """The kernel `root` for one program, ready to be called.
 
     Parameters
@@ -78,8 +84,13 @@ def instantiate(root: Callable, program: Hashable = None, *, compiled: bool = Tr
         What the factories below `root` specialise on.
     compiled : bool, default True
         Machine code by Numba; False gives the same text in Python, for the NumPy twin.
+    observe : callable, optional
+        For the twin: given each kernel as text names it (a function or a `Specialised`) and what
+        would be called in its place, it returns what is called, so that calls can be looked at.
     """
-    return (_CompiledBuild if compiled else _PythonBuild)(program).get(root)
+    if compiled:
+        return _CompiledBuild(program).get(root)
+    return _PythonBuild(program, observe).get(root)
 
 
 class _Build(ABC):
@@ -135,8 +146,18 @@ class _Build(ABC):
 
 
 class _PythonBuild(_Build):
+    def __init__(self, program: Hashable, observe: Callable | None) -> None:
+        super().__init__(program)
+        self.observe = observe
+
+    def get(self, node: Any, strict: bool = False) -> Any:
+        made = super().get(node, strict)
+        return made if self.observe is None else self.observe(node, made)
+
     def make(self, node: Callable, strict: bool) -> Callable:
-        return self.clone(node, strict) if depends_on_program(node) else node
+        # What an observed kernel calls is observed too.
+        needed = self.observe is not None or depends_on_program(node)
+        return self.clone(node, strict) if needed else node
 
 
 class _CompiledBuild(_Build):

@@ -1,15 +1,19 @@
 """The models of every family, by the name that scene files use.
 
-A family is a package with one file per model and a tuple ``MODELS`` of those modules. Families
-are imported by name at the first use: integrators live above the scene in the order of imports
-(they run on the compiled scene), yet a scene file names them.
+A family is a package with one file per model and a tuple ``MODELS`` of those modules; models that a
+user has registered (`alight.core.registration`) follow after them. Families are imported by name at
+the first use: integrators live above the scene in the order of imports (they run on the compiled
+scene), yet a scene file names them.
+
+Everything here looks anew each time, so that a model may be registered at any moment.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -27,21 +31,103 @@ FAMILIES = (
     "integrators",
 )
 
+#: What users have registered: family -> type name -> module; changed by `registration` only.
+REGISTERED: dict[str, dict[str, ModuleType]] = {family: {} for family in FAMILIES}
 
-@cache
+#: Attribute of a registered module: a digest of all that its kernels are made from.
+VERSION = "__alight_version__"
+
+
 def modules(family: str) -> tuple[ModuleType, ...]:
-    """List the model modules of a family, in the order of its registry tuple."""
-    return import_module(f"alight.{family}").MODELS
+    """List the model modules of a family: its registry tuple, then what users registered."""
+    return (*import_module(f"alight.{family}").MODELS, *REGISTERED[family].values())
 
 
-@cache
+def type_name_of(module: ModuleType) -> str:
+    """Give the name of a model in scene files."""
+    return type(module.EXAMPLES[0]).type_name()
+
+
 def specs(family: str) -> dict[str, type[Spec]]:
     """Map type names to description classes, for one family.
 
     Examples
     --------
-    >>> sorted(specs("textures"))
-    ['checkerboard', 'constant', 'vertex_color']
+    >>> "checkerboard" in specs("textures")
+    True
     """
-    found = (type(module.EXAMPLES[0]) for module in modules(family))
-    return {spec.type_name(): spec for spec in found}
+    return _specs(modules(family))
+
+
+@lru_cache(maxsize=64)
+def _specs(models: tuple[ModuleType, ...]) -> dict[str, type[Spec]]:
+    return {type_name_of(module): type(module.EXAMPLES[0]) for module in models}
+
+
+@lru_cache(maxsize=64)
+def _by_name(models: tuple[ModuleType, ...]) -> dict[str, ModuleType]:
+    return {type_name_of(module): module for module in models}
+
+
+@lru_cache(maxsize=64)
+def _numbers(models: tuple[ModuleType, ...]) -> dict[str, int]:
+    return {type_name_of(module): number for number, module in enumerate(models)}
+
+
+class Models(Mapping[str, "ModuleType"]):
+    """The modules of a family by type name, in the order of the registry; a live view."""
+
+    def __init__(self, family: str) -> None:
+        self.family = family
+
+    def __getitem__(self, name: str) -> ModuleType:
+        return _by_name(modules(self.family))[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_by_name(modules(self.family)))
+
+    def __len__(self) -> int:
+        return len(modules(self.family))
+
+
+class Numbers(Mapping[str, int]):
+    """The places of a family's models in the order of the registry, by name; a live view."""
+
+    def __init__(self, family: str) -> None:
+        self.family = family
+
+    def __getitem__(self, name: str) -> int:
+        return _numbers(modules(self.family))[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_numbers(modules(self.family)))
+
+    def __len__(self) -> int:
+        return len(modules(self.family))
+
+
+def versions(specs: Iterable[Spec]) -> tuple[tuple[str, str, str], ...]:
+    """Which registered models descriptions use, nested ones too: (family, name, version), sorted.
+
+    Machine code and pictures made with them depend on the user's source by these.
+    """
+    found: set[tuple[str, str, str]] = set()
+    if any(REGISTERED.values()):
+        for spec in specs:
+            _collect(spec, found)
+    return tuple(sorted(found))
+
+
+def _collect(value: Any, found: set[tuple[str, str, str]]) -> None:
+    if isinstance(value, tuple | list):
+        for item in value:
+            _collect(item, found)
+        return
+    family = getattr(type(value), "family", None)
+    if family not in REGISTERED:
+        return
+    name = type(value).type_name()
+    if name in REGISTERED[family]:
+        found.add((family, name, getattr(REGISTERED[family][name], VERSION)))
+    for _, field in value:
+        _collect(field, found)

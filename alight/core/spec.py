@@ -13,7 +13,8 @@ import numbers
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, Self
+from functools import cache
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError
@@ -142,6 +143,34 @@ class Numbers:
 
 
 @dataclass(frozen=True)
+class NumberOrTexture:
+    """A number in an interval, or something that gives one; metadata of a field type.
+
+    Parameters
+    ----------
+    interval : Interval
+        Range of the number; of a texture, the range that its values must lie in.
+    other : tuple of types
+        Values of these types are passed on unchanged (texture names and descriptions).
+    """
+
+    interval: Interval
+    other: tuple[type, ...]
+
+    def check(self, value: object) -> Any:
+        """Return a Python number, or `value` itself where `other` allows it."""
+        if isinstance(value, self.other):
+            return value
+        if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
+            raise invalid(f"must be a number or a texture, got {show_value(value)}")
+        return self.interval.check(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        """Use `check` alone: a union would put its branches into the error paths."""
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+@dataclass(frozen=True)
 class Model:
     """Another description, or the name of one; metadata of a field type.
 
@@ -171,6 +200,29 @@ class Model:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
         """Use `check` alone: a union would put its branches into the error paths."""
         return core_schema.no_info_plain_validator_function(self.check)
+
+
+@dataclass(frozen=True)
+class Models(Model):
+    """A list of descriptions, or of names of them; metadata of a field type.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    """
+
+    count: int = 2
+
+    def check(self, value: object) -> Any:
+        """Return a tuple if all are descriptions of this family or allowed names."""
+        if not isinstance(value, list | tuple) or len(value) != self.count:
+            raise invalid(self.problem(value))
+        return tuple(super(Models, self).check(item) for item in value)
+
+    def problem(self, value: object) -> str:
+        """Say what a value should be that is not such a list."""
+        return f"must be a list of {self.count} {self.kind}s, got {show_value(value)}"
 
 
 Truth = Annotated[bool, Strict()]
@@ -228,6 +280,18 @@ class Bsdf(Spec):
     transmissive: ClassVar[bool] = False
 
 
+def _is_color(marker: object) -> bool:
+    """Whether the metadata of a field say that it holds an amount of light in three channels."""
+    return isinstance(marker, Numbers) and marker.count == 3 and marker.interval.low == 0.0
+
+
+def _is_dark(color: Triple | Texture | str) -> bool:
+    """Whether a colour is 0; what names and unread files hold is not known yet."""
+    if isinstance(color, Texture):
+        return getattr(color, "file", None) is None and color.maximum() == (0.0, 0.0, 0.0)
+    return color == (0.0, 0.0, 0.0)
+
+
 class Light(Spec):
     """Base class of lights; `placement` is where one may stand in a scene."""
 
@@ -237,9 +301,10 @@ class Light(Spec):
 
     @property
     def is_black(self) -> bool:
-        """Whether it emits nothing: all of its colours are 0."""
-        colors = [value for name, value in self if name != "type"]
-        return all(color == (0.0, 0.0, 0.0) for color in colors)
+        """Whether it emits nothing: all of its colours are 0, as far as textures are known."""
+        fields = type(self).model_fields
+        colors = [value for name, value in self if any(map(_is_color, fields[name].metadata))]
+        return bool(colors) and all(map(_is_dark, colors))
 
 
 class Texture(Spec):
@@ -251,6 +316,10 @@ class Texture(Spec):
     def maximum(self) -> tuple[float, float, float]:
         """Largest value of each channel."""
         return (1.0, 1.0, 1.0)
+
+    def mean(self) -> tuple[float, float, float]:
+        """Mean of each channel over the square of (u, v); above 0 where any value is."""
+        return self.maximum()
 
 
 class Shape(Spec):
@@ -314,7 +383,33 @@ Reflectance = Annotated[Triple, Numbers(3, Interval(0.0, 1.0), spread=True)]
 ColorTexture = Annotated[
     Triple | Texture | str, Numbers(3, Interval(0.0, 1.0), spread=True, other=(str, Texture))
 ]
+RadianceTexture = Annotated[
+    Triple | Texture | str, Numbers(3, Interval(low=0.0), spread=True, other=(str, Texture))
+]
+UnitTexture = Annotated[
+    float | Texture | str, NumberOrTexture(Interval(0.0, 1.0), other=(str, Texture))
+]
+# Smoother surfaces are mirrors to float32; kernels raise smaller values of textures to it.
+SMOOTHEST = 1e-4
+Roughness = Annotated[
+    float | Texture | str, NumberOrTexture(Interval(SMOOTHEST, 1.0), other=(str, Texture))
+]
+ScalarTexture = Annotated[
+    float | Texture | str, NumberOrTexture(Interval(low=0.0), other=(str, Texture))
+]
 NestedBsdf = Annotated[Bsdf | str, Model("bsdf", "bsdfs", named=True)]
+NestedBsdfs = Annotated[tuple[Bsdf | str, ...], Models("bsdf", "bsdfs", named=True)]
+
+
+@cache
+def texture_interval(spec: type[Spec], name: str) -> Interval | None:
+    """Range of the values that a texture in a field may have; None if it takes no textures."""
+    info = spec.model_fields[name]
+    found = [*info.metadata]
+    # In ``X | None`` the metadata of X are inside.
+    for part in get_args(info.annotation):
+        found.extend(getattr(part, "__metadata__", ()))
+    return next((item.interval for item in found if Texture in getattr(item, "other", ())), None)
 
 
 def energy_problem(**parts: Triple | Texture | str) -> str | None:

@@ -42,6 +42,12 @@ def normalize(a):
 
 
 @kernel
+def renormalize(a):
+    """a / |a| for a length within 1e-4 of 1: one step of Newton's method."""
+    return a * (1.5 - 0.5 * dot(a, a))
+
+
+@kernel
 def max_component(a):
     """The largest of the three."""
     return maximum(a.x, maximum(a.y, a.z))

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from alight.core.jit import kernel, specialised
-from alight.core.registry import modules
+from alight.core.registry import Models
 from alight.core.spec import Filter
 from alight.core.view import View
 
@@ -38,4 +38,4 @@ def sample_filter(program):
 
 
 def _module(name):
-    return next(m for m in modules("filters") if type(m.EXAMPLES[0]).type_name() == name)
+    return Models("filters")[name]

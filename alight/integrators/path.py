@@ -39,6 +39,7 @@ from alight.integrators.walk import (
 )
 from alight.lights.sampling import (
     emitted,
+    environment_of,
     environment_pdf,
     environment_radiance,
     has_delta_lights,
@@ -126,7 +127,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
     bsdf_weight, light_weight = weights_of(STRATEGIES[strategy], heuristic)
     delta_lights = has_delta_lights(program)
     area_lights = "area" in program.lights
-    environment = "constant" in program.lights
+    environment = environment_of(program) is not None
 
     @kernel
     def path_step(scene, settings, path):
@@ -142,8 +143,10 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
         # The ray left the scene: light of the environment.
         if environment:  # noqa: SIM102  (known when this is compiled; the next line is not)
             if any_lane(missed):
-                Le = environment_radiance(scene, path.d)
-                w = bsdf_weight(path, environment_pdf(scene, path.d))
+                # Other lanes look at one place of a map: that costs no memory traffic.
+                d = where(missed, path.d, 0.0)
+                Le = environment_radiance(scene, d)
+                w = bsdf_weight(path, environment_pdf(scene, d))
                 L = where(missed, L + path.beta * Le * w, L)
                 L_direct = where(missed & (depth <= 2), L, L_direct)
 

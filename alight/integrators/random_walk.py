@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
-from alight.bsdfs.flags import DELTA
+from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
+from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.core.constants import INV_FOUR_PI
 from alight.core.jit import kernel
 from alight.core.simd import where
@@ -39,16 +39,27 @@ EXAMPLES = (RandomWalk(), RandomWalk(max_depth=1), RandomWalk(max_depth=20))
 
 @kernel
 def scatter_uniformly(scene, surface, wo, u, u2, active):
-    """Any direction of the sphere, equally likely; delta lobes still choose their own."""
-    wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, active)
+    """Any direction of the sphere, equally likely; delta lobes still choose their own.
+
+    Where a material may have both, a coin is tossed: one side is for the delta lobes, the other for
+    the rest, and each counts double.
+    """
+    both = is_mixed(scene, surface)
+    heads = both & (u < 0.5)
+    share = where(both, 0.5, 1.0)
+    v = where(both, where(heads, 2.0 * u, 2.0 * u - 1.0), u)
+    wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, v, u2, active)
     delta = (flags & DELTA) != 0
     uniform = square_to_uniform_sphere(u2)
     f_cos, _ = evaluate_bsdf(scene, surface, wo, uniform, active)
+    chosen = where(both, heads, delta)
+    # Heads and no delta lobe: the path has failed.
+    weight = where(chosen & ~delta, 0.0, where(delta & chosen, weight, f_cos * (1.0 / INV_FOUR_PI)))
     return (
-        where(delta, wi, uniform),
-        where(delta, weight, f_cos * (1.0 / INV_FOUR_PI)),
-        where(delta, pdf, INV_FOUR_PI),
-        flags,
+        where(chosen, wi, uniform),
+        weight * (1.0 / share),
+        where(chosen, pdf, INV_FOUR_PI) * share,
+        where(chosen, flags, flags & (REFLECTION | TRANSMISSION)),
     )
 
 

@@ -13,7 +13,7 @@ from importlib import import_module
 import numpy as np
 
 from alight.core.jit import kernel, specialised
-from alight.core.registry import modules
+from alight.core.registry import Models
 from alight.core.simd import as_int, count_bits, lanes, lanes_mask, lanes_u32, lanes_vec3, mask_bits
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, normalize
@@ -110,7 +110,4 @@ def step(program):
     """The step of the program's integrator, or of the pass for AOVs."""
     if program.integrator == "aov":
         return import_module("alight.integrators.aov").step(program)
-    for module in modules("integrators"):
-        if module.EXAMPLES[0].type_name() == program.integrator:
-            return module.step(program)
-    raise ValueError(f"unknown integrator {program.integrator!r}")
+    return Models("integrators")[program.integrator].step(program)

@@ -1,8 +1,9 @@
 r"""Area light: a finite shape whose surface emits the same radiance in every direction.
 
-.. math:: L_e(x, \omega) = L \quad \text{if } \omega \cdot n_g > 0, \text{ else } 0
+.. math:: L_e(x, \omega) = L(x) \quad \text{if } \omega \cdot n_g > 0, \text{ else } 0
 
 It emits on the side of the normal only, and its shape scatters light with its BSDF like any other.
+A texture makes the radiance vary over the shape; points are still chosen as if it did not.
 
 Source: PBR4 section 12.4.
 """
@@ -16,12 +17,14 @@ import numpy as np
 from alight.core.constants import PI
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
-from alight.core.spec import Color, Light, Triple
+from alight.core.spec import Light, RadianceTexture, Texture, Triple
+from alight.lights.emission import sampled_color
 from alight.lights.tables import INFO, LightSample
-from alight.shapes import disk, mesh, rectangle, sphere
+from alight.shapes import cylinder, disk, mesh, rectangle, sphere
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import ShapeSample
 from alight.shapes.surfaces import KINDS
+from alight.textures.constant import Constant
 
 
 class Area(Light):
@@ -29,19 +32,25 @@ class Area(Light):
 
     Parameters
     ----------
-    radiance : Color, W/(m^2 sr), default 1
-        Emitted radiance.
+    radiance : RadianceTexture, W/(m^2 sr), default 1
+        Emitted radiance: a colour, or a texture over the shape.
     """
 
     placement: ClassVar[Literal["node", "shape", "environment"]] = "shape"
     type: Literal["area"] = "area"
-    radiance: Color = (1.0, 1.0, 1.0)
+    radiance: RadianceTexture = (1.0, 1.0, 1.0)
 
 
 EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))
 
 #: Shapes that can shine.
-SHAPES = {"sphere": sphere, "rectangle": rectangle, "disk": disk, "mesh": mesh}
+SHAPES = {
+    "sphere": sphere,
+    "rectangle": rectangle,
+    "disk": disk,
+    "mesh": mesh,
+    "cylinder": cylinder,
+}
 
 
 #: Rays hit its shape.
@@ -49,8 +58,23 @@ DELTA = False
 
 
 def place(spec: Area, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
-    """Colour; its shape has the place."""
-    return spec.radiance, np.zeros(3)
+    """Colour, 1 below a texture; its shape has the place."""
+    color = (1.0, 1.0, 1.0) if texture(spec) else mean_color(spec)
+    return color, np.zeros(3)
+
+
+def texture(spec: Area) -> Texture | None:
+    """The texture of its radiance; its values take the place of the colour."""
+    if isinstance(spec.radiance, Texture) and not isinstance(spec.radiance, Constant):
+        return spec.radiance
+    return None
+
+
+def mean_color(spec: Area) -> Triple:
+    """Mean radiance over the square of (u, v)."""
+    if isinstance(spec.radiance, str):
+        raise ValueError(f"the texture name {spec.radiance!r} must be resolved before compiling")
+    return spec.radiance.mean() if isinstance(spec.radiance, Texture) else spec.radiance
 
 
 def power(luminance: float, area: float, radius: float) -> float:
@@ -152,13 +176,13 @@ def sample(scene, index, p, u, u2):
     Returns
     -------
     LightSample
-        Without the probability of choosing this light; radiance 1 (the caller multiplies it) or 0
-        on the dark side.
+        Without the probability of choosing this light; radiance over the light's colour (which the
+        caller multiplies), 0 on the dark side.
     """
     info = scene.lights.info
     shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
     s = sample_shape(scene.shapes, scene.lights.cdf, start, shape, p, u, u2)
-    bright = where(s.cosine > 0.0, lanes_vec3(1.0), lanes_vec3(0.0))
+    bright = where(s.cosine > 0.0, sampled_color(scene, index, p, s, u, u2), lanes_vec3(0.0))
     return LightSample(s.wi, s.distance, bright, s.pdf, lanes_mask(False), s.cosine, s.error)
 
 

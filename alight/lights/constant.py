@@ -61,6 +61,12 @@ def sample(scene, index, p, u, u2):
 
 
 @kernel
-def pdf(d):
+def pdf(scene, d):
     """Density of `sample` per solid angle."""
     return lanes(INV_FOUR_PI)
+
+
+@kernel
+def radiance(scene, d):
+    """Radiance that arrives from the unit direction d, without the light's colour."""
+    return lanes_vec3(1.0)

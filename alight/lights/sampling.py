@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from alight.core.distributions import sample_discrete
 from alight.core.jit import kernel, specialised
+from alight.core.registry import Models, Numbers
 from alight.core.simd import any_lane, gather, is_finite, lanes, lanes_mask, lanes_vec3, where
 from alight.core.vec import dot, gather_vec3, row_vec3
-from alight.lights import MODELS
 from alight.lights.area import pdf as area_pdf
-from alight.lights.constant import pdf as constant_pdf
+from alight.lights.emission import emitted_color
 from alight.lights.tables import INFO, STRIDE, LightSample
 from alight.shapes.hit import shadow_length, spawn_origin
 
 #: Models by name, and their numbers in `LightTables.info`.
-LIGHTS = {model.EXAMPLES[0].type_name(): model for model in MODELS}
-KINDS = {name: number for number, name in enumerate(LIGHTS)}
-
-#: Lights of which a scene has at most one, at infinity.
-ENVIRONMENTS = ("constant",)
+LIGHTS = Models("lights")
+KINDS = Numbers("lights")
 
 
 @kernel
@@ -73,7 +70,7 @@ def sample_chosen(program):
 
 def has_delta_lights(program) -> bool:
     """True if the program has lights that only light sampling finds."""
-    return any(LIGHTS[name].DELTA for name in program.lights)
+    return any(name in LIGHTS and LIGHTS[name].DELTA for name in program.lights)
 
 
 @specialised
@@ -227,27 +224,35 @@ def emitted(program):
     @kernel
     def on_outer_side(scene, surface, wo):
         shines = (surface.light > 0) & (dot(wo, surface.ng) > 0.0)
-        index = light_index(surface.light)
-        radiance = gather_vec3(scene.lights.data, index * STRIDE)
+        radiance = emitted_color(scene, light_index(surface.light), surface)
         return where(shines, radiance, lanes_vec3(0.0))
 
     return on_outer_side
 
 
+def environment_of(program):
+    """The model of the program's light from infinity, of which it has at most one, or None."""
+    models = (LIGHTS[name] for name in program.lights if name in LIGHTS)
+    return next((m for m in models if m.EXAMPLES[0].placement == "environment"), None)
+
+
 @specialised
 def environment_radiance(program):
     """``environment_radiance(scene, d)``: radiance of a ray that leaves the scene along unit d."""
-    if not set(ENVIRONMENTS) & set(program.lights):
+    model = environment_of(program)
+    if model is None:
 
         @kernel
         def black(scene, d):
             return lanes_vec3(0.0)
 
         return black
+    radiance = model.radiance
 
     @kernel
     def of_the_last_light(scene, d):
-        return row_vec3(scene.lights.data, scene.lights.data.size - STRIDE) + lanes_vec3(0.0)
+        color = row_vec3(scene.lights.data, scene.lights.data.size - STRIDE)
+        return color * radiance(scene, d)
 
     return of_the_last_light
 
@@ -255,16 +260,18 @@ def environment_radiance(program):
 @specialised
 def environment_pdf(program):
     """``environment_pdf(scene, d)``: density of `sample_light` for a ray that leaves the scene."""
-    if not set(ENVIRONMENTS) & set(program.lights):
+    model = environment_of(program)
+    if model is None:
 
         @kernel
         def impossible(scene, d):
             return lanes(0.0)
 
         return impossible
+    density = model.pdf
 
     @kernel
     def of_the_last_light(scene, d):
-        return constant_pdf(d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]
+        return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]
 
     return of_the_last_light

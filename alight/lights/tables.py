@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-#: info, data: a row a light; cdf: the choice of the light, then one table a mesh light (see
-#: `alight.core.distributions`). The environment, where there is one, is the last light.
-LightTables = namedtuple("LightTables", "info data cdf")
+#: info, data: a row a light; cdf: the choice of the light, then one table a mesh light and that of
+#: the environment's map (see `alight.core.distributions`); map: the environment's, see
+#: `alight.lights.environment_map`.
+#: The environment, where there is one, is the last light.
+LightTables = namedtuple("LightTables", "info data cdf map")
 
-#: Words of `LightTables.info` a light: kind, shape, offset in data, start of a mesh's table in cdf.
+#: Words of `LightTables.info` a light: kind, shape, texture of the radiance + 1 (0: none), start of
+#: a mesh's or map's table in cdf.
 INFO = 4
 
-#: Numbers of `LightTables.data` a light: red, green and blue, probability of being chosen, and
-#: three for the position, or the direction to the light.
-STRIDE = 8
+#: Name in `Program.lights` beside the models: the radiance of an area light has a texture.
+TEXTURED = "textured"
+
+#: Numbers of `LightTables.data` a light: red, green and blue, probability of being chosen, and up
+#: to twelve of its own, as `place` gave them.
+STRIDE = 16
 
 #: Light arriving at a point from one chosen direction.
 #: wi: unit direction to the light; distance: m, infinity for lights without a place; radiance: RGB

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -80,14 +82,11 @@ def read_layers(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, str]
     OSError, ValueError
         If the file is missing or no OpenEXR.
     """
-    # The library would print its own lines to stderr for a file that is no EXR at all.
-    with Path(path).open("rb") as file:
-        if file.read(4) != _MAGIC:
-            raise ValueError("not an OpenEXR file")
+    _check_magic(path)
     import OpenEXR
 
     try:
-        with OpenEXR.File(str(path), separate_channels=True) as file:
+        with _silence(), OpenEXR.File(str(path), separate_channels=True) as file:
             channels = {name: channel.pixels for name, channel in file.channels().items()}
             header = dict(file.header())
     except (RuntimeError, ValueError) as error:
@@ -95,3 +94,37 @@ def read_layers(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, str]
     prefix = "alight."
     named = {k[len(prefix) :]: v for k, v in header.items() if k.startswith(prefix)}
     return channels, named
+
+
+def read_size(path: str | Path) -> tuple[int, int, int]:
+    """Width, height and number of channels of the first part, read without the pixels."""
+    _check_magic(path)
+    import OpenEXR
+
+    try:
+        with _silence(), OpenEXR.File(str(path), header_only=True) as file:
+            header = dict(file.header())
+        low, high = header["dataWindow"]
+    except (RuntimeError, ValueError, KeyError) as error:
+        raise ValueError(f"broken OpenEXR file ({error})") from error
+    width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
+    return width, height, len(header["channels"])
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep what the library writes to stderr about broken files from the user, who is told once."""
+    with Path(os.devnull).open("wb") as nowhere:
+        kept = os.dup(2)
+        try:
+            os.dup2(nowhere.fileno(), 2)
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+
+
+def _check_magic(path: str | Path) -> None:
+    with Path(path).open("rb") as file:
+        if file.read(4) != _MAGIC:
+            raise ValueError("not an OpenEXR file")

@@ -22,6 +22,8 @@ KEEPS_LAYERS = False
 #: Widths for which a scan line may be run-length encoded.
 _RLE_WIDTHS = range(8, 32768)
 
+_MOST_HEADER = 2**16
+
 
 def write(path: Path, picture: Picture, display: Display) -> None:
     """Write the picture; negative values become 0. `display` does not apply."""
@@ -56,11 +58,7 @@ def decode_rgbe(rgbe: np.ndarray) -> np.ndarray:
 def read(path: Path) -> np.ndarray:
     """Read linear values; float32, shape (h, w, 3)."""
     data = path.read_bytes()
-    if not data.startswith(b"#?"):
-        raise ValueError("not a Radiance file")
-    found = re.search(rb"\n\n-Y (\d+) \+X (\d+)\n", data)
-    if found is None:
-        raise ValueError("the header has no size line of the form '-Y height +X width'")
+    found = _header(data)
     if b"FORMAT=32-bit_rle_xyze" in data[: found.start()]:
         raise ValueError("XYZE pictures are not supported; convert it to RGBE")
     h, w = int(found[1]), int(found[2])
@@ -69,6 +67,22 @@ def read(path: Path) -> np.ndarray:
     if h < 1 or w < 1 or len(body) * 64 < h * w * 4:
         raise ValueError(f"{len(body)} bytes of pixels are too few for {w}x{h}")
     return decode_rgbe(_scan_lines(body, h, w)) * np.float32(1.0 / _exposure(data[: found.start()]))
+
+
+def read_size(path: Path) -> tuple[int, int]:
+    """Width and height, read without the pixels."""
+    with path.open("rb") as file:
+        found = _header(file.read(_MOST_HEADER))
+    return int(found[2]), int(found[1])
+
+
+def _header(data: bytes) -> re.Match[bytes]:
+    if not data.startswith(b"#?"):
+        raise ValueError("not a Radiance file")
+    found = re.search(rb"\n\n-Y (\d{1,9}) \+X (\d{1,9})\n", data[:_MOST_HEADER])
+    if found is None:
+        raise ValueError("the header has no size line of the form '-Y height +X width'")
+    return found
 
 
 def _exposure(header: bytes) -> float:

@@ -17,6 +17,8 @@ SUFFIXES = (".pfm",)
 IS_DISPLAY = False
 KEEPS_LAYERS = False
 
+_MOST_HEADER = 1000
+
 
 def write(path: Path, picture: Picture, display: Display) -> None:
     """Write the picture; `display` does not apply to linear formats."""
@@ -28,10 +30,7 @@ def write(path: Path, picture: Picture, display: Display) -> None:
 def read(path: Path) -> np.ndarray:
     """Read colour (PF) or grey (Pf) maps of either byte order; float32, shape (h, w, 3)."""
     data = path.read_bytes()
-    # Exactly one white space ends the header; the pixels may begin with more of them.
-    header = re.match(rb"(PF|Pf)\s+(\d{1,6})\s+(\d{1,6})\s+(-?[\d.]+(?:[eE][-+]?\d+)?)\s", data)
-    if header is None:
-        raise ValueError("not a PFM file")
+    header = _header(data)
     w, h, scale, start = int(header[2]), int(header[3]), float(header[4]), header.end()
     if w < 1 or h < 1:
         raise ValueError(f"PFM of {w}x{h} pixels")
@@ -42,3 +41,19 @@ def read(path: Path) -> np.ndarray:
     order = "<f4" if scale < 0 else ">f4"
     rows = np.frombuffer(data, order, w * h * channels, start).reshape(h, w, channels)[::-1]
     return np.broadcast_to(rows, (h, w, 3))
+
+
+def read_size(path: Path) -> tuple[int, int]:
+    """Width and height, read without the pixels."""
+    with path.open("rb") as file:
+        header = _header(file.read(_MOST_HEADER))
+    return int(header[2]), int(header[3])
+
+
+def _header(data: bytes) -> re.Match[bytes]:
+    # Exactly one white space ends the header; the pixels may begin with more of them.
+    number = rb"(-?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+    found = re.match(rb"(PF|Pf)\s+(\d{1,6})\s+(\d{1,6})\s+" + number + rb"\s", data[:_MOST_HEADER])
+    if found is None:
+        raise ValueError("not a PFM file")
+    return found

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from alight.core.srgb import decode_srgb
 from alight.outputs.picture import Picture
-from alight.outputs.tone_mapping import Display, decode_srgb
+from alight.outputs.tone_mapping import Display
 
 SUFFIXES = (".png",)
 IS_DISPLAY = True

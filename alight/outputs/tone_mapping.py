@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from alight.core.errors import OptionError, unknown_name
+from alight.core.srgb import encode_srgb
 
 #: Luminance of linear sRGB (Rec. 709 primaries, D65).
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -61,18 +62,6 @@ TONE_MAPS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "aces": aces,
     "hable": hable,
 }
-
-
-def encode_srgb(linear: np.ndarray) -> np.ndarray:
-    """Apply the sRGB transfer function, IEC 61966-2-1; [0, 1] to [0, 1]."""
-    curve = 1.055 * np.maximum(linear, 0.0031308) ** (1.0 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, 12.92 * linear, curve)
-
-
-def decode_srgb(encoded: np.ndarray) -> np.ndarray:
-    """Invert `encode_srgb`."""
-    curve = ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4
-    return np.where(encoded <= 0.04045, encoded / 12.92, curve)
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ def render(
     ----------
     scene : Scene, path or name of a built-in scene
     spp : int, optional
-        Samples per pixel; 64 if no time limit is given either.
+        Samples per pixel; what the scene's file asks for, or 64, if no time limit is given either.
     time_limit : float, seconds, optional
         Start no pass after this time.
     seed : int in [0, 2^32)
@@ -119,7 +119,8 @@ def render(
     job = Job(compiled, seed, threads, replicates, first_sample)
     job.start(progress)
     clock.lap("compile")
-    job.run(spp if spp or time_limit else 64, time_limit, spp_per_pass, progress, cancel)
+    spp = spp or (None if time_limit else scene.source.remarks.spp or 64)
+    job.run(spp, time_limit, spp_per_pass, progress, cancel)
     clock.lap("render")
     job.film.stats = job.statistics(clock.laps)
     return job.film

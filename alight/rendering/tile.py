@@ -13,7 +13,7 @@ from alight.compiled.scene import CompiledScene
 from alight.core.jit import fixed, instantiate
 from alight.core.view import View
 from alight.films import PartialFilm
-from alight.integrators.aov import LAYERS, layer_number
+from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_number
 from alight.integrators.walk import Settings
 from alight.rendering.tile_kernel import INVALID, RAYS, SATURATED, Tile, render_tile_kernel
 
@@ -28,17 +28,23 @@ class Kernels(NamedTuple):
     aov: Callable | None
 
 
-def make_kernels(scene: CompiledScene, *, compiled: bool = True) -> Kernels:
-    """The main loop specialised on a scene's program; compiled False gives the NumPy twin."""
+def make_kernels(
+    scene: CompiledScene, *, compiled: bool = True, observe: Callable | None = None
+) -> Kernels:
+    """The main loop specialised on a scene's program; compiled False gives the NumPy twin.
+
+    `observe` is for the twin, see `alight.core.jit.instantiate`.
+    """
 
     def make(program: Program) -> Callable:
-        kernel = instantiate(render_tile_kernel, program, compiled=compiled)
+        kernel = instantiate(render_tile_kernel, program, compiled=compiled, observe=observe)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
         return fixed(kernel) if compiled else np.errstate(all="ignore")(kernel)
 
     wanted = set(LAYERS) & set(scene.program.aovs)
     # What light does there plays no part in these layers, and need not be compiled for them.
-    looking = scene.program._replace(integrator="aov", options=(), aovs=("uv",))
+    aovs = ("uv", THROUGH) if wanted & THROUGH_LAYERS else ("uv",)
+    looking = scene.program._replace(integrator="aov", options=(), aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
     return Kernels(make(beauty), make(looking) if wanted else None)
 

@@ -43,6 +43,9 @@ EXAMPLES = (Multijittered(), Multijittered(strata=1), Multijittered(strata=7))
 #: projections wins: the error is below that of `stratified` up to thousands of samples.
 EXPECTED_RATE = (-3.0, -1.5)
 
+#: As for `sobol`; blocks of n = 16 samples are permuted: n / (n - 1).
+WORST_GAIN = 16 / 15
+
 
 def make_kernels(strata):
     """(get_1d, get_2d) of this sampler for blocks of strata * strata samples."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import cache
 
 from alight.core.jit import specialised
-from alight.core.registry import modules
+from alight.core.registry import Models
 from alight.core.spec import Sampler
 from alight.samplers.state import SamplerState as SamplerState
 from alight.samplers.state import sampler_state as sampler_state
@@ -39,10 +39,11 @@ def get_2d(program):
     return _kernels(program.sampler)[1]
 
 
-@cache
 def _kernels(key):
     name, *parameters = (key,) if isinstance(key, str) else key
-    for module in modules("samplers"):
-        if type(module.EXAMPLES[0]).type_name() == name:
-            return module.make_kernels(*parameters)
-    raise KeyError(name)
+    return _made_by(Models("samplers")[name], tuple(parameters))
+
+
+@cache
+def _made_by(module, parameters):
+    return module.make_kernels(*parameters)

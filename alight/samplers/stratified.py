@@ -39,6 +39,9 @@ EXAMPLES = (Stratified(), Stratified(strata=1), Stratified(strata=7))
 #: the strata of one block grow with it. Further blocks of the same size only average: slope -1.
 EXPECTED_RATE = (-3.0, -2.0)
 
+#: As for `sobol`; blocks of n = 16 samples are permuted: n / (n - 1).
+WORST_GAIN = 16 / 15
+
 
 def make_kernels(strata):
     """(get_1d, get_2d) of this sampler for blocks of strata * strata samples."""

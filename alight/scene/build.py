@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from alight.core.errors import Issue, join_path, show_value, unknown_name
 from alight.core.registry import specs
-from alight.core.spec import Model, Numbers, Spec, Texture, translate
+from alight.core.spec import Model, Models, NumberOrTexture, Numbers, Spec, Texture, translate
 from alight.scene.description import (
     CameraField,
     FilmSettings,
@@ -28,7 +28,7 @@ from alight.scene.description import (
 from alight.scene.steps import parse_transform
 
 FORMAT_VERSION = 1
-Marker = Model | Numbers | Named | TransformField | CameraField
+Marker = Model | Numbers | NumberOrTexture | Named | TransformField | CameraField
 
 
 @dataclass
@@ -90,9 +90,11 @@ class Builder:
             return self.named(marker, value, path)
         if isinstance(marker, CameraField) and isinstance(value, Mapping):
             return self.placed_camera(value, path)
+        if isinstance(marker, Models):
+            return self.models(marker, value, path)
         if isinstance(marker, Model) and not (marker.named and isinstance(value, str)):
             return self.model(marker, value, path)
-        if isinstance(marker, Numbers) and Texture in marker.other and isinstance(value, Mapping):
+        if Texture in getattr(marker, "other", ()) and isinstance(value, Mapping):
             return self.model(Model("texture", "textures"), value, path)
         return value
 
@@ -102,6 +104,8 @@ class Builder:
             value = {"type": value}
         if value is None:
             raise _Failed
+        if isinstance(value, Spec) and value.family == marker.family:
+            return value
         if not isinstance(value, Mapping):
             self.report(path, f"must be a {marker.kind}, got {show_value(value)}")
             raise _Failed
@@ -111,8 +115,21 @@ class Builder:
         name = value.get("type")
         if not isinstance(name, str) or name not in known:
             self.report(*_type_problem(marker, name, path))
-            return _stand_in(marker.family)
-        return self.fields(known[name], value, path) or _stand_in(marker.family)
+            return _stand_in(marker.family, path)
+        return self.fields(known[name], value, path) or _stand_in(marker.family, path)
+
+    def models(self, marker: Models, value: object, path: str) -> tuple[object, ...]:
+        """Build a list of models or of names of them."""
+        if not isinstance(value, list | tuple) or len(value) != marker.count:
+            self.report(path, marker.problem(value))
+            raise _Failed
+        built = []
+        for i, item in enumerate(value):
+            if isinstance(item, str) or getattr(item, "family", None) == marker.family:
+                built.append(item)
+            else:
+                built.append(self._named_model(marker, item, f"{path}[{i}]"))
+        return tuple(built)
 
     def named(self, marker: Named, value: object, path: str) -> dict[str, Spec]:
         """Build a mapping of names to descriptions."""
@@ -132,7 +149,7 @@ class Builder:
                 # A name must not become a type here, or a misspelt reference would look right.
                 if isinstance(item, str):
                     self.report(here, f"must be a {marker.kind}, got {show_value(item)}")
-                    result[name] = _stand_in(marker.family)
+                    result[name] = _stand_in(marker.family, here)
                 else:
                     result[name] = self._named_model(model, item, here)
             else:
@@ -143,7 +160,7 @@ class Builder:
         try:
             return self.model(marker, {} if item is None else item, path)
         except _Failed:
-            return _stand_in(marker.family)
+            return _stand_in(marker.family, path)
 
     def node(self, value: object, path: str) -> Node:
         """Build a node with all of its children."""
@@ -179,9 +196,10 @@ def _type_problem(marker: Model, name: object, path: str) -> tuple[str, str]:
     return join_path(path, "type"), unknown_name(marker.kind, name, known, listed_as="types")
 
 
-def _stand_in(family: str) -> Spec:
+def _stand_in(family: str, path: str) -> Spec:
     # A rectangle may carry a light and has no file that could be missing.
-    name = {"shapes": "rectangle", "bsdfs": "diffuse", "lights": "area"}.get(family)
+    light = "constant" if path == "environment" else "area"
+    name = {"shapes": "rectangle", "bsdfs": "diffuse", "lights": light}.get(family)
     return specs(family)[name]() if name else next(iter(specs(family).values()))()
 
 

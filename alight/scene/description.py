@@ -6,6 +6,7 @@ All of it is immutable. `alight.scene.manager.SceneManager` edits scenes, and
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -190,6 +191,25 @@ class Node(Spec):
 
 
 @dataclass(frozen=True)
+class Remarks:
+    """What was noticed in a file of another program.
+
+    Parameters
+    ----------
+    notes : tuple of str
+        What plays no part in the picture.
+    warnings : tuple of str
+        What was replaced or is suspicious.
+    spp : int, optional
+        Samples per pixel that the file asks for.
+    """
+
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    spp: int | None = None
+
+
+@dataclass(frozen=True)
 class Source:
     """Where a scene came from.
 
@@ -200,12 +220,16 @@ class Source:
     folder : Path, optional
         Where relative mesh files are looked up; the current folder by default.
     places : mapping of str to str
-        Key path -> ``line:column`` of the value; key path + ``~`` -> of the key.
+        Key path -> ``line:column`` of the value; key path + ``~`` -> of the key. Values in other
+        files than `name` have their name in front.
+    remarks : Remarks, optional
+        Of the reader of a foreign format.
     """
 
     name: str = ""
     folder: Path | None = None
     places: Mapping[str, str] = field(default_factory=dict)
+    remarks: Remarks = Remarks()
 
     def located(self, issue: Issue) -> Issue:
         """Fill in the place of an issue: of its path, or of the nearest one above."""
@@ -213,12 +237,15 @@ class Source:
             return issue
         path = issue.path
         if issue.about_key and path + "~" in self.places:
-            return Issue(path, issue.message, f"{self.name}:{self.places[path + '~']}")
+            return Issue(path, issue.message, self._in_file(self.places[path + "~"]))
         while path and path not in self.places:
             cut = max(path.rfind("."), path.rfind("["))
             path = path[:cut] if cut > 0 else ""
         line = self.places.get(path, "1:1")
-        return Issue(issue.path, issue.message, f"{self.name}:{line}")
+        return Issue(issue.path, issue.message, self._in_file(line))
+
+    def _in_file(self, place: str) -> str:
+        return f"{self.name}:{place}" if re.fullmatch(r"\d+:\d+", place) else place
 
 
 def _default_integrator() -> Integrator:
@@ -226,6 +253,9 @@ def _default_integrator() -> Integrator:
     integrator = specs("integrators")["path"]()
     assert isinstance(integrator, Integrator)
     return integrator
+
+
+NO_LIGHT = "the scene has no light: the picture will be black"
 
 
 @dataclass(frozen=True)
@@ -291,7 +321,7 @@ class Scene(Spec):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What is legal but suspicious, in words."""
-        return () if self._is_lit() else ("the scene has no light: the picture will be black",)
+        return self.source.remarks.warnings + (() if self._is_lit() else (NO_LIGHT,))
 
     def _is_lit(self) -> bool:
         if not self.integrator.needs_light:

@@ -13,12 +13,15 @@ from alight.scene.description import Node, Scene
 from alight.scene.steps import dump_transform
 from alight.scene.transform import Transform
 from alight.shapes.mesh import Mesh
+from alight.textures.images import Image, holds_image
+from alight.textures.uv import UvTransform
 
-MeshWriter = Callable[[Mesh, str], Mesh]
+#: Gives the description to write in the place of one that holds arrays or names a file.
+FileWriter = Callable[[Any, str], Any]
 
 
 def dump_scene(
-    scene: Scene, write_mesh: MeshWriter | None = None, full: bool = False
+    scene: Scene, write_file: FileWriter | None = None, full: bool = False
 ) -> dict[str, Any]:
     """Write a scene as plain data.
 
@@ -26,12 +29,12 @@ def dump_scene(
     ----------
     scene : Scene
         What to write.
-    write_mesh : callable, optional
-        Receives each mesh with its key path and returns the mesh to write in its place, for
-        instance one that names a file.
+    write_file : callable, optional
+        Receives each mesh, and each description that holds a picture, with its key path; returns
+        what to write in its place, for instance one that names a file.
     full : bool, default False
-        Write fields at their defaults too, and leave mesh arrays as they are. Otherwise they
-        become lists.
+        Write fields at their defaults too, and leave arrays of meshes and pictures as they are.
+        Otherwise they become lists.
 
     Returns
     -------
@@ -39,7 +42,7 @@ def dump_scene(
         Dictionaries, lists, texts and numbers.
     """
     data: dict[str, Any] = {"alight": FORMAT_VERSION}
-    writer = _Writer(write_mesh, full)
+    writer = _Writer(write_file, full)
     for name, value in scene:
         if isinstance(value, Node) and name == "camera":
             data[name] = writer.camera(value)
@@ -53,22 +56,26 @@ def dump_scene(
 class _Writer:
     """Turns descriptions into plain data, one method per kind of value."""
 
-    def __init__(self, write_mesh: MeshWriter | None, full: bool) -> None:
-        self.write_mesh = write_mesh
+    def __init__(self, write_file: FileWriter | None, full: bool) -> None:
+        self.write_file = write_file
         self.full = full
 
     def value(self, value: Any, path: str) -> Any:
-        if isinstance(value, Mesh) and self.write_mesh is not None:
-            value = self.write_mesh(value, path)
         if isinstance(value, Spec):
+            if self.write_file is not None and (isinstance(value, Mesh) or holds_image(value)):
+                value = self.write_file(value, path)
             return self.spec(value, path)
         if isinstance(value, Transform):
             return dump_transform(value)
         if isinstance(value, dict):
             return {name: self.value(item, f"{path}.{name}") for name, item in value.items()}
+        if isinstance(value, Image | UvTransform):
+            return value if self.full else value.plain()
         if isinstance(value, np.ndarray):
             return value if self.full else dump_array(value)
-        return list(value) if isinstance(value, tuple) else value
+        if isinstance(value, tuple):
+            return [self.value(item, f"{path}[{i}]") for i, item in enumerate(value)]
+        return value
 
     def spec(self, spec: Spec, path: str) -> dict[str, Any]:
         data: dict[str, Any] = {}

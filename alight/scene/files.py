@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.scene.build import Builder
-from alight.scene.description import Scene, Source
+from alight.scene.description import Remarks, Scene, Source
 from alight.scene.dump import dump_scene
-from alight.scene.formats import native, ply
+from alight.scene.formats import mitsuba, native, ply
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.manager import SceneManager
 from alight.scene.validation import find_problems
 from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
-# Meshes with more vertices than this go into PLY files beside a saved scene.
-MOST_INLINE_VERTICES = 100
+# Files of other programs, which are read but not written.
+FOREIGN = (".xml",)
+# Meshes with more vertices, and pictures with more texels, go into files beside a saved scene.
+MOST_INLINE_VERTICES, MOST_INLINE_TEXELS = 100, 64
 
 
 def builtin_names() -> tuple[str, ...]:
@@ -28,15 +34,27 @@ def builtin_names() -> tuple[str, ...]:
     return tuple(sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".yaml")))
 
 
-def load(scene: str | os.PathLike[str], changes: tuple[str, ...] | list[str] = ()) -> Scene:
+def load(
+    scene: str | os.PathLike[str],
+    changes: tuple[str, ...] | list[str] = (),
+    *,
+    definitions: Mapping[str, str] | None = None,
+    lenient: bool = False,
+) -> Scene:
     """Load a scene and check it.
 
     Parameters
     ----------
     scene : str or path
-        A scene file (``.yaml``, ``.yml`` or ``.json``) or the name of a built-in scene.
+        A scene file (``.yaml``, ``.yml``, ``.json``, or Mitsuba's ``.xml``) or the name of a
+        built-in scene.
     changes : sequence of str, optional
         ``path.to.key=value`` assignments, as for ``--set``.
+    definitions : mapping of str to str, optional
+        Values of the ``$names`` of an XML file, as for ``-D``.
+    lenient : bool, default False
+        Replace what an XML file asks for and alight lacks, instead of refusing the file;
+        `Scene.warnings` lists it.
 
     Returns
     -------
@@ -56,15 +74,30 @@ def load(scene: str | os.PathLike[str], changes: tuple[str, ...] | list[str] = (
     name = os.fspath(scene)
     if name in builtin_names():
         text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
-        result = loads(text, f"{name}.yaml", check=not changes)
+        result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
     else:
         path = Path(name)
-        result = loads(_read(path), name, path.parent, check=not changes)
+        result = loads(
+            _read(path),
+            name,
+            path.parent,
+            check=not changes,
+            definitions=definitions,
+            lenient=lenient,
+        )
     return _changed(result, changes) if changes else result
 
 
-def loads(text: str, name: str = "scene", folder: Path | None = None, check: bool = True) -> Scene:
-    """Load a scene from text in the native format.
+def loads(
+    text: str,
+    name: str = "scene",
+    folder: Path | None = None,
+    check: bool = True,
+    *,
+    definitions: Mapping[str, str] | None = None,
+    lenient: bool = False,
+) -> Scene:
+    """Load a scene from text, in the native format or in Mitsuba's.
 
     Parameters
     ----------
@@ -76,15 +109,16 @@ def loads(text: str, name: str = "scene", folder: Path | None = None, check: boo
         Where relative mesh files are looked up; the current folder by default.
     check : bool, default True
         Whether to run the checks that need the whole scene (`find_problems`).
+    definitions, lenient
+        For Mitsuba's format, see `load`.
 
     Raises
     ------
     SceneError
         With every problem, each with its place.
     """
-    data, places, found = native.parse(text, name)
-    source = Source(name, folder, places)
-    builder = Builder(list(found))
+    data, found, source = _parse(text, name, folder, definitions or {}, lenient)
+    builder = Builder(found)
     scene = builder.scene(data).from_source(source)
     issues = builder.issues
     # After a wrong top level nothing is left to check.
@@ -94,6 +128,22 @@ def loads(text: str, name: str = "scene", folder: Path | None = None, check: boo
     if issues:
         raise SceneError([issue if issue.place else source.located(issue) for issue in issues])
     return scene
+
+
+def _parse(
+    text: str, name: str, folder: Path | None, definitions: Mapping[str, str], lenient: bool
+) -> tuple[Any, list[Issue], Source]:
+    """Plain data, problems so far and the origin, whichever format the text has."""
+    if mitsuba.is_xml(text):
+        parsed = mitsuba.parse(text, name, folder, definitions, lenient)
+        remarks = Remarks(tuple(parsed.notes), tuple(parsed.warnings), parsed.spp)
+        return parsed.data, parsed.issues, Source(name, folder, parsed.places, remarks)
+    if definitions:
+        first = next(iter(definitions))
+        issue = Issue(f"-D {first}", "only XML files have parameters; use --set path=value", name)
+        raise SceneError([issue])
+    data, places, issues = native.parse(text, name)
+    return data, list(issues), Source(name, folder, places)
 
 
 def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
@@ -110,8 +160,8 @@ def _read(path: Path) -> str:
     name = str(path)
     if not path.is_file():
         raise SceneError([Issue("", _missing(path), name)])
-    if path.suffix.lower() not in SUFFIXES:
-        kinds = ", ".join(SUFFIXES)
+    if path.suffix.lower() not in SUFFIXES + FOREIGN:
+        kinds = ", ".join(SUFFIXES + FOREIGN)
         raise SceneError([Issue("", f"must be a scene file ({kinds}), got {quote(name)}", name)])
     try:
         size = path.stat().st_size
@@ -141,7 +191,9 @@ def _missing(path: Path) -> str:
 
 def _files_beside(path: Path) -> list[Path]:
     try:
-        return [entry for entry in path.parent.iterdir() if entry.suffix.lower() in SUFFIXES]
+        return [
+            entry for entry in path.parent.iterdir() if entry.suffix.lower() in SUFFIXES + FOREIGN
+        ]
     except OSError:
         return []
 
@@ -160,7 +212,8 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     scene : Scene
-        Mesh arrays of more than 100 vertices are written to PLY files beside it.
+        Mesh arrays of more than 100 vertices are written to PLY files beside it, pictures of more
+        than 64 texels to NPY files.
     path : str or path
         Where to; ends in ``.yaml``, ``.yml`` or ``.json``.
 
@@ -175,7 +228,7 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
     if target.suffix.lower() not in SUFFIXES:
         kinds = ", ".join(SUFFIXES)
         raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])
-    writer = _MeshWriter(target, scene.source.folder)
+    writer = _FileWriter(target, scene.source.folder)
     text = native.write(dump_scene(scene, writer))
     # A reader never sees half a file: write beside, then rename.
     partial = target.with_name(target.name + ".partial")
@@ -186,30 +239,45 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
         partial.unlink(missing_ok=True)
 
 
-class _MeshWriter:
-    """Writes large meshes to PLY files and keeps references to files valid."""
+class _FileWriter:
+    """Writes large meshes and pictures to files, and keeps references to files valid."""
 
     def __init__(self, target: Path, folder: Path | None) -> None:
         self.target = target
         self.folder = folder or Path()
-        self.names: dict[int, str] = {}
+        self.names: dict[object, str] = {}
 
-    def __call__(self, mesh: Mesh, key_path: str) -> Mesh:
-        if mesh.file is not None:
-            absolute = (self.folder / mesh.file).resolve()
-            return mesh.replaced(file=_relative(absolute, self.target.parent.resolve()))
+    def __call__(self, spec: Any, key_path: str) -> Any:
+        if spec.file is not None:
+            absolute = (self.folder / spec.file).resolve()
+            return spec.replaced(file=_relative(absolute, self.target.parent.resolve()))
+        return self.mesh(spec, key_path) if isinstance(spec, Mesh) else self.picture(spec, key_path)
+
+    def mesh(self, mesh: Mesh, key_path: str) -> Mesh:
         assert mesh.vertices is not None
         assert mesh.faces is not None
         if len(mesh.vertices) <= MOST_INLINE_VERTICES:
             return mesh
         if id(mesh) not in self.names:
-            plain = re.sub(r"[^A-Za-z0-9_-]+", "-", key_path).strip("-")
-            name = f"{self.target.stem}-{len(self.names)}-{plain[:60]}.ply"
+            name = self.names[id(mesh)] = self.new_name(key_path, ".ply")
             arrays = MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
             ply.save(self.target.with_name(name), arrays)
-            self.names[id(mesh)] = name
         arrays_gone = dict.fromkeys(("vertices", "faces", "normals", "uvs", "colors"))
         return mesh.replaced(file=self.names[id(mesh)], **arrays_gone)
+
+    def picture(self, spec: Any, key_path: str) -> Any:
+        image = spec.pixels
+        if image is None or image.width * image.height <= MOST_INLINE_TEXELS:
+            return spec
+        if image not in self.names:
+            name = self.names[image] = self.new_name(key_path, ".npy")
+            np.save(self.target.with_name(name), image.texels, allow_pickle=False)
+        return spec.replaced(file=self.names[image], pixels=None)
+
+    def new_name(self, key_path: str, suffix: str) -> str:
+        """Name a file after the scene and the place in it."""
+        plain = re.sub(r"[^A-Za-z0-9_-]+", "-", key_path).strip("-")
+        return f"{self.target.stem}-{len(self.names)}-{plain[:60]}{suffix}"
 
 
 def _relative(path: Path, folder: Path) -> str:

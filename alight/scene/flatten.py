@@ -6,17 +6,19 @@ import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from alight.bsdfs.diffuse import Diffuse
 from alight.core.errors import SceneError
+from alight.core.registry import versions
 from alight.core.spec import Bsdf, Camera, Integrator, Light, Sampler, Shape, Spec, Texture
 from alight.scene.description import FilmSettings, Node, Scene
+from alight.scene.images import ImageStore
 from alight.scene.meshes import Geometry, MeshStore
 from alight.scene.transform import Matrix
-from alight.scene.validation import find_problems, holds_texture
+from alight.scene.validation import find_problems
 from alight.shapes.mesh import ARRAYS, Mesh
 
 NO_GEOMETRY = -1
@@ -79,9 +81,9 @@ class FlatScene:
     textures : dict of str to Texture
         The named textures.
     lights : list of PlacedLight
-        Point and directional lights.
-    environment : Light or None
-        Light from infinity.
+        Lights without a shape, but for the environment.
+    environment : PlacedLight or None
+        Light from infinity; of its matrix only the rotation counts.
     camera : PlacedCamera
         Viewpoint.
     film, sampler, integrator
@@ -95,7 +97,7 @@ class FlatScene:
     bsdfs: list[Bsdf]
     textures: dict[str, Texture]
     lights: list[PlacedLight]
-    environment: Light | None
+    environment: PlacedLight | None
     camera: PlacedCamera
     film: FilmSettings
     sampler: Sampler
@@ -112,10 +114,14 @@ def flatten(scene: Scene) -> FlatScene:
         With every problem of the scene.
     """
     store = MeshStore(scene.source.folder)
-    issues = find_problems(scene, store)
+    images = ImageStore(scene.source.folder)
+    issues = find_problems(scene, store, images)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
-    flattener = _Flattener(scene, store)
+    flattener = _Flattener(scene, store, images)
+    if scene.environment is not None:
+        light = images.resolved(scene.environment, scene.textures)
+        flattener.environment = PlacedLight("environment", light, np.eye(4))
     for name, node in scene.nodes.items():
         flattener.place(name, node, np.eye(4), None)
     return FlatScene(
@@ -124,7 +130,7 @@ def flatten(scene: Scene) -> FlatScene:
         bsdfs=flattener.bsdfs,
         textures=dict(scene.textures),
         lights=flattener.lights,
-        environment=scene.environment,
+        environment=flattener.environment,
         camera=_place_camera(scene),
         film=scene.film,
         sampler=scene.sampler,
@@ -139,10 +145,13 @@ class _Flattener:
 
     scene: Scene
     store: MeshStore
+    images: ImageStore
     shapes: list[PlacedShape] = field(default_factory=list)
     lights: list[PlacedLight] = field(default_factory=list)
+    environment: PlacedLight | None = None
     bsdfs: list[Bsdf] = field(default_factory=list)
     geometries: list[Geometry] = field(default_factory=list)
+    _lights: dict[int, Light] = field(default_factory=dict)
     _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
     _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
     _geometry_index: dict[str, int] = field(default_factory=dict)
@@ -154,12 +163,17 @@ class _Flattener:
             path, node, parent, bsdf = stack.pop()
             to_world = parent @ node.transform.matrix
             bsdf = bsdf if node.bsdf is None else node.bsdf
+            light = None if node.light is None else self.light(node.light)
             if node.shape is not None:
                 index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
-                placed = PlacedShape(path, node.shape, to_world, index, node.light, geometry)
+                placed = PlacedShape(path, node.shape, to_world, index, light, geometry)
                 self.shapes.append(placed)
-            elif node.light is not None:
-                self.lights.append(PlacedLight(path, node.light, to_world))
+            elif light is not None:
+                placed = PlacedLight(path, light, to_world)
+                if light.placement == "environment":
+                    self.environment = placed
+                else:
+                    self.lights.append(placed)
             below = [
                 (f"{path}/{name}", child, to_world, bsdf) for name, child in node.children.items()
             ]
@@ -168,12 +182,18 @@ class _Flattener:
                 below.insert(0, (f"{path}/{node.instance}", prototype, to_world, bsdf))
             stack.extend(reversed(below))
 
+    def light(self, light: Light) -> Light:
+        """A light with its textures; the same object for the same description."""
+        if id(light) not in self._lights:
+            self._lights[id(light)] = self.images.resolved(light, self.scene.textures)
+        return self._lights[id(light)]
+
     def bsdf_index(self, bsdf: Bsdf | str | None) -> int:
         """Number a material; equal ones share a number."""
         bsdf = Diffuse() if bsdf is None else bsdf
         if isinstance(bsdf, str) and bsdf in self._bsdf_by_name:
             return self._bsdf_by_name[bsdf]
-        resolved = resolve_bsdf(bsdf, self.scene)
+        resolved = resolve_bsdf(bsdf, self.scene, self.images)
         index = self._bsdf_index.setdefault(resolved, len(self.bsdfs))
         if index == len(self.bsdfs):
             self.bsdfs.append(resolved)
@@ -192,16 +212,15 @@ class _Flattener:
         return index
 
 
-def resolve_bsdf(bsdf: Bsdf | str, scene: Scene) -> Bsdf:
-    """Put named textures and named nested materials in the place of their names."""
-    if isinstance(bsdf, str):
-        bsdf = scene.bsdfs[bsdf]
-    changes = {}
+def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, images: ImageStore) -> Bsdf:
+    """Put textures, pictures and nested materials in the place of their names."""
+    bsdf = images.resolved(scene.bsdfs[bsdf] if isinstance(bsdf, str) else bsdf, scene.textures)
+    changes: dict[str, Any] = {}
     for name, value in bsdf:
         if name == "bsdf":
-            changes[name] = resolve_bsdf(value, scene)
-        elif isinstance(value, str) and holds_texture(bsdf, name):
-            changes[name] = scene.textures[value]
+            changes[name] = resolve_bsdf(value, scene, images)
+        elif name == "bsdfs":
+            changes[name] = tuple(resolve_bsdf(nested, scene, images) for nested in value)
     return bsdf.replaced(**changes) if changes else bsdf
 
 
@@ -238,18 +257,30 @@ def content_hash(scene: Scene | FlatScene) -> str:
     return digest.hexdigest()
 
 
+def described(flat: FlatScene) -> Iterator[Spec]:
+    """Every description of a model that a scene uses."""
+    yield from (flat.film.filter, flat.sampler, flat.integrator, flat.camera.camera)
+    yield from flat.bsdfs
+    yield from (placed.light for placed in flat.lights)
+    yield from (shape.light for shape in flat.shapes if shape.light is not None)
+    if flat.environment is not None:
+        yield flat.environment.light
+
+
 def _parts(flat: FlatScene) -> Iterator[bytes]:
+    registered = versions(described(flat))
+    if registered:
+        yield repr(registered).encode()
     for settings in (flat.film, flat.sampler, flat.integrator):
         yield _content(settings)
     yield _content(flat.camera.camera) + flat.camera.to_world.tobytes()
-    yield b"" if flat.environment is None else _content(flat.environment)
+    yield b"" if flat.environment is None else _placed_content(flat.environment)
     for bsdf in flat.bsdfs:
         yield _content(bsdf)
     for geometry in flat.geometries:
         yield geometry.digest.encode()
-    for name, light, to_world in flat.lights:
-        del name
-        yield _content(light) + to_world.tobytes()
+    for light in flat.lights:
+        yield _placed_content(light)
     cached: dict[int, bytes] = {}
     for shape in flat.shapes:
         if id(shape.shape) not in cached:
@@ -257,6 +288,10 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
         light = b"" if shape.light is None else _content(shape.light)
         numbers = f"{shape.bsdf} {shape.geometry} ".encode()
         yield cached[id(shape.shape)] + numbers + light + shape.to_world.tobytes()
+
+
+def _placed_content(placed: PlacedLight) -> bytes:
+    return _content(placed.light) + placed.to_world.tobytes()
 
 
 def _content(spec: Spec) -> bytes:

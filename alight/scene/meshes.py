@@ -108,7 +108,7 @@ def read_file(path: Path, name: str = "") -> MeshArrays:
     try:
         data = path.read_bytes()
     except (OSError, ValueError) as error:
-        raise _error(_unreadable(path, name, error)) from None
+        raise _error(unreadable(path, name, error, tuple(FORMATS))) from None
     try:
         return reader(data)
     except SceneError as error:
@@ -117,12 +117,15 @@ def read_file(path: Path, name: str = "") -> MeshArrays:
         ) from None
 
 
-def _unreadable(path: Path, name: str, error: OSError | ValueError) -> str:
+def unreadable(
+    path: Path, name: str, error: OSError | ValueError, suffixes: tuple[str, ...]
+) -> str:
+    """Say why a file cannot be read; of a missing one, the nearest name with such a suffix."""
     if not isinstance(error, FileNotFoundError):
         reason = error.strerror if isinstance(error, OSError) else str(error)
         return f"cannot read {quote(name)}: {reason}"
     try:
-        beside = [entry.name for entry in path.parent.iterdir() if entry.suffix in FORMATS]
+        beside = [entry.name for entry in path.parent.iterdir() if entry.suffix in suffixes]
     except OSError:
         return f"no such file: {quote(name)} (there is no folder {quote(str(path.parent))})"
     near = nearest(path.name, beside)

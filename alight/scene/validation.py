@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from alight.bsdfs.nesting import count_leaves, find_transmissive, leaves_problem, names_in
+from alight.bsdfs.two_sided import TwoSided
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
-from alight.core.spec import Bsdf, Spec, Texture, energy_problem
+from alight.core.spec import Bsdf, Light, Spec, Texture, energy_problem, texture_interval
 from alight.scene.description import Node, Scene
+from alight.scene.images import ImageStore
 from alight.scene.meshes import MeshStore, surface_area
 from alight.scene.transform import Matrix, is_singular
 from alight.shapes.mesh import Mesh
@@ -19,7 +22,9 @@ MOST_PLACED = 4_000_000
 MOST_LEVELS = 24
 
 
-def find_problems(scene: Scene, store: MeshStore | None = None) -> list[Issue]:
+def find_problems(
+    scene: Scene, store: MeshStore | None = None, images: ImageStore | None = None
+) -> list[Issue]:
     """List everything that keeps a scene from being rendered.
 
     Parameters
@@ -28,18 +33,22 @@ def find_problems(scene: Scene, store: MeshStore | None = None) -> list[Issue]:
         Its parts are valid by themselves.
     store : MeshStore, optional
         Reads the meshes; an own one by default.
+    images : ImageStore, optional
+        Reads the pictures; an own one by default.
 
     Returns
     -------
     list of Issue
         Without places; `Source.located` adds them.
     """
-    checker = _Checker(scene, store or MeshStore(scene.source.folder))
+    folder = scene.source.folder
+    checker = _Checker(scene, store or MeshStore(folder), images or ImageStore(folder))
+    checker.check_textures()
     checker.check_materials()
     checker.check_prototypes()
+    checker.check_environment()
     checker.check_nodes()
     checker.check_camera()
-    checker.check_environment()
     return checker.issues
 
 
@@ -47,10 +56,54 @@ def find_problems(scene: Scene, store: MeshStore | None = None) -> list[Issue]:
 class _Checker:
     scene: Scene
     store: MeshStore
+    images: ImageStore
     issues: list[Issue] = field(default_factory=list)
+    # Where environments are given.
+    surroundings: list[str] = field(default_factory=list)
+    # Materials that something makes two-sided, and where.
+    two_sided: list[tuple[str, Bsdf | str]] = field(default_factory=list)
 
     def report(self, path: str, message: str) -> None:
         self.issues.append(Issue(path, message))
+
+    def check_textures(self) -> None:
+        """Check named textures."""
+        for name, texture in self.scene.textures.items():
+            self.check_image(texture, join_path("textures", name))
+
+    def check_image(self, spec: Spec, path: str) -> bool:
+        """Check the picture that a description takes from a file."""
+        try:
+            self.images.loaded(spec)
+        except SceneError as error:
+            self.issues += [issue.under(path) for issue in error.issues]
+            return False
+        return True
+
+    def check_textured(self, spec: Spec, path: str) -> dict[str, Texture]:
+        """Check the textures in the fields of a description; those not known to it before."""
+        found: dict[str, Texture] = {}
+        for name, value in spec:
+            interval = texture_interval(type(spec), name)
+            if interval is None or not isinstance(value, str | Texture):
+                continue
+            here = f"{path}.{name}"
+            if isinstance(value, str):
+                if not self.check_name("texture", value, self.scene.textures, here):
+                    continue
+            elif not self.check_image(value, here):
+                continue
+            texture = self.scene.textures[value] if isinstance(value, str) else value
+            try:
+                loaded = self.images.loaded(texture)
+            except SceneError:
+                continue  # reported at the named texture
+            if max(loaded.maximum()) > interval.high:
+                text = f"must be {interval.describe()} everywhere; the texture's largest value is "
+                self.report(here, text + f"{max(loaded.maximum()):g}")
+            elif loaded is not value:
+                found[name] = loaded
+        return found
 
     def check_materials(self) -> None:
         """Check named materials, and those written inside nodes."""
@@ -61,6 +114,50 @@ class _Checker:
                 self.check_name("bsdf", node.bsdf, self.scene.bsdfs, f"{path}.bsdf")
             elif node.bsdf is not None:
                 self.check_bsdf(node.bsdf, f"{path}.bsdf")
+        self.check_nesting()
+
+    def check_nesting(self) -> None:
+        """Check that no material contains itself, and how many models each one holds."""
+        known = self.scene.bsdfs
+        uses = {name: [used for used in names_in(known[name]) if used in known] for name in known}
+        cycle, order = sort_by_use(uses)
+        if cycle:
+            text = f"contains itself: {' -> '.join(cycle)}"
+            self.report(join_path("bsdfs", cycle[0]), text)
+            return
+        counts: dict[str, int] = {}
+        problems = {}
+        for name in order:
+            problem = leaves_problem(known[name], counts)
+            if problem:
+                problems[join_path("bsdfs", name)] = problem
+            # One that is too large is reported once, not again with all that use it.
+            counts[name] = 0 if problem else count_leaves(known[name], counts)
+        for path, node in all_nodes(self.scene):
+            problem = leaves_problem(node.bsdf, counts) if isinstance(node.bsdf, Bsdf) else None
+            if problem:
+                problems[f"{path}.bsdf"] = problem
+        for path, problem in problems.items():
+            self.report(path, problem)
+        if not problems:
+            self.check_two_sided()
+
+    def check_two_sided(self) -> None:
+        """Check that what is made two-sided has one side."""
+        known = self.scene.bsdfs
+        twice = [
+            (path, nested)
+            for path, nested in self.two_sided
+            if isinstance(nested, str) and isinstance(known.get(nested), TwoSided)
+        ]
+        for path, nested in twice:
+            self.report(path, f'must not be two_sided itself, got "{nested}"')
+        for path, nested in () if twice else self.two_sided:
+            found = find_transmissive(nested, known)
+            if found is not None:
+                name = f'"{nested}" ({found.type_name()})'
+                name = name if isinstance(nested, str) else f'"{found.type_name()}"'
+                self.report(path, f"{name} has two sides already: use it alone")
 
     def check_name(self, kind: str, name: str, known: dict[str, Any], path: str) -> bool:
         if name in known:
@@ -69,32 +166,28 @@ class _Checker:
         return False
 
     def check_bsdf(self, bsdf: Bsdf, path: str) -> None:
-        resolved = {}
         for name, value in bsdf:
             here = f"{path}.{name}"
             if name == "bsdf":
-                self.check_nested(value, here)
-                continue
-            named = isinstance(value, str) and holds_texture(bsdf, name)
-            if named and self.check_name("texture", value, self.scene.textures, here):
-                resolved[name] = self.scene.textures[value]
-        # Named textures count for the checks inside a model only once they are known.
+                self.check_nested(bsdf, value, here)
+            elif name == "bsdfs":
+                for i, nested in enumerate(value):
+                    self.check_nested(bsdf, nested, f"{here}[{i}]")
+        resolved = self.check_textured(bsdf, path)
+        # Named textures and files count for the checks inside a model only once they are known.
         if {"diffuse", "specular"} & set(resolved):
             names = ("diffuse", "specular")
             problem = energy_problem(**{n: resolved.get(n, getattr(bsdf, n)) for n in names})
             if problem:
                 self.report(path, problem)
 
-    def check_nested(self, nested: Bsdf | str, path: str) -> None:
+    def check_nested(self, outer: Bsdf, nested: Bsdf | str, path: str) -> None:
         if isinstance(nested, Bsdf):
             self.check_bsdf(nested, path)
-        elif self.check_name("bsdf", nested, self.scene.bsdfs, path):
-            target = self.scene.bsdfs[nested]
-            if hasattr(target, "bsdf"):
-                self.report(path, f'must not be {target.type_name()} itself, got "{nested}"')
-            elif target.transmissive:
-                kind = target.type_name()
-                self.report(path, f'"{nested}" ({kind}) has two sides already: use it alone')
+        else:
+            self.check_name("bsdf", nested, self.scene.bsdfs, path)
+        if isinstance(outer, TwoSided):
+            self.two_sided.append((path, nested))
 
     def check_prototypes(self) -> None:
         """Check instance names, cycles, and how many shapes they multiply to."""
@@ -106,7 +199,8 @@ class _Checker:
             for _, path, node in prototype.walk(name, join_path("prototypes", name)):
                 if node.camera is not None:
                     self.report(f"{path}.camera", "a camera must not stand in a prototype")
-        cycle = find_cycle(known)
+        uses = {name: instances_in(node, known) for name, node in known.items()}
+        cycle, _ = sort_by_use(uses)
         if cycle:
             chain = " -> ".join(cycle)
             self.report(join_path("prototypes", cycle[0]), f"contains itself: {chain}")
@@ -127,17 +221,21 @@ class _Checker:
             elif is_singular(to_world) or np.abs(to_world).max() > 1e15:
                 text = "together with its parents' transforms it is singular or too large"
                 self.report(f"{path}.transform", text)
-            self.check_light(node, path)
+            self.check_light(node, path, to_world)
             if isinstance(node.shape, Mesh):
                 self.check_mesh(node, path, to_world)
 
-    def check_light(self, node: Node, path: str) -> None:
+    def check_light(self, node: Node, path: str, to_world: Matrix) -> None:
         light = node.light
         if light is None:
             return
         kind = f"{light.type_name()} light"
-        if light.placement == "environment":
-            self.report(f"{path}.light", f"{kind} has no place: give it as environment")
+        self.check_light_textures(light, f"{path}.light")
+        if light.placement == "environment" and node.shape is not None:
+            text = f"{kind} has no shape: give it as environment, or on a node of its own"
+            self.report(f"{path}.light", text)
+        elif light.placement == "environment":
+            self.check_surroundings(kind, path, to_world)
         elif light.placement == "node" and node.shape is not None:
             self.report(f"{path}.light", f"{kind} has no shape: give it a node of its own")
         elif light.placement == "shape" and node.shape is None:
@@ -145,6 +243,24 @@ class _Checker:
         elif light.placement == "shape" and node.shape and not node.shape.finite:
             text = f"{kind} needs a finite shape, got {node.shape.type_name()}"
             self.report(f"{path}.light", text)
+
+    def check_light_textures(self, light: Light, path: str) -> None:
+        self.check_image(light, path)
+        self.check_textured(light, path)
+
+    def check_surroundings(self, kind: str, path: str, to_world: Matrix) -> None:
+        """Check a node with an environment: there is one, and its matrix keeps angles."""
+        if path.startswith("prototypes"):
+            self.report(f"{path}.light", f"{kind} surrounds the scene: not in a prototype")
+            return
+        if self.surroundings:
+            text = f"a scene has one environment: there is {self.surroundings[0]} already"
+            self.report(f"{path}.light", text)
+        self.surroundings.append(f"{path}.light")
+        linear = to_world[:3, :3]
+        square = linear.T @ linear
+        if not np.allclose(square, np.eye(3) * square[0, 0], rtol=0.0, atol=1e-4 * square[0, 0]):
+            self.report(f"{path}.transform", "must keep all angles: an environment is only turned")
 
     def check_mesh(self, node: Node, path: str, to_world: Matrix) -> None:
         assert isinstance(node.shape, Mesh)
@@ -172,14 +288,12 @@ class _Checker:
 
     def check_environment(self) -> None:
         light = self.scene.environment
-        if light is not None and light.placement != "environment":
+        if light is None:
+            return
+        if light.placement != "environment":
             self.report("environment", f"must surround the scene, got {light.type_name()} light")
-
-
-def holds_texture(spec: Spec, name: str) -> bool:
-    """Whether a field takes a texture, described or named."""
-    metadata = type(spec).model_fields[name].metadata
-    return any(Texture in getattr(item, "other", ()) for item in metadata)
+        self.check_light_textures(light, "environment")
+        self.surroundings.append("environment")
 
 
 def all_nodes(scene: Scene) -> Iterator[tuple[str, Node]]:
@@ -208,27 +322,35 @@ def placed_nodes(scene: Scene) -> Iterator[tuple[str, Node, Matrix]]:
             )
 
 
-def find_cycle(prototypes: dict[str, Node]) -> list[str] | None:
-    """Find a prototype that contains itself: the chain of names, its first one repeated last."""
-    done: set[str] = set()
+def instances_in(node: Node, prototypes: dict[str, Node]) -> list[str]:
+    """The prototypes that a node and what is below it instance."""
+    found = (below.instance for _, _, below in node.walk("", ""))
+    return [name for name in found if name in prototypes]
 
-    def uses(name: str) -> list[str]:
-        nodes = prototypes[name].walk("", "")
-        return [n.instance for _, _, n in nodes if n.instance in prototypes]
 
-    for start in prototypes:
-        chain, pending = [start], [iter(uses(start))]
+def sort_by_use(uses: dict[str, list[str]]) -> tuple[list[str], list[str]]:
+    """Sort names so that each comes after those that it uses.
+
+    Returns
+    -------
+    cycle : list of str
+        A chain of names that ends where it began, or empty. The order is then not complete.
+    order : list of str
+    """
+    done: dict[str, None] = {}
+    for start in uses:
+        chain, pending = [start], [iter(uses[start])]
         while chain:
             following = next((n for n in pending[-1] if n not in done), None)
             if following is None:
-                done.add(chain.pop())
+                done[chain.pop()] = None
                 pending.pop()
             elif following in chain:
-                return [*chain[chain.index(following) :], following]
+                return [*chain[chain.index(following) :], following], list(done)
             else:
                 chain.append(following)
-                pending.append(iter(uses(following)))
-    return None
+                pending.append(iter(uses[following]))
+    return [], list(done)
 
 
 def count_shapes(scene: Scene) -> int:

@@ -1,6 +1,6 @@
 """Shapes, one model per file. A new model is one file and one line here."""
 
-from alight.shapes import cube, disk, mesh, plane, rectangle, sphere
+from alight.shapes import cube, cylinder, disk, mesh, plane, rectangle, sphere
 
 MODELS = (
     sphere,
@@ -9,4 +9,5 @@ MODELS = (
     disk,
     cube,
     mesh,
+    cylinder,
 )

@@ -25,7 +25,7 @@ import numpy as np
 from alight.core.constants import gamma
 from alight.core.jit import kernel
 from alight.core.simd import absolute, fma, gather, lanes_vec3
-from alight.core.vec import Vec3, cross, gather_vec3
+from alight.core.vec import Vec3, cross, dot, gather_vec3
 from alight.shapes.hit import Geometry
 
 STRIDE = 32
@@ -87,6 +87,14 @@ def meet_plane(data, k, o, d):
     x = fma(data[k + 4], px, fma(data[k + 5], py, fma(data[k + 6], pz, data[k + 7])))
     y = fma(data[k + 8], px, fma(data[k + 9], py, fma(data[k + 10], pz, data[k + 11])))
     return t, x, y
+
+
+@kernel(strict=True)
+def local_coordinates(data, k, p):
+    """Local coordinates (x, y) of a point of the plane."""
+    x = dot(gather_vec3(data, k + 4), p) + gather(data, k + 7)
+    y = dot(gather_vec3(data, k + 8), p) + gather(data, k + 11)
+    return x, y
 
 
 @kernel(strict=True)

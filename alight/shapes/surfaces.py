@@ -5,7 +5,7 @@ from __future__ import annotations
 from alight.core.frame import frame_from_normal
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
-from alight.shapes import MODELS, disk, mesh, plane, rectangle, sphere
+from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
 from alight.shapes.hit import INFO, Geometry, Surface
 
 #: Name of a shape -> its number in `ShapeTables.info`. (A cube is compiled to six rectangles.)
@@ -18,6 +18,7 @@ SURFACES = {
     "rectangle": rectangle.surface,
     "disk": disk.surface,
     "mesh": mesh.surface,
+    "cylinder": cylinder.surface,
 }
 
 

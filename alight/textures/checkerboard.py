@@ -1,7 +1,7 @@
 r"""Checkerboard over the surface parameters (u, v).
 
 .. math::
-    (s, t) = \text{scale} \cdot (u, v) + \text{offset}, \qquad
+    (s, t) = \text{scale} \cdot \text{to\_uv}(u, v) + \text{offset}, \qquad
     c = \text{color}_{(\lfloor s \rfloor + \lfloor t \rfloor) \bmod 2}
 
 With scale 1 one square covers the unit square of (u, v). On an infinite plane (u, v) = (x, y)
@@ -14,10 +14,13 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+
 from alight.core.jit import kernel
 from alight.core.simd import floor, gather, where
 from alight.core.spec import Reflectance, Scale2, Texture, Triple, Vector2
 from alight.core.vec import Vec3
+from alight.textures.uv import IDENTITY, ToUv, lookup_point
 
 
 class Checkerboard(Texture):
@@ -31,6 +34,8 @@ class Checkerboard(Texture):
         Squares per unit of u and of v.
     offset : (2,) float, default 0
         Shift in squares.
+    to_uv : step or list of steps, default none
+        Applied to (u, v) first, see `alight.textures.uv`.
     """
 
     type: Literal["checkerboard"] = "checkerboard"
@@ -38,10 +43,23 @@ class Checkerboard(Texture):
     color1: Reflectance = (0.2, 0.2, 0.2)
     scale: Scale2 = (1.0, 1.0)
     offset: Vector2 = (0.0, 0.0)
+    to_uv: ToUv = IDENTITY
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """From (u, v) to (s, t), shape (2, 3)."""
+        scaled = np.array(self.scale)[:, None] * self.to_uv.matrix
+        scaled[:, 2] += self.offset
+        return scaled
 
     def maximum(self) -> Triple:
         """Largest value of each channel."""
         red, green, blue = (max(pair) for pair in zip(self.color0, self.color1, strict=True))
+        return red, green, blue
+
+    def mean(self) -> Triple:
+        """Mean of each channel."""
+        red, green, blue = (0.5 * sum(pair) for pair in zip(self.color0, self.color1, strict=True))
         return red, green, blue
 
 
@@ -49,25 +67,24 @@ EXAMPLES = (
     Checkerboard(),
     Checkerboard(color0=(1.0, 0.0, 0.0), color1=(0.0, 0.0, 1.0), scale=10.0),
     Checkerboard(color0=0.0, color1=1.0, scale=(3.0, -0.5), offset=(0.25, -7.0)),
+    Checkerboard(scale=0.5, to_uv=[{"rotate": 45.0}, {"translate": [0.5, 0.0]}]),
 )
 
-SLOTS = {"color0": 3, "color1": 3, "scale": 2, "offset": 2}
+SLOTS = {"color0": 3, "color1": 3, "matrix": 6}
 
 
 def pack(spec: Checkerboard, packer) -> None:
     """Fill the row of one texture."""
     packer.color("color0", spec.color0)
     packer.color("color1", spec.color1)
-    packer.numbers("scale", *spec.scale)
-    packer.numbers("offset", *spec.offset)
+    packer.numbers("matrix", *spec.matrix.ravel())
 
 
 @kernel
 def evaluate(scene, base, surface):
     """Colour of the square that (u, v) lies in."""
     data = scene.materials.texture_data
-    s = gather(data, base + 6) * surface.u + gather(data, base + 8)
-    t = gather(data, base + 7) * surface.v + gather(data, base + 9)
+    s, t = lookup_point(data, base + 6, surface)
     # The fraction of half a whole number is 0 or 1/2, whatever its sign.
     half = 0.5 * (floor(s) + floor(t))
     first = where(half == floor(half), base, base + 3)

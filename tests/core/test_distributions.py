@@ -1,15 +1,17 @@
-"""Discrete and piecewise constant distributions against their weights."""
+"""Distributions from tables and between four corners, against their weights."""
 
 import numpy as np
 import pytest
 
 from alight.core.distributions import (
+    UNIT,
+    bilinear,
     cumulative,
     cumulative_2d,
-    pdf_2d,
+    pmf_cell,
     pmf_discrete,
-    sample_1d,
-    sample_2d,
+    sample_bilinear,
+    sample_cell,
     sample_discrete,
 )
 from alight.core.jit import instantiate, kernel
@@ -64,32 +66,56 @@ def test_ends_of_the_interval():
     np.testing.assert_array_equal(index, [1, 1, 2, 2])
 
 
-def test_piecewise_constant_1d():
-    view = View(cumulative([1.0, 3.0, 0.0, 4.0]))
-    x, pdf, index = sample_1d(view, 0, 4, U)
-    np.testing.assert_allclose(pdf, np.array([0.5, 1.5, 0.0, 2.0])[index], rtol=1e-6)
-    np.testing.assert_array_equal(np.floor(4 * x), index)
-    # The inverse of the distribution function, exactly.
-    expected = np.interp(U, [0, 0.125, 0.5, 0.5, 1.0], [0, 0.25, 0.5, 0.75, 1.0])
-    np.testing.assert_allclose(x, expected, atol=1e-6)
-
-
-def test_piecewise_constant_2d():
+def test_cells_are_chosen_by_their_share():
     rng = np.random.default_rng(2)
     weights = rng.random((5, 7)) * (rng.random((5, 7)) > 0.2)
-    view = View(cumulative_2d(weights))
-    u = rng.random((2, 100_000), np.float32)
-    x, y, pdf = sample_2d(view, 5, 7, (u[0], u[1]))
-    cells = np.minimum((y * 5).astype(int), 4) * 7 + np.minimum((x * 7).astype(int), 6)
+    view = View(np.concatenate([[9.0, 9.0], cumulative_2d(weights)]).astype(np.float32))
+    u = rng.random((3, 100_000), np.float32)
+    column, row, pmf, (x, y) = sample_cell(view, 2, 5, 7, u[0], (u[1], u[2]))
     share = weights.ravel() / weights.sum()
-    counts = np.bincount(cells, minlength=35)
+    counts = np.bincount(row * 7 + column, minlength=35)
     assert chi_square(np.append(counts, 0), share) > SIGNIFICANCE
-    np.testing.assert_allclose(pdf, 35.0 * share[cells], rtol=1e-4)
-    inside = (np.abs(x * 7 - np.rint(x * 7)) > 1e-4) & (np.abs(y * 5 - np.rint(y * 5)) > 1e-4)
-    np.testing.assert_allclose(pdf_2d(view, 5, 7, x, y)[inside], pdf[inside], rtol=1e-6)
+    np.testing.assert_allclose(pmf, share[row * 7 + column], rtol=1e-5)
+    np.testing.assert_array_equal(pmf_cell(view, 2, 5, 7, column, row), pmf)
     # Within a cell all places are alike.
-    inner = np.histogram2d(x * 7 % 1.0, y * 5 % 1.0, bins=6, range=[[0, 1], [0, 1]])[0].ravel()
+    inner = np.histogram2d(x, y, bins=6, range=[[0, 1], [0, 1]])[0].ravel()
     assert chi_square(np.append(inner, 0), np.full(36, 1 / 36)) > SIGNIFICANCE
+
+
+def test_improbable_cells_keep_their_units_and_all_of_their_places():
+    # One cell of 10^9 and 1023 of 1: by share alone these had less than a unit of 2^-24.
+    weights = np.ones((2, 512))
+    weights[1, 100] = 1e9
+    table = cumulative_2d(weights)
+    parts = np.diff(table[:1026].reshape(2, 513)), np.diff(table[1026:])
+    assert all(np.all(part >= UNIT) and np.all(part / UNIT % 1.0 == 0.0) for part in parts)
+    assert table[-1] == 1.0 and np.all(table[:1026].reshape(2, 513)[:, -1] == 1.0)
+    zero = weights * (weights > 1.0)
+    assert np.count_nonzero(np.diff(cumulative_2d(zero)[513:1026])) == 1
+    # Numbers that meet such a cell hit one of its corners; the third number moves them apart.
+    view, n = View(table), 4096
+    start, row = table[513 + 7], table[1026 + 1]
+    u = np.random.default_rng(5).random(n, np.float32)
+    column, _, _, (x, _) = sample_cell(view, 0, 2, 512, u, (start + 0 * u, row + 0 * u))
+    assert np.all(column == 7)
+    steps = round((table[513 + 8] - start) / UNIT)
+    assert 0.99 / steps < np.ptp(x) <= 1.0 / steps
+
+
+CORNERS = [(1.0, 3.0, 0.5, 2.0), (0.0, 0.0, 0.0, 7.0), (2.0, 2.0, 2.0, 2.0), (1e-3, 0.0, 0.0, 0.0)]
+
+
+@pytest.mark.parametrize("corners", CORNERS)
+def test_places_follow_the_bilinear_density(corners):
+    u = np.random.default_rng(3).random((2, 100_000), np.float32)
+    x, y = sample_bilinear(np.float32(corners), (u[0], u[1]))
+    assert np.all((x >= 0.0) & (x < 1.0) & (y >= 0.0) & (y < 1.0))
+    cells = (8 * y).astype(int) * 8 + (8 * x).astype(int)
+    # The mean of a bilinear function over a cell is its value in the middle.
+    middle = (np.arange(8) + 0.5) / 8
+    share = bilinear(corners, *np.meshgrid(middle, middle)).ravel() / 16.0 / np.sum(corners)
+    counts = np.bincount(cells, minlength=64)
+    assert chi_square(np.append(counts, 0), share) > SIGNIFICANCE
 
 
 @kernel
@@ -97,12 +123,13 @@ def _root(cdf, u, out, n, count):
     i = 0
     while i < count:
         index, pmf, rest = sample_discrete(cdf, 0, n, load_lanes(u, i))
-        x, y, pdf = sample_2d(cdf, 1, n, (load_lanes(u, i), rest))
+        column, _, cell, place = sample_cell(cdf, 0, 1, n, rest, (load_lanes(u, i), rest))
+        x, y = sample_bilinear((pmf, 1.0 - pmf, cell, rest), place)
         store_lanes(out, i, to_float(index))
         store_lanes(out, count + i, pmf)
         store_lanes(out, 2 * count + i, rest)
         store_lanes(out, 3 * count + i, x)
-        store_lanes(out, 4 * count + i, y * pdf)
+        store_lanes(out, 4 * count + i, y + to_float(column))
         i += LANES
 
 

@@ -166,6 +166,27 @@ def test_constant_environment_on_a_white_plane_is_itself(tmp_path, strategy):
     assert_mean(render(tmp_path, text, spp=4096), [0.5, 1, 2])
 
 
+WHITE_THINGS = """
+integrator: {type: path, light_sampling: %s, max_depth: 64}
+bsdfs:
+  white: {type: diffuse, reflectance: 1}
+  glazed: {type: plastic, int_ior: 1.8, diffuse_reflectance: 1, nonlinear: true}
+  veil: {type: mask, opacity: 0.6, bsdf: {type: two_sided, bsdf: white}}
+  mix: {type: blend, weight: 0.3, bsdfs: [glazed, {type: mirror, reflectance: 1}]}
+nodes:
+  sky: {light: {type: constant, radiance: 1}}
+  glazed: {shape: {type: sphere, center: [-0.8, 0, 0], radius: 0.7}, bsdf: glazed}
+  veil: {shape: {type: sphere, center: [0.8, 0, 0], radius: 0.7}, bsdf: veil}
+  mix: {shape: {type: sphere, center: [0, 1.2, -0.3], radius: 0.6}, bsdf: mix}
+"""
+
+
+@pytest.mark.parametrize("strategy", ["mis", "bsdf", "emitter"])
+def test_white_things_of_several_lobes_vanish_in_a_white_sky(tmp_path, strategy):
+    text = CAMERA % ([0, 0.4, 3], [0, 0.4, 0]) + WHITE_THINGS % strategy
+    assert_mean(render(tmp_path, text), 1.0)
+
+
 def test_open_plane_has_no_ambient_occlusion(tmp_path):
     text = plane_under("    light: {type: point, intensity: 1}").replace(
         "integrator: {type: direct}", "integrator: {type: ambient_occlusion}"

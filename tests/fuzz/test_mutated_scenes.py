@@ -10,6 +10,7 @@ import pytest
 
 from tests.fuzz.extremes import extremes
 from tests.fuzz.in_the_twin import Outcome, serve
+from tests.fuzz.pictures import pictures
 from tests.scene.mutate import Mutation, mutations
 
 #: Processor time that one scene may take; the slowest takes less than a tenth of it.
@@ -77,6 +78,10 @@ def test_scenes_with_extreme_numbers_render_or_are_refused(tmp_path):
     check(extremes(seed=3, n=200), tmp_path)
 
 
+def test_scenes_with_mutated_pictures_render_or_are_refused(tmp_path):
+    check(pictures(seed=3, n=200), tmp_path)
+
+
 @pytest.mark.proofs
 def test_two_thousand_mutated_scenes_render_or_are_refused(tmp_path):
     check(mutations(seed=4, n=2000), tmp_path)
@@ -85,3 +90,8 @@ def test_two_thousand_mutated_scenes_render_or_are_refused(tmp_path):
 @pytest.mark.proofs
 def test_two_thousand_scenes_with_extreme_numbers_render_or_are_refused(tmp_path):
     check(extremes(seed=4, n=2000), tmp_path)
+
+
+@pytest.mark.proofs
+def test_two_thousand_scenes_with_mutated_pictures_render_or_are_refused(tmp_path):
+    check(pictures(seed=4, n=2000), tmp_path)

@@ -8,26 +8,36 @@ from alight.core.simd import LANES, lanes, lanes_mask, lanes_u32, store_lanes
 from alight.core.vec import Vec3
 from alight.core.view import View
 from alight.lights.area import Area
-from alight.lights.constant import Constant
 from alight.lights.directional import Directional
+from alight.lights.environment import EXAMPLES as ENVIRONMENTS
 from alight.lights.point import Point
-from alight.lights.sampling import light_pdf, sample_light, shadow_ray
+from alight.lights.sampling import (
+    environment_pdf,
+    environment_radiance,
+    light_pdf,
+    sample_light,
+    shadow_ray,
+)
+from alight.lights.spot import Spot
 from alight.scene.flatten import PlacedLight
-from alight.scene.transform import translate
+from alight.scene.transform import rotate, translate
 from alight.shapes.disk import Disk
 from alight.shapes.hit import Surface
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.sphere import Sphere
 from tests.lights.test_light_sampling import ROOF
-from tests.shapes.tracing import PLACEMENTS, PROGRAM, World, load_vec3, store_vec3
+from tests.shapes.tracing import PLACEMENTS, World, load_vec3, store_vec3
+from tests.shapes.tracing import PROGRAM as CONSTANT_SKY
 
+PROGRAM = CONSTANT_SKY._replace(lights=("point", "directional", "area", "spot", "environment"))
 N = 4096
 SHINING = Area(radiance=(2.0, 1.0, 0.5))
+DOWN = rotate("x", 180).matrix
 
 
 def everything():
     """One light of each kind, on each kind of shape."""
-    turn = PLACEMENTS["sheared"]
+    turn, turn_only = PLACEMENTS["sheared"], rotate((1, 2, 3), 40).matrix
     return World(
         (Rectangle(), translate(3, 0, 0).matrix, SHINING),
         (Rectangle(), translate(-3, 0, 0).matrix @ turn, SHINING),
@@ -38,8 +48,10 @@ def everything():
         lights=[
             PlacedLight("point", Point(intensity=9.0), translate(0, 0, 6).matrix),
             PlacedLight("sun", Directional(irradiance=4.0), np.eye(4)),
+            PlacedLight("spot", Spot(cutoff_angle=50.0), translate(0, 0, 7).matrix @ DOWN),
         ],
-        environment=Constant(radiance=0.3),
+        environment=ENVIRONMENTS[0],
+        environment_to_world=turn_only,
         selection="uniform",
     )
 
@@ -67,6 +79,8 @@ def _root(scene, points, numbers, vectors, scalars, n):
         store_lanes(scalars, 3 * n + i, s.error)
         store_lanes(scalars, 4 * n + i, length)
         store_lanes(scalars, 5 * n + i, light_pdf(scene, facing.light, p, s.wi, one, facing))
+        store_lanes(scalars, 6 * n + i, environment_pdf(scene, s.wi))
+        store_vec3(vectors, 9 * n + i, n, environment_radiance(scene, s.wi))
         i += LANES
 
 
@@ -78,12 +92,12 @@ def both():
     points[2] = np.abs(points[2]) + 1.5
     u, world, results = rng.random((3, N), np.float32), everything(), []
     for compiled in (True, False):
-        vectors, scalars = View(np.zeros(9 * N, np.float32)), View(np.zeros(6 * N, np.float32))
+        vectors, scalars = View(np.zeros(12 * N, np.float32)), View(np.zeros(7 * N, np.float32))
         with np.errstate(all="ignore"):
             instantiate(_root, PROGRAM, compiled=compiled)(
                 world.scene, View(points), View(u), vectors, scalars, N
             )
-        results.append((vectors.array.reshape(9, N), scalars.array.reshape(6, N)))
+        results.append((vectors.array.reshape(12, N), scalars.array.reshape(7, N)))
     return results
 
 

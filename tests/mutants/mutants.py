@@ -29,8 +29,14 @@ class Mutant(NamedTuple):
 LAWS = "tests/physics/test_bsdf_laws.py"
 FORMS = "tests/estimators/test_closed_forms.py"
 LIGHTS = "tests/lights/test_light_sampling.py"
+MAPS = "tests/lights/test_environment.py"
+STRATEGIES = "tests/lights/test_environment_strategies.py"
+LAMPS = "tests/lights/test_spot_and_textured.py"
 TWIN = "tests/rendering/test_in_the_twin.py"
 BITS = "tests/determinism/test_same_bits.py"
+BITMAPS = "tests/textures/test_bitmap.py"
+ROUGH = "tests/physics/test_rough_models.py"
+LAYERED = "tests/physics/test_layered_models.py"
 ORACLES = "tests/accel/test_against_oracles.py"
 
 SCATTERING = (
@@ -65,7 +71,7 @@ SCATTERING = (
     ),
     Mutant(
         "two-sided surface that turns only wo",
-        "bsdfs/dispatch.py",
+        "bsdfs/switch.py",
         (("_flip(back, wo), _flip(back, wi), active", "_flip(back, wo), wi, active"),),
         "tests/sampling/test_dispatch.py"
         "::test_the_back_of_a_two_sided_surface_looks_like_its_front",
@@ -124,11 +130,65 @@ LIGHT = (
         "lights/sampling.py",
         (
             (
-                "return constant_pdf(d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]",
+                "return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]",
                 "return lanes(0.0)",
             ),
         ),
         f"{LIGHTS}::test_constant_environment",
+    ),
+    Mutant(
+        "light's choice forgotten where a ray finds the environment",
+        "lights/sampling.py",
+        (
+            (
+                "return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]",
+                "return density(scene, d)",
+            ),
+        ),
+        f"{LIGHTS}::test_lights_are_chosen_as_asked",
+    ),
+    Mutant(
+        "density of an environment map without the sine of the latitude",
+        "lights/environment.py",
+        (
+            (
+                "(0.5 * INV_TWO_PI) / absolute(size)",
+                "(0.5 * INV_TWO_PI) * as_float(as_int(scene.lights.map[ROWS]))",
+            ),
+        ),
+        f"{MAPS}::test_density_integrates_to_one",
+    ),
+    Mutant(
+        "cells of an environment map chosen without the sine of the latitude",
+        "lights/environment_map.py",
+        (("cumulative_2d(share * seen)", "cumulative_2d(seen)"),),
+        f"{MAPS}::test_importance_has_little_variance",
+    ),
+    Mutant(
+        "environment map turned the wrong way round",
+        "lights/environment.py",
+        (
+            ("arctan2(d.x, -d.z)", "arctan2(-d.x, -d.z)"),
+            ("Vec3(sine * s, cosine, -sine * z)", "Vec3(-sine * s, cosine, -sine * z)"),
+        ),
+        f"{MAPS}::test_middle_of_the_map_is_along_z_and_its_left_half_towards_x",
+    ),
+    Mutant(
+        "importance compensated where nothing complements it",
+        "compiled/scene.py",
+        (('== "mis"', '!= "bsdf"'),),
+        f"{STRATEGIES}::test_only_combined_sampling_is_compensated",
+    ),
+    Mutant(
+        "textured lamp whose samples show another point",
+        "lights/emission.py",
+        (
+            (
+                "x, y = where(mine, x1, x), where(mine, y1, y)",
+                "x, y = where(mine, y1, x), where(mine, x1, y)",
+            ),
+        ),
+        f"{LAMPS}::test_samples_show_the_texture_of_the_point_that_they_hit",
     ),
     Mutant(
         "light from both sides of a lamp",
@@ -317,4 +377,116 @@ FILM = (
     ),
 )
 
-MUTANTS = SCATTERING + LIGHT + TRANSPORT + RAYS + FILM
+FACETS = (
+    Mutant(
+        "wrong Jacobian of the half vector",
+        "bsdfs/rough_conductor.py",
+        (("pdf = 0.25 * facet_density", "pdf = 0.5 * facet_density"),),
+        "tests/sampling/test_bsdf_sampling.py::test_samples_follow_their_density",
+    ),
+    Mutant(
+        "G1 for G: no shadow on the way in",
+        "bsdfs/rough_conductor.py",
+        (("where(above, masking, 0.0)", "where(above, 1.0 + 0.0 * masking, 0.0)"),),
+        f"{ROUGH}::test_rough_metal_is_walters_formula[beckmann]",
+    ),
+    Mutant(
+        "radiance through a rough interface without 1 / eta^2",
+        "bsdfs/rough_dielectric.py",
+        (("(masking / (eta * eta))", "(masking + 0.0 * eta)"),),
+        f"{ROUGH}::test_glass_loses_only_what_meets_two_facets",
+    ),
+    Mutant(
+        "indices of rough glass swapped",
+        "bsdfs/rough_dielectric.py",
+        (
+            (
+                "    eta = where(below, 1.0 / params.eta, params.eta)\n    weight, pdf = _scatter",
+                "    eta = where(below, params.eta, 1.0 / params.eta)\n    weight, pdf = _scatter",
+            ),
+        ),
+        f"{ROUGH}::test_rough_glass_is_walters_formula[ggx]",
+    ),
+    Mutant(
+        "refraction with the Jacobian of reflection",
+        "bsdfs/rough_dielectric.py",
+        (
+            (
+                "jacobian = where(reflects, 0.25 * fresnel, refracted)",
+                "jacobian = 0.25 * fresnel + 0.0 * refracted",
+            ),
+        ),
+        f"{ROUGH}::test_rough_glass_is_walters_formula[ggx]",
+    ),
+    Mutant(
+        "all facets for those that are seen",
+        "core/microfacet.py",
+        (
+            (
+                "facets.alpha_y, absolute(wo.z)))",
+                "facets.alpha_y, 1e4 * absolute(wo.z)))",
+            ),
+        ),
+        "tests/sampling/test_microfacet.py::test_visible_normals_follow_their_density",
+    ),
+    Mutant(
+        "pane of one interface",
+        "bsdfs/thin_dielectric.py",
+        (("reflectance = 2.0 * once / (1.0 + once)", "reflectance = once"),),
+        f"{ROUGH}::test_panes_add_up_all_inner_reflections[1.0]",
+    ),
+)
+
+TEXTURES = (
+    Mutant(
+        "pictures of whole numbers taken for linear",
+        "textures/images.py",
+        (("(decode_srgb(values) if encoded else values)", "(values)"),),
+        f"{BITMAPS}::test_whole_numbers_are_srgb_unless_they_are_data",
+    ),
+    Mutant(
+        "pictures upside down",
+        "textures/bitmap.py",
+        (("_neighbours(1.0 - _folded(t, wrap), height", "_neighbours(_folded(t, wrap), height"),),
+        f"{BITMAPS}::test_lookups_are_those_of_mitsuba[repeat-bilinear]",
+    ),
+    Mutant(
+        "texels half a texel off",
+        "textures/bitmap.py",
+        (("f * size - 0.5", "f * size"),),
+        f"{BITMAPS}::test_bilinear_is_the_formula_over_an_endless_picture[mirror]",
+    ),
+)
+
+MATERIALS = (
+    Mutant(
+        "coat sampled with another probability than stated",
+        "bsdfs/plastic.py",
+        (("mirrored = u < share", "mirrored = u < 0.5 * share"),),
+        f"{LAWS}::test_white_furnace_of_lossless_models",
+    ),
+    Mutant(
+        "weight of a blend taken for the other part",
+        "bsdfs/blend.py",
+        (
+            (
+                'Part(self.bsdfs[0], "rest"), Part(self.bsdfs[1], "weight")',
+                'Part(self.bsdfs[0], "weight"), Part(self.bsdfs[1], "rest")',
+            ),
+        ),
+        f"{LAYERED}::test_values_and_densities_are_weighted_sums",
+    ),
+    Mutant(
+        "opacity taken for transparency",
+        "bsdfs/mask.py",
+        (
+            (
+                'Part(Null(), "rest"), Part(self.bsdf, "weight")',
+                'Part(Null(), "weight"), Part(self.bsdf, "rest")',
+            ),
+        ),
+        f"{LAYERED}::test_holes_of_a_mask_let_light_straight_on",
+    ),
+)
+
+MUTANTS = SCATTERING + LIGHT + TRANSPORT + RAYS + FILM + FACETS + TEXTURES + MATERIALS

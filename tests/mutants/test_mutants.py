@@ -28,7 +28,7 @@ assert Path(alight.__file__).is_relative_to(Path(__file__).parent)
 """
 
 #: How pytest's summary shows that an assertion failed, and not that the patch broke the program.
-FAILED = re.compile(r"^FAILED \S+.* - (AssertionError|assert )", re.MULTILINE)
+FAILED = re.compile(r"^FAILED \S+.* - (AssertionError|assert |\S+BrokenLawError)", re.MULTILINE)
 
 
 def copy_of_the_project(folder: Path) -> Path:

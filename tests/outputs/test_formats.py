@@ -8,12 +8,12 @@ import pytest
 from PIL import Image
 
 from alight.core.errors import OutputError
+from alight.core.srgb import encode_srgb
 from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.outputs import FORMATS, hdr, read_image, write_image
 from alight.outputs.exr import read_layers
 from alight.outputs.picture import Picture, as_picture
-from alight.outputs.tone_mapping import encode_srgb
 
 
 def picture(height=13, width=17):

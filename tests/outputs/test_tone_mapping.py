@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from alight.core.errors import OptionError
-from alight.outputs.tone_mapping import TONE_MAPS, Display, decode_srgb, encode_srgb
+from alight.core.srgb import decode_srgb, encode_srgb
+from alight.outputs.tone_mapping import TONE_MAPS, Display
 
 
 def grey(value):

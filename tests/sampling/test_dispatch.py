@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 
 from alight.bsdfs import MODELS
+from alight.bsdfs.blend import Blend
 from alight.bsdfs.conductor import Conductor
 from alight.bsdfs.diffuse import UNIFORM, Diffuse
-from alight.bsdfs.dispatch import STRIDE, albedo_bsdf, evaluate_bsdf, sample_bsdf
+from alight.bsdfs.dispatch import albedo_bsdf, evaluate_bsdf, sample_bsdf
+from alight.bsdfs.mask import Mask
 from alight.bsdfs.phong import Phong
+from alight.bsdfs.plastic import Plastic
+from alight.bsdfs.rough_plastic import RoughPlastic
+from alight.bsdfs.switch import STRIDE
 from alight.bsdfs.two_sided import TwoSided
 from alight.compiled.materials import Packer, compile_materials
 from alight.compiled.program import Program
@@ -90,6 +95,8 @@ MIXED = (
     Diffuse(reflectance=VertexColor(fallback=(0.1, 0.2, 0.3))),
     Phong(diffuse=Checkerboard(scale=2.0), specular=Constant(color=0.1)),
     TwoSided(bsdf=Phong()),
+    RoughPlastic(alpha=Checkerboard(color0=0.2, color1=0.5)),
+    Blend(weight=Checkerboard(scale=4.0), bsdfs=(TwoSided(bsdf=Phong()), Mask(bsdf=Plastic()))),
 )
 
 
@@ -106,8 +113,10 @@ def test_compiled_code_equals_the_twin(specs):
     ids = (mixed_ids() % len(specs)).astype(np.uint32)
     compiled, twin = scatter(specs, ids, True), scatter(specs, ids, False)
     assert np.all(np.isfinite(compiled))
-    # Of directions; near the horizon the cosine is the root of a small difference.
-    np.testing.assert_allclose(compiled[:3], twin[:3], atol=3e-6)
+    # Of directions; near the horizon the cosine is the root of a small difference. Where a sample
+    # fails, any direction will do.
+    used = twin[6] > 0.0
+    np.testing.assert_allclose(compiled[:3, used], twin[:3, used], atol=3e-6)
     # The sharpest lobe takes rounding errors of a direction to the power of 300.
     np.testing.assert_allclose(compiled[3:14], twin[3:14], rtol=3e-5, atol=2e-6)
     np.testing.assert_array_equal(compiled[14], twin[14])

@@ -51,7 +51,7 @@ def mutations(seed: int, n: int) -> Iterator[Mutation]:
         mesh_name = rng.choice(list(meshes))
         mesh = rng.choice(meshes[mesh_name])
         if rng.random() < 0.35:
-            mesh = _mutate_bytes(mesh, rng)
+            mesh = mutate_bytes(mesh, rng)
             yield Mutation(mesh_scene(mesh_name), mesh_name, mesh)
         else:
             text = rng.choice([*texts, mesh_scene(mesh_name)])
@@ -134,7 +134,7 @@ _TEXT_MUTATIONS = (
 )
 
 
-def _mutate_bytes(data: bytes, rng: random.Random) -> bytes:
+def mutate_bytes(data: bytes, rng: random.Random) -> bytes:
     """Flip, cut, insert or repeat bytes."""
     for _ in range(rng.choice((1, 1, 2, 8))):
         at = rng.randrange(len(data)) if data else 0

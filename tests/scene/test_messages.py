@@ -66,6 +66,22 @@ SCENES = {
     "two-sided-glass-by-name": CAMERA
     + "bsdfs: {g: {type: dielectric}, t: {type: two_sided, bsdf: g}}\n",
     "two-sided-itself": CAMERA + "bsdfs: {t: {type: two_sided, bsdf: t}}\n",
+    "two-sided-glass-in-a-blend": CAMERA
+    + "bsdfs: {g: {type: dielectric}, b: {type: blend, bsdfs: [mirror, g]}, mirror: {type: mirror},"
+    + " t: {type: two_sided, bsdf: b}, m: {type: two_sided, bsdf: {type: mask, bsdf: b}}}\n",
+    "cyclic-bsdfs": CAMERA
+    + "bsdfs: {a: {type: mask, bsdf: b}, b: {type: blend, bsdfs: [c, a]}, c: {type: mirror}}\n",
+    "too-many-leaves": CAMERA
+    + "bsdfs:\n  b0: {type: mirror}\n"
+    + "".join(f"  b{i}: {{type: blend, bsdfs: [b{i - 1}, b{i - 1}]}}\n" for i in range(1, 60))
+    + "nodes: {a: {shape: disk, bsdf: {type: mask, bsdf: b5}}}\n",
+    "blend-of-one": CAMERA + "bsdfs: {b: {type: blend, bsdfs: [{type: mirror}]}}\n",
+    "blend-of-a-number": CAMERA + "bsdfs: {b: {type: blend, bsdfs: [{type: mirror}, 3]}}\n",
+    "blend-of-unknown": CAMERA + "bsdfs: {b: {type: blend, bsdfs: [b1, {type: miror}]}}\n",
+    "blend-of-nothing": CAMERA + "bsdfs: {b: {type: blend, weight: 1.5, bsdfs: [null, {}]}}\n",
+    "mask-too-opaque": CAMERA + "bsdfs: {m: {type: mask, opacity: 2, bsdf: 5}}\n",
+    "plastic-out-of-range": CAMERA
+    + "bsdfs: {p: {type: rough_plastic, alpha: 0, int_ior: glas, nonlinear: 1}}\n",
     "unknown-bsdf": CAMERA
     + "bsdfs: {white: {type: mirror}}\nnodes: {a: {shape: cube, bsdf: whit}}\n",
     "unknown-texture": CAMERA + "bsdfs: {white: {type: mirror, reflectance: oak}}\n",
@@ -90,7 +106,19 @@ SCENES = {
     "point-light-on-shape": CAMERA + "nodes: {a: {shape: cube, light: point}}\n",
     "area-light-without-shape": CAMERA + "nodes: {a: {light: area}}\n",
     "area-light-on-plane": CAMERA + "nodes: {a: {shape: plane, light: area}}\n",
-    "environment-on-node": CAMERA + "nodes: {a: {light: constant}}\n",
+    "two-environments": CAMERA + "nodes: {a: {light: constant}}\n",
+    "environment-on-shape": "alight: 1\ncamera: {}\nnodes: {a: {shape: cube, light: constant}}\n",
+    "environment-in-prototype": CAMERA + "prototypes: {a: {light: constant}}\n",
+    "environment-stretched": "alight: 1\ncamera: {}\n"
+    "nodes: {a: {light: constant, transform: {scale: [1, 1, 2]}}}\n",
+    "environment-without-map": "alight: 1\ncamera: {}\nenvironment: environment\n",
+    "environment-of-bad-texels": "alight: 1\ncamera: {}\n"
+    "environment: {type: environment, pixels: [[1, -2], [0, 1]], rotate: up, sampling: all}\n",
+    "spot-that-fades-inwards": CAMERA
+    + "nodes: {a: {light: {type: spot, cutoff_angle: 10, beam_width: 20}}}\n"
+    + "prototypes: {p: {light: {type: spot, cutoff_angle: 190}}}\n",
+    "light-with-unknown-texture": CAMERA
+    + "nodes: {a: {shape: disk, light: {type: area, radiance: lamp}}}\n",
     "point-light-as-environment": "alight: 1\ncamera: {}\nenvironment: point\n",
     "zero-area-light": CAMERA
     + "nodes: {a: {light: area, shape: {type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "
@@ -247,7 +275,7 @@ def test_files_that_cannot_be_read(tmp_path):
         "cornel-box": 'did you mean "cornell-box"?',
         str(tmp_path): "is a folder",
         str(tmp_path / "scene.yml"): 'did you mean "',
-        str(tmp_path / "scene.blend"): "must be a scene file (.yaml, .yml, .json)",
+        str(tmp_path / "scene.blend"): "must be a scene file (.yaml, .yml, .json, .xml)",
         str(tmp_path / "latin.yaml"): "must be UTF-8 text, got byte 0xe4 at 2",
     }
     (tmp_path / "scenes.yml").write_text("alight: 1")

@@ -9,7 +9,7 @@ from alight.core.errors import SceneError
 from alight.scene import flatten
 from alight.scene.files import loads
 
-SHAPES = ("sphere", "rectangle", "disk", "cube")
+SHAPES = ("sphere", "rectangle", "disk", "cube", "cylinder")
 
 SCENE = """
 alight: 1

@@ -10,6 +10,7 @@ from alight.core.view import View
 from alight.lights.area import Area
 from alight.lights.sampling import sample_light, shadow_ray
 from alight.scene.transform import scale, translate
+from alight.shapes.cylinder import Cylinder
 from alight.shapes.disk import Disk
 from alight.shapes.hit import Hit, spawn_origin
 from alight.shapes.mesh import Mesh
@@ -26,8 +27,10 @@ SHAPES = {
     "rectangle": Rectangle(),
     "disk": Disk(),
     "mesh": TRIANGLE,
+    "cylinder": Cylinder(p0=(0, 0, -1)),
 }
 FINITE = {name: shape for name, shape in SHAPES.items() if name != "plane"}
+ROUND = ("sphere", "cylinder")
 
 each_shape = pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
 
@@ -46,6 +49,9 @@ def local_points(shape, n, rng):
     kind = shape.type_name()
     if kind == "sphere":
         return directions(n, rng)
+    if kind == "cylinder":
+        phi = rng.uniform(0.0, 2.0 * np.pi, n)
+        return np.stack([np.cos(phi), np.sin(phi), rng.uniform(-0.98, 0.98, n)])
     if kind == "mesh":
         return np.asarray(shape.vertices, float).T @ rng.dirichlet((1, 1, 1), n).T
     points = rng.uniform(-0.7, 0.7, (3, n))
@@ -83,12 +89,16 @@ def test_a_million_rays_leave_their_surface(shape):
         if shape.type_name() == "sphere":
             # Inwards there is always the far side, outwards nothing.
             np.testing.assert_array_equal(met_again[r.found], inwards[r.found])
+        elif shape.type_name() == "cylinder":
+            # Outwards nothing; inwards the other side, unless the ray leaves through an end.
+            assert not met_again[r.found & ~inwards].any(), (size, offset, placement)
+            assert met_again[r.found & inwards].mean() > 0.3
         else:
             assert not met_again[r.found].any(), (size, offset, placement)
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
-@pytest.mark.parametrize("name", [name for name in SHAPES if name != "sphere"])
+@pytest.mark.parametrize("name", [name for name in SHAPES if name not in ROUND])
 def test_rays_leave_the_plane_of_the_axes(name, size):
     # Here all coordinates along the normal are 0, and so are their rounding errors.
     rng = np.random.default_rng(8)
@@ -167,7 +177,7 @@ def test_shadow_rays_do_not_meet_their_light(name, placement):
     place = PLACEMENTS[placement]
     # Flat ones both ways up, so that some points see the bright side.
     shapes = [FINITE[name]]
-    if name != "sphere":
+    if name not in ROUND:
         shapes.append(FINITE[name].replaced(flip_normals=True))
     world, surface, light, o, length = max(
         (lit_points(shape, place, 20_000, rng) for shape in shapes),
@@ -186,7 +196,7 @@ def test_shadow_rays_do_not_meet_their_light(name, placement):
     assert np.median(short) < 1e-4
 
 
-@pytest.mark.parametrize("name", FINITE)
+@pytest.mark.parametrize("name", [name for name in FINITE if name != "cylinder"])
 def test_a_blocker_just_in_front_of_a_light_is_not_missed(name):
     rng = np.random.default_rng(5)
     light_side = Sphere() if name == "sphere" else FINITE[name].replaced(flip_normals=True)

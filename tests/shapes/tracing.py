@@ -24,9 +24,10 @@ from alight.core.simd import (
 )
 from alight.core.vec import Vec3
 from alight.core.view import View
-from alight.scene.flatten import NO_GEOMETRY, PlacedShape
+from alight.scene.flatten import NO_GEOMETRY, PlacedLight, PlacedShape
 from alight.scene.meshes import MeshStore
 from alight.scene.transform import matrix, rotate, scale, translate
+from alight.shapes.cylinder import intersect as intersect_cylinder
 from alight.shapes.disk import intersect as intersect_disk
 from alight.shapes.hit import INFO, Hit, side_of, spawn_origin
 from alight.shapes.mesh import Mesh
@@ -37,17 +38,18 @@ from alight.shapes.surfaces import KINDS, make_surface
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
 
-SPHERE, PLANE, RECTANGLE, DISK = (KINDS[k] for k in ("sphere", "plane", "rectangle", "disk"))
+ANALYTIC = ("sphere", "plane", "rectangle", "disk", "cylinder")
+SPHERE, PLANE, RECTANGLE, DISK, CYLINDER = (KINDS[kind] for kind in ANALYTIC)
 
 Scene = namedtuple("Scene", "shapes lights triangles triangle_ids")
 
 #: One program for all worlds, so that the kernels below are compiled once.
 PROGRAM = Program(
     bsdfs=("anisotropic",),
-    shapes=("sphere", "plane", "rectangle", "disk", "mesh"),
+    shapes=("sphere", "plane", "rectangle", "disk", "mesh", "cylinder"),
     textures=("constant", "checkerboard"),
     lights=("point", "directional", "area", "constant"),
-    light_shapes=("sphere", "rectangle", "disk", "mesh"),
+    light_shapes=("sphere", "rectangle", "disk", "mesh", "cylinder"),
 )
 
 #: Affine maps that keep, stretch, slant and mirror.
@@ -70,11 +72,22 @@ class World:
     *placed : (Shape, (4, 4) matrix) or (Shape, matrix, Light)
     lights : list of PlacedLight
     environment : Light, optional
+    environment_to_world : (4, 4) matrix, optional
     selection : str
         How lights are chosen.
+    compensated : bool
+        Whether light sampling leaves light to BSDF sampling.
     """
 
-    def __init__(self, *placed, lights=(), environment=None, selection="power"):
+    def __init__(
+        self,
+        *placed,
+        lights=(),
+        environment=None,
+        environment_to_world=None,
+        selection="power",
+        compensated=False,
+    ):
         store, geometries, shapes = MeshStore(), [], []
         for shape, to_world, *light in placed:
             index = NO_GEOMETRY
@@ -85,11 +98,14 @@ class World:
                 index = geometries.index(geometry)
             light = light[0] if light else None
             shapes.append(PlacedShape("shape", shape, np.asarray(to_world, float), 0, light, index))
+        if environment is not None:
+            turned = np.eye(4) if environment_to_world is None else environment_to_world
+            environment = PlacedLight("environment", environment, turned)
         flat = SimpleNamespace(
             shapes=shapes, geometries=geometries, lights=list(lights), environment=environment
         )
         self.shapes = compile_shapes(flat)
-        self.lights = compile_lights(flat, self.shapes, selection)
+        self.lights = compile_lights(flat, self.shapes, selection, compensated=compensated)
         corners = self.shapes.triangles.vertices[self.shapes.triangles.faces].reshape(-1)
         ids = np.stack([self.shapes.triangles.shape, self.shapes.triangles.prim], -1).reshape(-1)
         self.scene = Scene(self.shapes.tables, self.lights.tables, View(corners.copy()), View(ids))
@@ -157,6 +173,8 @@ def nearest(scene, o, d, t_max, only):
                 t, u, v, hit = intersect_rectangle(data, k, o, d, t_best)
             if kind == DISK:
                 t, u, v, hit = intersect_disk(data, k, o, d, t_best)
+            if kind == CYLINDER:
+                t, u, v, hit = intersect_cylinder(data, k, o, d, t_best)
             t_best, shape = where(hit, t, t_best), where(hit, lanes_u32(i), shape)
             u_best, v_best = where(hit, u, u_best), where(hit, v, v_best)
             found = where(hit, 1.0, found)

@@ -1,0 +1,100 @@
+"""What the rough models have in common: how rough they are, and by which distribution of facets.
+
+Scenes whose roughness is the same in all directions do not look tangents up, and only the
+distributions in use are compiled.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import model_validator
+
+from alight.core.jit import kernel, specialised
+from alight.core.microfacet import FEATURES, Facets
+from alight.core.simd import maximum
+from alight.core.spec import SMOOTHEST, Bsdf, Interval, NumberOrTexture, Texture, invalid
+from alight.textures.fetch import scalar, textured_scalar
+
+#: What programs call roughness that depends on the direction.
+ANISOTROPIC = "anisotropic"
+#: Slots of `load_facets`.
+FACET_SLOTS = {"alpha_u": 1, "alpha_v": 1, "beckmann": 1}
+
+# A number as `Roughness`, or nothing.
+Alpha = Annotated[
+    float | Texture | str | None,
+    NumberOrTexture(Interval(SMOOTHEST, 1.0), other=(str, Texture, type(None))),
+]
+
+
+class Rough(Bsdf):
+    """Base class of models with facets.
+
+    Parameters
+    ----------
+    distribution : {"ggx", "beckmann"}, default "ggx"
+        Distribution of the facets' normals; GGX has the longer tail.
+    alpha : float in [0.0001, 1] or texture, optional
+        Roughness; 0.1 where nothing is given. Of Beckmann's distribution it is the root mean
+        square slope.
+    alpha_u, alpha_v : float in [0.0001, 1] or texture, optional
+        Roughness along the tangent, and at right angles to it, in place of `alpha`.
+    """
+
+    distribution: Literal["ggx", "beckmann"] = "ggx"
+    alpha: Alpha = None
+    alpha_u: Alpha = None
+    alpha_v: Alpha = None
+
+    @model_validator(mode="after")
+    def _has_one_roughness(self) -> Self:
+        if (self.alpha_u is None) != (self.alpha_v is None):
+            raise invalid("takes alpha_u and alpha_v together, got only one of them")
+        if self.alpha is not None and self.alpha_u is not None:
+            raise invalid("takes either alpha or alpha_u and alpha_v, got both")
+        return self
+
+    @property
+    def roughness(self) -> tuple[float | Texture | str, float | Texture | str]:
+        """Along the tangent, and at right angles to it."""
+        if self.alpha_u is not None and self.alpha_v is not None:
+            return self.alpha_u, self.alpha_v
+        alpha = 0.1 if self.alpha is None else self.alpha
+        return alpha, alpha
+
+
+def facet_features(spec: Rough) -> tuple[str, ...]:
+    """What must be compiled for the facets of this material."""
+    along, across = spec.roughness
+    names = (FEATURES[spec.distribution],)
+    return names if along == across else (*names, ANISOTROPIC)
+
+
+def pack_facets(spec: Rough, packer) -> None:
+    """Fill the slots `FACET_SLOTS`."""
+    along, across = spec.roughness
+    packer.scalar("alpha_u", along)
+    packer.scalar("alpha_v", across)
+    packer.numbers("beckmann", float(spec.distribution == "beckmann"))
+
+
+@specialised
+def load_facets(program):
+    """``load_facets(scene, slot, surface) -> Facets``, from three slots on."""
+    if ANISOTROPIC in program.bsdfs:
+
+        @kernel
+        def anisotropic(scene, slot, surface):
+            along = maximum(textured_scalar(scene, slot, surface), SMOOTHEST)
+            across = maximum(textured_scalar(scene, slot + 1, surface), SMOOTHEST)
+            return Facets(along, across, scalar(scene, slot + 2, surface))
+
+        return anisotropic
+
+    @kernel
+    def isotropic(scene, slot, surface):
+        alpha = maximum(textured_scalar(scene, slot, surface), SMOOTHEST)
+        return Facets(alpha, alpha, scalar(scene, slot + 2, surface))
+
+    return isotropic

@@ -1,0 +1,137 @@
+"""Materials made of other materials: what they are made of, down to models that scatter light.
+
+A blend is a sum w_0 f_0 + w_1 f_1 + ..., and a blend of blends is one too: each model at the bottom
+(a leaf) has a share that is a product of weights and of complements 1 - weight. Kernels only see
+the list of the leaves; see `alight.bsdfs.dispatch`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import ClassVar, NamedTuple
+
+from alight.core.spec import Bsdf, invalid
+
+#: A material has at most so many leaves: kernels visit them one after the other.
+MOST_LEAVES = 32
+
+
+class Part(NamedTuple):
+    """One of the materials that a nested one is made of.
+
+    Attributes
+    ----------
+    bsdf : Bsdf or str
+        Description, or name of one.
+    share : {"all", "weight", "rest"}
+        All of the light, the part that the outer material's weight says, or the rest of it.
+    """
+
+    bsdf: Bsdf | str
+    share: str = "all"
+
+
+class Nested(Bsdf):
+    """Base class of materials made of others.
+
+    Attributes
+    ----------
+    makes_two_sided : bool
+        Whether the parts look the same from both sides.
+    weight_field : str
+        Name of the field that holds the weight, or "" without one.
+    """
+
+    makes_two_sided: ClassVar[bool] = False
+    weight_field: ClassVar[str] = ""
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """What it is made of."""
+        raise NotImplementedError
+
+
+class Leaf(NamedTuple):
+    """A model at the bottom of a material.
+
+    Attributes
+    ----------
+    bsdf : Bsdf
+        Not `Nested`.
+    two_sided : bool
+        Whether something above it says so.
+    factors : tuple of (Nested, bool)
+        Its share is their product: the weight of each, or where True, 1 - weight.
+    """
+
+    bsdf: Bsdf
+    two_sided: bool = False
+    factors: tuple[tuple[Nested, bool], ...] = ()
+
+
+def leaves(spec: Bsdf) -> Iterator[Leaf]:
+    """The models of a material whose names are resolved, in the order of the description."""
+    if not isinstance(spec, Nested):
+        yield Leaf(spec)
+        return
+    for part in spec.parts:
+        if not isinstance(part.bsdf, Bsdf):
+            raise ValueError(f"the name {part.bsdf!r} must be resolved before compiling")
+        own = () if part.share == "all" else ((spec, part.share == "rest"),)
+        for leaf in leaves(part.bsdf):
+            two_sided = leaf.two_sided or spec.makes_two_sided
+            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors)
+
+
+def names_in(spec: Bsdf) -> Iterator[str]:
+    """Names of materials that a description mentions, at any depth."""
+    for part in spec.parts if isinstance(spec, Nested) else ():
+        if isinstance(part.bsdf, str):
+            yield part.bsdf
+        else:
+            yield from names_in(part.bsdf)
+
+
+def count_leaves(spec: Bsdf | str, counts: Mapping[str, int] | None = None) -> int:
+    """How many leaves a material has; names count as `counts` says, others as one."""
+    if isinstance(spec, str):
+        return (counts or {}).get(spec, 1)
+    if not isinstance(spec, Nested):
+        return 1
+    return sum(count_leaves(part.bsdf, counts) for part in spec.parts)
+
+
+def leaves_problem(spec: Bsdf, counts: Mapping[str, int] | None = None) -> str | None:
+    """Say so if a material has too many leaves."""
+    count = count_leaves(spec, counts)
+    return (
+        f"must hold at most {MOST_LEAVES} materials, got {count}" if count > MOST_LEAVES else None
+    )
+
+
+def check_leaves(spec: Bsdf) -> None:
+    """Refuse a material with too many leaves, in a validator of its class."""
+    problem = leaves_problem(spec)
+    if problem:
+        raise invalid(problem)
+
+
+def find_transmissive(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> Bsdf | None:
+    """The first model inside a material that has two sides already.
+
+    Names that are not known are skipped. The holes of a mask are on both sides anyway and do not
+    count.
+    """
+    if isinstance(spec, str):
+        return find_transmissive(known[spec], known) if spec in known else None
+    if not isinstance(spec, Nested):
+        return spec if spec.transmissive else None
+    for part in spec.parts:
+        found = None if _is_hole(spec, part) else find_transmissive(part.bsdf, known)
+        if found is not None:
+            return found
+    return None
+
+
+def _is_hole(spec: Nested, part: Part) -> bool:
+    return spec.type_name() == "mask" and part.share == "rest"

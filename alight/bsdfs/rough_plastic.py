@@ -1,0 +1,184 @@
+r"""Rough plastic: a matte base under a clear coat of tiny facets.
+
+.. math::
+    f(\omega_o, \omega_i) = \rho_s\, \frac{F(\omega_o \cdot \omega_m)\, D(\omega_m)\,
+        G_1(\omega_o)\, G_1(\omega_i)}{4 \cos\theta_o \cos\theta_i}
+        + \frac{T(\cos\theta_o)\, T(\cos\theta_i)}{\eta^2}\, \frac{\rho'}{\pi}
+
+with T the part of light that enters the coat, and rho' the base with all rounds inside of it (see
+`alight.bsdfs.coating`). Light that meets two facets is lost (single scattering). One smooth
+mixture of two lobes; black from behind.
+
+Source: the plug-in ``roughplastic`` of Mitsuba 3 (https://mitsuba.readthedocs.io); Walter et al.
+2007, Microfacet Models for Refraction through Rough Surfaces.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Literal
+
+from alight.bsdfs.coating import (
+    ROWS,
+    TEXTURED_COAT,
+    base_f_cos,
+    base_reflectance,
+    coat_internal,
+    coat_table,
+    coat_transmittance,
+    load_coat,
+    share_of_coat,
+)
+from alight.bsdfs.flags import REFLECTION
+from alight.bsdfs.plastic import COAT_SLOTS, Coated, pack_coat
+from alight.core.constants import INV_PI
+from alight.core.fresnel import fresnel_dielectric
+from alight.core.jit import kernel
+from alight.core.microfacet import (
+    FEATURES,
+    Facets,
+    facet_density,
+    sample_visible_facet,
+    visible_area,
+)
+from alight.core.simd import lanes, lanes_u32, maximum, minimum, where
+from alight.core.spec import SMOOTHEST, Roughness
+from alight.core.vec import Vec3, dot, normalize, reflect
+from alight.core.warps import square_to_cosine_hemisphere
+from alight.textures.constant import Constant
+from alight.textures.fetch import color, scalar, textured_scalar
+
+
+class RoughPlastic(Coated):
+    """Satin plastic, painted wood, eggshell.
+
+    Parameters
+    ----------
+    int_ior, ext_ior, diffuse_reflectance, specular_reflectance, nonlinear
+        As in `alight.bsdfs.plastic.Coated`.
+    distribution : {"ggx", "beckmann"}, default "ggx"
+        Distribution of the facets' normals.
+    alpha : Roughness, default 0.1
+        Roughness of the coat, in [0.0001, 1].
+    """
+
+    type: Literal["rough_plastic"] = "rough_plastic"
+    distribution: Literal["ggx", "beckmann"] = "ggx"
+    alpha: Roughness = 0.1
+
+
+EXAMPLES = (
+    RoughPlastic(),
+    RoughPlastic(diffuse_reflectance=1.0, nonlinear=True, alpha=0.3, distribution="beckmann"),
+    RoughPlastic(int_ior="diamond", diffuse_reflectance=(0.9, 0.5, 0.1), alpha=1.0),
+    RoughPlastic(int_ior=1.2, ext_ior=1.5, diffuse_reflectance=1.0, alpha=0.5),
+    RoughPlastic(diffuse_reflectance=0.0, specular_reflectance=(0.9, 0.5, 0.1), alpha=0.2),
+    RoughPlastic(diffuse_reflectance=0.7, specular_reflectance=0.0, nonlinear=True),
+)
+
+
+# ---------------------------------------------------------------- laws, checked for every example
+
+
+def is_lossless(spec: RoughPlastic) -> bool:
+    """Light between facets is lost."""
+    return False
+
+
+def is_reciprocal(spec: RoughPlastic) -> bool:
+    """f(wo, wi) = f(wi, wo)."""
+    return True
+
+
+# ---------------------------------------------------------------- tables
+
+SLOTS = COAT_SLOTS | {"alpha": 1, "beckmann": 1, "table": 1, "last_row": 1}
+ALPHA = sum(COAT_SLOTS.values())
+Params = namedtuple("RoughPlasticParams", "base specular eta internal facets coat")
+
+
+def pack(spec: RoughPlastic, packer) -> None:
+    """Fill the row of one material."""
+    pack_coat(spec, packer)
+    packer.scalar("alpha", spec.alpha)
+    packer.numbers("beckmann", float(spec.distribution == "beckmann"))
+    alpha = None if _is_textured(spec) else max(float(packer.row[ALPHA]), SMOOTHEST)
+    packer.curve("table", coat_table(spec.distribution, alpha, spec.int_ior / spec.ext_ior))
+    packer.numbers("last_row", 0 if alpha is not None else ROWS - 1)
+
+
+def features(spec: RoughPlastic) -> tuple[str, ...]:
+    """What must be compiled for this material beyond the model's usual path."""
+    facets = FEATURES[spec.distribution]
+    return (facets, TEXTURED_COAT) if _is_textured(spec) else (facets,)
+
+
+def _is_textured(spec: RoughPlastic) -> bool:
+    return not isinstance(spec.alpha, float | Constant)
+
+
+@kernel
+def load(scene, base, surface):
+    """The parameters at a point of a surface."""
+    alpha = maximum(textured_scalar(scene, base + ALPHA, surface), SMOOTHEST)
+    coat = load_coat(scene, base + (ALPHA + 2), alpha)
+    internal = coat_internal(coat)
+    matte = color(scene, base, surface)
+    return Params(
+        base_reflectance(matte, internal, scalar(scene, base + 7, surface)),
+        color(scene, base + 3, surface),
+        scalar(scene, base + 6, surface),
+        internal,
+        Facets(alpha, alpha, scalar(scene, base + (ALPHA + 1), surface)),
+        coat,
+    )
+
+
+# ---------------------------------------------------------------- scattering
+
+
+@kernel
+def _share(params, through):
+    """Probability of sampling the coat's lobe, where the part T of the light enters."""
+    return share_of_coat(1.0 - through, params.specular, params.base * (1.0 - params.internal))
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(f cos theta_i, pdf per steradian)."""
+    above = (wo.z > 0.0) & (wi.z > 0.0)
+    # Below the surface, the overhead direction stands in: nothing there is used.
+    up = Vec3(0.0, 0.0, 1.0)
+    wo, wi = where(above, wo, up), where(above, wi, up)
+    # The coat. The density D (wo . wm) / sigma of normals, over the Jacobian 4 (wo . wm).
+    wm = normalize(wo + wi)
+    density = 0.25 * facet_density(params.facets, wm) / visible_area(params.facets, wo)
+    fresnel, _ = fresnel_dielectric(minimum(maximum(dot(wo, wm), 0.0), 1.0), params.eta)
+    masking = wi.z / visible_area(params.facets, wi)
+    # The base.
+    through = coat_transmittance(params.coat, wo.z)
+    both_ways = through * coat_transmittance(params.coat, wi.z)
+    f_cos = params.specular * (fresnel * masking * density)
+    f_cos = f_cos + base_f_cos(params.base, both_ways, params.eta, wi.z)
+    share = _share(params, through)
+    pdf = share * density + (1.0 - share) * (INV_PI * wi.z)
+    return where(above, f_cos, 0.0), where(above, pdf, 0.0)
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the two lobes, chosen by u."""
+    share = _share(params, coat_transmittance(params.coat, maximum(wo.z, 0.0)))
+    glossy = normalize(reflect(wo, sample_visible_facet(params.facets, wo, u2)))
+    wi = where(u < share, glossy, square_to_cosine_hemisphere(u2))
+    f_cos, pdf = evaluate(params, wo, wi)
+    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
+    return wi, weight, pdf, lanes_u32(REFLECTION)
+
+
+@kernel
+def albedo(params):
+    """Reflected part of light that arrives at right angles."""
+    through = coat_transmittance(params.coat, lanes(1.0))
+    base = params.base * ((1.0 - params.internal) * through)
+    return params.specular * (1.0 - through) + base

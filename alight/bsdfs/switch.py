@@ -1,0 +1,238 @@
+"""Which model is it? The scattering of any row of the materials, for packets that mix models.
+
+Each class of model runs only if one of the lanes needs it, over all lanes, and is then blended in.
+A program with one class calls it directly. Values in lanes that are not active are arbitrary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from alight.bsdfs import MODELS
+from alight.core.jit import kernel, specialised
+from alight.core.registry import Models, modules
+from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
+from alight.core.vec import Vec3
+
+#: Slots of a material in `materials.data`, see `stride_of`: a power of two.
+STRIDE = 1 << (max(sum(m.SLOTS.values()) for m in MODELS if hasattr(m, "SLOTS")) - 1).bit_length()
+#: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones.
+TWO_SIDED, MIXED = 1, 2
+#: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
+TWO_SIDED_NAME = "two_sided"
+
+
+def stride_of(names: Iterable[str]) -> int:
+    """Slots of a material where models of these names occur: more if a registered one needs it."""
+    models = Models("bsdfs")
+    widths = [sum(getattr(models[n], "SLOTS", {}).values()) for n in names if n in models]
+    return max(STRIDE, 1 << (max(widths, default=1) - 1).bit_length())
+
+
+@specialised
+def first_slot(program):
+    """``first_slot(row)``: where the numbers of a row begin in `materials.data`."""
+    stride = stride_of(program.bsdfs)
+
+    @kernel
+    def first_slot(row):
+        return row * stride
+
+    return first_slot
+
+
+def models_of(program) -> list[tuple[int, object]]:
+    """(kind number, module) of the models that a program uses."""
+    return [
+        (number, model)
+        for number, model in enumerate(modules("bsdfs"))
+        if model.EXAMPLES[0].type_name() in program.bsdfs and hasattr(model, "sample")
+    ]
+
+
+@kernel
+def _kind(scene, row):
+    return gather(scene.materials.info, 2 * row)
+
+
+@kernel
+def material_flags(scene, row):
+    """Bits `TWO_SIDED` and `MIXED` of a material."""
+    return gather(scene.materials.info, 2 * row + 1)
+
+
+@kernel
+def _turned(scene, row, wo):
+    """Mask: seen from the back, and the back looks like the front."""
+    return (wo.z < 0.0) & ((material_flags(scene, row) & TWO_SIDED) != 0)
+
+
+@kernel
+def _flip(mask, w):
+    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
+
+
+# ---------------------------------------------------------------- evaluate
+
+
+@specialised
+def evaluate_row(program):
+    """``(scene, surface, row, wo, wi, active) -> (f_cos, pdf)`` in the local frame."""
+    one_sided = _evaluate_one_sided(models_of(program))
+    if TWO_SIDED_NAME not in program.bsdfs:
+        return one_sided
+
+    @kernel
+    def evaluate_row(scene, surface, row, wo, wi, active):
+        back = _turned(scene, row, wo)
+        return one_sided(scene, surface, row, _flip(back, wo), _flip(back, wi), active)
+
+    return evaluate_row
+
+
+def _evaluate_one_sided(models):
+    if len(models) == 1:
+        return _evaluate_of(models[0][1])
+    switch = _evaluate_switch(models)
+
+    @kernel
+    def evaluate_row(scene, surface, row, wo, wi, active):
+        kind = _kind(scene, row)
+        return switch(scene, surface, row, kind, wo, wi, active, lanes_vec3(0.0), lanes(0.0))
+
+    return evaluate_row
+
+
+def _evaluate_of(model):
+    load, evaluate = model.load, model.evaluate
+
+    @kernel
+    def evaluate_row(scene, surface, row, wo, wi, active):
+        return evaluate(load(scene, first_slot(row), surface), wo, wi)
+
+    return evaluate_row
+
+
+def _evaluate_switch(models):
+    if not models:
+        return _keep_value
+    number, evaluate = models[0][0], _evaluate_of(models[0][1])
+    rest = _evaluate_switch(models[1:])
+
+    @kernel
+    def step(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
+        mine = active & (kind == number)
+        if any_lane(mine):
+            f_cos_new, pdf_new = evaluate(scene, surface, row, wo, wi, mine)
+            f_cos, pdf = where(mine, f_cos_new, f_cos), where(mine, pdf_new, pdf)
+        return rest(scene, surface, row, kind, wo, wi, active, f_cos, pdf)
+
+    return step
+
+
+@kernel
+def _keep_value(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
+    return f_cos, pdf
+
+
+# ---------------------------------------------------------------- sample
+
+
+@specialised
+def sample_row(program):
+    """``(scene, surface, row, wo, u, u2, active) -> (wi, weight, pdf, flags)``, local frame."""
+    one_sided = _sample_one_sided(models_of(program))
+    if TWO_SIDED_NAME not in program.bsdfs:
+        return one_sided
+
+    @kernel
+    def sample_row(scene, surface, row, wo, u, u2, active):
+        back = _turned(scene, row, wo)
+        wi, weight, pdf, flags = one_sided(scene, surface, row, _flip(back, wo), u, u2, active)
+        return _flip(back, wi), weight, pdf, flags
+
+    return sample_row
+
+
+def _sample_one_sided(models):
+    if len(models) == 1:
+        return _sample_of(models[0][1])
+    switch = _sample_switch(models)
+
+    @kernel
+    def sample_row(scene, surface, row, wo, u, u2, active):
+        kind = _kind(scene, row)
+        wi, weight = lanes_vec3(0.0), lanes_vec3(0.0)
+        pdf, flags = lanes(0.0), lanes_u32(0)
+        return switch(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags)
+
+    return sample_row
+
+
+def _sample_of(model):
+    load, sample = model.load, model.sample
+
+    @kernel
+    def sample_row(scene, surface, row, wo, u, u2, active):
+        return sample(load(scene, first_slot(row), surface), wo, u, u2)
+
+    return sample_row
+
+
+def _sample_switch(models):
+    if not models:
+        return _keep_sample
+    number, sample = models[0][0], _sample_of(models[0][1])
+    rest = _sample_switch(models[1:])
+
+    @kernel
+    def step(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags):
+        mine = active & (kind == number)
+        if any_lane(mine):
+            wi_new, weight_new, pdf_new, flags_new = sample(scene, surface, row, wo, u, u2, mine)
+            wi, weight = where(mine, wi_new, wi), where(mine, weight_new, weight)
+            pdf, flags = where(mine, pdf_new, pdf), where(mine, flags_new, flags)
+        return rest(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags)
+
+    return step
+
+
+@kernel
+def _keep_sample(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags):
+    return wi, weight, pdf, flags
+
+
+# ---------------------------------------------------------------- albedo, for the AOV
+
+
+@specialised
+def albedo_row(program):
+    """``(scene, surface, row, active) -> Vec3``: a colour, without light and angle."""
+    switch = _albedo_switch(models_of(program))
+
+    @kernel
+    def albedo_row(scene, surface, row, active):
+        return switch(scene, surface, row, _kind(scene, row), active, lanes_vec3(0.0))
+
+    return albedo_row
+
+
+def _albedo_switch(models):
+    if not models:
+        return _keep_albedo
+    number, load, albedo = models[0][0], models[0][1].load, models[0][1].albedo
+    rest = _albedo_switch(models[1:])
+
+    @kernel
+    def step(scene, surface, row, kind, active, value):
+        mine = active & (kind == number)
+        if any_lane(mine):
+            value = where(mine, albedo(load(scene, first_slot(row), surface)), value)
+        return rest(scene, surface, row, kind, active, value)
+
+    return step
+
+
+@kernel
+def _keep_albedo(scene, surface, row, kind, active, value):
+    return value

@@ -1,0 +1,115 @@
+r"""Thin dielectric: a pane of glass so thin that light passes straight on.
+
+.. math::
+    R = F(\cos\theta_o; \eta), \qquad
+    R' = R + \frac{R (1 - R)^2}{1 - R^2} = \frac{2 R}{1 + R}, \qquad T' = 1 - R'
+
+Two parallel interfaces: the second one turns light back to its old direction, and the reflections
+between both add up to a geometric series. Two Dirac lobes; the one that passes carries the flag
+NULL. The medium is the same on both sides, so radiance is not scaled, and both sides look alike.
+
+Source: PBR4 section 9.5.1; Stokes 1862, On the intensity of the light reflected
+from or transmitted through a pile of plates.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Literal
+
+from alight.bsdfs.dielectric import Interface, pack_interface
+from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
+from alight.bsdfs.tints import WHITE, tint, tint_features
+from alight.core.fresnel import fresnel_dielectric
+from alight.core.jit import kernel
+from alight.core.simd import absolute, lanes, lanes_u32, lanes_vec3, where
+from alight.core.vec import Vec3
+from alight.textures.fetch import scalar
+
+
+class ThinDielectric(Interface):
+    """Window pane, soap film without its colours.
+
+    Parameters
+    ----------
+    int_ior, ext_ior, specular_reflectance, specular_transmittance
+        As in `Interface`: of the pane, and of the medium on both sides of it.
+    """
+
+    type: Literal["thin_dielectric"] = "thin_dielectric"
+
+
+EXAMPLES = (
+    ThinDielectric(),
+    ThinDielectric(int_ior="diamond", ext_ior="vacuum"),
+    ThinDielectric(int_ior=1.0, ext_ior=1.5),
+    ThinDielectric(specular_reflectance=(0.9, 0.6, 0.2), specular_transmittance=(0.3, 1.0, 0.8)),
+)
+
+
+# ---------------------------------------------------------------- laws, checked for every example
+
+
+def is_lossless(spec: ThinDielectric) -> bool:
+    """All light that arrives leaves again."""
+    return spec.specular_reflectance == spec.specular_transmittance == WHITE
+
+
+def is_reciprocal(spec: ThinDielectric) -> bool:
+    """f(wo, wi) = f(wi, wo)."""
+    return True
+
+
+# ---------------------------------------------------------------- tables
+
+SLOTS = {"eta": 1, "specular_reflectance": 3, "specular_transmittance": 3}
+Params = namedtuple("ThinDielectricParams", "eta reflectance transmittance")
+
+
+def pack(spec: ThinDielectric, packer) -> None:
+    """Fill the row of one material."""
+    pack_interface(spec, packer)
+
+
+def features(spec: ThinDielectric) -> tuple[str, ...]:
+    """What must be compiled for this material beyond the model's usual path."""
+    return tint_features(spec.specular_reflectance, spec.specular_transmittance)
+
+
+@kernel
+def load(scene, base, surface):
+    """The parameters at a point of a surface."""
+    return Params(
+        scalar(scene, base, surface),
+        tint(scene, base + 1, surface),
+        tint(scene, base + 4, surface),
+    )
+
+
+# ---------------------------------------------------------------- scattering
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
+    return lanes_vec3(0.0), lanes(0.0)
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, probability of the lobe, flags)."""
+    once, _ = fresnel_dielectric(absolute(wo.z), params.eta)
+    reflectance = 2.0 * once / (1.0 + once)
+    reflects = u < reflectance
+    wi = where(reflects, Vec3(-wo.x, -wo.y, wo.z), -wo)
+    pmf = where(reflects, reflectance, 1.0 - reflectance)
+    # The lobe's factor is also its probability, so it cancels.
+    weight = where(reflects, params.reflectance, params.transmittance)
+    passes = lanes_u32(TRANSMISSION | DELTA | NULL)
+    return wi, weight, pmf, where(reflects, lanes_u32(REFLECTION | DELTA), passes)
+
+
+@kernel
+def albedo(params):
+    """What is let through."""
+    return params.transmittance

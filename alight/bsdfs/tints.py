@@ -1,0 +1,28 @@
+"""Tints of Fresnel reflection and transmission: 1 for real materials, which costs nothing."""
+
+from __future__ import annotations
+
+from alight.core.jit import kernel, specialised
+from alight.core.simd import lanes_vec3
+from alight.core.spec import Texture, Triple
+from alight.textures.fetch import color
+
+#: What programs call a material with a tint other than 1.
+TINTED = "tinted"
+WHITE = (1.0, 1.0, 1.0)
+
+
+def tint_features(*tints: Triple | Texture | str) -> tuple[str, ...]:
+    """What must be compiled for these tints."""
+    return () if all(tint == WHITE for tint in tints) else (TINTED,)
+
+
+@specialised
+def tint(program):
+    """``tint(scene, slot, surface) -> Vec3``, from the three slots of a colour."""
+    return color if TINTED in program.bsdfs else _white
+
+
+@kernel
+def _white(scene, slot, surface):
+    return lanes_vec3(1.0)

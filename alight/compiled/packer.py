@@ -1,0 +1,97 @@
+"""Putting the parameters of one material or texture into its row of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from alight.core.spec import Texture, Triple
+from alight.core.vec import luminance
+from alight.core.vec3 import Vec3
+from alight.textures.constant import Constant
+
+if TYPE_CHECKING:
+    from alight.compiled.textures import TextureTable
+    from alight.textures.images import Image
+
+
+@dataclass
+class Packer:
+    """Puts the parameters of one material or texture into its row.
+
+    Attributes
+    ----------
+    slots : mapping of str to int
+        Name -> how many numbers, in the order of the row.
+    size : int
+        Length of the row.
+    row : (n,) float32
+        Numbers; 0 where nothing was put.
+    textures : (n,) uint32
+        Index + 1 of the texture that gives the value starting there, or 0.
+    table : TextureTable, optional
+        Textures and texels of the whole scene; needed once a parameter is textured.
+    all_curves : list of (n,) float32
+        Tables of the whole scene, one after the other.
+    """
+
+    slots: Mapping[str, int]
+    size: int
+    table: TextureTable | None = None
+    all_curves: list[np.ndarray] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Start with an empty row."""
+        self.row = np.zeros(self.size, np.float32)
+        self.textures = np.zeros(self.size, np.uint32)
+        ends = np.cumsum(list(self.slots.values()), dtype=int)
+        self.starts = dict(zip(self.slots, [0, *ends.tolist()], strict=False))
+
+    def numbers(self, name: str, *values: float) -> None:
+        """Put as many numbers as the slot has."""
+        if len(values) != self.slots[name]:
+            raise ValueError(f"{name} has {self.slots[name]} slots, got {len(values)} numbers")
+        start = self.starts[name]
+        self.row[start : start + len(values)] = values
+
+    def curve(self, name: str, values: np.ndarray) -> None:
+        """Put a table into `MaterialTables.curves`, and where it starts into the slot."""
+        before = [curve for curve in self.all_curves if curve is values]
+        if not before:
+            self.all_curves.append(values)
+        index = next(i for i, curve in enumerate(self.all_curves) if curve is values)
+        self.numbers(name, sum(curve.size for curve in self.all_curves[:index]))
+
+    def color(self, name: str, value: Triple | Texture | str) -> None:
+        """Put a colour: numbers, or a texture with its name resolved."""
+        if isinstance(value, Constant):
+            value = value.color
+        if isinstance(value, tuple):
+            self.numbers(name, *value)
+        else:
+            self._texture(name, value)
+
+    def scalar(self, name: str, value: float | Texture | str) -> None:
+        """Put a number, or a texture whose luminance is the number."""
+        if isinstance(value, Constant):
+            value = float(luminance(Vec3(*value.color)))
+        if isinstance(value, float | int):
+            self.numbers(name, value)
+        else:
+            self._texture(name, value)
+
+    def texels(self, name: str, image: Image, color_space: str) -> None:
+        """Put where the texels of a picture are: the words of `TextureTable.texels`."""
+        assert self.table is not None
+        words = np.array(self.table.texels(image, color_space), np.uint32)
+        start = self.starts[name]
+        self.row[start : start + len(words)] = words.view(np.float32)
+
+    def _texture(self, name: str, value: Texture | str) -> None:
+        if not isinstance(value, Texture):
+            raise ValueError(f"the texture name {value!r} must be resolved before compiling")
+        assert self.table is not None
+        self.textures[self.starts[name]] = self.table.number(value)

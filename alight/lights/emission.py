@@ -1,0 +1,101 @@
+"""Colour of area lights: one number triple, or a texture over the shape.
+
+Only programs with `TEXTURED` in their lights look at textures.
+"""
+
+from __future__ import annotations
+
+from alight.core.distributions import sample_discrete
+from alight.core.jit import kernel, specialised
+from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
+from alight.core.vec import gather_vec3
+from alight.core.warps import square_to_triangle
+from alight.lights.tables import INFO, STRIDE, TEXTURED
+from alight.shapes.flat import local_coordinates
+from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.hit import Hit
+from alight.shapes.surfaces import KINDS, make_surface
+from alight.textures.fetch import texture_value
+
+
+@specialised
+def emitted_color(program):
+    """``emitted_color(scene, index, surface)``: radiance of the lights `index` at their surface."""
+    if TEXTURED not in program.lights:
+
+        @kernel
+        def constant(scene, index, surface):
+            return gather_vec3(scene.lights.data, index * STRIDE)
+
+        return constant
+
+    @kernel
+    def varying(scene, index, surface):
+        color = gather_vec3(scene.lights.data, index * STRIDE)
+        texture = gather(scene.lights.info, index * INFO + 2)
+        return texture_value(scene, texture, surface, color)
+
+    return varying
+
+
+@specialised
+def sampled_color(program):
+    """``sampled_color(scene, index, p, s, u, u2)``: radiance over the light's colour at a sample.
+
+    `s` is the `ShapeSample` that the numbers u and u2 gave, seen from p.
+    """
+    if TEXTURED not in program.lights:
+
+        @kernel
+        def one(scene, index, p, s, u, u2):
+            return lanes_vec3(1.0)
+
+        return one
+
+    @kernel
+    def of_the_texture(scene, index, p, s, u, u2):
+        info = scene.lights.info
+        color, texture = lanes_vec3(1.0), gather(info, index * INFO + 2)
+        textured = texture != 0
+        if any_lane(textured):
+            shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
+            x, y, prim = coordinates(scene, shape, start, p + s.distance * s.wi, u, u2)
+            hit = Hit(s.distance, x, y, shape, prim)
+            surface = make_surface(scene, hit, p, s.wi, textured)
+            color = texture_value(scene, texture, surface, color)
+        return color
+
+    return of_the_texture
+
+
+@specialised
+def coordinates(program):
+    """``coordinates(scene, shape, start, q, u, u2) -> (u, v, prim)``: a sample as a `Hit` has it.
+
+    `q` is the sampled point. Curved shapes know a hit by its point alone.
+    """
+    flat = bool({"rectangle", "disk"} & set(program.light_shapes))
+    mesh = "mesh" in program.light_shapes
+    rectangle_kind, disk_kind, mesh_kind = KINDS["rectangle"], KINDS["disk"], KINDS["mesh"]
+
+    @kernel
+    def by_kind(scene, shape, start, q, u, u2):
+        tables = scene.shapes
+        row = shape * SHAPE_INFO
+        kind, k = gather(tables.info, row), gather(tables.info, row + 3)
+        x, y, prim = lanes(0.0), lanes(0.0), lanes_u32(0)
+        if flat:
+            mine = (kind == rectangle_kind) | (kind == disk_kind)
+            x1, y1 = local_coordinates(tables.data, where(mine, k, 0), q)
+            x, y = where(mine, x1, x), where(mine, y1, y)
+        if mesh:
+            mine = kind == mesh_kind
+            # The same numbers choose the same triangle again.
+            count = where(mine, gather(tables.info, row + 7), 1)
+            chosen, _, _ = sample_discrete(scene.lights.cdf, where(mine, start, 0), count, u)
+            b1, b2 = square_to_triangle(u2)
+            x, y = where(mine, b1, x), where(mine, b2, y)
+            prim = where(mine, chosen, prim)
+        return x, y, prim
+
+    return by_kind

@@ -1,0 +1,294 @@
+r"""Environment: light from infinity, given by a map of latitude and longitude.
+
+The map is wrapped around the scene with +y of its node up. Its columns go around: at height
+:math:`\theta` from +y and azimuth :math:`\varphi`
+
+.. math::
+    \omega = (\sin\theta \sin\varphi, \cos\theta, -\sin\theta \cos\varphi), \qquad
+    x = \frac{w \varphi}{2 \pi} - \frac12, \qquad y = \frac{(h - 1)\, \theta}{\pi}
+
+are the coordinates of a direction among the texels, whose radiance is interpolated bilinearly: the
+left edge of the picture is towards -z, its middle towards +z, its first and last row are the poles.
+
+Directions are drawn cell by cell, a cell being the patch between the centres of four texels: first
+the cell, in proportion to its solid angle and the mean of its corners' weights; then a place in it,
+in proportion to the weights interpolated between the corners. With
+:math:`q = \sin^2(\theta / 2)`, which is uniform in solid angle, that density is smooth across cells
+and has no sine to divide by. A weight is a texel's luminance ("importance"), or 1 ("uniform").
+
+MIS compensation takes the mean off the weights, down to 0: what is darker than the mean is left to
+BSDF sampling. Light sampling alone would miss it, so it is done only where both are combined.
+
+Source: PBR4 section 12.5 and A.5; Karlik, Sik, Vevoda, Skrivan, Krivanek, MIS compensation:
+optimizing sampling techniques in multiple importance sampling, ACM TOG 38(6), 2019; registration
+of the texels as in Mitsuba 3's ``envmap``, found by experiment.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from alight.core.constants import INFINITY, INV_PI, INV_TWO_PI, PI
+from alight.core.distributions import bilinear, pmf_cell, sample_bilinear, sample_cell
+from alight.core.jit import kernel
+from alight.core.maths import arctan2, sincos_2pi
+from alight.core.simd import (
+    absolute,
+    as_float,
+    as_int,
+    gather,
+    lanes,
+    lanes_mask,
+    maximum,
+    minimum,
+    minimum_u32,
+    sqrt,
+    to_float,
+    to_uint,
+    where,
+)
+from alight.core.spec import Color, Degrees, Light, Triple, Truth, invalid
+from alight.core.vec import Vec3, dot, row_vec3
+from alight.lights.environment_map import (
+    BAND,
+    COLUMNS,
+    FIRST_BAND,
+    ROWS,
+    TEXEL,
+    EnvironmentMap,
+    environment_map,
+)
+from alight.lights.tables import LightSample
+from alight.textures.images import Image, Pixels, source_problem
+
+#: A place on the map. column, row: of its cell; x: fraction of the cell's width, y: of the angle
+#: from its upper to its lower edge, c: of the solid angle between them.
+Place = namedtuple("Place", "column row x y c")
+
+
+class Environment(Light):
+    """A picture of all that is far away.
+
+    Parameters
+    ----------
+    file : str, optional
+        EXR, HDR, PNG or JPEG picture, relative to the scene file; not together with `pixels`.
+    pixels : (h, w, 3) float32, W/(m^2 sr), optional
+        The picture itself, linear sRGB, top row first.
+    scale : Color, default 1
+        Factor of the radiance.
+    rotate : float, degrees, default 0
+        Turn about the +y axis of its node.
+    sampling : {"importance", "uniform"}, default "importance"
+        Directions are drawn in proportion to luminance, or all alike.
+    compensation : bool, default True
+        Take the mean off the importance where BSDF sampling complements it (``light_sampling:
+        mis``).
+    """
+
+    placement: ClassVar[Literal["node", "shape", "environment"]] = "environment"
+    type: Literal["environment"] = "environment"
+    file: str | None = None
+    pixels: Pixels | None = None
+    scale: Color = (1.0, 1.0, 1.0)
+    rotate: Degrees = 0.0
+    sampling: Literal["importance", "uniform"] = "importance"
+    compensation: Truth = True
+
+    @model_validator(mode="after")
+    def _has_one_source(self) -> Self:
+        problem = source_problem(self)
+        if problem:
+            raise invalid(problem)
+        return self
+
+    @property
+    def is_black(self) -> bool:
+        """Whether it emits nothing, as far as is known without reading its file."""
+        dark = self.pixels is not None and max(self.pixels.maximum()) == 0.0
+        return dark or self.scale == (0.0, 0.0, 0.0)
+
+
+_SUNSET = ((0.2, 0.3, 0.4, 0.3), (0.5, (9.0, 6.0, 3.0), 0.5, 0.1), (0.1, 0.2, 0.1, 0.1))
+
+EXAMPLES = (
+    Environment(pixels=_SUNSET),
+    Environment(pixels=_SUNSET, scale=(2.0, 1.0, 0.5), rotate=120.0, sampling="uniform"),
+    Environment(pixels=((1.0,),), compensation=False),
+    Environment(pixels=_SUNSET, scale=0.0),
+)
+
+#: A ray that leaves the scene finds it.
+DELTA = False
+
+
+def place(spec: Environment, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
+    """Colour; its map has the rest."""
+    return spec.scale, np.zeros(3)
+
+
+def power(luminance: float, area: float, radius: float) -> float:
+    """W that enter a scene of bounding radius `radius`: 4 pi directions through pi r^2."""
+    return 4.0 * PI * PI * radius * radius * luminance
+
+
+def make_map(spec: Environment, to_world: np.ndarray, compensated: bool) -> EnvironmentMap:
+    """The tables of a light whose picture has been read.
+
+    Parameters
+    ----------
+    spec : Environment
+    to_world : (4, 4) float64
+        Of its node; a rotation, perhaps mirrored or scaled.
+    compensated : bool
+        Whether BSDF sampling finds what the map leaves out.
+    """
+    assert isinstance(spec.pixels, Image)
+    axes = to_world[:3, :3] / np.linalg.norm(to_world[:3, :3], axis=0)
+    turn = np.radians(spec.rotate)
+    about_y = np.array(
+        [[np.cos(turn), 0.0, np.sin(turn)], [0.0, 1.0, 0.0], [-np.sin(turn), 0.0, np.cos(turn)]]
+    )
+    radiance = np.broadcast_to(spec.pixels.linear(), (*spec.pixels.texels.shape[:2], 3))
+    compensated = compensated and spec.compensation
+    return environment_map(radiance, (axes @ about_y).T, spec.sampling, compensated)
+
+
+@kernel
+def to_map(scene, d):
+    """A direction of the world in the space of the map."""
+    m = scene.lights.map
+    return Vec3(dot(row_vec3(m, 0), d), dot(row_vec3(m, 3), d), dot(row_vec3(m, 6), d))
+
+
+@kernel
+def from_map(scene, d):
+    """The inverse: the transpose."""
+    m = scene.lights.map
+    return row_vec3(m, 0) * d.x + row_vec3(m, 3) * d.y + row_vec3(m, 6) * d.z
+
+
+@kernel
+def band_of(scene, row):
+    """(q at the upper edge, difference of q to the lower edge, mask: seen from +y) of a row.
+
+    q is sin^2(theta / 2) with theta from the nearer pole, so that it is precise there.
+    """
+    m = scene.lights.map
+    start = FIRST_BAND + BAND * row
+    return gather(m, start), gather(m, start + 1), 2 * row + 1 <= as_int(m[ROWS])
+
+
+@kernel
+def locate(scene, d):
+    """The `Place` of unit directions in the space of the map; valid whatever d is."""
+    m = scene.lights.map
+    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
+    x = arctan2(d.x, -d.z) * INV_TWO_PI * as_float(columns) - 0.5
+    x = where(x < 0.0, x + as_float(columns), x)
+    column = minimum_u32(to_uint(x), columns - 1)
+    squared = d.x * d.x + d.z * d.z
+    y = arctan2(sqrt(squared), d.y) * INV_PI * as_float(rows)
+    row = minimum_u32(to_uint(y), rows - 1)
+    edge, size, upper = band_of(scene, row)
+    # sin^2 theta = 4 q (1 - q), and 1 - q = (1 + |cos theta|) / 2 does not cancel.
+    q = 0.5 * squared / (1.0 + where(upper, d.y, -d.y))
+    return Place(
+        column,
+        row,
+        minimum(maximum(x - to_float(column), 0.0), 1.0),
+        minimum(maximum(y - to_float(row), 0.0), 1.0),
+        minimum(maximum((q - edge) / size, 0.0), 1.0),
+    )
+
+
+@kernel
+def corners_of(scene, column, row):
+    """Indices of the four texels of a cell: upper left, upper right, lower left, lower right."""
+    m = scene.lights.map
+    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
+    first = FIRST_BAND + BAND * rows + TEXEL * columns * row
+    right = where(column + 1 < columns, column + 1, 0)
+    a, b = first + TEXEL * column, first + TEXEL * right
+    return a, b, a + TEXEL * columns, b + TEXEL * columns
+
+
+@kernel
+def channel(scene, corners, k):
+    """Number k of the four texels."""
+    m = scene.lights.map
+    a, b, c, d = corners
+    return gather(m, a + k), gather(m, b + k), gather(m, c + k), gather(m, d + k)
+
+
+@kernel
+def shown(scene, place):
+    """Radiance of the map at a place, without `scale`."""
+    corners, x, y = corners_of(scene, place.column, place.row), place.x, place.y
+    return Vec3(
+        bilinear(channel(scene, corners, 0), x, y),
+        bilinear(channel(scene, corners, 1), x, y),
+        bilinear(channel(scene, corners, 2), x, y),
+    )
+
+
+@kernel
+def density(scene, weights, pmf, place, size):
+    """Density per solid angle in a cell of probability `pmf`; size: of its band."""
+    columns = as_float(as_int(scene.lights.map[COLUMNS]))
+    mean = 0.25 * (weights[0] + weights[1] + weights[2] + weights[3])
+    relative = bilinear(weights, place.x, place.c) / where(mean > 0.0, mean, 1.0)
+    # The cell covers 2 pi / columns in azimuth and 2 |size| in cos(theta).
+    return relative * pmf * columns * (0.5 * INV_TWO_PI) / absolute(size)
+
+
+@kernel
+def sample(scene, index, p, u, u2):
+    """Choose a direction; see `alight.lights.area.sample`."""
+    m = scene.lights.map
+    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
+    start = as_int(scene.lights.info[scene.lights.info.size - 1])
+    column, row, pmf, rest = sample_cell(scene.lights.cdf, start, rows, columns, u, u2)
+    weights = channel(scene, corners_of(scene, column, row), 3)
+    x, c = sample_bilinear(weights, rest)
+    edge, size, upper = band_of(scene, row)
+    q = edge + c * size
+    cosine, sine = 1.0 - 2.0 * q, 2.0 * sqrt(q * (1.0 - q))
+    cosine = where(upper, cosine, -cosine)
+    turn = (to_float(column) + x + 0.5) / as_float(columns)
+    s, z = sincos_2pi(where(turn < 1.0, turn, turn - 1.0))
+    y = arctan2(sine, cosine) * INV_PI * as_float(rows) - to_float(row)
+    place = Place(column, row, x, minimum(maximum(y, 0.0), 1.0), c)
+    one = lanes(1.0)
+    return LightSample(
+        from_map(scene, Vec3(sine * s, cosine, -sine * z)),
+        INFINITY * one,
+        shown(scene, place),
+        density(scene, weights, pmf, place, size),
+        lanes_mask(False),
+        one,
+        lanes(0.0),
+    )
+
+
+@kernel
+def pdf(scene, d):
+    """Density of `sample` per solid angle."""
+    m = scene.lights.map
+    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
+    start = as_int(scene.lights.info[scene.lights.info.size - 1])
+    place = locate(scene, to_map(scene, d))
+    pmf = pmf_cell(scene.lights.cdf, start, rows, columns, place.column, place.row)
+    weights = channel(scene, corners_of(scene, place.column, place.row), 3)
+    _, size, _ = band_of(scene, place.row)
+    return density(scene, weights, pmf, place, size)
+
+
+@kernel
+def radiance(scene, d):
+    """Radiance that arrives from the unit direction d, without the light's colour."""
+    return shown(scene, locate(scene, to_map(scene, d)))

@@ -1,0 +1,153 @@
+"""Reading pictures as they are stored: whole numbers stay encoded, one grey channel stays one.
+
+The kind of a file is told by its first bytes, not by its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alight.outputs import exr, hdr, pfm
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".exr", ".hdr", ".pfm", ".npy")
+
+#: The library reads all channels of an EXR file at once; this is 1 GB.
+MOST_NUMBERS = 2**28
+
+#: Called with width and height before memory is asked for; raises ValueError to refuse.
+SizeCheck = Callable[[int, int], None]
+
+
+def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
+    """Read a picture.
+
+    Parameters
+    ----------
+    path : Path
+        PNG, JPEG (uint8, uint16), OpenEXR, Radiance, PFM or NPY (float) file.
+    check_size : callable
+        Refuses sizes.
+
+    Returns
+    -------
+    ndarray, shape (h, w) or (h, w, c)
+        Top row first; alpha may be the last of 2 or 4 channels.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the file cannot be read, is of another kind, or is broken.
+    """
+    if path.exists() and not path.is_file():
+        raise ValueError("is no file")
+    with path.open("rb") as file:
+        start = file.read(8)
+    readers = [read for magic, read in _READERS if start.startswith(magic)]
+    if not readers:
+        raise ValueError("is no PNG, JPEG, EXR, HDR, PFM or NPY picture")
+    try:
+        return readers[0](path, check_size)
+    except (OSError, ValueError):
+        raise
+    except MemoryError:
+        raise ValueError("takes more memory than there is") from None
+    except Exception as error:
+        # Decoders meet broken files in many ways: SyntaxError, struct.error, TokenError, ...
+        raise ValueError(f"is broken ({error})") from None
+
+
+def _read_with_pillow(path: Path, check_size: SizeCheck) -> np.ndarray:
+    import warnings
+
+    from PIL import Image
+
+    with warnings.catch_warnings():
+        # Pillow's own limits are above ours, but it reports them before we see the size.
+        warnings.simplefilter("ignore")
+        try:
+            with Image.open(path, formats=("PNG", "JPEG")) as image:
+                check_size(*image.size)
+                return _pixels_of(image, path)
+        except Image.DecompressionBombError:
+            raise ValueError("has too many pixels") from None
+
+
+def _pixels_of(image: Any, path: Path) -> np.ndarray:
+    if image.mode.startswith("I"):
+        return np.asarray(image).astype(np.uint16)
+    wide = [tile for tile in image.tile if str(tile[3]).endswith((";16B", "; 16B"))]
+    if wide and image.mode in ("RGB", "RGBA"):
+        return _sixteen_bits(image, path)
+    if image.mode in ("1", "L", "LA"):
+        return np.asarray(image.convert("L") if image.mode == "1" else image.getchannel(0))
+    return np.asarray(image.convert("RGB"))
+
+
+def _sixteen_bits(image: Any, path: Path) -> np.ndarray:
+    """Both bytes of each number.
+
+    Pillow keeps one byte of numbers of 16 bits in colour: the high one, or the low one if it is
+    told that they are little-endian, which PNG's are not.
+    """
+    from PIL import Image
+
+    halves = [np.asarray(image.convert("RGB"), np.uint16)]
+    with Image.open(path, formats=("PNG",)) as swapped:
+        swapped.tile = [t._replace(args=str(t[3]).replace("16B", "16L")) for t in swapped.tile]
+        halves.append(np.asarray(swapped.convert("RGB"), np.uint16))
+    return halves[0] << 8 | halves[1]
+
+
+def _read_exr(path: Path, check_size: SizeCheck) -> np.ndarray:
+    width, height, count = exr.read_size(path)
+    check_size(width, height)
+    if width * height * count > MOST_NUMBERS:
+        raise ValueError(f"has too many channels for its size: {count} of {width} x {height}")
+    channels, _ = exr.read_layers(path)
+    names = [name for name in "RGB" if name in channels]
+    if len(names) != 3:
+        # Grey pictures have one channel, mostly called Y.
+        names = ["Y"] if "Y" in channels else list(channels)
+        if len(names) != 1:
+            raise ValueError(f"has no channels R, G, B or Y; it has {', '.join(sorted(channels))}")
+    first = channels[names[0]]
+    texels = np.zeros((*first.shape, len(names)), np.float32)
+    for i, name in enumerate(names):
+        if channels[name].shape != first.shape:
+            raise ValueError("has channels of different sizes")
+        # One after the other: the largest pictures fill half of what a process may take.
+        texels[..., i] = channels.pop(name)
+    return texels
+
+
+def _read_hdr(path: Path, check_size: SizeCheck) -> np.ndarray:
+    check_size(*hdr.read_size(path))
+    return hdr.read(path)
+
+
+def _read_pfm(path: Path, check_size: SizeCheck) -> np.ndarray:
+    check_size(*pfm.read_size(path))
+    return pfm.read(path)
+
+
+def _read_npy(path: Path, check_size: SizeCheck) -> np.ndarray:
+    array = np.load(path, mmap_mode="r", allow_pickle=False)
+    if array.ndim not in (2, 3):
+        raise ValueError(f"must have the shape (h, w) or (h, w, 3), got {array.shape}")
+    check_size(array.shape[1], array.shape[0])
+    return np.array(array)
+
+
+_READERS: tuple[tuple[bytes, Callable[[Path, SizeCheck], np.ndarray]], ...] = (
+    (b"\x89PNG", _read_with_pillow),
+    (b"\xff\xd8\xff", _read_with_pillow),
+    (b"\x76\x2f\x31\x01", _read_exr),
+    (b"#?", _read_hdr),
+    (b"PF", _read_pfm),
+    (b"Pf", _read_pfm),
+    (b"\x93NUMPY", _read_npy),
+)

@@ -1,0 +1,406 @@
+"""`trace`: one sample of one pixel, followed in plain Python, vertex by vertex.
+
+The sample runs through the very kernels of the renderer, in their NumPy twin, so that a breakpoint
+in any of them works; `alight.rendering.observation` looks on. A vertex is one call of the
+integrator's `step`; what it added to the radiance of the path is its contribution, and the sum of
+these is what the renderer adds to the film.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from alight.accel import intersect_closest, is_occluded
+from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
+from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
+from alight.compiled.scene import compile_scene
+from alight.compiled.shapes import compile_shapes
+from alight.core.errors import OptionError
+from alight.films.fixed_point import carry, to_float
+from alight.integrators.walk import make_settings, step
+from alight.lights.sampling import (
+    emitted,
+    environment_pdf,
+    environment_radiance,
+    light_pdf,
+    sample_light,
+)
+from alight.rendering.observation import Event, Observer
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile, add_finished
+from alight.scene import FlatScene, Scene, flatten, load
+from alight.shapes.surfaces import make_surface
+
+Triple = tuple[float, float, float]
+
+#: Without a tree every ray is tested against every triangle; so many take about ten seconds a ray.
+MOST_TRIANGLES = 30_000_000
+
+WATCHED = {
+    "add_finished": add_finished,
+    "emitted": emitted,
+    "environment_pdf": environment_pdf,
+    "environment_radiance": environment_radiance,
+    "evaluate_bsdf": evaluate_bsdf,
+    "intersect_closest": intersect_closest,
+    "is_occluded": is_occluded,
+    "light_pdf": light_pdf,
+    "make_surface": make_surface,
+    "sample_bsdf": sample_bsdf,
+    "sample_light": sample_light,
+    "step": step,
+}
+
+#: Kernels that integrators write for themselves; any that has functions of these names is shown.
+WEIGHTS = ("bsdf_weight", "light_weight")
+
+
+@dataclass(frozen=True)
+class Emission:
+    """Light that the ray came upon: radiance, density of light sampling for it, and MIS weight."""
+
+    radiance: Triple
+    light_pdf: float | None
+    weight: float | None
+
+
+@dataclass(frozen=True)
+class LightSample:
+    """Light that light sampling chose.
+
+    Attributes
+    ----------
+    wi, distance
+        Unit direction in the world, and metres.
+    radiance, pdf, delta
+        As in `alight.lights.tables.LightSample`, the choice of the light included.
+    f_cos, bsdf_pdf
+        Of the BSDF, for that direction; None where nothing can arrive.
+    visible : bool or None
+        None where no shadow ray was needed.
+    weight : float or None
+        For MIS.
+    """
+
+    wi: Triple
+    distance: float
+    radiance: Triple
+    pdf: float
+    delta: bool
+    f_cos: Triple | None
+    bsdf_pdf: float | None
+    visible: bool | None
+    weight: float | None
+
+
+@dataclass(frozen=True)
+class Scattering:
+    """How the path goes on: local direction, weight f cos / pdf, density, and the lobe's name."""
+
+    wi: Triple
+    weight: Triple
+    pdf: float
+    lobe: str
+
+
+@dataclass(frozen=True)
+class Vertex:
+    """One vertex of a path.
+
+    Attributes
+    ----------
+    depth : int
+        Edges from the camera.
+    origin, direction : triple
+        Of the ray that was followed to it.
+    beta : triple
+        Throughput of the path up to here.
+    pdf : float
+        Density of `direction` per steradian, 0 for camera rays.
+    delta : bool
+        Whether `direction` was chosen by a delta lobe, or by the camera.
+    t : float
+        Length of the ray, metres; infinite if it left the scene. The following are None then.
+    position, normal : triple or None
+        In the world, metres; the shading normal.
+    shape, bsdf : str or None
+        Path of the node in the scene graph, and type of the material.
+    primitive : int or None
+    emission, light, scattering
+        What happened there; None for what did not.
+    contribution : triple
+        What it added to the radiance of the path.
+    """
+
+    depth: int
+    origin: Triple
+    direction: Triple
+    beta: Triple
+    pdf: float
+    delta: bool
+    t: float
+    position: Triple | None
+    normal: Triple | None
+    shape: str | None
+    bsdf: str | None
+    primitive: int | None
+    emission: Emission | None
+    light: LightSample | None
+    scattering: Scattering | None
+    contribution: Triple
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One sample of one pixel.
+
+    Attributes
+    ----------
+    scene, integrator, sampler, filter : str
+    size : (int, int)
+        Pixels of the film.
+    pixel : (int, int)
+    sample, seed, replicate : int
+    weight : float
+        Of the pixel filter: the first throughput.
+    vertices : tuple of Vertex
+    radiance : triple
+        What the path gathered.
+    value : triple
+        What the film adds: the radiance, rounded to its fixed point; zero if `valid` is False.
+    valid : bool
+        Whether the radiance is a finite number in every channel.
+    rays : int
+    """
+
+    scene: str
+    integrator: str
+    sampler: str
+    filter: str
+    size: tuple[int, int]
+    pixel: tuple[int, int]
+    sample: int
+    seed: int
+    replicate: int
+    weight: float
+    vertices: tuple[Vertex, ...]
+    radiance: Triple
+    value: Triple
+    valid: bool
+    rays: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data for JSON; numbers that are not finite become None."""
+        return _plain(asdict(self))
+
+    def __str__(self) -> str:
+        """The table that ``alight trace`` prints."""
+        from alight.rendering.trace_table import table_of
+
+        return "\n".join(table_of(self))
+
+
+def trace(
+    scene: Scene | str | os.PathLike,
+    pixel: tuple[int, int],
+    *,
+    sample: int = 0,
+    seed: int = 0,
+) -> Trace:
+    """Follow one sample of one pixel in plain Python.
+
+    Parameters
+    ----------
+    scene : Scene, path or name of a built-in scene
+    pixel : (int, int)
+        x and y on the full film, from the top left.
+    sample : int in [0, 2^31), default 0
+        Which sample of the pixel.
+    seed : int in [0, 2^32), default 0
+        As of the render.
+
+    Returns
+    -------
+    Trace
+        Its `value` is what `alight.render` adds to the film for this sample, within the rounding of
+        float32 (compiled code fuses multiplications and additions).
+
+    Raises
+    ------
+    AlightError
+        For a scene, pixel or number that is wrong.
+    """
+    if not isinstance(scene, Scene):
+        scene = load(scene)
+    x, y = _checked_pixel(pixel, scene.film.size)
+    _whole("sample", sample, 2**31 - 1)
+    _whole("seed", seed, 2**32 - 1)
+    flat = flatten(scene)
+    _check_triangles(flat)
+    compiled = compile_scene(flat, structure="list")
+    observer = Observer(WATCHED, WEIGHTS)
+    kernels = make_kernels(compiled, compiled=False, observe=observer)
+    replicates = flat.film.replicates
+    settings = make_settings(compiled.integrator, seed=seed, replicates=replicates)
+    tile, ranges = Tile(x, y, x + 1, y + 1), np.array([[[sample, 1]]], np.int64)
+    film, rays = render_tile(kernels, compiled, settings, tile, ranges)
+    carry(film.sums)
+    value = to_float(film.sums)[0, 0].sum(axis=0)
+    (finished,) = (event for event in observer.events if event.name == "add_finished")
+    steps = [event for event in observer.events if event.name == "step"]
+    names = _Names(flat)
+    return Trace(
+        scene=str(scene.source.name or "scene"),
+        integrator=flat.integrator.type_name(),
+        sampler=flat.sampler.type_name(),
+        filter=flat.film.filter.type_name(),
+        size=flat.film.size,
+        pixel=(x, y),
+        sample=sample,
+        seed=seed,
+        replicate=sample % replicates,
+        weight=_path_of(steps[0]).beta[0],
+        vertices=tuple(_vertex(event, names) for event in steps),
+        radiance=_path_of(finished).L,
+        value=tuple(value.tolist()),
+        valid=not film.invalid,
+        rays=rays,
+    )
+
+
+class _Names:
+    """What the numbers of a surface are called in the scene."""
+
+    def __init__(self, flat: FlatScene) -> None:
+        self.shapes = [flat.shapes[row.source].name for row in compile_shapes(flat).rows]
+        self.bsdfs = [bsdf.type_name() for bsdf in flat.bsdfs]
+
+
+def _path_of(event: Event) -> Any:
+    """The paths that a kernel was given, whatever its argument is called."""
+    return next(value for value in event.arguments.values() if hasattr(value, "beta"))
+
+
+def _vertex(event: Event, names: _Names) -> Vertex:
+    before, after = _path_of(event), event.result
+    hit = _first(event, "intersect_closest")
+    t = math.inf if hit is None else hit.result.t
+    surface = _first(event, "make_surface") if math.isfinite(t) else None
+    here = None if surface is None else surface.result
+    gathered = np.array(after.L, np.float64) - np.array(before.L, np.float64)
+    return Vertex(
+        depth=after.depth,
+        origin=before.o,
+        direction=before.d,
+        beta=before.beta,
+        pdf=before.pdf,
+        delta=before.delta,
+        t=t,
+        position=None if here is None else here.p,
+        normal=None if here is None else here.ns,
+        shape=None if here is None else names.shapes[here.shape],
+        bsdf=None if here is None else names.bsdfs[here.bsdf],
+        primitive=None if here is None else here.prim,
+        emission=_emission(event),
+        light=_light(event),
+        scattering=_scattering(event) if here is not None else None,
+        contribution=tuple(gathered.tolist()),
+    )
+
+
+def _emission(event: Event) -> Emission | None:
+    for name, density in (("emitted", "light_pdf"), ("environment_radiance", "environment_pdf")):
+        found = _first(event, name)
+        if found is not None:
+            pdf, weight = _first(event, density), _first(event, "bsdf_weight")
+            return Emission(
+                found.result,
+                None if pdf is None else pdf.result,
+                None if weight is None else weight.result,
+            )
+    return None
+
+
+def _light(event: Event) -> LightSample | None:
+    found = _first(event, "sample_light")
+    if found is None or not found.arguments["active"] or not found.result.pdf > 0.0:
+        return None
+    light = found.result
+    later = event.inner[event.inner.index(found) + 1 :]
+    # The BSDF's value for this direction comes before the next direction is chosen.
+    names = [e.name for e in later]
+    end = names.index("sample_bsdf") if "sample_bsdf" in names else len(names)
+    by_name = {e.name: e for e in reversed(later[:end])}
+    bsdf, shadow, weight = (
+        by_name.get(name) for name in ("evaluate_bsdf", "is_occluded", "light_weight")
+    )
+    traced = shadow is not None and shadow.arguments["active"]
+    return LightSample(
+        wi=light.wi,
+        distance=light.distance,
+        radiance=light.radiance,
+        pdf=light.pdf,
+        delta=light.delta,
+        f_cos=None if bsdf is None else bsdf.result[0],
+        bsdf_pdf=None if bsdf is None else bsdf.result[1],
+        visible=not shadow.result if traced and shadow else None,
+        weight=None if weight is None else weight.result,
+    )
+
+
+def _scattering(event: Event) -> Scattering | None:
+    found = _first(event, "sample_bsdf")
+    if found is None:
+        return None
+    wi, weight, pdf, flags = found.result
+    return Scattering(wi, weight, pdf, lobe_name(flags))
+
+
+def lobe_name(flags: int) -> str:
+    """The flags of a sample in words, as "delta reflection"."""
+    names = ((NULL, "null"), (DELTA, "delta"), (REFLECTION, "reflection"))
+    words = [name for flag, name in (*names, (TRANSMISSION, "transmission")) if flags & flag]
+    return " ".join(words)
+
+
+def _first(event: Event, name: str) -> Event | None:
+    return next(iter(event.calls(name)), None)
+
+
+def _checked_pixel(pixel: tuple[int, int], size: tuple[int, int]) -> tuple[int, int]:
+    width, height = size
+    whole = len(pixel) == 2 and all(isinstance(c, int | np.integer) for c in pixel)
+    if not whole or not (0 <= pixel[0] < width and 0 <= pixel[1] < height):
+        shown = ",".join(map(str, pixel))
+        raise OptionError(
+            f"pixel: must be x,y with x in [0, {width - 1}] and y in [0, {height - 1}], got {shown}"
+        )
+    return int(pixel[0]), int(pixel[1])
+
+
+def _whole(name: str, value: Any, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
+        raise OptionError(f"{name}: must be a whole number in [0, {most}], got {value!r}")
+
+
+def _check_triangles(flat: FlatScene) -> None:
+    count = sum(len(flat.geometries[s.geometry].faces) for s in flat.shapes if s.geometry >= 0)
+    if count > MOST_TRIANGLES:
+        raise OptionError(
+            f"trace tests each ray against every triangle: at most {MOST_TRIANGLES}, got {count}"
+        )
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

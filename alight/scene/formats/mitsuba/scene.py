@@ -1,0 +1,159 @@
+"""A scene file of Mitsuba -> a description in the native format, with the place of every value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from alight.core.errors import Issue, join_path, unknown_name
+from alight.scene.build import FORMAT_VERSION
+from alight.scene.formats.mitsuba import bsdfs, emitters, integrators, sensors, shapes, textures
+from alight.scene.formats.mitsuba.context import Context
+from alight.scene.formats.mitsuba.document import Document, read_document
+from alight.scene.formats.mitsuba.elements import Element
+from alight.scene.formats.mitsuba.report import Report
+
+#: Kinds of objects at the top level, in the order in which they are converted.
+TOP = ("sensor", "integrator", "texture", "bsdf", "shape", "emitter")
+
+
+@dataclass
+class Parsed:
+    """What a file says.
+
+    Attributes
+    ----------
+    data : dict
+        Plain data as of a native file.
+    places : dict of str to str
+        Key path -> ``file:line:column``.
+    issues : list of Issue
+        Problems.
+    notes : list of str
+        What plays no part in the picture.
+    warnings : list of str
+        What was replaced or is suspicious.
+    spp : int or None
+        Samples per pixel that the file asks for.
+    """
+
+    data: dict[str, Any]
+    places: dict[str, str] = field(default_factory=dict)
+    issues: list[Issue] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    spp: int | None = None
+
+
+def is_xml(text: str) -> bool:
+    """Whether a text is a file of Mitsuba rather than a native one."""
+    return text.lstrip("\ufeff \t\r\n").startswith("<")
+
+
+def parse(
+    text: str,
+    name: str,
+    folder: Path | None = None,
+    definitions: Mapping[str, str] | None = None,
+    lenient: bool = False,
+) -> Parsed:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    text, name : str
+        Content of the file, and its name for messages.
+    folder : Path, optional
+        Where it lies; files outside are refused. The current folder by default.
+    definitions : mapping of str to str, optional
+        Values of ``$names``.
+    lenient : bool, default False
+        Whether what is not covered is replaced instead of refused.
+
+    Raises
+    ------
+    SceneError
+        If the file is no scene at all.
+    """
+    report = Report(lenient)
+    objects, document = read_document(text, name, folder, definitions or {}, report)
+    context = Context(report, document.reach)
+    _collect_ids(context, objects, document)
+    data, spp = _convert(context, objects)
+    places = context.places | {"": f"{name}:1:1"}
+    return Parsed(data, places, report.issues, report.notes, report.warnings, spp)
+
+
+def _collect_ids(context: Context, objects: list[Element], document: Document) -> None:
+    ids, stack = context.ids, list(reversed(objects))
+    while stack:
+        element = stack.pop()
+        stack.extend(reversed(element.children))
+        name = element.attributes.get("id")
+        if name is None or element.tag == "ref":
+            continue
+        if name in ids:
+            context.report.error(element, f"this id was given before, at {ids[name].place}")
+            # Two objects must not share a name.
+            del element.attributes["id"]
+        else:
+            ids[name] = element
+    for alias in document.aliases:
+        name, new = alias.attributes.get("id", ""), alias.attributes.get("as", "")
+        if name not in ids:
+            context.report.error(alias, unknown_name("id", name, ids, listed_as="ids"))
+        elif not new or new in ids:
+            context.report.error(alias, f'needs a new id in the attribute as, got "{new}"')
+        else:
+            ids[new] = ids[name]
+
+
+def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], int | None]:
+    by_kind: dict[str, list[Element]] = {kind: [] for kind in TOP}
+    for element in objects:
+        if element.tag in by_kind:
+            by_kind[element.tag].append(element)
+        else:
+            text = unknown_name("element", element.tag, TOP, listed_as="covered")
+            context.report.not_covered(element, text, "left out")
+    data: dict[str, Any] = {"alight": FORMAT_VERSION}
+    spp = None
+    for surplus in by_kind["sensor"][1:]:
+        context.report.warn(surplus, "is not used: the picture is that of the first sensor")
+    for sensor in by_kind["sensor"][:1]:
+        spp = sensors.convert(context, sensor, data)
+    for surplus in by_kind["integrator"][1:]:
+        context.report.error(surplus, "a scene has one integrator at most")
+    for integrator in by_kind["integrator"][:1]:
+        data["integrator"] = integrators.convert(context, integrator)
+    for texture in by_kind["texture"]:
+        textures.texture_value(context, texture, "textures")
+    for bsdf in by_kind["bsdf"]:
+        bsdfs.convert(context, bsdf, "bsdfs")
+    nodes = shapes.convert_all(context, by_kind["shape"], "nodes")
+    _emitters(context, by_kind["emitter"], data, nodes)
+    return {**data, **context.tables, "nodes": nodes}, spp
+
+
+def _emitters(
+    context: Context, elements: list[Element], data: dict[str, Any], nodes: dict[str, Any]
+) -> None:
+    around = 0
+    for element in elements:
+        if element.type in emitters.ENVIRONMENTS:
+            around += 1
+            if around > 1:
+                context.report.error(element, "a scene has one emitter around it at most")
+                continue
+        if element.type == "constant":
+            data["environment"] = emitters.constant(context, element)
+        elif element.type in emitters.NODES:
+            name = element.attributes.get("id") or f"{element.type} {len(nodes) + 1}"
+            name = context.name("nodes", name)
+            node = emitters.node_light(context, element, join_path("nodes", name))
+            if node is not None:
+                nodes[name] = node
+        else:
+            emitters.unknown(context, element)

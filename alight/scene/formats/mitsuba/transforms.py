@@ -1,0 +1,141 @@
+"""``<transform>`` -> steps of the native format, in the order of the file.
+
+Mitsuba's cameras and ``lookat`` look along their +z, ours along -z. The two differ by half a turn
+about y, after which x, which points to the left in Mitsuba's pictures, points to the right.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import SceneError, unknown_name
+from alight.scene.formats.mitsuba.elements import Element
+from alight.scene.formats.mitsuba.properties import Properties, coordinates
+from alight.scene.formats.mitsuba.report import Report
+from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number, parse_numbers
+from alight.scene.steps import parse_transform
+
+Step = dict[str, Any]
+
+HALF_TURN: Step = {"rotate": {"axis": "y", "angle": 180.0}}
+MOST_STEPS = 200
+_KINDS = ("translate", "rotate", "scale", "lookat", "matrix")
+# A rotation's axis may be rounded in the file.
+_ROUNDING = 1e-4
+
+
+def steps_of(properties: Properties, name: str = "to_world") -> list[Step]:
+    """Ask an object for a transform.
+
+    Returns
+    -------
+    list of dict
+        As `alight.scene.steps.parse_transform` reads them, without those that are wrong.
+    """
+    element = properties.find(name)
+    report = properties.report
+    if element is None:
+        return []
+    if element.tag != "transform":
+        report.error(element, f"must be given as <transform>, got <{element.tag}>")
+        return []
+    if len(element.children) > MOST_STEPS:
+        report.error(element, f"must have at most {MOST_STEPS} steps, got {len(element.children)}")
+        return []
+    result = []
+    for child in element.children:
+        try:
+            steps = _steps(child, report)
+            _check(steps)
+            result += steps
+        except NotNumbersError as error:
+            report.error(child, str(error))
+        except SceneError as error:
+            report.errors_of(child, error)
+    return result
+
+
+def camera_steps(steps: list[Step]) -> list[Step]:
+    """Turn a camera of Mitsuba around."""
+    return steps[1:] if steps and steps[0] == HALF_TURN else [HALF_TURN, *steps]
+
+
+def matrix_of(steps: list[Step]) -> np.ndarray:
+    """Multiply steps to one matrix, (4, 4) float64."""
+    return parse_transform(steps, lambda issue: None).matrix
+
+
+def is_mirrored(steps: list[Step]) -> bool:
+    """Whether steps turn a right hand into a left one."""
+    return bool(np.linalg.det(matrix_of(steps)[:3, :3]) < 0.0)
+
+
+def _check(steps: list[Step]) -> None:
+    problems = []
+    parse_transform(steps, problems.append)
+    if problems:
+        raise SceneError([problem.under("") for problem in problems])
+
+
+def _steps(element: Element, report: Report) -> list[Step]:
+    kind = element.tag
+    if kind == "translate":
+        return [{"translate": coordinates(element, 0.0)}]
+    if kind == "scale":
+        factors = coordinates(element, 1.0)
+        return [{"scale": factors[0] if len(set(factors)) == 1 else factors}]
+    if kind == "rotate":
+        return [_rotate(element, report)]
+    if kind == "lookat":
+        return [HALF_TURN, {"look_at": _look_at(element)}]
+    if kind == "matrix":
+        return [{"matrix": _matrix(element)}]
+    raise NotNumbersError(unknown_name("transform", kind, _KINDS, listed_as="transforms"))
+
+
+def _rotate(element: Element, report: Report) -> Step:
+    axis = coordinates(element, 0.0)
+    if "angle" not in element:
+        raise NotNumbersError("needs the attribute angle")
+    length = float(np.linalg.norm(axis))
+    if abs(length - 1.0) > _ROUNDING:
+        report.warn(element, f"has an axis of length {length:g}, taken as a direction")
+    return {"rotate": {"axis": axis, "angle": parse_number(element.attributes["angle"])}}
+
+
+def _look_at(element: Element) -> dict[str, list[float]]:
+    points = {}
+    for name in ("origin", "target"):
+        if name not in element:
+            raise NotNumbersError(f"needs the attribute {name}")
+        points[name] = parse_numbers(element.attributes[name], 3)
+    if "up" in element and any(parse_numbers(element.attributes["up"], 3)):
+        points["up"] = parse_numbers(element.attributes["up"], 3)
+        return points
+    # Mitsuba builds a frame around the view here; any that does not depend on rounding will do.
+    points["up"] = _any_up(np.subtract(points["target"], points["origin"]))
+    return points
+
+
+def _any_up(view: np.ndarray) -> list[float]:
+    """Mitsuba's choice without ``up``: the first axis of the frame of Duff et al. 2017."""
+    length = float(np.linalg.norm(view))
+    if length == 0.0:
+        return [0.0, 1.0, 0.0]
+    x, y, z = (float(component) for component in view / length)
+    sign = 1.0 if z >= 0.0 else -1.0
+    a = -1.0 / (sign + z)
+    return [1.0 + sign * x * x * a, sign * x * y * a, -sign * x]
+
+
+def _matrix(element: Element) -> list[list[float]]:
+    if "value" not in element:
+        raise NotNumbersError("needs the attribute value")
+    numbers = np.array(parse_numbers(element.attributes["value"], 9, 16))
+    if numbers.size == 16:
+        return numbers.reshape(4, 4).tolist()
+    result = np.eye(4)
+    result[:3, :3] = numbers.reshape(3, 3)
+    return result.tolist()

@@ -1,0 +1,107 @@
+"""Pictures of descriptions, read from files where the description names one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic_core import PydanticCustomError
+
+from alight.core.errors import Issue, SceneError, quote
+from alight.core.spec import Spec, Texture, invalid, texture_interval
+from alight.outputs.texels import SUFFIXES, read_texels
+from alight.scene.meshes import unreadable
+from alight.textures.images import Image, as_image, holds_image, size_problem
+
+AnySpec = TypeVar("AnySpec", bound=Spec)
+
+
+@dataclass
+class ImageStore:
+    """Reads every picture once.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Where relative names are looked up; the current folder by default.
+    """
+
+    folder: Path | None = None
+    _files: dict[Path, Image | SceneError] = field(default_factory=dict)
+
+    def loaded(self, spec: AnySpec) -> AnySpec:
+        """Put the picture of a file into the place of its name; other descriptions stay.
+
+        Raises
+        ------
+        SceneError
+            If the file is missing or broken; its path is ``file``.
+        """
+        name = getattr(spec, "file", None) if holds_image(spec) else None
+        if name is None:
+            return spec
+        path = (self.folder or Path()) / name
+        if path not in self._files:
+            try:
+                self._files[path] = read_image(path, name)
+            except SceneError as error:
+                self._files[path] = error
+        image = self._files[path]
+        if isinstance(image, SceneError):
+            raise image
+        return spec.replaced(file=None, pixels=image)
+
+    def resolved(self, spec: AnySpec, textures: Mapping[str, Texture]) -> AnySpec:
+        """Put textures into the places of their names, and pictures into those of files."""
+        spec = self.loaded(spec)
+        changes: dict[str, Any] = {}
+        for name, value in spec:
+            if isinstance(value, str | Texture) and texture_interval(type(spec), name):
+                texture = self.loaded(textures[value] if isinstance(value, str) else value)
+                if texture is not value:
+                    changes[name] = texture
+        return spec.replaced(**changes) if changes else spec
+
+
+def read_image(path: Path, name: str = "") -> Image:
+    """Read a picture.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    name : str, optional
+        How messages call it.
+
+    Raises
+    ------
+    SceneError
+        If it is missing, broken, too large, or holds numbers that are no amounts of light.
+    """
+    name = name or str(path)
+    try:
+        texels = read_texels(path, _check_size)
+        # Nobody else has this array: marked so, it is not copied.
+        texels.setflags(write=False)
+        return as_image(texels)
+    except OSError as error:
+        # Decoders report broken files as errors without a number.
+        text = unreadable(path, name, error, SUFFIXES) if error.errno else _broken(name, error)
+    except PydanticCustomError as error:
+        text = f"{quote(name)}: {error.message()}"
+    except ValueError as error:
+        text = _broken(name, error)
+    raise SceneError([Issue("file", text)])
+
+
+def _broken(name: str, error: Exception) -> str:
+    reason = " ".join(str(error).split())[:200]
+    return f"{quote(name)}: {reason or 'is broken'}"
+
+
+def _check_size(width: int, height: int) -> None:
+    problem = size_problem(width, height)
+    if problem:
+        raise invalid(problem)

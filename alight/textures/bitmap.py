@@ -1,0 +1,220 @@
+r"""Bitmap: the texels of a picture, interpolated.
+
+The picture covers the unit square of (s, t), which are the surface's (u, v) after `to_uv`: s runs
+along the rows, **t upwards**, so that (0, 0) is the lower left corner of the picture, as in OBJ
+files. Texel (x, y), y counted downwards from the top, has its centre at
+
+.. math:: s = \frac{x + 1/2}{w}, \qquad t = 1 - \frac{y + 1/2}{h}
+
+Between four centres values are interpolated linearly ("bilinear"), or the texel that (s, t) lies in
+is taken ("nearest"). Outside the square the picture is repeated, mirrored at its edges, or
+continued by the texels of its border; the interpolation at the border reaches over it likewise.
+
+Texels are decoded before they are interpolated: 8 and 16 bits are sRGB, floats are linear, unless
+`color_space` says otherwise ("linear" for what is no colour: roughness, opacity, weights). Alpha is
+ignored. As a reflectance or another share of light the values must not exceed 1, as for numbers.
+
+In memory a texel of 8 bits a channel takes 4 bytes, of 16 bits or float 4 bytes a channel; equal
+pictures are stored once. Mitsuba's `bitmap` is the same, but its t runs downwards.
+
+Source: PBR4 section 10.4 (without filtering); IEC 61966-2-1 for sRGB.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from alight.core.jit import kernel
+from alight.core.simd import (
+    any_lane,
+    bits_float,
+    float_bits,
+    floor,
+    gather,
+    lanes_vec3,
+    maximum,
+    minimum,
+    to_uint,
+    where,
+)
+from alight.core.spec import Texture, Triple, invalid
+from alight.core.vec import Vec3
+from alight.textures.images import Pixels, source_problem
+from alight.textures.uv import IDENTITY, ToUv, lookup_point
+
+
+class Bitmap(Texture):
+    """Picture on a surface.
+
+    Parameters
+    ----------
+    file : str, optional
+        PNG, JPEG, EXR, HDR, PFM or NPY file, relative to the scene file; not with `pixels`.
+    pixels : (h, w) or (h, w, 3) uint8, uint16 or float, optional
+        The picture itself, top row first; in scene files lists, see `alight.textures.images`.
+    color_space : {"auto", "srgb", "linear"}, default "auto"
+        What texels are encoded with; auto: whole numbers sRGB, floats linear.
+    interpolation : {"bilinear", "nearest"}, default "bilinear"
+        Between the centres of texels.
+    wrap : {"repeat", "mirror", "clamp"}, default "repeat"
+        Outside of the picture.
+    to_uv : step or list of steps, default none
+        From the surface's (u, v) to the picture, see `alight.textures.uv`.
+    """
+
+    type: Literal["bitmap"] = "bitmap"
+    file: str | None = None
+    pixels: Pixels | None = None
+    color_space: Literal["auto", "srgb", "linear"] = "auto"
+    interpolation: Literal["bilinear", "nearest"] = "bilinear"
+    wrap: Literal["repeat", "mirror", "clamp"] = "repeat"
+    to_uv: ToUv = IDENTITY
+
+    @model_validator(mode="after")
+    def _has_one_source(self) -> Self:
+        problem = source_problem(self)
+        if problem:
+            raise invalid(problem)
+        return self
+
+    def maximum(self) -> Triple:
+        """Largest value of each channel; 0 as long as the file has not been read."""
+        return (0.0, 0.0, 0.0) if self.pixels is None else self.pixels.maximum(self.color_space)
+
+    def mean(self) -> Triple:
+        """Mean of each channel over the picture; 0 as long as the file has not been read."""
+        return (0.0, 0.0, 0.0) if self.pixels is None else self.pixels.mean(self.color_space)
+
+
+_CORNERS = np.array(
+    [[[255, 0, 0], [0, 255, 0], [40, 40, 200]], [[0, 0, 0], [9, 99, 199], [255] * 3]]
+)
+
+EXAMPLES = (
+    Bitmap(pixels=_CORNERS.astype(np.uint8)),
+    Bitmap(pixels=np.array([[0.25]]), interpolation="nearest", wrap="clamp"),
+    Bitmap(
+        pixels=(257 * _CORNERS).astype(np.uint16),
+        color_space="linear",
+        wrap="mirror",
+        to_uv=[{"scale": [3.0, -0.5]}, {"rotate": 30.0}, {"translate": [0.25, -7.0]}],
+    ),
+    Bitmap(pixels=np.array([[[0.1, 0.2, 0.3], [1.0, 0.0, 0.5]]]), wrap="clamp"),
+)
+
+# size: columns and rows. modes: bilinear or not, and the index of `wrap`. layout: four words, see
+# `alight.compiled.textures.TextureTable.texels`.
+SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4}
+REPEAT, MIRROR, CLAMP = 0.0, 1.0, 2.0
+
+
+def pack(spec: Bitmap, packer) -> None:
+    """Fill the row of one texture."""
+    assert spec.pixels is not None
+    wrap = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}[spec.wrap]
+    packer.numbers("to_uv", *spec.to_uv.matrix.ravel())
+    packer.numbers("size", spec.pixels.width, spec.pixels.height)
+    packer.numbers("modes", float(spec.interpolation == "bilinear"), wrap)
+    packer.texels("layout", spec.pixels, spec.color_space)
+
+
+@kernel
+def _folded(s, wrap):
+    """The coordinate in [0, 1] that shows the same; NaN stays."""
+    # Fractions are taken before sizes multiply them: exact, however far from the square.
+    repeated = s - floor(s)
+    half = 0.5 * s
+    twice = 2.0 * (half - floor(half))
+    mirrored = where(twice > 1.0, 2.0 - twice, twice)
+    clamped = where(s < 0.0, 0.0, where(s > 1.0, 1.0, s))
+    return where(wrap == REPEAT, repeated, where(wrap == MIRROR, mirrored, clamped))
+
+
+@kernel
+def _neighbours(f, size, bilinear, wrap):
+    """Columns left and right of f in [0, 1] (u32), and the weight of the right one."""
+    last = size - 1.0
+    x = where(bilinear, f * size - 0.5, f * size)
+    left = floor(x)
+    weight = where(bilinear, x - left, 0.0)
+    right = left + 1.0
+    # Mirrored and continued pictures show the texel of the border once more.
+    repeats = wrap == REPEAT
+    before = where(repeats, last, 0.0)
+    after = where(repeats, 0.0, last)
+    left = where(left < 0.0, before, minimum(left, last))
+    right = where(right > last, after, right)
+    # maximum(NaN, 0) is 0: indices are valid whatever the coordinates are.
+    return to_uint(maximum(left, 0.0)), to_uint(maximum(right, 0.0)), weight
+
+
+@kernel
+def _between(x, y, a, b, c, d):
+    """Interpolate linearly; where all four are equal the result is the same number."""
+    upper = a + x * (b - a)
+    lower = c + x * (d - c)
+    return upper + y * (lower - upper)
+
+
+@kernel
+def _small(texels, texel, red):
+    """Colour of a word of three bytes; the table of their 256 values begins at `red`."""
+    word = gather(texels, texel)
+    return Vec3(
+        bits_float(gather(texels, red + (word & 255))),
+        bits_float(gather(texels, red + ((word >> 8) & 255))),
+        bits_float(gather(texels, red + ((word >> 16) & 255))),
+    )
+
+
+@kernel
+def _large(texels, texel, step):
+    """Colour of floats `step` words apart: 1, or 0 where they are grey."""
+    return Vec3(
+        bits_float(gather(texels, texel)),
+        bits_float(gather(texels, texel + step)),
+        bits_float(gather(texels, texel + 2 * step)),
+    )
+
+
+@kernel
+def evaluate(scene, base, surface):
+    """The picture's colour at (u, v)."""
+    data, texels = scene.materials.texture_data, scene.materials.texels
+    s, t = lookup_point(data, base, surface)
+    width, height = gather(data, base + 6), gather(data, base + 7)
+    bilinear, wrap = gather(data, base + 8) > 0.0, gather(data, base + 9)
+    x0, x1, x = _neighbours(_folded(s, wrap), width, bilinear, wrap)
+    # t runs upwards, rows run downwards.
+    y0, y1, y = _neighbours(1.0 - _folded(t, wrap), height, bilinear, wrap)
+
+    start, stride = float_bits(gather(data, base + 10)), float_bits(gather(data, base + 11))
+    step, table = float_bits(gather(data, base + 12)), float_bits(gather(data, base + 13))
+    row = to_uint(width)
+    a, b = start + stride * (y0 * row + x0), start + stride * (y0 * row + x1)
+    c, d = start + stride * (y1 * row + x0), start + stride * (y1 * row + x1)
+    small = table != 0
+    value = lanes_vec3(0.0)
+    if any_lane(small):
+        value = _between(
+            x,
+            y,
+            _small(texels, a, table),
+            _small(texels, b, table),
+            _small(texels, c, table),
+            _small(texels, d, table),
+        )
+    if any_lane(~small):
+        large = _between(
+            x,
+            y,
+            _large(texels, a, step),
+            _large(texels, b, step),
+            _large(texels, c, step),
+            _large(texels, d, step),
+        )
+        value = where(small, value, large)
+    return value

@@ -1,0 +1,302 @@
+"""`alight.register`: a user's model is a model like ours."""
+
+import os
+import subprocess
+import sys
+import types
+from typing import Literal
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import alight
+from alight.bsdfs.diffuse import Diffuse
+from alight.cli.main import app
+from alight.core.errors import SceneError
+from alight.core.registration import RegistrationError, unregister
+from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models
+from alight.core.spec import Light, Shape
+from alight.laws.materials import Material, direction, random_numbers
+from alight.scene import content_hash, loads
+from tests.docs.pages import ROOT, blocks
+from tests.extension.models import LAMBERT, SCENE, module_of
+
+LIT = SCENE.replace("%s", "diffuse") + "integrator: %s\n"
+
+
+@pytest.fixture(autouse=True)
+def forget():
+    """No test's models reach another one."""
+    yield
+    for family in FAMILIES:
+        for name in list(REGISTERED[family]):
+            unregister(family, name)
+
+
+def registered(text=LAMBERT):
+    """The script, registered."""
+    return alight.register(module_of(text))
+
+
+def version(name="lambert"):
+    return getattr(Models("bsdfs")[name], VERSION)
+
+
+# ---------------------------------------------------------------- a model like ours
+
+
+def test_a_copy_of_diffuse_renders_the_same_bits_also_after_a_first_render():
+    """Registered after the renderer has been used: nothing was enumerated for good."""
+    expected = alight.render(loads(SCENE % "diffuse"), spp=4)
+    registered()
+    film = alight.render(loads(SCENE % "lambert"), spp=4)
+    assert expected.image.max() > 0.1
+    np.testing.assert_array_equal(film.sums, expected.sums)
+
+
+def headlight(strength):
+    """The integrator of the page, times a constant."""
+    page = ROOT / "docs" / "extending.md"
+    [text] = [text for text in blocks(page, "python") if 'type: Literal["headlight"]' in text]
+    shade = "path.beta * absolute(dot(surface.ns, path.d))"
+    assert shade in text
+    text = text.replace(shade, f"{shade} * STRENGTH")
+    return text.replace("EXAMPLES =", f"STRENGTH = {strength}\nEXAMPLES =")
+
+
+def test_machine_code_of_an_earlier_version_is_not_used_again():
+    """In one process: a constant changes, the functions' names and the program's models do not."""
+    pictures = []
+    for strength in (1.0, 0.5):
+        alight.register(module_of(headlight(strength), "headlight"))
+        pictures.append(alight.render(loads(LIT % "headlight"), spp=1, threads=2).image)
+    assert pictures[0].max() > 0.5
+    np.testing.assert_allclose(pictures[1], 0.5 * pictures[0], rtol=1e-6)
+
+
+def test_fields_of_an_integrator_are_options_of_its_program():
+    text = headlight("1.0").replace(
+        'type: Literal["headlight"] = "headlight"',
+        'type: Literal["headlight"] = "headlight"\n    strength: float = 1.0',
+    )
+    text = text.replace(
+        "def step(program):", "def step(program):\n    gain = program.option('strength')"
+    )
+    alight.register(module_of(text.replace("* STRENGTH", "* gain"), "headlight"))
+    values = []
+    for strength in (1.0, 0.25):
+        scene = loads(LIT % f"{{type: headlight, strength: {strength}}}")
+        values.append(alight.trace(scene, (8, 8)).value[0])
+    assert values[1] == pytest.approx(0.25 * values[0], rel=1e-6) and values[0] > 0.5
+
+
+def test_rows_grow_for_a_model_with_more_slots_than_ours():
+    """The stride is the program's own: the wide model and ours beside it find their numbers."""
+    wide = '**{f"further_{i}": 1 for i in range(60)}'
+    registered(LAMBERT.replace('"reflectance": 3', f'"reflectance": 3, {wide}'))
+    specs = Diffuse(reflectance=0.25), Models("bsdfs")["lambert"].Lambert(reflectance=0.75)
+    material = Material(*specs)
+    assert material.scene.materials.data.size == 2 * 64
+    _, weight, _, _ = material.sample(
+        direction(1.0), random_numbers(2, 0), np.array([0, 1], np.uint32)
+    )
+    np.testing.assert_array_equal(weight[0], np.float32([0.25, 0.75]))
+
+
+def test_scene_files_are_checked_as_for_our_models():
+    registered()
+    with pytest.raises(SceneError, match=r"gloss\n.*must be in \[0, 1\], got 2"):
+        loads(SCENE.replace("%s,", "lambert, gloss: 2,"))
+    with pytest.raises(SceneError, match='unknown bsdf "lambrt"; did you mean "lambert"'):
+        loads(SCENE % "lambrt")
+
+
+def test_namespaces_and_names_of_modules_are_models_too():
+    module = module_of(LAMBERT)
+    alight.register("users_lambert")
+    first = version()
+    names = ("EXAMPLES", "SLOTS", "pack", "load", "evaluate", "sample", "albedo")
+    declared = ("is_lossless", "is_reciprocal")
+    space = types.SimpleNamespace(**{n: getattr(module, n) for n in (*names, *declared)})
+    assert alight.register(space) is space
+    assert version() == first
+    with pytest.raises(RegistrationError, match='no module "users_lambrt" is imported'):
+        alight.register("users_lambrt")
+
+
+def test_registering_takes_a_copy():
+    """What the script changes afterwards has no effect until it registers again."""
+    module = registered()
+    module.STRENGTH = 0.5
+    spec = module.Lambert(reflectance=1.0)
+    weight = Material(spec).sample(direction(1.0), random_numbers(1, 0))[1]
+    np.testing.assert_array_equal(weight, 1.0)
+    alight.register(module)
+    weight = Material(spec).sample(direction(1.0), random_numbers(1, 0))[1]
+    np.testing.assert_array_equal(weight, 0.5)
+
+
+# ---------------------------------------------------------------- versions
+
+EDITS = {
+    "constant": ("STRENGTH = 1.0", "STRENGTH = 0.9"),
+    "operation": ("INV_PI * wi.z", "INV_PI + wi.z"),
+    "literal": ("wi.z, 0.0)", "wi.z, 0.5)"),
+    "callee": ("_, pdf = evaluate(params, wo, wi)", "_, pdf = evaluate(params, wi, wo)"),
+    "slots": ('"reflectance": 3', '"reflectance": 3, "more": 1'),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS.values(), ids=EDITS)
+def test_what_kernels_are_made_from_is_in_the_version_and_in_the_content_hash(edit):
+    registered()
+    scene = loads(SCENE % "lambert")
+    before, content = version(), content_hash(scene)
+    assert edit[0] in LAMBERT
+    registered(LAMBERT.replace(*edit))
+    assert version() != before
+    assert content_hash(loads(SCENE % "lambert")) != content
+
+
+def test_comments_and_registering_again_leave_the_version():
+    registered()
+    before = version()
+    registered("# A comment.\n" + LAMBERT)
+    assert version() == before
+
+
+def test_closures_are_in_the_version():
+    text = (
+        LAMBERT
+        + """
+def make(factor):
+    @kernel
+    def scaled(params):
+        return params.reflectance * factor
+    return scaled
+albedo = make(FACTOR)
+"""
+    )
+    registered(text.replace("FACTOR", "1.0"))
+    before = version()
+    registered(text.replace("FACTOR", "0.5"))
+    assert version() != before
+
+
+PLUGIN_RENDER = """
+import my_headlight, alight
+from alight.scene import loads
+print(alight.render(loads({scene!r}), spp=2, threads=2).image.max())
+"""
+
+
+def test_an_edited_script_is_compiled_anew_and_an_unchanged_one_is_not(tmp_path):
+    """In fresh processes, from the same disk cache."""
+    script = tmp_path / "my_headlight.py"
+    environment = {**os.environ, "ALIGHT_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT)}
+
+    def run(strength):
+        script.write_text(headlight(strength) + "\nimport alight\nalight.register(__name__)\n")
+        code = PLUGIN_RENDER.format(scene=LIT % "headlight")
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", code], cwd=tmp_path, env=environment,
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return float(done.stdout), len(list((tmp_path / "cache").rglob("*.nbc")))
+
+    first, kernels = run(1.0)
+    assert run(1.0) == (first, kernels)
+    half, more = run(0.5)
+    assert half == pytest.approx(0.5 * first, rel=1e-5) and more > kernels
+
+
+# ---------------------------------------------------------------- messages
+
+
+def test_all_that_is_wrong_is_said_at_once():
+    text = LAMBERT.replace("def albedo(", "def albdo(").replace("@kernel\ndef load", "def load")
+    text = text.replace("def sample(params, wo, u, u2)", "def sample(params, wo, u)")
+    with pytest.raises(RegistrationError) as caught:
+        registered(text)
+    message = str(caught.value)
+    assert 'users_lambert: bsdf "lambert" cannot be registered' in message
+    assert "albedo(params) is missing; is it albdo?  (see alight/bsdfs/diffuse.py)" in message
+    assert "load must be a function marked with @kernel" in message
+    assert "sample must take (params, wo, u, u2), takes (params, wo, u)" in message
+
+
+def test_examples_are_needed():
+    with pytest.raises(RegistrationError, match=r"EXAMPLES is missing: .* \(Lambert\(\),\)"):
+        registered(LAMBERT.replace("EXAMPLES = (Lambert(), Lambert(reflectance=1.0))", ""))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"lambert"', '"diffuse"', "diffuse is a name of alight's own: choose another one"),
+        ('"lambert"', '"My Lambert"', 'must be of the form my_name, got "My Lambert"'),
+        ('"reflectance": 3', '"reflectance": "x"', "SLOTS must map names to how many numbers"),
+        ("Lambert(reflectance=1.0))", "*[Lambert()] * 6)", "must be 1 to 6 descriptions, got 7"),
+    ],
+)
+def test_names_slots_and_examples_are_checked(old, new, message):
+    assert old in LAMBERT
+    with pytest.raises(RegistrationError) as caught:
+        registered(LAMBERT.replace(old, new))
+    assert message in str(caught.value)
+
+
+def test_families_that_are_closed_say_so():
+    class Blob(Shape):
+        type: Literal["blob"] = "blob"
+
+    class Glow(Light):
+        type: Literal["glow"] = "glow"
+
+    with pytest.raises(RegistrationError, match='of the family "shapes"; models of these can'):
+        alight.register(types.SimpleNamespace(EXAMPLES=(Blob(),)))
+    point = vars(Models("lights")["point"])
+    space = {**point, "EXAMPLES": (Glow(),), "DELTA": False}
+    with pytest.raises(RegistrationError, match="rays must not hit a registered light"):
+        alight.register(types.SimpleNamespace(**space))
+    with pytest.raises(RegistrationError, match="a model is a module, a class or a namespace"):
+        alight.register(3.0)
+
+
+# ---------------------------------------------------------------- the command line
+
+
+def invoke(*words):
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def test_plugins_of_the_command_line(tmp_path):
+    script, scene = tmp_path / "my_model.py", tmp_path / "scene.yaml"
+    script.write_text(LAMBERT + "\nimport alight\nalight.register(__name__)\n")
+    scene.write_text(SCENE % "lambert")
+    done = invoke("trace", scene, "--plugin", script, "--pixel", "8,5")
+    assert done.exit_code == 0, done.output
+    assert "lambert" in done.output
+    unregister("bsdfs", "lambert")
+    done = invoke("trace", scene, "--pixel", "8,5")
+    assert done.exit_code == 2 and 'unknown bsdf "lambert"' in done.output
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "there is no file"),
+        ("x = 1\n", "registers nothing; end it with alight.register(__name__)"),
+        ("x = 1\ny = 1 / 0\n", "my_model.py:2: ZeroDivisionError: division by zero"),
+        ("x = = 1\n", "my_model.py:1: SyntaxError"),
+        ("import alight\nalight.register(__name__)\n", "EXAMPLES is missing"),
+    ],
+)
+def test_wrong_plugins_get_a_message(tmp_path, text, message):
+    script = tmp_path / "my_model.py"
+    if text is not None:
+        script.write_text(text)
+    done = invoke("trace", "cornell-box", "--plugin", script, "--pixel", "1,1")
+    assert done.exit_code == 2 and message in done.output, done.output

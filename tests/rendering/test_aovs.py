@@ -1,0 +1,153 @@
+"""Layers for denoisers: albedo and normal through mirrors and glass, against closed forms."""
+
+import numpy as np
+
+import alight
+from alight.compiled.scene import compile_scene
+from alight.films import FIRST_SAMPLE_LAYERS, fixed_point
+from alight.integrators.aov import LAYERS, MOST_BOUNCES
+from alight.integrators.walk import make_settings
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.scene import flatten
+from alight.scene.files import loads
+
+HEAD = """
+alight: 1
+film: {size: [8, 8]}
+sampler: independent
+integrator: ambient_occlusion
+camera: {type: orthographic, height: 1, transform: {translate: [0, 0, 5]}}
+bsdfs:
+  red: {type: diffuse, reflectance: [0.8, 0.2, 0.1]}
+  blue: {type: diffuse, reflectance: [0.1, 0.2, 0.9]}
+"""
+
+#: A mirror turned by 45 degrees sends the camera's rays along +x, onto a red wall.
+MIRROR = (
+    HEAD
+    + """
+nodes:
+  mirror:
+    shape: rectangle
+    bsdf: {type: mirror, reflectance: [0.9, 0.6, 0.5]}
+    transform: [{scale: 3}, {rotate: {axis: y, angle: 45}}]
+  wall:
+    shape: plane
+    bsdf: red
+    transform: [{rotate: {axis: y, angle: -90}}, {translate: [4, 0, 0]}]
+"""
+)
+
+#: Water over a red ground, seen from straight above; a blue ceiling is what it mirrors.
+ETA = 1.333
+WATER = (
+    HEAD
+    + f"""
+nodes:
+  water: {{shape: plane, bsdf: {{type: dielectric, int_ior: {ETA}, ext_ior: 1}}}}
+  ground: {{shape: plane, bsdf: red, transform: {{translate: [0, 0, -1]}}}}
+  ceiling:
+    shape: plane
+    bsdf: blue
+    transform: [{{rotate: {{axis: x, angle: 180}}}}, {{translate: [0, 0, 9]}}]
+"""
+)
+
+#: A closed corridor: two mirrors face each other for ever.
+CORRIDOR = (
+    HEAD
+    + """
+nodes:
+  far: {shape: plane, bsdf: {type: mirror, reflectance: 0.5}}
+  near:
+    shape: plane
+    bsdf: {type: mirror, reflectance: 0.5}
+    transform: [{rotate: {axis: x, angle: 180}}, {translate: [0, 0, 9]}]
+"""
+)
+
+BLEND = (
+    HEAD
+    + """
+nodes:
+  ground:
+    shape: plane
+    bsdf: {type: blend, weight: 0.25, bsdfs: [{type: diffuse, reflectance: 0.4}, {type: mirror}]}
+  ceiling:
+    shape: plane
+    bsdf: blue
+    transform: [{rotate: {axis: x, angle: 180}}, {translate: [0, 0, 9]}]
+"""
+)
+
+
+def layers(text, *names, spp=4, compiled=False):
+    """Means (8, 8, channels) of layers by the NumPy twin."""
+    scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list", aovs=names)
+    settings = make_settings(scene.integrator, seed=1, replicates=4)
+    kernels = make_kernels(scene, compiled=compiled)
+    ranges = np.array([[[0, spp]]], np.int64)
+    film, _ = render_tile(kernels, scene, settings, Tile(0, 0, 8, 8), ranges)
+    found = []
+    for name in names:
+        sums = film.aovs[name].copy()
+        fixed_point.carry(sums)
+        found.append(fixed_point.to_float(sums) / spp)
+    return found
+
+
+def test_a_mirror_shows_what_it_mirrors_times_its_colour():
+    names = ("albedo", "normal", "albedo_through", "normal_through")
+    albedo, normal, seen, seen_normal = layers(MIRROR, *names)
+    np.testing.assert_allclose(albedo, np.broadcast_to([0.9, 0.6, 0.5], albedo.shape), rtol=1e-6)
+    half = np.sqrt(0.5)
+    np.testing.assert_allclose(normal, np.broadcast_to([half, 0, half], normal.shape), atol=1e-6)
+    expected = np.array([0.9, 0.6, 0.5]) * [0.8, 0.2, 0.1]
+    np.testing.assert_allclose(seen, np.broadcast_to(expected, seen.shape), rtol=1e-6)
+    # Of the wall in the world, not mirrored back, and not dimmed by the mirror.
+    np.testing.assert_allclose(seen_normal, np.broadcast_to([-1, 0, 0], normal.shape), atol=1e-6)
+
+
+def test_glass_shows_fresnels_blend_of_what_it_reflects_and_refracts():
+    spp = 256
+    albedo, normal = layers(WATER, "albedo_through", "normal_through", spp=spp)
+    fresnel = ((ETA - 1) / (ETA + 1)) ** 2
+    red, blue = np.array([0.8, 0.2, 0.1]), np.array([0.1, 0.2, 0.9])
+    # Radiance that has come out of the water is 1 / eta^2 of that below.
+    expected = fresnel * blue + (1 - fresnel) * red / ETA**2
+    deviation = np.sqrt(fresnel * (1 - fresnel) / (64 * spp))
+    z = (albedo.mean(axis=(0, 1)) - expected) / (deviation * np.abs(blue - red / ETA**2))
+    assert np.abs(z).max() < 4.0
+    share = 0.5 * (1.0 - normal.mean(axis=(0, 1))[2])
+    assert abs(share - fresnel) < 4.0 * deviation
+
+
+def test_mirrors_without_end_stop_after_the_stated_number_of_bounces():
+    (albedo,) = layers(CORRIDOR, "albedo_through")
+    np.testing.assert_allclose(albedo, 0.5 ** (MOST_BOUNCES + 1), rtol=1e-6)
+
+
+def test_of_a_blend_with_a_mirror_each_part_counts_once():
+    spp = 256
+    (albedo,) = layers(BLEND, "albedo_through", spp=spp)
+    expected = 0.75 * 0.4 + 0.25 * np.array([0.1, 0.2, 0.9])
+    error = np.sqrt(0.25 * 0.75 / (64 * spp)) * np.abs([0.1 - 0.4, 0.2 - 0.4, 0.9 - 0.4])
+    assert np.all(np.abs(albedo.mean(axis=(0, 1)) - expected) < 4.0 * error + 1e-6)
+
+
+def test_without_delta_lobes_both_kinds_of_layers_are_the_same():
+    text = HEAD + "nodes: {ground: {shape: plane, bsdf: red}}\n"
+    names = ("albedo", "normal", "albedo_through", "normal_through")
+    first, normal, through, seen = layers(text, *names)
+    np.testing.assert_array_equal(first, through)
+    np.testing.assert_array_equal(normal, seen)
+
+
+def test_compiled_layers_are_the_twins():
+    film = alight.render(loads(WATER, "scene.yaml"), spp=4, seed=1, aovs=tuple(LAYERS))
+    for name, expected in zip(LAYERS, layers(WATER, *LAYERS), strict=True):
+        found = film.aov(name)
+        assert found.shape == (8, 8, len(LAYERS[name]))
+        if name not in FIRST_SAMPLE_LAYERS:
+            np.testing.assert_allclose(found, expected, atol=1e-5)
