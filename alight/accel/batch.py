@@ -8,39 +8,86 @@ from functools import lru_cache
 
 import numpy as np
 
+from alight.accel import turns
 from alight.accel.build import build_bvh
 from alight.accel.layout import Bvh
-from alight.accel.single import NONE
-from alight.accel.traversal import any_triangle, closest_triangle
+from alight.accel.single import NONE, is_traceable
+from alight.accel.traversal import any_of_triangles, closest_of_triangles
+from alight.accel.turns import MOST
 from alight.core.constants import INFINITY
 from alight.core.jit import instantiate, kernel
-from alight.core.simd import as_float, as_uint, bits_float, where
+from alight.core.simd import (
+    LANES,
+    as_float,
+    as_int,
+    as_uint,
+    bits_float,
+    gather,
+    lane_index,
+    lanes,
+    lanes_u32,
+    local_floats,
+    local_uints,
+    mask_bits,
+    maximum,
+    minimum_u32,
+    store_lanes,
+    where,
+)
 from alight.core.vec import Vec3
 from alight.core.view import View
 
 _CHUNK = 16384
 
 
+closest_of_rays = turns.write_closest(closest_of_triangles)
+any_of_rays = turns.write_any(any_of_triangles)
+
+
+@kernel(strict=True)
+def packet(origins, directions, t_max, begin, end):
+    """Rays begin, begin + 1, ...: (origins, directions, largest t, bits of the lanes in use)."""
+    lane = begin + lane_index()
+    i = minimum_u32(lane, end - 1)
+    o = Vec3(gather(origins, 3 * i), gather(origins, 3 * i + 1), gather(origins, 3 * i + 2))
+    d = Vec3(
+        gather(directions, 3 * i), gather(directions, 3 * i + 1), gather(directions, 3 * i + 2)
+    )
+    t = gather(t_max, i)
+    return o, d, t, mask_bits((lane < end) & is_traceable(o, d, t))
+
+
 @kernel(strict=True)
 def intersect_range(bvh, origins, directions, t_max, results, begin, end):
     """Rays begin to end; results: 4 floats a ray: t, index (bits), u, v."""
-    for i in range(begin, end):
-        o = Vec3(origins[3 * i], origins[3 * i + 1], origins[3 * i + 2])
-        d = Vec3(directions[3 * i], directions[3 * i + 1], directions[3 * i + 2])
-        hit = closest_triangle(bvh, bvh.blocks, o, d, t_max[i], 0)
-        found = hit.index != NONE
-        results[4 * i] = where(found, hit.t, as_float(0) + INFINITY)
-        results[4 * i + 1] = bits_float(as_uint(where(found, hit.index, -1)))
-        results[4 * i + 2], results[4 * i + 3] = hit.u, hit.v
+    ts, us, vs = local_floats(MOST), local_floats(MOST), local_floats(MOST)
+    indices, faces = local_uints(MOST), local_uints(MOST)
+    for first in range(begin, end, LANES):
+        o, d, t, bits = packet(origins, directions, t_max, first, end)
+        store_lanes(ts, 0, t)
+        store_lanes(us, 0, lanes(0.0))
+        store_lanes(vs, 0, lanes(0.0))
+        store_lanes(indices, 0, lanes_u32(NONE))
+        store_lanes(faces, 0, lanes_u32(0))
+        closest_of_rays(bvh, bvh.blocks, o, d, bits, ts, us, vs, indices, faces)
+        for j in range(min(LANES, end - first)):
+            at, found = 4 * (first + j), indices[j] != NONE
+            results[at] = where(found, ts[j], as_float(0) + INFINITY)
+            results[at + 1] = bits_float(as_uint(where(found, as_int(indices[j]), -1)))
+            results[at + 2], results[at + 3] = us[j], vs[j]
 
 
 @kernel(strict=True)
 def occluded_range(bvh, origins, directions, t_max, results, begin, end):
     """Rays begin to end; results: 1 where something is met."""
-    for i in range(begin, end):
-        o = Vec3(origins[3 * i], origins[3 * i + 1], origins[3 * i + 2])
-        d = Vec3(directions[3 * i], directions[3 * i + 1], directions[3 * i + 2])
-        results[i] = as_float(where(any_triangle(bvh, bvh.blocks, o, d, t_max[i], 0), 1, 0))
+    ends = local_floats(MOST)
+    for first in range(begin, end, LANES):
+        o, d, t, bits = packet(origins, directions, t_max, first, end)
+        # Rays that meet nothing for lack of a direction keep an end that is not negative.
+        store_lanes(ends, 0, maximum(t, 0.0))
+        any_of_rays(bvh, bvh.blocks, o, d, bits, ends)
+        for j in range(min(LANES, end - first)):
+            results[first + j] = as_float(where(ends[j] < 0.0, 1, 0))
 
 
 @lru_cache(maxsize=2)

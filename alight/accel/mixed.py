@@ -13,7 +13,7 @@ from functools import lru_cache
 
 from alight.accel.layout import BLOCK, IDS, KINDS, OTHER, WIDTH
 from alight.accel.single import NONE, SingleHit, closest_of_block, meet_triangles
-from alight.accel.traversal import any_triangle, closest_triangle, write_any, write_closest
+from alight.accel.traversal import any_triangle, closest_triangle
 from alight.core.jit import kernel
 from alight.core.simd import as_int, float_bits, lanes, mask_bits
 from alight.core.vec import Vec3
@@ -82,7 +82,7 @@ def meet_instance(tree, data, at, index, o, d, t_max):
         to_object(tree.blocks, at + 2, o, 1.0),
         to_object(tree.blocks, at + 2, d, 0.0),
     )
-    hit = closest_triangle(tree, data, origin, direction, t_max, root)
+    hit = closest_triangle(tree, origin, direction, t_max, root)
     found = index if hit.index != NONE else NONE
     return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
 
@@ -95,7 +95,7 @@ def instance_is_met(tree, data, at, index, o, d, t_max):
         to_object(tree.blocks, at + 2, o, 1.0),
         to_object(tree.blocks, at + 2, d, 0.0),
     )
-    return any_triangle(tree, data, origin, direction, t_max, root)
+    return any_triangle(tree, origin, direction, t_max, root)
 
 
 @kernel(strict=True)
@@ -135,8 +135,8 @@ def _write_meet_any_shape(intersect: Callable) -> Callable:
 
 
 @lru_cache(maxsize=64)
-def write_mixed(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
-    """The traversals (closest, any) of a tree that holds triangles and the given `KINDS`."""
+def write_leaves(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
+    """Visits (closest, any) to leaves that hold triangles and the given `KINDS`."""
     meet_other, block_other = nothing_is_met, nothing_is_in_the_way
     for kind in kinds:
         if kind == "instance":
@@ -180,4 +180,4 @@ def write_mixed(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
             at += BLOCK
         return False
 
-    return write_closest(closest_of_leaf), write_any(any_of_leaf)
+    return closest_of_leaf, any_of_leaf

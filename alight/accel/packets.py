@@ -1,7 +1,7 @@
 """What integrators call: packets of rays against a whole scene.
 
-A packet first meets the flat lists, then the box of the tree; the lanes that enter it go down one
-by one, each on 8 boxes at a time.
+A packet first meets the flat lists, then the box of the tree; the lanes that enter it go down by
+turns, each on 8 boxes at a time.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
+from alight.accel import turns
 from alight.accel.layout import KINDS
 from alight.accel.lists import (
     NOTHING,
@@ -17,13 +18,13 @@ from alight.accel.lists import (
     occlude_by_nothing,
     write_lists,
 )
-from alight.accel.mixed import write_mixed
+from alight.accel.mixed import write_leaves
 from alight.accel.single import NONE, STRETCH, is_traceable, safe_reciprocal
-from alight.accel.traversal import any_triangle, closest_triangle
+from alight.accel.traversal import any_of_triangles, closest_of_triangles
+from alight.accel.turns import MOST
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
-    as_uint,
     gather,
     lanes,
     lanes_u32,
@@ -34,15 +35,10 @@ from alight.core.simd import (
     maximum,
     minimum,
     store_lanes,
-    trailing_zeros,
     where,
 )
 from alight.core.vec import Vec3
 from alight.shapes.hit import Hit
-
-#: Most lanes that a packet can have, and room for six numbers a lane.
-_MOST = 16
-_RAYS = 6 * _MOST
 
 
 @kernel(strict=True)
@@ -63,29 +59,6 @@ def enters_box(box, o, d, t_max):
 
 
 @kernel(strict=True)
-def spill(rays, o, d):
-    """Write a packet's rays to memory: x, y, z of the origins, then of the directions."""
-    store_lanes(rays, 0, o.x)
-    store_lanes(rays, _MOST, o.y)
-    store_lanes(rays, 2 * _MOST, o.z)
-    store_lanes(rays, 3 * _MOST, d.x)
-    store_lanes(rays, 4 * _MOST, d.y)
-    store_lanes(rays, 5 * _MOST, d.z)
-
-
-@kernel(strict=True)
-def origin_of(rays, i):
-    """Origin of lane i."""
-    return Vec3(rays[i], rays[_MOST + i], rays[2 * _MOST + i])
-
-
-@kernel(strict=True)
-def direction_of(rays, i):
-    """Direction of lane i."""
-    return Vec3(rays[3 * _MOST + i], rays[4 * _MOST + i], rays[5 * _MOST + i])
-
-
-@kernel(strict=True)
 def wins(a, b):
     """True if the first of two hits is nearer or, at the same t, has the lower (shape, prim)."""
     earlier = (a.shape < b.shape) | ((a.shape == b.shape) & (a.prim < b.prim))
@@ -93,38 +66,32 @@ def wins(a, b):
 
 
 def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
-    """Kernels that send the lanes of a packet through the tree one by one."""
-    closest_one, any_one = write_mixed(kinds) if kinds else (closest_triangle, any_triangle)
+    """Kernels that send the lanes of a packet through the tree."""
+    leaf, any_leaf = write_leaves(kinds) if kinds else (closest_of_triangles, any_of_triangles)
+    closest_of_rays, any_of_rays = turns.write_closest(leaf), turns.write_any(any_leaf)
 
     @kernel(strict=True)
     def closest(accel, data, o, d, best):
         bits = mask_bits(enters_box(accel.box, o, d, best.t))
         if bits == 0:
             return best
-        rays = local_floats(_RAYS)
-        found_t, found_u, found_v = local_floats(_MOST), local_floats(_MOST), local_floats(_MOST)
-        indices, faces = local_uints(_MOST), local_uints(_MOST)
-        spill(rays, o, d)
-        store_lanes(found_t, 0, best.t)
+        ts, us, vs = local_floats(MOST), local_floats(MOST), local_floats(MOST)
+        indices, faces = local_uints(MOST), local_uints(MOST)
+        store_lanes(ts, 0, best.t)
+        store_lanes(us, 0, best.u)
+        store_lanes(vs, 0, best.v)
         store_lanes(indices, 0, lanes_u32(NONE))
-        while bits != 0:
-            i = trailing_zeros(bits)
-            bits &= bits - 1
-            hit = closest_one(
-                accel.tree, data, origin_of(rays, i), direction_of(rays, i), found_t[i], 0
-            )
-            if hit.index != NONE:
-                found_t[i], found_u[i], found_v[i] = hit.t, hit.u, hit.v
-                indices[i], faces[i] = as_uint(hit.index), as_uint(hit.face)
+        store_lanes(faces, 0, lanes_u32(0))
+        closest_of_rays(accel.tree, data, o, d, bits, ts, us, vs, indices, faces)
         # What was hit is looked up for all lanes at once: they wait for memory together.
-        index, t = load_lanes(indices, 0), load_lanes(found_t, 0)
+        index, t = load_lanes(indices, 0), load_lanes(ts, 0)
         # Triangles whose area underflows are "met" at infinity.
         met = (index != NONE) & (t < INFINITY)
         at = 2 * where(met, index, 0)
         found = Hit(
             t,
-            load_lanes(found_u, 0),
-            load_lanes(found_v, 0),
+            load_lanes(us, 0),
+            load_lanes(vs, 0),
             gather(accel.tree.ids, at),
             gather(accel.tree.ids, at + 1) + load_lanes(faces, 0),
         )
@@ -135,14 +102,9 @@ def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
         bits = mask_bits(enters_box(accel.box, o, d, t_max))
         if bits == 0:
             return t_max
-        rays, ends = local_floats(_RAYS), local_floats(_MOST)
-        spill(rays, o, d)
+        ends = local_floats(MOST)
         store_lanes(ends, 0, t_max)
-        while bits != 0:
-            i = trailing_zeros(bits)
-            bits &= bits - 1
-            if any_one(accel.tree, data, origin_of(rays, i), direction_of(rays, i), ends[i], 0):
-                ends[i] = -1.0
+        any_of_rays(accel.tree, data, o, d, bits, ends)
         return load_lanes(ends, 0)
 
     return closest, occlude

@@ -98,16 +98,17 @@ def sheared_hit(a, b, c, shear):
     inside : bool
         True where the ray's line meets the triangle. The caller compares t, which rejects NaN.
     """
-    ax, ay = a.x - shear.sx * a.z, a.y - shear.sy * a.z
-    bx, by = b.x - shear.sx * b.z, b.y - shear.sy * b.z
-    cx, cy = c.x - shear.sx * c.z, c.y - shear.sy * c.z
+    # Fused: fewer instructions, and one rounding less for the corners.
+    ax, ay = fma(-shear.sx, a.z, a.x), fma(-shear.sy, a.z, a.y)
+    bx, by = fma(-shear.sx, b.z, b.x), fma(-shear.sy, b.z, b.y)
+    cx, cy = fma(-shear.sx, c.z, c.x), fma(-shear.sy, c.z, c.y)
     wa = difference_of_products(cx, by, cy, bx)
     wb = difference_of_products(ax, cy, ay, cx)
     wc = difference_of_products(bx, ay, by, ax)
     inside = (minimum(minimum(wa, wb), wc) >= 0.0) | (maximum(maximum(wa, wb), wc) <= 0.0)
     reciprocal = 1.0 / (wa + wb + wc)
     u, v = wb * reciprocal, wc * reciprocal
-    t = (a.z + u * (b.z - a.z) + v * (c.z - a.z)) * shear.sz
+    t = fma(v, c.z - a.z, fma(u, b.z - a.z, a.z)) * shear.sz
     return t, u, v, inside
 
 
