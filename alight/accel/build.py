@@ -8,6 +8,7 @@ only, so the tree is the same for any number of threads.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections import namedtuple
 from collections.abc import Callable, Iterable
@@ -153,7 +154,6 @@ class _Builder:
             View(aligned_zeros(n, 8)),
             View(aligned_zeros(n, 8)),
             View(np.zeros(n, np.uint32)),
-            View(aligned_zeros(n // 2 + 2 * 8**TOP_LEVELS + 2, NODE)),
         )
         # Room for every set at the top: nodes of TOP_LEVELS levels with 8 children each.
         room = sum(8**level for level in range(TOP_LEVELS + 1))
@@ -326,30 +326,39 @@ class _Builder:
             records.array[16 * k : 16 * k + 16] = self.records.array[16 * record : 16 * record + 16]
             ranges.array[3 * k : 3 * k + 3] = self.ranges.array[3 * record : 3 * record + 3]
         # A subtree over n primitives has at most n / 2 + 1 nodes: a node without 8 children has
-        # leaves only, and holds more than WIDTH primitives unless it is the root. Counted along
-        # the references, so that no two subtrees write to the same place.
-        begins = ranges.array[::3]
-        place = np.argsort(np.argsort(begins))
-        self.first = (begins // 2 + 2 * place).tolist()
+        # leaves only, and holds more than WIDTH primitives unless it is the root. Most have far
+        # fewer, so each thread has room for the worst and what is used is kept.
+        room = max(self._size(record) for record, _ in tasks) // 2 + 2
+        local = threading.local()
+        self.built = [View(np.zeros(0, np.float32))] * len(tasks)
 
         def build_one(k: int) -> None:
+            if not hasattr(local, "nodes"):
+                local.nodes = View(aligned_zeros(room, NODE))
             self.compiled.subtree(
                 self.work,
+                local.nodes,
                 records,
                 ranges,
                 k,
-                self.first[k],
                 tasks[k][1],
                 self.method,
                 self.triangles,
                 totals,
             )
+            count = int(totals.array[4 * k])
+            kept = aligned_zeros(count, NODE)
+            kept[:] = local.nodes.array.reshape(-1, NODE)[:count]
+            self.built[k] = View(kept)
 
         self.pool.run(build_one, sorted(range(len(tasks)), key=lambda k: -self._size(tasks[k][0])))
         return totals.array.reshape(-1, 4)
 
     def _pack(self, top_nodes, tasks, totals) -> tuple[Bvh, dict]:
         """The final arrays: top nodes, then the subtrees one after another."""
+        # The references have done their work; their memory is as much as the final arrays'.
+        order = self.work.order
+        del self.work
         node_at = len(top_nodes) + np.concatenate([[0], np.cumsum(totals[:, 0])])
         block_at = np.concatenate([[0], np.cumsum(totals[:, 1])])
         bvh = Bvh(
@@ -367,8 +376,8 @@ class _Builder:
 
         def pack_one(k: int) -> None:
             self.compiled.pack(
-                self.work,
-                self.first[k],
+                order,
+                self.built[k],
                 int(totals[k, 0]),
                 bvh.nodes,
                 int(node_at[k]),

@@ -44,9 +44,8 @@ SAH, MEDIAN = 0, 1
 #: left: references in it; cost: of both sides, relative to the box before the split.
 Split = namedtuple("Split", "axis split left cost")
 
-#: Views. a, b: buffers of references; order (u32): primitives in the order of the leaves; nodes: as
-#: in `layout`, but with places in `order` instead of blocks.
-Workspace = namedtuple("Workspace", "a b order nodes")
+#: Views. a, b: buffers of references; order (u32): primitives in the order of the leaves.
+Workspace = namedtuple("Workspace", "a b order")
 
 
 @kernel(strict=True)

@@ -149,16 +149,16 @@ def list_primitives(work, ranges, i, triangles):
 
 
 @kernel(strict=True)
-def build_subtree(work, task_records, task_ranges, task, first, depth, method, triangles, totals):
+def build_subtree(work, nodes, task_records, task_ranges, task, depth, method, triangles, totals):
     """Build the tree over one record.
 
     Parameters
     ----------
     work : Workspace
+    nodes : View of float32
+        Its nodes are written here: as in `layout`, with places in ``work.order`` for blocks.
     task_records, task_ranges : Views
         Records (float32) and their ranges (int64); `task` is the one to build.
-    first : int
-        Its nodes are written to ``work.nodes`` from this number on.
     depth : int
         Levels above this subtree.
     method : int
@@ -172,7 +172,7 @@ def build_subtree(work, task_records, task_ranges, task, first, depth, method, t
     stacked, stacked_ranges = local_floats(_STACKED), local_longs(_STACKED_RANGES)
     places, levels = local_longs(STACK), local_longs(STACK)
     table, counts = local_floats(_TABLE), local_longs(_COUNTS)
-    nodes, blocks, leaves, deepest = 1, 0, 0, 0
+    used, blocks, leaves, deepest = 1, 0, 0, 0
     copy_record(task_records, task_ranges, task, stacked, stacked_ranges, 0)
     places[0], levels[0] = 0, 0
     size = 1
@@ -185,21 +185,21 @@ def build_subtree(work, task_records, task_ranges, task, first, depth, method, t
         n = divide_into_children(work, records, ranges, whole, table, counts, method, by_count)
         for i in range(8):
             if i >= n:
-                clear_child(work.nodes, first + place, i)
+                clear_child(nodes, place, i)
                 continue
-            write_child(work.nodes, first + place, i, records, ranges)
+            write_child(nodes, place, i, records, ranges)
             if is_leaf(work, records, ranges, whole, i, table, counts, method):
                 blocks += list_primitives(work, ranges, i, triangles)
                 leaves += 1
             else:
-                at = NODE * (first + place)
-                work.nodes[at + CHILD + i] = bits_float(as_uint(nodes))
-                work.nodes[at + COUNT + i] = as_float(0)
+                at = NODE * place
+                nodes[at + CHILD + i] = bits_float(as_uint(used))
+                nodes[at + COUNT + i] = as_float(0)
                 copy_record(records, ranges, i, stacked, stacked_ranges, size)
-                places[size], levels[size] = nodes, level + 1
+                places[size], levels[size] = used, level + 1
                 size += 1
-                nodes += 1
-    totals[4 * task], totals[4 * task + 1] = nodes, blocks
+                used += 1
+    totals[4 * task], totals[4 * task + 1] = used, blocks
     totals[4 * task + 2], totals[4 * task + 3] = leaves, deepest + 1
 
 
@@ -214,23 +214,23 @@ def write_triangle(packed, at, i, index, source):
 
 
 @kernel(strict=True)
-def write_leaf(work, first, n, blocks, block, source):
-    """The primitives ``work.order[first : first + n]`` as blocks from number `block` on.
+def write_leaf(order, first, n, blocks, block, source):
+    """The primitives ``order[first : first + n]`` as blocks from number `block` on.
 
     Returns the number of the next free block.
     """
     flat = 0
     while flat < n:
-        if as_int(work.order[first + flat]) >= source.triangles:
+        if as_int(order[first + flat]) >= source.triangles:
             break
         flat += 1
     full = blocks_of(flat)
     for r in range(full * WIDTH):
-        index = as_int(work.order[first + (r if r < flat else flat - 1)])
+        index = as_int(order[first + (r if r < flat else flat - 1)])
         write_triangle(blocks, BLOCK * (block + r // WIDTH), r % WIDTH, index, source)
     block += full
     for r in range(flat, n):
-        row = as_int(work.order[first + r]) - source.triangles
+        row = as_int(order[first + r]) - source.triangles
         for k in range(BLOCK):
             blocks[BLOCK * block + k] = source.others[BLOCK * row + k]
         block += 1
@@ -238,27 +238,29 @@ def write_leaf(work, first, n, blocks, block, source):
 
 
 @kernel(strict=True)
-def pack(work, first, count, nodes, node, blocks, block, source):
+def pack(order, built, count, nodes, node, blocks, block, source):
     """Copy a subtree to its final place, its leaves as blocks.
 
     Parameters
     ----------
-    first, count : int
-        The subtree's nodes in ``work.nodes``.
+    order : View of u32
+        Primitives in the order of the leaves.
+    built : View of float32
+        The subtree's nodes as `build_subtree` leaves them, `count` of them.
     nodes, blocks : Views of float32
         Written from node number `node` and block number `block` on.
     source : Source
     """
     for index in range(count):
-        at, target = NODE * (first + index), NODE * (node + index)
+        at, target = NODE * index, NODE * (node + index)
         for k in range(0, CHILD, 8):
-            store_wide(nodes, target + k, load_wide(8, work.nodes, at + k))
+            store_wide(nodes, target + k, load_wide(8, built, at + k))
         for i in range(8):
-            n = as_int(float_bits(work.nodes[at + COUNT + i]))
-            child = as_int(float_bits(work.nodes[at + CHILD + i]))
+            n = as_int(float_bits(built[at + COUNT + i]))
+            child = as_int(float_bits(built[at + CHILD + i]))
             code = node + child
             if n > 0:
-                end = write_leaf(work, child, n, blocks, block, source)
+                end = write_leaf(order, child, n, blocks, block, source)
                 code = LEAF | (block << 4) | (end - block)
                 block = end
             nodes[target + CHILD + i] = bits_float(as_uint(code))
