@@ -16,7 +16,9 @@ __version__ = "0.1.0"
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {
+    "merge": "alight.rendering",
     "render": "alight.rendering",
+    "resume": "alight.rendering",
     "Progress": "alight.rendering",
     "Trace": "alight.rendering.trace",
     "trace": "alight.rendering.trace",
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     from alight.core.registration import register
     from alight.films import Film
     from alight.laws import check_laws
-    from alight.rendering import Progress, render
+    from alight.rendering import Progress, merge, render, resume
     from alight.rendering.trace import Trace, trace
     from alight.scene import Scene, SceneManager, load, save
 
@@ -46,8 +48,10 @@ __all__ = [
     "__version__",
     "check_laws",
     "load",
+    "merge",
     "register",
     "render",
+    "resume",
     "save",
     "trace",
 ]

@@ -27,7 +27,7 @@ class Worker:
     renderer : str
         ``alight`` or ``mitsuba``.
     scene : str
-        A name of `scenes.NAMES`.
+        A name of `scenes.NAMES`, or the path of a Mitsuba file.
     options : sequence of str
         Further arguments of the worker's command line.
     """

@@ -140,6 +140,12 @@ def load(scene, base, surface):
     )
 
 
+@kernel
+def inner_index(scene, base, surface):
+    """Index of refraction inside over that outside, of a row that begins with `SLOTS`."""
+    return scalar(scene, base, surface)
+
+
 # ---------------------------------------------------------------- scattering
 
 

@@ -28,6 +28,7 @@ from pydantic import model_validator
 
 from alight.bsdfs.dielectric import SLOTS as INTERFACE_SLOTS
 from alight.bsdfs.dielectric import Interface, pack_interface
+from alight.bsdfs.dielectric import inner_index as inner_index
 from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets, pack_facets
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.bsdfs.tints import tint, tint_features

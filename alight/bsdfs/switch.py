@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from alight.bsdfs import MODELS
 from alight.core.jit import kernel, specialised
 from alight.core.registry import Models, modules
-from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
+from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, maximum, where
 from alight.core.vec import Vec3
 
 #: Slots of a material in `materials.data`, see `stride_of`: a power of two.
@@ -20,6 +20,8 @@ STRIDE = 1 << (max(sum(m.SLOTS.values()) for m in MODELS if hasattr(m, "SLOTS"))
 TWO_SIDED, MIXED = 1, 2
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 TWO_SIDED_NAME = "two_sided"
+#: Kernel of models that refract: ``(scene, base, surface)``, the index inside over that outside.
+INNER_INDEX = "inner_index"
 
 
 def stride_of(names: Iterable[str]) -> int:
@@ -200,6 +202,45 @@ def _sample_switch(models):
 @kernel
 def _keep_sample(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags):
     return wi, weight, pdf, flags
+
+
+# ---------------------------------------------------------------- refraction
+
+
+@specialised
+def concentration(program):
+    """``(scene, surface, wi) -> factor``: eta^2 >= 1 where wi (local frame) leads into glass, or 1.
+
+    Radiance is concentrated there: the throughput falls by 1 / eta^2, and rises again by eta^2 when
+    the path comes out (PBR4 section 14.1.4). Glass that is a part of a blend counts as 1.
+    """
+    return _concentration_switch([(n, m) for n, m in models_of(program) if hasattr(m, INNER_INDEX)])
+
+
+def refracts(program) -> bool:
+    """Whether `concentration` may be other than 1."""
+    return any(hasattr(model, INNER_INDEX) for _, model in models_of(program))
+
+
+def _concentration_switch(models):
+    if not models:
+        return _no_concentration
+    number, inner_index = models[0][0], getattr(models[0][1], INNER_INDEX)
+    rest = _concentration_switch(models[1:])
+
+    @kernel
+    def step(scene, surface, wi):
+        factor = rest(scene, surface, wi)
+        eta = inner_index(scene, first_slot(surface.bsdf), surface)
+        inside = (wi.z < 0.0) & (_kind(scene, surface.bsdf) == number)
+        return where(inside, maximum(eta * eta, 1.0), factor)
+
+    return step
+
+
+@kernel
+def _no_concentration(scene, surface, wi):
+    return lanes(1.0)
 
 
 # ---------------------------------------------------------------- albedo, for the AOV

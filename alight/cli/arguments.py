@@ -70,6 +70,23 @@ SppPerPass = Annotated[
     int | None, typer.Option(help="Between two progress reports.", rich_help_panel=_SAMPLING)
 ]
 
+Checkpoint = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Keep the state there: alight resume FILE goes on after a stop or a crash.",
+        rich_help_panel=_SAMPLING,
+    ),
+]
+Every = Annotated[
+    str,
+    typer.Option(
+        metavar="TIME",
+        help="Time between two checkpoints, as 60s, 5m or 1h.",
+        rich_help_panel=_SAMPLING,
+    ),
+]
+
 Size = Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.", rich_help_panel=_SCENE)]
 Crop = Annotated[
     str | None,

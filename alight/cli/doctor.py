@@ -32,7 +32,7 @@ Check = tuple[str, str, bool]
 
 def _machine() -> Iterator[Check]:
     from alight import __version__
-    from alight.rendering.main_loop import usable_processors
+    from alight.rendering.resources import usable_processors
 
     version = sys.version_info
     yield "alight", __version__, True

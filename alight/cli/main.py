@@ -10,12 +10,20 @@ from typing import Annotated
 import typer
 
 from alight import __version__
+from alight.cli.check import MutantCommand, check
+from alight.cli.compare import compare
 from alight.cli.doctor import doctor
 from alight.cli.info import info
+from alight.cli.merge import merge
+from alight.cli.plan import plan
+from alight.cli.reference import reference
 from alight.cli.render import render
 from alight.cli.reporting import reporting_errors
+from alight.cli.resume import resume
 from alight.cli.scenes import scenes
+from alight.cli.study import study
 from alight.cli.trace import trace
+from alight.cli.why import why
 
 app = typer.Typer(
     name="alight",
@@ -26,8 +34,22 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for command in (render, info, trace, scenes, doctor):
+for command in (
+    render,
+    plan,
+    resume,
+    merge,
+    info,
+    trace,
+    scenes,
+    study,
+    reference,
+    compare,
+    doctor,
+    why,
+):
     app.command()(reporting_errors(command))
+app.command(cls=MutantCommand)(reporting_errors(check))
 
 
 def _show_version(asked: bool) -> None:

@@ -109,3 +109,22 @@ def parse_definitions(texts: list[str] | None) -> dict[str, str]:
             raise OptionError(f"-D: must be NAME=VALUE, got {quote(text)}")
         found[name.strip()] = value
     return found
+
+
+def parse_seconds(option: str, text: str) -> float:
+    """Read a time such as ``60s``, ``5m``, ``1.5h`` or ``90`` (seconds).
+
+    Raises
+    ------
+    OptionError
+        Naming the option, for a text that is none.
+
+    Examples
+    --------
+    >>> parse_seconds("--every", "5m")
+    300.0
+    """
+    found = re.fullmatch(r"(\d{1,9}(?:\.\d{0,9})?)\s*([smh]?)", text.strip().lower())
+    if found is None:
+        raise OptionError(f"{option}: must be a time as 60s, 5m or 1h, got {quote(text)}")
+    return float(found[1]) * {"": 1, "s": 1, "m": 60, "h": 3600}[found[2]]

@@ -20,15 +20,28 @@ def summary_lines(film: Film, error: ErrorEstimate, seconds: float) -> list[str]
     rate, rendering = film.stats["msamples_per_s"], film.stats["seconds"]["render"]
     speed = f"{film.spp:g} spp in {rendering:.2f} s, {rate:.2f} Msamples/s"
     lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
+    return [*lines, error_line(error), *verdict_lines(film)]
+
+
+def verdict_lines(film: Film) -> list[str]:
+    """Say how the render ended, if an error was asked for."""
+    verdict = film.stats.get("verdict", {})
+    line = verdict.get("line", "")
+    if verdict.get("word") == "not met" and verdict.get("factor"):
+        seconds = (verdict["factor"] - 1.0) * film.stats["seconds"]["render"]
+        line += f" (about {seconds:.3g} s)"
+    return [line] if line else []
+
+
+def error_line(error: ErrorEstimate) -> str:
+    """Say how wrong the picture is."""
     relative = error.relrmse
     if math.isnan(relative.value):
-        lines.append("estimated error: unknown (too few samples, or a black picture)")
-    else:
-        lines.append(
-            f"estimated error: {relative.value:.2%} relRMSE (95 %: {relative.low:.2%} to "
-            f"{relative.high:.2%}), relMSE {error.relmse.value:.3g}"
-        )
-    return lines
+        return "estimated error: unknown (too few samples, or a black picture)"
+    return (
+        f"estimated error: {relative.value:.2%} relRMSE (95 %: {relative.low:.2%} to "
+        f"{relative.high:.2%}), relMSE {error.relmse.value:.3g}"
+    )
 
 
 def warnings_of(film: Film) -> list[str]:

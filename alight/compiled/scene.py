@@ -62,6 +62,7 @@ def compile_scene(
     *,
     aovs: tuple[str, ...] = (),
     structure: str = "auto",
+    builder: str = "sah",
     threads: int = 1,
 ) -> CompiledScene:
     """Arrays and program of a scene.
@@ -75,6 +76,8 @@ def compile_scene(
         Further layers that the kernels must gather.
     structure : {"auto", "list", "bvh"}
         How rays find surfaces; "list" tests every primitive (and runs in the NumPy twin).
+    builder : {"sah", "median"}
+        How the tree is divided.
     threads : int
         For building the BVH.
     """
@@ -86,6 +89,7 @@ def compile_scene(
         shapes.instances,
         shapes.geometries,
         structure=structure,
+        builder=builder,
         threads=threads,
     )
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))

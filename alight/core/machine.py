@@ -23,31 +23,39 @@ def lanes_of_machine() -> int:
 
 
 @lru_cache(maxsize=1)
-def fingerprint() -> str:
-    """Names everything that decides the bits of a picture: sources, compiler, processor, lanes."""
+def describe_machine() -> dict[str, str]:
+    """Everything that decides the bits of a picture: sources, compiler, processor, lanes."""
     import llvmlite
     import llvmlite.binding as llvm
     import numba
     import numpy as np
 
+    return {
+        "sources of alight": _digest_of_sources(),
+        "numba": numba.__version__,
+        "llvmlite": llvmlite.__version__,
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+        "processor": llvm.get_host_cpu_name(),
+        "features of the processor": llvm.get_host_cpu_features().flatten(),
+        "lanes": str(lanes_of_machine()),
+        "NUMBA_CPU_NAME": os.environ.get("NUMBA_CPU_NAME", ""),
+        "NUMBA_CPU_FEATURES": os.environ.get("NUMBA_CPU_FEATURES", ""),
+    }
+
+
+@lru_cache(maxsize=1)
+def fingerprint() -> str:
+    """Short name for everything that `describe_machine` says."""
+    return hashlib.sha256("|".join(describe_machine().values()).encode()).hexdigest()[:20]
+
+
+def _digest_of_sources() -> str:
     h = hashlib.sha256()
     package = Path(__file__).resolve().parent.parent
     for path in sorted(package.rglob("*.py")):
         h.update(str(path.relative_to(package)).encode())
         h.update(path.read_bytes())
-    features = llvm.get_host_cpu_features().flatten()
-    parts = [
-        numba.__version__,
-        llvmlite.__version__,
-        np.__version__,
-        platform.python_version(),
-        llvm.get_host_cpu_name(),
-        features,
-        str(lanes_of_machine()),
-        os.environ.get("NUMBA_CPU_NAME", ""),
-        os.environ.get("NUMBA_CPU_FEATURES", ""),
-    ]
-    h.update("|".join(parts).encode())
     return h.hexdigest()[:20]
 
 

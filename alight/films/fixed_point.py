@@ -93,6 +93,25 @@ def carry(sums: np.ndarray) -> None:
     sums[..., 1] &= LOW_MASK
 
 
+@kernel(strict=True)
+def add_rows(target, start, stride, sums, rows, values):
+    """Add a table of sums to a window of a larger one, in one pass over memory.
+
+    Parameters
+    ----------
+    target : View of int64
+        Canonical before and after. Row y of the window begins at ``start + stride * y``.
+    sums : View of int64
+        `rows` times `values` sums of two limbs in any form.
+    """
+    for y in range(rows):
+        a, b = start + stride * y, 2 * values * y
+        for k in range(values):
+            low = target[a + 2 * k + 1] + sums[b + 2 * k + 1]
+            target[a + 2 * k] += sums[b + 2 * k] + (low >> LOW_BITS)
+            target[a + 2 * k + 1] = low & LOW_MASK
+
+
 def to_float(sums: np.ndarray) -> np.ndarray:
     """Give the value of canonical sums, within 2 units in the last place of float64.
 

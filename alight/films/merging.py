@@ -27,18 +27,22 @@ _IDENTITY: tuple[tuple[str, Callable[[Any], Any]], ...] = (
 )
 
 
-def merge(films: Sequence[Film]) -> Film:
-    """Make the film of all samples of `films` (see `Film.merge`)."""
+def merge(films: Sequence[Film], names: Sequence[str] | None = None) -> Film:
+    """Make the film of all samples of `films` (see `Film.merge`).
+
+    `names` are what messages call them; "film 1", "film 2" by default.
+    """
     if not films:
         raise FilmError("nothing to merge: give at least one film")
+    names = names or [f"film {number}" for number in range(1, len(films) + 1)]
     parts = [film.snapshot() for film in films]
-    for number, part in enumerate(parts, start=1):
-        _check_recorded(part, number)
-        _check_same(parts[0], part, number)
+    for name, part in zip(names, parts, strict=True):
+        _check_recorded(part, name)
+        _check_same(parts[0], part, names[0], name)
     result = parts[0].empty_like()
     index = cells_of(*result.crop)
-    for number, part in enumerate(parts, start=1):
-        _check_disjoint(result, part, index, number)
+    for number, (name, part) in enumerate(zip(names, parts, strict=True)):
+        _check_disjoint(parts[:number], part, index, names, name)
         result.cells[index] = union_of_cells(result.cells[index], part.cells[index])
         result.counts += part.counts
         result._check_room(result.counts)
@@ -55,18 +59,18 @@ def _planes(result: Film, part: Film) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(result.sums, part.sums), *named]
 
 
-def _check_same(first: Film, other: Film, number: int) -> None:
-    for name, of in _IDENTITY:
+def _check_same(first: Film, other: Film, first_name: str, name: str) -> None:
+    for what, of in _IDENTITY:
         if of(first) != of(other):
             raise FilmError(
-                f"cannot merge film {number} with film 1: the {name} differs "
+                f"cannot merge {name} with {first_name}: the {what} differs "
                 f"({_shown(of(other))}, not {_shown(of(first))})"
             )
     for key in sorted(first.options.keys() | other.options.keys()):
         a, b = first.options.get(key), other.options.get(key)
         if a != b:
             raise FilmError(
-                f'cannot merge film {number} with film 1: the option "{key}" differs '
+                f'cannot merge {name} with {first_name}: the option "{key}" differs '
                 f"({_shown(b)}, not {_shown(a)})"
             )
 
@@ -75,23 +79,26 @@ def _shown(value: Any) -> str:
     return "x".join(map(str, value)) if isinstance(value, tuple) else repr(value)
 
 
-def _check_disjoint(result: Film, part: Film, index: Any, number: int) -> None:
-    for mine, theirs in zip(result.cells[index].flat, part.cells[index].flat, strict=True):
-        common = mine.overlap(theirs)
-        if common.count:
-            raise FilmError(
-                f"cannot merge film {number}: samples {common} are in an earlier film too and "
-                "would be counted twice; render it with another first sample"
-            )
+def _check_disjoint(
+    before: Sequence[Film], part: Film, index: Any, names: Sequence[str], name: str
+) -> None:
+    for earlier, film in zip(names, before, strict=False):
+        # Films of uniform pictures have few different cells.
+        pairs = set(zip(film.cells[index].flat, part.cells[index].flat, strict=True))
+        for mine, theirs in pairs:
+            common = mine.overlap(theirs)
+            if common.count:
+                raise FilmError(
+                    f"cannot merge {name}: samples {common} are in {earlier} too and would be "
+                    "counted twice; render it with another first sample"
+                )
 
 
-def _check_recorded(film: Film, number: int) -> None:
+def _check_recorded(film: Film, name: str) -> None:
     """Every pixel must hold the samples that its cell's ranges say."""
     size = CELL_SIZE
     x, y, w, h = film.crop
     per_cell = np.array([[cell.count for cell in row] for row in film.cells], np.int64)
     expected = per_cell[(y + np.arange(h))[:, None] // size, (x + np.arange(w))[None, :] // size]
     if (film.counts.sum(axis=2) != expected).any():
-        raise FilmError(
-            f"cannot merge film {number}: it holds samples whose indices were not recorded"
-        )
+        raise FilmError(f"cannot merge {name}: it holds samples whose indices were not recorded")

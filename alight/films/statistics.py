@@ -36,6 +36,22 @@ def pixel_mean(sums: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return total(sums, axis=2) / np.maximum(n, 1)
 
 
+def replicate_means(sums: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Mean of each replicate; 0 in those that are empty.
+
+    Parameters
+    ----------
+    sums : ndarray of int64, shape (h, w, R, C, 2)
+        Canonical fixed point.
+    counts : ndarray of int64, shape (h, w, R)
+
+    Returns
+    -------
+    ndarray of float64, shape (h, w, R, C)
+    """
+    return to_float(sums) / np.maximum(counts, 1)[..., None]
+
+
 def mean_and_error(sums: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean of every pixel and its standard error, NaN where that is unknown.
 

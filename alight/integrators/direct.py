@@ -42,9 +42,9 @@ EXAMPLES = (
 )
 
 
-def step(program):
-    """The path tracer's step, for paths of at most two edges."""
-    path_step = path.step(program, roulette=False)
+def step(program, *, record=None):
+    """The path tracer's step, for paths of at most two edges; `record` as there."""
+    path_step = path.step(program, roulette=False, record=record)
 
     @kernel
     def direct_step(scene, settings, walk):

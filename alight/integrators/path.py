@@ -5,18 +5,19 @@ r"""Path tracing: unidirectional, with light sampling combined by multiple impor
 
 Source: Kajiya, The rendering equation, SIGGRAPH 1986; Veach and Guibas, Optimally combining
 sampling techniques, SIGGRAPH 1995; Arvo and Kirk, Particle transport and image synthesis, SIGGRAPH
-1990 for the roulette; PBR4 section 13.4.
+1990 for the roulette; PBR4 sections 13.4 and 14.1.4.
 """
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import model_validator
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA
+from alight.bsdfs.switch import concentration, refracts
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
@@ -104,7 +105,7 @@ EXAMPLES = (
 )
 
 
-def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
+def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=None):
     """The kernel that carries paths on by one vertex, for the options of a program.
 
     Parameters
@@ -116,6 +117,9 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
         In place of the program's ``light_sampling``.
     roulette : bool, optional
         In place of the program's ``russian_roulette``.
+    record : tuple of kernels, optional
+        (meet, find, leave, sample) of `alight.integrators.contributions`, which are told of every
+        contribution.
     """
     strategy = strategy or program.option("light_sampling")
     if roulette is None:
@@ -128,6 +132,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
     delta_lights = has_delta_lights(program)
     area_lights = "area" in program.lights
     environment = environment_of(program) is not None
+    refracting = refracts(program)
+    recorded, (meet, find, leave, sample) = record is not None, _listeners(record)
 
     @kernel
     def path_step(scene, settings, path):
@@ -149,9 +155,13 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
                 w = bsdf_weight(path, environment_pdf(scene, d))
                 L = where(missed, L + path.beta * Le * w, L)
                 L_direct = where(missed & (depth <= 2), L, L_direct)
+                if recorded:
+                    leave(scene, path, depth, missed, path.beta * Le * w)
 
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
+        if recorded:
+            meet(scene, surface, depth)
 
         # The ray came upon a light.
         if area_lights:
@@ -162,6 +172,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
                 w = bsdf_weight(path, pdf)
                 L = where(shining, L + path.beta * Le * w, L)
                 L_direct = where(shining & (depth <= 2), L, L_direct)
+                if recorded:
+                    find(scene, path, surface.light, depth, shining, path.beta * Le * w)
 
         # The longest path ends here: one more edge would be too many.
         active = active & (depth < settings.max_depth)
@@ -170,13 +182,9 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
         # Direct light, by sampling the lights.
         if by_light or delta_lights:
             light = sample_light(
-                scene,
-                surface.p,
-                surface.ns,
-                get_1d(path.sampler, dimension + LIGHT_CHOICE),
-                get_2d(path.sampler, dimension + LIGHT_POINT),
-                active,
-            )
+                scene, surface.p, surface.ns, get_1d(path.sampler, dimension + LIGHT_CHOICE),
+                get_2d(path.sampler, dimension + LIGHT_POINT), active,
+            )  # fmt: skip
             if by_light:
                 lit = active & (light.pdf > 0.0)
             else:
@@ -189,8 +197,11 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
                 o, end = shadow_ray(surface, light)
                 lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
                 w = light_weight(light, pdf)
-                L = where(lit, L + path.beta * f_cos * light.radiance * (w / light.pdf), L)
+                Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
+                L = where(lit, L + Ld, L)
                 L_direct = where(lit & (depth <= 1), L, L_direct)
+                if recorded:
+                    sample(scene, path, depth, lit, Ld)
 
         # Where the path goes on.
         wi, weight, pdf, flags = scatter(
@@ -210,28 +221,27 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None):
 
         # Russian roulette: end dim paths, and let the survivors carry their light.
         if roulette:
-            survival = minimum(largest, MAX_SURVIVAL)
+            bright = largest
+            if refracting:
+                # A path in glass is not dim: what it lost on the way in comes back on the way out.
+                bright = largest * concentration(scene, surface, wi)
+            survival = minimum(bright, MAX_SURVIVAL)
             playing = depth >= settings.rr_depth
             survived = get_1d(path.sampler, dimension + ROULETTE) < survival
             active = active & (survived | ~playing)
             beta = where(playing, beta / survival, beta)
 
         return WalkPath(
-            o,
-            d,
-            surface.p,
-            L,
-            L_direct,
-            beta,
-            pdf,
-            (flags & DELTA) != 0,
-            depth,
-            path.sampler,
-            active,
-            rays,
-        )
+            o, d, surface.p, L, L_direct, beta, pdf,
+            (flags & DELTA) != 0, depth, path.sampler, active, rays,
+        )  # fmt: skip
 
     return path_step
+
+
+def _listeners(record) -> Any:
+    """What to unpack: the kernels, or nothing in the place of each."""
+    return record or (None, None, None, None)
 
 
 def weights_of(strategy, heuristic):

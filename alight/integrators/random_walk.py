@@ -63,6 +63,8 @@ def scatter_uniformly(scene, surface, wo, u, u2, active):
     )
 
 
-def step(program):
+def step(program, *, record=None):
     """The path tracer's step with uniform directions, without light sampling and roulette."""
-    return path.step(program, scatter=scatter_uniformly, strategy="bsdf", roulette=False)
+    return path.step(
+        program, scatter=scatter_uniformly, strategy="bsdf", roulette=False, record=record
+    )

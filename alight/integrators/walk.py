@@ -34,6 +34,9 @@ Path = namedtuple("Path", "o d p L L_direct beta pdf delta depth sampler active 
 #: for `alight.integrators.aov`), distance (float32, metres).
 Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance layer")
 
+#: Modules of this package that stand in the place of an integrator.
+PASSES = ("aov", "contributions")
+
 #: Depth of paths that only roulette ends.
 UNLIMITED = 2**31 - 1
 
@@ -107,7 +110,7 @@ def to_world(surface, w):
 
 @specialised
 def step(program):
-    """The step of the program's integrator, or of the pass for AOVs."""
-    if program.integrator == "aov":
-        return import_module("alight.integrators.aov").step(program)
+    """The step of the program's integrator, or of a pass beside the picture."""
+    if program.integrator in PASSES:
+        return import_module(f"alight.integrators.{program.integrator}").step(program)
     return Models("integrators")[program.integrator].step(program)

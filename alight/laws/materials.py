@@ -33,10 +33,12 @@ class Material:
     ----------
     *specs : Bsdf
         One is the usual case; `bsdf` then need not be given to the methods.
+    uv : (float, float), default (0, 0)
+        Where textures are looked up.
     """
 
-    def __init__(self, *specs: Bsdf) -> None:
-        self.spec = specs[0]
+    def __init__(self, *specs: Bsdf, uv: tuple[float, float] = (0.0, 0.0)) -> None:
+        self.spec, self.uv = specs[0], uv
         tables, bsdfs, textures = compile_materials(specs)
         self.program = Program(bsdfs=bsdfs, textures=textures, registered=versions(specs))
         self.scene = Scene(tables, Shapes(View(np.zeros(INFO, np.uint32))))
@@ -45,10 +47,11 @@ class Material:
         """A surface in the plane z = 0, at n points."""
         zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
         one = zero + np.float32(1.0)
+        u, v = (zero + np.float32(c) for c in self.uv)
         black, up = Vec3(zero, zero, zero), Vec3(zero, zero, one)
         s, t = Vec3(one, zero, zero), Vec3(zero, one, zero)
         bsdf = none if bsdf is None else bsdf
-        return Surface(black, zero, up, up, s, t, zero, zero, none, none, bsdf, none, black)
+        return Surface(black, zero, up, up, s, t, u, v, none, none, bsdf, none, black)
 
     def evaluate(self, wo, wi, bsdf=None):
         """(f_cos (3, n), pdf (n,))."""

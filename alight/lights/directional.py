@@ -57,5 +57,6 @@ def power(luminance: float, area: float, radius: float) -> float:
 def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""
     one = lanes(1.0)
-    wi = gather_vec3(scene.lights.data, index * STRIDE + 4)
+    # A lone light has a scalar index: what it gives must be lanes all the same.
+    wi = lanes_vec3(0.0) + gather_vec3(scene.lights.data, index * STRIDE + 4)
     return LightSample(wi, INFINITY * one, lanes_vec3(1.0), one, lanes_mask(True), one, lanes(0.0))

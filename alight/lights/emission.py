@@ -31,7 +31,8 @@ def emitted_color(program):
 
     @kernel
     def varying(scene, index, surface):
-        color = gather_vec3(scene.lights.data, index * STRIDE)
+        # Of a scene's only light the colour is the same for all lanes, its texture's is not.
+        color = lanes_vec3(1.0) * gather_vec3(scene.lights.data, index * STRIDE)
         texture = gather(scene.lights.info, index * INFO + 2)
         return texture_value(scene, texture, surface, color)
 

@@ -1,16 +1,25 @@
 """Metrics: how far two pictures are apart, and whether that is more than noise."""
 
+from alight.metrics.agreement import Agreement, Measured, compare_measured
 from alight.metrics.comparison import Comparison, PictureStatistics, compare_pictures
-from alight.metrics.relmse import ErrorEstimate, Estimate, relmse, relrmse
+from alight.metrics.mse import mse
+from alight.metrics.own_error import ErrorEstimate
+from alight.metrics.relmse import Estimate, relmse, relrmse
 from alight.metrics.smape import smape
+from alight.metrics.ssim import ssim
 
 __all__ = [
+    "Agreement",
     "Comparison",
     "ErrorEstimate",
     "Estimate",
+    "Measured",
     "PictureStatistics",
+    "compare_measured",
     "compare_pictures",
+    "mse",
     "relmse",
     "relrmse",
     "smape",
+    "ssim",
 ]

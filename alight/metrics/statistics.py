@@ -108,6 +108,35 @@ def student_t_quantile(p: float, dof: float) -> float:
     return math.copysign(high, p - 0.5) if p != 0.5 else 0.0
 
 
+def f_quantile(p: float, dof1: float, dof2: float) -> float:
+    """Find the x with P(F <= x) = p of Fisher's distribution F(dof1, dof2).
+
+    By bisection; above 50 degrees of freedom by Paulson's approximation (Paulson 1942, "An
+    approximate normalization of the analysis of variance distribution"): F^(1/3) is nearly a ratio
+    of normal numbers. Relative error below 2e-3 there for tails above 1e-3.
+
+    Raises
+    ------
+    ValueError
+        If p does not lie in (0, 1) or a number of degrees of freedom is not positive.
+    """
+    if not (0.0 < p < 1.0 and dof1 > 0.0 and dof2 > 0.0):
+        raise ValueError(f"p must lie in (0, 1) and dof be > 0, got {p}, {dof1} and {dof2}")
+    if min(dof1, dof2) > 50.0:
+        z, a, b = _NORMAL.inv_cdf(p), 2.0 / (9.0 * dof1), 2.0 / (9.0 * dof2)
+        u, v = 1.0 - a, 1.0 - b
+        root = math.sqrt(v * v * a + u * u * b - z * z * a * b)
+        return ((u * v + z * root) / (v * v - z * z * b)) ** 3
+    low, high = -700.0, 700.0
+    while high - low > 1e-12 * max(1.0, abs(low)):
+        middle = 0.5 * (low + high)
+        ratio = dof1 / dof2 * math.exp(middle)
+        x, y = np.float64(ratio / (1.0 + ratio)), np.float64(1.0 / (1.0 + ratio))
+        below = incomplete_beta(np.float64(dof1 / 2.0), np.float64(dof2 / 2.0), x, y)
+        low, high = (middle, high) if float(below) < p else (low, middle)
+    return math.exp(0.5 * (low + high))
+
+
 def normal_from_tail(tail: np.ndarray, sign: np.ndarray) -> np.ndarray:
     """Find the z of a two-sided tail probability and a sign."""
     half = np.clip(np.asarray(tail, np.float64), _SMALLEST_TAIL, 1.0) / 2.0

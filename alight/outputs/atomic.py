@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import errno
 import os
+import platform
 import secrets
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -84,8 +86,35 @@ def check_folder(path: str | os.PathLike[str]) -> None:
         raise _output_error(path, error) from error
 
 
+def remove_abandoned(folder: Path) -> None:
+    """Remove files beside their targets whose writers on this machine were killed."""
+    # Elsewhere asking for a process by its number might end it.
+    if os.name != "posix":
+        return
+    for path in folder.glob(f".alight-{_machine()}-*.tmp"):
+        writer = path.name.split("-")[2]
+        if writer.isdigit() and not _is_running(int(writer)):
+            with suppress(OSError):
+                path.unlink()
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _machine() -> str:
+    # In a folder that machines share, the process of another one may still be writing.
+    return f"{zlib.crc32(platform.node().encode()):08x}"
+
+
 def _name_beside(target: Path) -> Path:
-    return target.with_name(f".alight-{secrets.token_hex(8)}.tmp")
+    return target.with_name(f".alight-{_machine()}-{os.getpid()}-{secrets.token_hex(4)}.tmp")
 
 
 def _output_error(path: str | os.PathLike[str], error: OSError) -> OutputError:

@@ -1,55 +1,35 @@
-"""The main loop: passes over tiles on a pool of threads, into one film."""
+"""The main loop: passes over tiles on a pool of threads, until the schedule says that it is enough.
+
+::
+
+    while the schedule has a goal:                      schedule.py
+        cut a pass off what the films lack of it        passes.py
+        render its tiles on all threads                 job.py
+        now and then: report, write a checkpoint        checkpoint_writer.py
+"""
 
 from __future__ import annotations
 
 import os
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-import alight
-from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.errors import OptionError, unknown_name
-from alight.core.machine import fingerprint
-from alight.films import CELL_SIZE, Film
-from alight.integrators.aov import LAYERS
-from alight.integrators.walk import make_settings
-from alight.rendering.tile import Scratch, make_kernels, render_tile
-from alight.rendering.tiles import tiles_of
+from alight.compiled.scene import compile_scene
+from alight.films import Film
+from alight.rendering.checkpoint import Origin
+from alight.rendering.checkpoint_writer import CheckpointWriter
+from alight.rendering.job import Job, Progress
+from alight.rendering.options import check_options, layers_of
+from alight.rendering.passes import Pace
+from alight.rendering.resources import usable_processors
+from alight.rendering.schedule import Schedule, Uniform
 from alight.scene import Scene, content_hash, flatten, load
 
-#: A pass is long enough for its overhead not to show, short enough for progress to be seen.
-PASS_SECONDS = 1.0
-
-#: Further layers and their channels.
-AOVS = {"direct": ("R", "G", "B"), "indirect": ("R", "G", "B"), **LAYERS}
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a render is.
-
-    Attributes
-    ----------
-    phase : {"compile", "render"}
-    done_samples, total_samples : int
-        Samples of all pixels; the total is 0 where a time limit decides.
-    seconds : float
-        Since rendering began.
-    film : Film or None
-        May be read at any time.
-    """
-
-    phase: str
-    done_samples: int
-    total_samples: int
-    seconds: float
-    film: Film | None
+#: Seconds between two checkpoints, and between two reports of progress.
+EVERY, REPORT_EVERY = 60.0, 0.1
 
 
 def render(
@@ -63,6 +43,10 @@ def render(
     spp_per_pass: int | None = None,
     first_sample: int = 0,
     aovs: Sequence[str] = (),
+    schedule: Schedule | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    every: float = EVERY,
+    notes: Mapping[str, Any] | None = None,
     progress: Callable[[Progress], None] | None = None,
     cancel: threading.Event | None = None,
 ) -> Film:
@@ -89,6 +73,15 @@ def render(
     aovs : sequence of str
         Further layers: "direct" (depth <= 2) and "indirect", whose sum is the picture, and those
         of `alight.integrators.aov.LAYERS`.
+    schedule : Schedule, optional
+        Decides which samples are rendered, in place of `spp`.
+    checkpoint : path, optional
+        File to write the state of the render to, at the start, from time to time and at the end,
+        also when it is cancelled or fails: `alight.resume` goes on from there.
+    every : float, seconds, default 60
+        Time between two checkpoints.
+    notes : mapping of str to plain JSON, optional
+        Kept in checkpoints, for whoever resumes.
     progress : callable, optional
         Called with a `Progress` from time to time, in the calling thread.
     cancel : threading.Event, optional
@@ -109,145 +102,105 @@ def render(
     clock = Clock()
     if not isinstance(scene, Scene):
         scene = load(scene)
-    _check(spp, time_limit, seed, threads, replicates, spp_per_pass, first_sample, aovs)
+    check_options(
+        spp=spp, time_limit=time_limit, seed=seed, threads=threads, replicates=replicates,
+        spp_per_pass=spp_per_pass, first_sample=first_sample, aovs=aovs, every=every,
+    )  # fmt: skip
+    if schedule is None:
+        spp = spp or (None if time_limit else scene.source.remarks.spp or 64)
+        schedule = Uniform(first_sample, spp)
+    job = make_job(
+        scene, schedule, clock, seed=seed, threads=threads, replicates=replicates, aovs=aovs
+    )
+    job.time_limit = time_limit
+    writer = None
+    if checkpoint is not None:
+        writer = CheckpointWriter(checkpoint, every, Origin.of(scene, notes or {}))
+    return run(job, clock, Pace(spp_per_pass), writer=writer, progress=progress, cancel=cancel)
+
+
+def make_job(
+    scene: Scene,
+    schedule: Schedule,
+    clock: Clock,
+    *,
+    seed: int,
+    threads: int | None,
+    replicates: int | None,
+    aovs: Sequence[str],
+) -> Job:
+    """Compile a scene for a job."""
     flat = flatten(scene)
     clock.lap("load")
     threads = threads or usable_processors()
-    compiled = compile_scene(flat, content_hash(flat), aovs=_layers(aovs), threads=threads)
+    compiled = compile_scene(flat, content_hash(flat), aovs=layers_of(aovs), threads=threads)
     clock.lap("bvh")
     replicates = replicates or flat.film.replicates
-    job = Job(compiled, seed, threads, replicates, first_sample)
+    return Job(compiled, schedule, seed=seed, threads=threads, replicates=replicates)
+
+
+def run(
+    job: Job,
+    clock: Clock,
+    pace: Pace,
+    *,
+    writer: CheckpointWriter | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    cancel: threading.Event | None = None,
+) -> Film:
+    """Compile the kernels, render until the end, and give the picture."""
+    if writer:
+        # Before the first second is spent: a file that cannot be written is found out now.
+        writer.write(job.state(copy=False))
     job.start(progress)
     clock.lap("compile")
-    spp = spp or (None if time_limit else scene.source.remarks.spp or 64)
-    job.run(spp, time_limit, spp_per_pass, progress, cancel)
-    clock.lap("render")
-    job.film.stats = job.statistics(clock.laps)
-    return job.film
+    job.start_clock()
 
+    reported = job.seconds
 
-class Job:
-    """One render: a compiled scene, its kernel, the film, and what has been rendered so far."""
+    def report() -> None:
+        nonlocal reported
+        if writer:
+            writer.tick(job)
+        if progress and job.seconds - reported > REPORT_EVERY:
+            progress(job.progress())
+            reported = job.seconds
 
-    def __init__(
-        self, scene: CompiledScene, seed: int, threads: int, replicates: int, first_sample: int
-    ) -> None:
-        self.scene, self.threads = scene, threads
-        self.settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
-        self.next_sample = first_sample
-        self.rays = self.samples = 0
-        self.film = Film(
-            *scene.size,
-            crop=scene.crop,
-            replicates=replicates,
-            aovs={name: AOVS[name] for name in scene.program.aovs},
-            scene_hash=scene.content_hash,
-            seed=seed,
-            options=dict(scene.integrator),
-            fingerprint=fingerprint(),
-            version=alight.__version__,
-        )
-        self.tiles = tiles_of(self.film.crop)
-        # The pool keeps its threads from pass to pass, and they their memory.
-        self.local = threading.local()
-
-    def start(self, progress: Callable | None) -> None:
-        """Compile the kernel (or read it from the cache) by rendering no sample of one tile."""
+    try:
+        _passes(job, pace, cancel or threading.Event(), report)
+    finally:
+        job.stop_clock()
+        # The checkpoint first: whatever `progress` does, the samples are safe.
+        if writer:
+            writer.finish(job)
         if progress:
-            progress(Progress("compile", 0, 0, 0.0, None))
-        self.kernels = make_kernels(self.scene)
-        tile = self.tiles[0]
-        render_tile(self.kernels, self.scene, self.settings, tile, _ranges(tile, 0, 0))
+            progress(job.progress())
+    clock.lap("render")
+    film = job.film
+    film.stats = job.statistics(clock.laps)
+    if writer:
+        film.stats["checkpoint"] = writer.statistics()
+    return film
 
-    def run(
-        self,
-        spp: int | None,
-        time_limit: float | None,
-        spp_per_pass: int | None,
-        progress: Callable | None,
-        cancel: threading.Event | None,
-    ) -> None:
-        """Passes over all tiles until spp, the time or a cancellation ends them."""
-        begin = time.perf_counter()
-        cancel = cancel or threading.Event()
-        pixels = self.film.crop[2] * self.film.crop[3]
-        total = (spp or 0) * pixels
-        done = 0
-        step = spp_per_pass or 1
 
-        def report() -> None:
-            if progress:
-                seconds = time.perf_counter() - begin
-                progress(Progress("render", self.samples, total, seconds, self.film))
-
-        with ThreadPoolExecutor(self.threads) as pool:
-            while not cancel.is_set() and (spp is None or done < spp):
-                count = step if spp is None else min(step, spp - done)
-                started = time.perf_counter()
-                self._run_pass(pool, count, cancel, report)
-                if cancel.is_set():
-                    break
-                self.next_sample += count
-                done += count
-                now = time.perf_counter()
-                if spp_per_pass is None:
-                    step = _next_step(step, now - started)
-                if time_limit is not None:
-                    left = time_limit - (now - begin)
-                    if left <= 0:
-                        break
-                    if spp_per_pass is None:
-                        step = max(1, min(step, int(left / (now - started) * count)))
-        report()
-
-    def _run_pass(
-        self, pool: ThreadPoolExecutor, count: int, cancel: threading.Event, report: Callable
-    ) -> None:
-        def work(tile) -> None:
+def _passes(job: Job, pace: Pace, cancel: threading.Event, report: Callable[[], None]) -> None:
+    """Passes until the schedule's verdict, the end of the time or a cancellation."""
+    with ThreadPoolExecutor(job.threads) as pool:
+        work = job.next_work()
+        while work is not None:
+            left = job.seconds_left
             if cancel.is_set():
-                return
-            ranges = _ranges(tile, self.next_sample, count)
-            if not hasattr(local, "scratch"):
-                local.scratch = Scratch()
-            partial, rays = render_tile(
-                self.kernels, self.scene, self.settings, tile, ranges, local.scratch
-            )
-            self.film.add_tile(partial)
-            with lock:
-                self.rays += rays
-                self.samples += count * (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
-
-        lock, local = threading.Lock(), self.local
-        futures = [pool.submit(work, tile) for tile in self.tiles]
-        try:
-            last = time.perf_counter()
-            for future in futures:
-                future.result()
-                if time.perf_counter() - last > 0.1:
-                    last = time.perf_counter()
-                    report()
-        except BaseException:
-            # Tiles that run are finished and added; those that wait are dropped.
-            cancel.set()
-            pool.shutdown(wait=True, cancel_futures=True)
-            report()
-            raise
-
-    def statistics(self, seconds: dict[str, float]) -> dict[str, Any]:
-        """Times, rates and memory of this render."""
-        rate = self.samples / seconds["render"] / 1e6 if seconds["render"] > 0 else 0.0
-        pixels = self.film.crop[2] * self.film.crop[3]
-        return {
-            "seconds": {name: round(value, 6) for name, value in seconds.items()},
-            "spp": self.samples / pixels,
-            "samples": self.samples,
-            "msamples_per_s": rate,
-            "rays": self.rays,
-            "threads": self.threads,
-            "peak_rss_mb": peak_memory_mb(),
-            "program": self.scene.program._asdict(),
-            "accelerator": self.scene.stats,
-        }
+                return job.end("cancelled")
+            # A time limit leaves time for one pass at least, or there would be no picture.
+            if job.samples and left is not None and left <= 0:
+                return job.end("time")
+            count, started = min(pace.step, work.left), time.perf_counter()
+            job.run_pass(pool, work.take(count), cancel, report)
+            if not cancel.is_set():
+                pace.adapt(count, time.perf_counter() - started, job.seconds_left)
+                if not work.left:
+                    work = job.next_work()
+    return None
 
 
 class Clock:
@@ -262,63 +215,3 @@ class Clock:
         now = time.perf_counter()
         self.laps[name] = now - self._last
         self._last = now
-
-
-def _next_step(step: int, seconds: float) -> int:
-    """Samples per pixel of the next pass: grows until a pass takes `PASS_SECONDS`."""
-    return max(1, min(4 * step, int(step * PASS_SECONDS / max(seconds, 1e-9))))
-
-
-def _ranges(tile, first: int, count: int) -> np.ndarray:
-    """The same (first, count) for every cell that a tile touches."""
-    rows = -(-tile.y1 // CELL_SIZE) - tile.y0 // CELL_SIZE
-    columns = -(-tile.x1 // CELL_SIZE) - tile.x0 // CELL_SIZE
-    return np.tile(np.array([first, count], np.int64), (rows, columns, 1))
-
-
-def _check(spp, time_limit, seed, threads, replicates, spp_per_pass, first_sample, aovs) -> None:
-    _whole("spp", spp, 1, 2**31 - 1)
-    _whole("seed", seed, 0, 2**32 - 1)
-    _whole("threads", threads, 1, 1024)
-    _whole("replicates", replicates, 1, 1024)
-    _whole("spp_per_pass", spp_per_pass, 1, 2**31 - 1)
-    _whole("first_sample", first_sample, 0, 2**31 - 1)
-    if time_limit is not None and not time_limit > 0:
-        raise OptionError(f"time_limit: must be > 0 seconds, got {time_limit}")
-    for name in aovs:
-        if name not in AOVS:
-            raise OptionError("aovs: " + unknown_name("layer", name, list(AOVS)))
-
-
-def _layers(names: Sequence[str]) -> tuple[str, ...]:
-    """Layers in our order, each once; direct and indirect light come together."""
-    wanted = set(names)
-    if wanted & {"direct", "indirect"}:
-        wanted |= {"direct", "indirect"}
-    return tuple(name for name in AOVS if name in wanted)
-
-
-def _whole(name: str, value: Any, least: int, most: int) -> None:
-    if value is None:
-        return
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise OptionError(f"{name}: must be a whole number in [{least}, {most}], got {value!r}")
-
-
-def usable_processors() -> int:
-    """Processors that this process may run on."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-def peak_memory_mb() -> float:
-    """Largest resident size of this process so far, in units of 10^6 bytes; 0 where unknown."""
-    try:
-        import resource
-    except ImportError:
-        return 0.0
-    import sys
-
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / 1e6 if sys.platform == "darwin" else peak * 1024 / 1e6

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from alight.compiled.scene import CompiledScene
 from alight.core.jit import fixed, instantiate
 from alight.core.view import View
 from alight.films import PartialFilm
+from alight.films.fixed_point import add_rows
 from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_number
 from alight.integrators.walk import Settings
 from alight.rendering.tile_kernel import INVALID, RAYS, SATURATED, Tile, render_tile_kernel
@@ -22,10 +24,21 @@ TileFilm = namedtuple("TileFilm", "sums counts direct tally")
 
 
 class Kernels(NamedTuple):
-    """Machine code for one scene: the main loop, and the pass for its AOVs if it has any."""
+    """Machine code for one scene.
+
+    Attributes
+    ----------
+    beauty : callable
+        The main loop.
+    aov : callable or None
+        The pass for the scene's AOVs, if it has any.
+    add_rows : callable or None
+        For `Film.add_tile`; None in the NumPy twin.
+    """
 
     beauty: Callable
     aov: Callable | None
+    add_rows: Callable | None
 
 
 def make_kernels(
@@ -46,7 +59,16 @@ def make_kernels(
     aovs = ("uv", THROUGH) if wanted & THROUGH_LAYERS else ("uv",)
     looking = scene.program._replace(integrator="aov", options=(), aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
-    return Kernels(make(beauty), make(looking) if wanted else None)
+    add = compiled_add_rows() if compiled else None
+    return Kernels(make(beauty), make(looking) if wanted else None, add)
+
+
+@lru_cache(maxsize=1)
+def compiled_add_rows() -> Callable:
+    """`add_rows` as machine code, ready to run: it is the same for all scenes."""
+    call, nothing = fixed(instantiate(add_rows)), View(np.zeros(2, np.int64))
+    call(nothing, 0, 0, nothing, 0, 0)
+    return call
 
 
 class Scratch:

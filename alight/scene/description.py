@@ -210,6 +210,27 @@ class Remarks:
 
 
 @dataclass(frozen=True)
+class Recipe:
+    """How a scene was loaded, to load it again.
+
+    Parameters
+    ----------
+    path : str
+        Absolute path of the file, or name of a built-in scene.
+    changes : tuple of str
+        Assignments, as for ``--set``.
+    definitions : mapping of str to str
+        As for ``-D``.
+    lenient : bool
+    """
+
+    path: str
+    changes: tuple[str, ...] = ()
+    definitions: Mapping[str, str] = field(default_factory=dict)
+    lenient: bool = False
+
+
+@dataclass(frozen=True)
 class Source:
     """Where a scene came from.
 
@@ -224,12 +245,15 @@ class Source:
         files than `name` have their name in front.
     remarks : Remarks, optional
         Of the reader of a foreign format.
+    recipe : Recipe, optional
+        Of scenes that `load` has read. Changes in Python afterwards are not in it.
     """
 
     name: str = ""
     folder: Path | None = None
     places: Mapping[str, str] = field(default_factory=dict)
     remarks: Remarks = Remarks()
+    recipe: Recipe | None = None
 
     def located(self, issue: Issue) -> Issue:
         """Fill in the place of an issue: of its path, or of the nearest one above."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,8 @@ import numpy as np
 
 from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.scene.build import Builder
-from alight.scene.description import Remarks, Scene, Source
+from alight.scene.builtin.pictures import is_builtin
+from alight.scene.description import Recipe, Remarks, Scene, Source
 from alight.scene.dump import dump_scene
 from alight.scene.formats import mitsuba, native, ply
 from alight.scene.formats.triangles import MeshArrays
@@ -72,7 +74,8 @@ def load(
     (64, 64)
     """
     name = os.fspath(scene)
-    if name in builtin_names():
+    is_builtin = name in builtin_names()
+    if is_builtin:
         text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
     else:
@@ -85,7 +88,10 @@ def load(
             definitions=definitions,
             lenient=lenient,
         )
-    return _changed(result, changes) if changes else result
+    result = _changed(result, changes) if changes else result
+    path = name if is_builtin else str(Path(name).absolute())
+    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient)
+    return result.from_source(replace(result.source, recipe=recipe))
 
 
 def loads(
@@ -249,6 +255,8 @@ class _FileWriter:
 
     def __call__(self, spec: Any, key_path: str) -> Any:
         if spec.file is not None:
+            if is_builtin(spec.file):
+                return spec
             absolute = (self.folder / spec.file).resolve()
             return spec.replaced(file=_relative(absolute, self.target.parent.resolve()))
         return self.mesh(spec, key_path) if isinstance(spec, Mesh) else self.picture(spec, key_path)

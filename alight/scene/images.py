@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from alight.core.errors import Issue, SceneError, quote
 from alight.core.spec import Spec, Texture, invalid, texture_interval
 from alight.outputs.texels import SUFFIXES, read_texels
+from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.meshes import unreadable
 from alight.textures.images import Image, as_image, holds_image, size_problem
 
@@ -73,7 +74,7 @@ def read_image(path: Path, name: str = "") -> Image:
     path : Path
         The file.
     name : str, optional
-        How messages call it.
+        How messages call it; names such as ``builtin:sky`` stand for computed pictures.
 
     Raises
     ------
@@ -82,7 +83,7 @@ def read_image(path: Path, name: str = "") -> Image:
     """
     name = name or str(path)
     try:
-        texels = read_texels(path, _check_size)
+        texels = builtin_texels(name) if is_builtin(name) else read_texels(path, _check_size)
         # Nobody else has this array: marked so, it is not copied.
         texels.setflags(write=False)
         return as_image(texels)

@@ -14,5 +14,9 @@ def on_page_content(content: str, **_: object) -> str:
 
 
 def _mathml(found: re.Match[str]) -> str:
-    display = "block" if found[2] == "[" else "inline"
-    return convert(html.unescape(found[3]), display=display)
+    if found[2] == "(":
+        return convert(html.unescape(found[3]), display="inline")
+    # Browsers align cells by style alone; long formulas scroll by themselves.
+    formula = convert(html.unescape(found[3]), display="block")
+    formula = re.sub(r'columnalign="(left|right)"', r'style="text-align: \1"', formula)
+    return f'<div style="overflow-x: auto">{formula}</div>'

@@ -8,7 +8,8 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
-from alight.rendering.main_loop import Job
+from alight.rendering.job import Job
+from alight.rendering.schedule import Uniform
 from alight.scene import flatten
 
 
@@ -16,7 +17,7 @@ from alight.scene import flatten
 def machine_code():
     """LLVM IR of the main loop for the Cornell box with mirror and glass, after optimisation."""
     flat = flatten(alight.load("mirror-and-glass"))
-    job = Job(compile_scene(flat), seed=0, threads=1, replicates=4, first_sample=0)
+    job = Job(compile_scene(flat), Uniform(0, 1), seed=0, threads=1, replicates=4)
     job.start(None)
     (code,) = job.kernels.beauty.dispatcher.inspect_llvm().values()
     return code

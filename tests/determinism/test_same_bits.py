@@ -7,7 +7,7 @@ import pytest
 
 import alight
 from alight.films import Film
-from alight.rendering import main_loop
+from alight.rendering import job
 
 
 def cornell(size=(40, 28), crop=None, sampler="sobol"):
@@ -30,8 +30,8 @@ def test_threads(reference, threads):
 
 
 def test_tile_order_and_size(reference, monkeypatch):
-    tiles = main_loop.tiles_of
-    monkeypatch.setattr(main_loop, "tiles_of", lambda window: tiles(window, 8)[::-1])
+    tiles = job.tiles_of
+    monkeypatch.setattr(job, "tiles_of", lambda window: tiles(window, 8)[::-1])
     film = alight.render(cornell(), spp=16)
     np.testing.assert_array_equal(film.sums, reference.sums)
 

@@ -262,7 +262,7 @@ def test_merging_another_size_or_crop_is_refused():
 
 def test_merging_overlapping_samples_is_refused():
     a, b = film_of(samples_of(8, 8, 0, 8)), film_of(samples_of(8, 8, 6, 8), first=6)
-    with pytest.raises(FilmError, match="samples 6 to 7 are in an earlier film too"):
+    with pytest.raises(FilmError, match="samples 6 to 7 are in film 1 too"):
         Film.merge(a, b)
 
 

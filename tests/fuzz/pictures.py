@@ -15,14 +15,19 @@ from alight.outputs import write_image
 from alight.outputs.png import encode_png
 from tests.scene.mutate import Mutation, mutate_bytes
 
-_SCENE = """alight: 1
+_HEAD = """alight: 1
 camera: {type: pinhole, transform: {translate: [0, 0, 3]}}
-environment: {type: constant, radiance: 0.5}
 film: {size: [8, 8]}
+"""
+_TEXTURE = """environment: {type: constant, radiance: 0.5}
 textures:
   picture: {type: bitmap, file: FILE}
 nodes:
   wall: {shape: rectangle, bsdf: {type: diffuse, reflectance: picture}}
+"""
+_ENVIRONMENT = """environment: {type: environment, file: FILE}
+nodes:
+  wall: {shape: rectangle, bsdf: {type: diffuse, reflectance: 0.5}}
 """
 
 
@@ -32,7 +37,8 @@ def pictures(seed: int, n: int) -> Iterator[Mutation]:
     files = picture_files()
     for _ in range(n):
         name = rng.choice(list(files))
-        yield Mutation(_SCENE.replace("FILE", name), name, mutate_bytes(files[name], rng))
+        scene = _HEAD + rng.choice((_TEXTURE, _ENVIRONMENT)).replace("FILE", name)
+        yield Mutation(scene, name, mutate_bytes(files[name], rng))
 
 
 def picture_files() -> dict[str, bytes]:

@@ -10,6 +10,8 @@ import pytest
 
 from tests.fuzz.extremes import extremes
 from tests.fuzz.in_the_twin import Outcome, serve
+from tests.fuzz.mesh_files import meshes
+from tests.fuzz.mitsuba_files import copy_files, mitsuba_files
 from tests.fuzz.pictures import pictures
 from tests.scene.mutate import Mutation, mutations
 
@@ -82,6 +84,15 @@ def test_scenes_with_mutated_pictures_render_or_are_refused(tmp_path):
     check(pictures(seed=3, n=200), tmp_path)
 
 
+def test_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
+    check(meshes(seed=3, n=200), tmp_path)
+
+
+def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
+    copy_files(tmp_path)
+    check(mitsuba_files(seed=3, n=200), tmp_path)
+
+
 @pytest.mark.proofs
 def test_two_thousand_mutated_scenes_render_or_are_refused(tmp_path):
     check(mutations(seed=4, n=2000), tmp_path)
@@ -95,3 +106,14 @@ def test_two_thousand_scenes_with_extreme_numbers_render_or_are_refused(tmp_path
 @pytest.mark.proofs
 def test_two_thousand_scenes_with_mutated_pictures_render_or_are_refused(tmp_path):
     check(pictures(seed=4, n=2000), tmp_path)
+
+
+@pytest.mark.proofs
+def test_two_thousand_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
+    check(meshes(seed=4, n=2000), tmp_path)
+
+
+@pytest.mark.proofs
+def test_two_thousand_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
+    copy_files(tmp_path)
+    check(mitsuba_files(seed=4, n=2000), tmp_path)

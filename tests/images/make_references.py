@@ -23,11 +23,12 @@ import time
 from pathlib import Path
 from typing import Any
 
-import mitsuba_facets  # noqa: F401  (this and the next two: their scenes enter themselves
+import mitsuba_facets  # noqa: F401  (this and those below: their scenes enter themselves
 import mitsuba_layers  # noqa: F401  (into `mitsuba_scenes.SCENES`)
 import mitsuba_lights  # noqa: F401
 import mitsuba_models
 import mitsuba_scenes
+import mitsuba_textures  # noqa: F401
 import numpy as np
 
 REFERENCES = Path(__file__).parent / "references"

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from alight.metrics import relmse, relrmse, smape
-from alight.metrics.relmse import LITERATURE_EPSILON, default_epsilon, estimate_relmse
+from alight.metrics.own_error import estimate_relmse
+from alight.metrics.relmse import LITERATURE_EPSILON, default_epsilon
 
 
 def test_relmse_is_its_formula():
@@ -83,12 +84,11 @@ NOISES = {
 
 
 def rendered(noise, samples, seed):
-    """Mean and standard error of a noisy picture from 4 replicates."""
+    """Means of 4 replicates of a noisy picture, and their counts."""
     rng, truth = np.random.default_rng(seed), scene_picture()
     factors = NOISES[noise](rng, (4, samples // 4, 48, 48, 1)).mean(axis=1)
-    replicates = truth * factors
-    mean = replicates.mean(axis=0)
-    return mean, np.sqrt(((replicates - mean) ** 2).sum(axis=0) / 12)
+    means = np.moveaxis(truth * factors, 0, 2)
+    return means, np.full((48, 48, 4), samples // 4)
 
 
 @pytest.mark.parametrize("noise", NOISES)
@@ -96,8 +96,8 @@ def rendered(noise, samples, seed):
 def test_the_interval_holds_the_true_error(noise, samples):
     truth, held, held_literature = scene_picture(), 0, 0
     for seed in range(20):
-        mean, error = rendered(noise, samples, seed)
-        estimate = estimate_relmse(mean, error, 4)
+        means, counts = rendered(noise, samples, seed)
+        mean, estimate = means.mean(axis=2), estimate_relmse(means, counts)
         held += estimate.relmse.low <= relmse(mean, truth) <= estimate.relmse.high
         own = relmse(mean, truth, epsilon=LITERATURE_EPSILON)
         held_literature += estimate.relmse_literature.low <= own <= estimate.relmse_literature.high
@@ -108,27 +108,63 @@ def test_the_interval_holds_the_true_error(noise, samples):
 
 @pytest.mark.parametrize("noise", NOISES)
 def test_the_estimate_is_near_the_true_error_and_its_interval_is_narrow(noise):
-    mean, error = rendered(noise, 256, 1)
-    estimate = estimate_relmse(mean, error, 4)
-    assert estimate.relmse.value == pytest.approx(relmse(mean, scene_picture()), rel=0.1)
-    assert estimate.relmse.high / estimate.relmse.low < 1.5
+    means, counts = rendered(noise, 256, 1)
+    estimate = estimate_relmse(means, counts)
+    truth = relmse(means.mean(axis=2), scene_picture())
+    assert estimate.relmse.value == pytest.approx(truth, rel=0.1)
+    assert estimate.relmse.high / estimate.relmse.low < 1.25
     assert estimate.epsilon == pytest.approx(default_epsilon(scene_picture()), rel=0.02)
     assert estimate.relrmse.value == pytest.approx(math.sqrt(estimate.relmse.value))
 
 
 def test_pixels_of_unknown_error_are_left_out():
-    mean, error = rendered("gaussian", 64, 1)
-    whole = estimate_relmse(mean, error, 4)
-    error[:12] = np.nan
-    half = estimate_relmse(mean, error, 4)
+    means, counts = rendered("gaussian", 64, 1)
+    whole = estimate_relmse(means, counts)
+    counts[:12, :, 2] = 0
+    half = estimate_relmse(means, counts)
     assert half.known == 0.75
     assert half.relmse.value == pytest.approx(whole.relmse.value, rel=0.3)
 
 
+@pytest.mark.parametrize("replicates", [2, 3, 4, 5, 8, 9])
+def test_every_number_of_replicates_gives_the_same_error(replicates):
+    rng = np.random.default_rng(replicates)
+    means = 1.0 + rng.normal(0.0, 0.05 * replicates**0.5, (128, 128, replicates, 3))
+    estimate = estimate_relmse(means.astype(np.float32), np.full(means.shape[:3], 4))
+    truth = relmse(means.mean(axis=2), np.ones((128, 128, 3)))
+    assert estimate.relmse.low <= truth <= estimate.relmse.high
+    assert estimate.relmse.value == pytest.approx(truth, rel=0.05)
+    if replicates < 4:
+        # Their covariance of channels has no second half to be checked by.
+        return
+    # The channels are independent here, so that there are three terms a pixel.
+    spread = math.sqrt(2.0 * replicates / (replicates - 1) / (3 * 128**2))
+    width = math.log(estimate.relmse.high / estimate.relmse.low) / 3.92
+    assert width == pytest.approx(math.hypot(spread, 0.25 * 0.05), rel=0.12)
+
+
+def test_replicates_of_unequal_counts_are_weighted():
+    rng = np.random.default_rng(5)
+    counts = np.broadcast_to([4, 4, 2, 1], (96, 96, 4))
+    means = 1.0 + rng.normal(0.0, 0.2, (96, 96, 4, 1)) / np.sqrt(counts[..., None])
+    means = np.repeat(means, 3, axis=3)
+    estimate = estimate_relmse(means.astype(np.float32), counts)
+    picture = (means * counts[..., None]).sum(axis=2) / 11
+    assert estimate.relmse.low <= relmse(picture, np.ones((96, 96, 3))) <= estimate.relmse.high
+
+
+def test_a_large_picture_is_estimated_by_bands_to_the_same_figure():
+    rng = np.random.default_rng(6)
+    means = (1.0 + rng.normal(0.0, 0.1, (512, 160, 4, 3))).astype(np.float32)
+    estimate = estimate_relmse(means, np.full(means.shape[:3], 1))
+    truth = relmse(means.mean(axis=2), np.ones((512, 160, 3)))
+    assert estimate.relmse.value == pytest.approx(truth, rel=0.02)
+
+
 def test_nothing_known_is_unknown_not_zero():
-    mean = np.ones((4, 4, 3))
-    assert math.isnan(estimate_relmse(mean, np.full_like(mean, np.nan), 4).relmse.value)
+    ones = np.ones((4, 4, 4, 3), np.float32)
+    assert math.isnan(estimate_relmse(ones, np.zeros((4, 4, 4), int)).relmse.value)
     # A black picture: no light was found, which says nothing about the error.
-    black = estimate_relmse(np.zeros((4, 4, 3)), np.zeros((4, 4, 3)), 4)
+    black = estimate_relmse(0.0 * ones, np.ones((4, 4, 4), int))
     assert math.isnan(black.relmse.value)
     assert math.isnan(black.relrmse.value)

@@ -148,6 +148,12 @@ LIGHT = (
         f"{LIGHTS}::test_lights_are_chosen_as_asked",
     ),
     Mutant(
+        "light's choice forgotten where a ray finds a lamp",
+        "lights/sampling.py",
+        (("density * gather(scene.lights.data, index * STRIDE + 3), 0.0)", "density, 0.0)"),),
+        f"{LIGHTS}::test_lights_are_chosen_as_asked",
+    ),
+    Mutant(
         "density of an environment map without the sine of the latitude",
         "lights/environment.py",
         (

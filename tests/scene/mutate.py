@@ -46,7 +46,7 @@ def mutations(seed: int, n: int) -> Iterator[Mutation]:
     """
     rng = random.Random(seed)
     texts = [read_builtin(name) for name in builtin_names()]
-    meshes = {"mesh.ply": [mesh_file(""), mesh_file("<"), mesh_file(">")], "mesh.obj": [_OBJ]}
+    meshes = {"mesh.ply": [mesh_file(""), mesh_file("<"), mesh_file(">")], "mesh.obj": [OBJ]}
     for _ in range(n):
         mesh_name = rng.choice(list(meshes))
         mesh = rng.choice(meshes[mesh_name])
@@ -56,7 +56,7 @@ def mutations(seed: int, n: int) -> Iterator[Mutation]:
         else:
             text = rng.choice([*texts, mesh_scene(mesh_name)])
             for _ in range(rng.choice((1, 1, 1, 2, 5))):
-                text = rng.choice(_TEXT_MUTATIONS)(text, rng)
+                text = rng.choice(TEXT_MUTATIONS)(text, rng)
             yield Mutation(text, mesh_name, mesh)
 
 
@@ -120,7 +120,7 @@ def _change_digit(text: str, rng: random.Random) -> str:
     return text[:at] + rng.choice("0123456789-.e") + text[at + 1 :]
 
 
-_TEXT_MUTATIONS = (
+TEXT_MUTATIONS = (
     _swap_word,
     _swap_word,
     _delete,
@@ -172,7 +172,7 @@ def mesh_file(order: str) -> bytes:
     return header.encode() + body
 
 
-_OBJ = b"""# a square with everything
+OBJ = b"""# a square with everything
 mtllib none.mtl
 o square
 v 0 0 0 1 0 0

@@ -71,16 +71,22 @@ def _read(path: Path, kind: str, index: int) -> SerializedMesh:
         raise OutOfReachError(f"cannot read {quote(path.name)}: {error.strerror}") from None
     if kind == "serialized":
         return serialized.read(data, index)
-    return SerializedMesh(obj.read(data) if kind == "obj" else ply.read(data), False)
+    if kind == "obj":
+        # Mitsuba knows no colours in these files.
+        return SerializedMesh(obj.read(data)._replace(colors=None), False)
+    return SerializedMesh(ply.read(data), False)
 
 
 def _mesh(
     mesh: SerializedMesh, face_normals: bool, flip_v: bool, flip_normals: bool, mirrored: bool
 ) -> Mesh:
-    arrays = mesh.arrays._replace(colors=None)
+    arrays, colors = mesh.arrays._replace(colors=None), mesh.arrays.colors
     problem = mesh_problem(arrays)
     if problem:
         raise SceneError([Issue(*problem)])
+    if colors is not None and not ((colors >= 0.0) & (colors <= 1.0)).all():
+        # No reflectances; a material that shows them is refused by the shape.
+        colors = None
     uvs = arrays.uvs
     if uvs is not None and flip_v:
         uvs = uvs.copy()
@@ -96,5 +102,6 @@ def _mesh(
         faces=arrays.faces,
         normals=normals,
         uvs=uvs,
+        colors=colors,
         flip_normals=flip_normals != turned_over,
     )

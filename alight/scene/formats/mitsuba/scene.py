@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -83,7 +84,15 @@ def parse(
     _collect_ids(context, objects, document)
     data, spp = _convert(context, objects)
     places = context.places | {"": f"{name}:1:1"}
-    return Parsed(data, places, report.issues, report.notes, report.warnings, spp)
+    return Parsed(data, places, _in_order(report.issues), report.notes, report.warnings, spp)
+
+
+def _in_order(issues: list[Issue]) -> list[Issue]:
+    """Sort problems by their lines; files stay in the order in which they were found."""
+    parts = [re.fullmatch(r"(.*):(\d+):(\d+)", issue.place) for issue in issues]
+    files = list(dict.fromkeys(part[1] if part else "" for part in parts))
+    keys = [(files.index(p[1]), int(p[2]), int(p[3])) if p else (-1, 0, 0) for p in parts]
+    return [issues[i] for i in sorted(range(len(issues)), key=keys.__getitem__)]
 
 
 def _collect_ids(context: Context, objects: list[Element], document: Document) -> None:

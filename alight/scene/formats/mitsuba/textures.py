@@ -21,6 +21,8 @@ from alight.scene.formats.mitsuba.transforms import matrix_of, steps_of
 #: What takes the place of a texture that is not covered.
 GREY = [0.5, 0.5, 0.5]
 NUMBERS = ("float", "integer")
+#: The attribute of meshes that alight knows.
+VERTEX_COLOR = "vertex_color"
 Value = str | Data | list[float] | None
 
 
@@ -139,6 +141,19 @@ def _checkerboard(context: Context, element: Element, path: str) -> Data:
     return draft.data
 
 
+def _mesh_attribute(context: Context, element: Element, path: str) -> Data:
+    draft = Draft(context, element, path, "vertex_color")
+    p = draft.properties
+    p.text("name", VERTEX_COLOR, (VERTEX_COLOR,))
+    if not p.has("name"):
+        context.report.error(element, 'needs <string name="name" .../>')
+    if p.number("scale", 1.0) != 1.0:
+        text = "is not covered: vertex colours are shown as they are"
+        context.report.not_covered(p.named["scale"], text, "1 is taken")
+    p.finish()
+    return draft.data
+
+
 def _uv_steps(draft: Draft) -> list[Data]:
     """Steps from the surface's coordinates to the texture's, one matrix at most."""
     p = draft.properties
@@ -166,4 +181,5 @@ def _uv_steps(draft: Draft) -> list[Data]:
 COVERED: dict[str, Callable[[Context, Element, str], Data]] = {
     "bitmap": _bitmap,
     "checkerboard": _checkerboard,
+    "mesh_attribute": _mesh_attribute,
 }

@@ -1,0 +1,195 @@
+"""The end of a render on the command line: pictures, the last lines, and ways to go on."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from alight.cli.interrupts import cancelling
+from alight.cli.reporting import warn
+from alight.core.errors import AlightError, OutputError
+
+if TYPE_CHECKING:
+    from alight.films import Film
+    from alight.outputs.tone_mapping import Display
+
+
+@dataclass(frozen=True)
+class Results:
+    """What is to be written when the render ends.
+
+    Parameters
+    ----------
+    outputs : list of Path
+        Pictures, and ``.alight`` files for the film itself; at least one.
+    display : Display
+        For display formats.
+    stats : Path or None
+        JSON file.
+    checkpoint : Path or None
+        File that the render can be resumed from.
+    quiet : bool
+    warnings : list of str
+        Given already; for `stats`.
+    """
+
+    outputs: list[Path]
+    display: Display
+    stats: Path | None = None
+    checkpoint: Path | None = None
+    quiet: bool = False
+    warnings: Sequence[str] = ()
+
+    def check(self) -> None:
+        """Refuse files that cannot be written, before any time is spent.
+
+        Raises
+        ------
+        OutputError
+        """
+        from alight.films.storage import is_film_file
+        from alight.outputs.atomic import check_folder
+        from alight.outputs.image import check_writable
+
+        for path in self.outputs:
+            (check_folder if is_film_file(path) else check_writable)(path)
+        if self.stats is not None:
+            check_folder(self.stats)
+
+
+def run_and_finish(render: Callable[..., Film], results: Results, time_limit: float | None) -> None:
+    """Render until the end or a signal, with a progress bar, and write what there is.
+
+    Parameters
+    ----------
+    render : callable
+        Takes `progress` and `cancel`, as `alight.render` does.
+    results : Results
+    time_limit : float or None
+        For the progress bar.
+
+    Raises
+    ------
+    typer.Exit
+        After a signal.
+    OutputError
+        If a picture cannot be written; where the samples are then is said.
+    """
+    from alight.cli.progress import ProgressBar
+
+    begin, cancel = time.perf_counter(), threading.Event()
+    film, stopped = None, False
+    with ProgressBar(results.quiet, time_limit) as bar, cancelling(cancel, bar) as interruption:
+        try:
+            film = render(progress=bar, cancel=cancel)
+        except KeyboardInterrupt:
+            stopped = True
+        except AlightError:
+            raise
+        except Exception:
+            # Out of memory, or a bug of ours: the samples are no worse for it.
+            _save_partial(bar.film, results)
+            raise
+    if stopped or cancel.is_set():
+        _save_partial(film or bar.film, results)
+        raise typer.Exit(interruption.exit_code)
+    assert film is not None
+    try:
+        _finish(film, results, time.perf_counter() - begin)
+    except OutputError as error:
+        raise OutputError(f"{error}\n{_rescue(film, results)}") from error
+
+
+def _save_partial(film: Film | None, results: Results) -> None:
+    """Write an interrupted picture beside its target, which stays as it is."""
+    if film is None or not film.sample_count.any():
+        typer.echo("stopped before the first samples; nothing was written", err=True)
+    else:
+        target = results.outputs[0]
+        try:
+            path = film.save(target.with_name(f"{target.stem}.partial.exr"))
+            typer.echo(f"stopped at {film.spp:.3g} spp; what there is is in {path}", err=True)
+        except OutputError as error:
+            typer.echo(f"stopped at {film.spp:.3g} spp; {error}", err=True)
+    if results.checkpoint is not None and results.checkpoint.exists():
+        typer.echo(f"to go on: {_command('resume', results.checkpoint)}", err=True)
+
+
+def _finish(film: Film, results: Results, seconds: float) -> None:
+    """Write the files and say what they are."""
+    from alight.cli.summary import statistics_of, summary_lines, warnings_of, write_json
+
+    write_outputs(film, results.outputs, results.display)
+    error = film.relmse_estimate()
+    found = warnings_of(film)
+    for warning in found:
+        warn(warning)
+    if results.stats is not None:
+        warnings = [*results.warnings, *found]
+        write_json(results.stats, statistics_of(film, error, results.outputs, warnings))
+    if not results.quiet:
+        for line in summary_lines(film, error, seconds):
+            typer.echo(line)
+        for path in results.outputs:
+            typer.echo(f"{_kind(path)}: {path}")
+        if results.checkpoint is not None:
+            typer.echo(f"checkpoint: {results.checkpoint}")
+
+
+def write_outputs(film: Film, outputs: Sequence[Path], display: Any) -> None:
+    """Write the pictures, and the film where the suffix says so.
+
+    Raises
+    ------
+    OutputError
+        If one cannot be written; the others before it are.
+    """
+    from alight.films.storage import is_film_file, save_film
+    from alight.outputs.image import write_image
+
+    for path in outputs:
+        if is_film_file(path):
+            save_film(path, film)
+        else:
+            write_image(
+                path, film, exposure=display.exposure, tone_map=display.tone_map, bits=display.bits
+            )
+
+
+def _kind(path: Path) -> str:
+    from alight.films.storage import is_film_file
+
+    return "film" if is_film_file(path) else "picture"
+
+
+def _rescue(film: Film, results: Results) -> str:
+    """Say where the samples of a picture are that cannot be written; put them there if need be."""
+    if results.checkpoint is not None and not _failure(film):
+        again = _command(
+            "resume", results.checkpoint, "-o", f"ELSEWHERE{results.outputs[0].suffix}"
+        )
+        return f"nothing is lost, all samples are in {results.checkpoint}; to write them: {again}"
+    path = Path(tempfile.gettempdir()) / f"alight-{os.getpid()}.alight"
+    try:
+        film.save(path)
+    except OutputError as error:
+        return f"the samples could not be kept either: {error}"
+    again = _command("merge", path, "-o", f"ELSEWHERE{results.outputs[0].suffix}")
+    return f"nothing is lost, all samples are in {path}; to write them: {again}"
+
+
+def _failure(film: Film) -> str | None:
+    return film.stats.get("checkpoint", {}).get("failure")
+
+
+def _command(name: str, *arguments: object) -> str:
+    return " ".join(["alight", name, *(shlex.quote(str(argument)) for argument in arguments)])

@@ -1,0 +1,47 @@
+"""``alight merge``: films of different samples of one picture become one film, exactly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from alight.cli import arguments
+
+
+def merge(
+    films: Annotated[
+        list[Path], typer.Argument(help="Film files (.alight) and checkpoints, in any order.")
+    ],
+    output: Annotated[
+        list[Path],
+        typer.Option(
+            "-o", "--output", help="Picture, or film (.alight) to merge again. May be repeated."
+        ),
+    ],
+    exposure: arguments.Exposure = 0.0,
+    tone_map: arguments.ToneMap = "none",
+    bits: arguments.Bits = 8,
+    quiet: arguments.Quiet = False,
+) -> None:
+    """Add films of different samples of the same picture; one film alone is only converted."""
+    from alight.cli.finishing import Results, write_outputs
+    from alight.cli.reporting import warn
+    from alight.cli.summary import error_line, warnings_of
+    from alight.outputs.tone_mapping import Display
+    from alight.rendering import merge as merge_films
+
+    display = Display(exposure, tone_map, bits)
+    Results(output, display).check()
+    film = merge_films(*films)
+    write_outputs(film, output, display)
+    for warning in warnings_of(film):
+        warn(warning)
+    if not quiet:
+        _, _, w, h = film.crop
+        count = "1 film" if len(films) == 1 else f"{len(films)} films"
+        typer.echo(f"{count}, {w}x{h} pixels, {film.spp:g} spp")
+        typer.echo(error_line(film.relmse_estimate()))
+        for path in output:
+            typer.echo(f"written: {path}")

@@ -1,0 +1,121 @@
+"""Where the light of a path comes from: a log of every contribution, beside the picture.
+
+A pass of its own over the same samples as the picture's, as for AOVs (`alight.integrators.aov`):
+the path tracer's own text, which also calls the kernels below wherever it adds to the radiance of a
+path. Programs without this pass have not an instruction of it.
+
+A contribution is one product of throughput, radiance and weight. It is known by the length of its
+path in edges (`depth`), by how its light was found, by the light, and by the material that the
+camera's ray met first.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections import namedtuple
+
+from alight.core.jit import kernel
+from alight.core.registry import Models
+from alight.core.simd import (
+    LANES,
+    lanes_u32,
+    load_lanes,
+    local_floats,
+    local_uints,
+    mask_bits,
+    minimum_u32,
+    store_lanes,
+    trailing_zeros,
+    where,
+)
+from alight.integrators.walk import LIGHT_CHOICE, vertex_dimension
+from alight.lights.sampling import choose_light
+from alight.lights.tables import INFO as LIGHT_INFO
+from alight.samplers.sampling import get_1d
+
+#: Name of this pass in the place of an integrator's, and of the option that names the integrator.
+PASS, RECORDED = "contributions", "recorded"
+
+#: words: four u32 a contribution (see `FIELDS`); values: red, green, blue; count: [contributions so
+#: far, those for which there was no room too]; first: a u32 a lane, number of the first material.
+Log = namedtuple("Log", "words values count first")
+
+#: What the words hold: y and x; replicate and depth (16 bits each); light + 1; how the light was
+#: found and number of the first material + 1.
+FIELDS = 4
+HALF = 16
+
+#: How light is found: at the end of the camera's ray, by a direction that the BSDF chose, by one
+#: that a delta lobe chose (lights cannot be sampled for it), by sampling the lights.
+SEEN, BY_BSDF, BY_DELTA, BY_LIGHT = range(4)
+
+
+def can_record(integrator: str) -> bool:
+    """Whether an integrator reports its contributions: the path tracer and what is made of it."""
+    return "record" in inspect.signature(Models("integrators")[integrator].step).parameters
+
+
+def step(program):
+    """The step of the integrator that the option `RECORDED` names, with a log of what it adds."""
+    integrator = Models("integrators")[program.option(RECORDED)]
+    return integrator.step(program, record=(meet, find, leave, sample))
+
+
+@kernel
+def meet(scene, surface, depth):
+    """Note the material that the camera's rays meet; 0 stands for none."""
+    first = load_lanes(scene.log.first, 0)
+    store_lanes(scene.log.first, 0, where(depth == 1, surface.bsdf + 1, first))
+
+
+@kernel
+def find(scene, path, light, depth, mask, value):
+    """Log light that the rays came upon; `light` is its number + 1."""
+    how = where(path.delta, lanes_u32(BY_DELTA), lanes_u32(BY_BSDF))
+    how = where(depth == 1, lanes_u32(SEEN), how)
+    first = where(depth == 1, lanes_u32(0), load_lanes(scene.log.first, 0))
+    write(scene.log, path, light, depth, how, first, mask, value)
+
+
+@kernel
+def leave(scene, path, depth, mask, value):
+    """Log light of the environment, which is the last light, where rays left the scene."""
+    last = lanes_u32(scene.lights.info.size // LIGHT_INFO)
+    find(scene, path, last, depth, mask, value)
+
+
+@kernel
+def sample(scene, path, depth, mask, value):
+    """Log light that light sampling found from the vertex at the end of edge number `depth`."""
+    choice = vertex_dimension(depth) + LIGHT_CHOICE
+    index, _, _ = choose_light(scene, get_1d(path.sampler, choice))
+    light = lanes_u32(0) + index + 1
+    first = load_lanes(scene.log.first, 0)
+    write(scene.log, path, light, depth + 1, lanes_u32(BY_LIGHT), first, mask, value)
+
+
+@kernel
+def write(log, path, light, depth, how, first, mask, value):
+    """Append what is not black, lane by lane."""
+    words, values = local_uints(64), local_floats(48)
+    store_lanes(words, 0, (path.sampler.y << HALF) | path.sampler.x)
+    short = minimum_u32(depth, lanes_u32((1 << HALF) - 1))
+    store_lanes(words, LANES, (path.sampler.scramble << HALF) | short)
+    store_lanes(words, 2 * LANES, light)
+    store_lanes(words, 3 * LANES, (how << HALF) | first)
+    store_lanes(values, 0, value.x)
+    store_lanes(values, LANES, value.y)
+    store_lanes(values, 2 * LANES, value.z)
+    # Not "> 0": filters with negative lobes weigh paths negatively.
+    bright = (value.x != 0.0) | (value.y != 0.0) | (value.z != 0.0)
+    bits = mask_bits(mask & bright)
+    while bits != 0:
+        lane = trailing_zeros(bits)
+        bits &= bits - 1
+        at = log.count[0]
+        log.count[0] = at + 1
+        if 3 * at < log.values.size:
+            for i in range(FIELDS):
+                log.words[FIELDS * at + i] = words[i * LANES + lane]
+            for i in range(3):
+                log.values[3 * at + i] = values[i * LANES + lane]

@@ -1,0 +1,160 @@
+"""Block means of pictures, and the test whether an arm's mean picture is the reference's.
+
+The test is that of `alight.metrics.comparison`: Welch's t of each block over the seeds, mapped to
+a z. Blocks are far larger than there, about 64 to a picture: over 16 seeds a small block that a few
+fireflies visit is nowhere near normal, and would be called biased for it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from alight.lab.decomposition import Moments
+from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
+from alight.lab.statistics import holm_adjusted, quantile
+from alight.metrics.comparison import PictureStatistics, compare_pictures
+from alight.metrics.relmse import Estimate
+from alight.metrics.statistics import welch
+
+#: Blocks of a picture, about.
+_BLOCKS = 64
+
+#: Family level at which an arm is called biased, over all arms of a scene.
+LEVEL = 0.01
+
+#: Seeds that stand for a variance that is known exactly.
+_MANY = 1e6
+
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+@dataclass
+class BlockMoments:
+    """Statistics of block luminances and channel means over pictures, one picture at a time.
+
+    Attributes
+    ----------
+    block : int
+        Pixels on the side.
+    blocks, channels : Moments
+    """
+
+    block: int
+    blocks: Moments
+    channels: Moments
+
+    @classmethod
+    def of(cls, rows: Iterable[np.ndarray], size: tuple[int, int]) -> BlockMoments:
+        """From what `block_row` gave for each picture."""
+        moments = cls(block_size(size), Moments(), Moments())
+        for row in rows:
+            moments.channels.add(row[:3])
+            moments.blocks.add(row[3:])
+        return moments
+
+    def statistics(self, size: tuple[int, int]) -> PictureStatistics:
+        """The same for `compare_pictures`."""
+        shape = (size[1] // self.block, size[0] // self.block)
+        return PictureStatistics(
+            self.blocks.count, self.block,
+            self.blocks.mean.reshape(shape), self.blocks.variance.reshape(shape),
+            self.channels.mean, self.channels.variance, np.zeros((0, 0, 3), np.float32),
+        )  # fmt: skip
+
+
+def block_size(size: tuple[int, int]) -> int:
+    """Pixels on the side of a block: 2 at least, the whole picture at most."""
+    width, height = size
+    wanted = max(2, round(math.sqrt(width * height / _BLOCKS)))
+    return max(1, min(wanted, width, height))
+
+
+def block_row(picture: np.ndarray) -> np.ndarray:
+    """Channel means (3), then the block luminances of a picture, as float64."""
+    height, width = picture.shape[:2]
+    block = block_size((width, height))
+    rows, columns = height // block, width // block
+    # What is left over at the right and lower edge belongs to no block.
+    inner = picture[: rows * block, : columns * block].astype(np.float64)
+    sums = inner.reshape(rows, block, columns, block, 3).mean(axis=(1, 3))
+    channels = picture.mean(axis=(0, 1), dtype=np.float64)
+    return np.concatenate([channels, (sums @ _LUMINANCE).ravel()])
+
+
+def exact_statistics(picture: np.ndarray, variance: np.ndarray | None) -> PictureStatistics:
+    """Statistics of a picture whose pixels' variance is known (or 0)."""
+    height, width = picture.shape[:2]
+    block = block_size((width, height))
+    row = block_row(picture)
+    noise = np.zeros_like(picture) if variance is None else variance
+    # Channels of a pixel share their paths: their errors add up as they are, not as squares.
+    luminance = (np.sqrt(np.maximum(noise, 0.0)) @ _LUMINANCE) ** 2
+    shape = (height // block, width // block)
+    inner = luminance[: shape[0] * block, : shape[1] * block]
+    sums = inner.reshape(shape[0], block, shape[1], block).sum(axis=(1, 3)) / block**4
+    channels = noise.sum(axis=(0, 1), dtype=np.float64) / (height * width) ** 2
+    return PictureStatistics(
+        _MANY, block, row[3:].reshape(shape), sums * _MANY, row[:3], channels * _MANY,
+        np.zeros((0, 0, 3), np.float32),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class RawTest:
+    """What one arm's comparison says before it is corrected over the arms."""
+
+    test: BiasTest
+    p_value: float
+
+
+def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics) -> RawTest:
+    """Block t-tests of an arm against the reference, and one p-value for all of them.
+
+    The p-value is the smallest of five (root mean square and largest of the blocks' z, three
+    channel means), times five (Bonferroni).
+    """
+    found = compare_pictures(arm, reference)
+    blocks = int(np.isfinite(found.z).sum())
+    # The mean of squares of B standard normal numbers has the standard deviation sqrt(2 / B).
+    excess = (found.rms**2 - 1.0) * math.sqrt(blocks / 2.0)
+    p_values = [0.5 * math.erfc(excess / math.sqrt(2.0)), *found.p_values.values()]
+    p = min(1.0, len(p_values) * min(p_values))
+    test = BiasTest(
+        arm.block, blocks, found.rms, found.rms_low, found.rms_high, found.largest,
+        _relative_differences(arm, reference), p, UNBIASED,
+    )  # fmt: skip
+    return RawTest(test, p)
+
+
+def _relative_differences(arm: PictureStatistics, ref: PictureStatistics) -> list[Estimate]:
+    result = []
+    for i in range(3):
+        a, b = float(arm.channel_mean[i]), float(ref.channel_mean[i])
+        variance = arm.channel_variance[i] / arm.count + ref.channel_variance[i] / ref.count
+        _, dof = welch(
+            arm.channel_mean[i], arm.channel_variance[i], arm.count,
+            ref.channel_mean[i], ref.channel_variance[i], ref.count,
+        )  # fmt: skip
+        if b == 0.0:
+            result.append(Estimate(math.nan, math.nan, math.nan))
+            continue
+        width = quantile(float(dof)) * math.sqrt(float(variance)) / abs(b)
+        result.append(Estimate(a / b - 1.0, a / b - 1.0 - width, a / b - 1.0 + width))
+    return result
+
+
+def judge(raw: list[RawTest], declared: list[bool]) -> list[BiasTest]:
+    """Correct the p-values over the arms of a scene (Holm) and say what each arm is."""
+    result = []
+    adjusted = holm_adjusted([one.p_value for one in raw])
+    for one, p, different in zip(raw, adjusted, declared, strict=True):
+        verdict = BIASED if p < LEVEL else UNBIASED
+        if different and p < LEVEL:
+            verdict = DIFFERENT
+        values = {**vars(one.test), "p_value": p, "verdict": verdict}
+        result.append(BiasTest(**values))
+    return result

@@ -1,0 +1,127 @@
+"""Rendering one replicate of an arm: pictures along its ladder, and what each costs.
+
+Time is CPU time of all threads while samples are rendered and added to the film: it does not grow
+because something else runs on the machine, and loading, compiling and statistics are not in it.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from alight.compiled.scene import CompiledScene
+from alight.films import CELL_SIZE, Film
+from alight.integrators.walk import make_settings
+from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles import tiles_of
+
+
+class Rung(NamedTuple):
+    """A picture at one step of the ladder.
+
+    Attributes
+    ----------
+    spp : int
+    seconds : float
+        CPU time since the first sample.
+    picture : ndarray of float32, shape (h, w, 3)
+        Mean of all samples so far.
+    invalid : int
+        Samples so far that were NaN or infinite.
+    """
+
+    spp: int
+    seconds: float
+    picture: np.ndarray
+    invalid: int
+
+
+def compiled_kernels(scene: CompiledScene) -> Kernels:
+    """The kernels of a scene, run once without a sample so that machine code is there."""
+    kernels = make_kernels(scene)
+    tile = tiles_of(_film(scene, 0, 1).crop)[0]
+    settings = make_settings(scene.integrator, seed=0, replicates=1)
+    render_tile(kernels, scene, settings, tile, _ranges(tile, 0, 0))
+    return kernels
+
+
+def render_ladder(
+    scene: CompiledScene,
+    kernels: Kernels,
+    replicates: int,
+    seed: int,
+    ladder: Sequence[int],
+    threads: int,
+) -> Iterator[Rung]:
+    """Render with one seed up to the last step, stopping for a look at each.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    kernels : Kernels
+    replicates : int
+        R of the film.
+    seed : int
+    ladder : sequence of int
+        Rising numbers of samples per pixel.
+    threads : int
+    """
+    film = _film(scene, seed, replicates)
+    settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
+    tiles = tiles_of(film.crop)
+    done, seconds = 0, 0.0
+
+    def work(tile: Tile, first: int, count: int) -> None:
+        ranges = _ranges(tile, first, count)
+        partial, _ = render_tile(kernels, scene, settings, tile, ranges, _scratch())
+        film.add_tile(partial)
+
+    pool = _pool(threads)
+    for spp in ladder:
+        begin = time.process_time()
+        futures = [pool.submit(work, tile, done, spp - done) for tile in tiles]
+        try:
+            for future in futures:
+                future.result()
+        except BaseException:
+            # Ctrl-C: what has not begun need not begin.
+            for future in futures:
+                future.cancel()
+            raise
+        seconds += time.process_time() - begin
+        done = spp
+        yield Rung(spp, seconds, film.mean[..., :3].astype(np.float32), film.invalid)
+
+
+def _film(scene: CompiledScene, seed: int, replicates: int) -> Film:
+    return Film(*scene.size, crop=scene.crop, replicates=replicates, seed=seed)
+
+
+def _ranges(tile: Tile, first: int, count: int) -> np.ndarray:
+    """The same (first, count) for every 8x8 cell that a tile touches."""
+    rows = -(-tile.y1 // CELL_SIZE) - tile.y0 // CELL_SIZE
+    columns = -(-tile.x1 // CELL_SIZE) - tile.x0 // CELL_SIZE
+    return np.tile(np.array([first, count], np.int64), (rows, columns, 1))
+
+
+@lru_cache(maxsize=1)
+def _pool(threads: int) -> ThreadPoolExecutor:
+    """The threads of all replicates: they keep their memory from one to the next."""
+    return ThreadPoolExecutor(threads)
+
+
+_LOCAL = threading.local()
+
+
+def _scratch() -> Scratch:
+    """The memory of this thread."""
+    if not hasattr(_LOCAL, "scratch"):
+        _LOCAL.scratch = Scratch()
+    return _LOCAL.scratch

@@ -1,0 +1,170 @@
+"""`run_study`: the one entry of the laboratory."""
+
+from __future__ import annotations
+
+import datetime
+import math
+import os
+import platform
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import alight
+from alight.core.errors import OutputError
+from alight.core.machine import fingerprint, lanes_of_machine
+from alight.lab.pictures import QUICK_REPLICATES, Session, StudyProgress, run_scene
+from alight.lab.results import SceneResult, StudyResult, TableResult, save
+from alight.lab.store import Store
+from alight.lab.study import Study
+from alight.lab.study_file import load_study, ready_names
+from alight.rendering.main_loop import usable_processors
+
+#: Name of the results file in a study's folder.
+STORE = "results.sqlite"
+
+
+def run_study(
+    study: Study | str | Path,
+    folder: str | Path,
+    *,
+    quick: bool = False,
+    threads: int | None = None,
+    progress: Callable[[StudyProgress], None] | None = None,
+) -> StudyResult:
+    """Run a study, or what is left of it, and write its results.
+
+    Parameters
+    ----------
+    study : Study, path or name of a ready study
+    folder : path
+        For ``results.sqlite``, ``results.json`` and ``results.npz``; made if it does not exist.
+    quick : bool
+        Smaller pictures, fewer samples and replicates, hence wider intervals.
+    threads : int, optional
+        All processors that this process may use by default.
+    progress : callable, optional
+        Called with a `StudyProgress` from time to time.
+
+    Returns
+    -------
+    StudyResult
+
+    Raises
+    ------
+    AlightError
+        For a study that is wrong, an arm without noise, a reference with too much, or a full disk.
+        What was measured is kept, and the same call goes on from there.
+    """
+    study = (study if isinstance(study, Study) else load_study(study)).checked()
+    # Ready studies have a name instead of a path.
+    named = study.name if study.name in ready_names() else study.file or study.name
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot write {folder}: {error.strerror}") from error
+    begin = time.perf_counter()
+    with Store(folder / STORE) as store:
+        session = Session(
+            study, store, quick, threads or usable_processors(), progress or (lambda _: None)
+        )
+        scenes, curves, tables = [], [], []
+        if study.kind == "integrals":
+            from alight.lab.integrals import run_integrals
+
+            curves, tables = run_integrals(session)
+        elif study.kind == "acceleration":
+            from alight.lab.acceleration import run_acceleration
+
+            curves, tables = run_acceleration(session)
+        else:
+            scenes = [run_scene(session, scene) for scene in study.scenes]
+            tables = variance_ratios(scenes, study.settings.get("variance_ratios", {}))
+    session.seconds["wall"] = time.perf_counter() - begin
+    result = StudyResult(
+        name=study.name,
+        title=study.title or study.name,
+        description=study.description,
+        teaches=study.teaches,
+        command=f"alight study {named}{' --quick' if quick else ''}",
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        quick=quick,
+        replicates=min(study.replicates, QUICK_REPLICATES) if quick else study.replicates,
+        seed=study.seed,
+        machine=machine(session.threads),
+        versions=versions(),
+        seconds=session.seconds,
+        scenes=scenes,
+        curves=curves,
+        tables=tables,
+    )
+    save(result, folder)
+    return result
+
+
+def variance_ratios(
+    scenes: list[SceneResult], expected: Mapping[str, Mapping[str, float]]
+) -> list[TableResult]:
+    """Measured variances over the baseline's beside those that theory gives.
+
+    Parameters
+    ----------
+    scenes : list of SceneResult
+    expected : mapping of str to mapping of str to float
+        By scene and arm.
+    """
+    rows = []
+    for scene in scenes:
+        base = next(arm for arm in scene.arms if arm.is_baseline).samples[-1].variance
+        for arm in scene.arms:
+            if arm.name in expected.get(scene.name, {}):
+                mine = arm.samples[-1].variance
+                ratio = mine.value / base.value
+                # Independent arms: relative widths add up as squares.
+                low = math.hypot(1.0 - mine.low / mine.value, base.high / base.value - 1.0)
+                high = math.hypot(mine.high / mine.value - 1.0, 1.0 - base.low / base.value)
+                interval = [ratio, ratio * (1.0 - low), ratio * (1.0 + high)]
+                rows.append([scene.label, arm.label, interval, expected[scene.name][arm.name]])
+    if not rows:
+        return []
+    columns = ["scene", "arm", "measured", "analytic"]
+    text = "Variance at equal samples over the baseline's, and the value that theory gives."
+    return [TableResult("variance-ratios", "Ratios of variances", text, columns, rows)]
+
+
+def machine(threads: int) -> dict[str, str]:
+    """What the times were measured on."""
+    import llvmlite.binding as llvm
+
+    return {
+        "processor": _processor(),
+        "architecture": llvm.get_host_cpu_name(),
+        "processors": str(os.cpu_count() or 0),
+        "threads": str(threads),
+        "lanes": str(lanes_of_machine()),
+        "system": f"{platform.system()} {platform.release()}",
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that decides the numbers."""
+    import numba
+    import numpy as np
+
+    return {
+        "alight": alight.__version__,
+        "kernels": fingerprint(),
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "numba": numba.__version__,
+    }

@@ -1,0 +1,1 @@
+"""The ready studies, one file each; the numbers order them."""

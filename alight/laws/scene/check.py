@@ -1,0 +1,101 @@
+"""`check_scene`: all laws for all parts of a scene, at one false alarm rate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from alight.compiled.scene import compile_scene
+from alight.core.errors import OptionError, unknown_name
+from alight.core.spec import Bsdf
+from alight.integrators.contributions import can_record
+from alight.laws.scene.findings import Finding, Verdict
+from alight.laws.scene.lights import check_lights
+from alight.laws.scene.materials import check_materials
+from alight.laws.scene.numbers import check_numbers, check_paths
+from alight.laws.scene.pictures import check_accelerators, check_strategies, integrator_of, small
+from alight.scene import Scene, flatten
+from alight.scene.flatten import FlatScene
+
+#: What is looked at, in this order.
+PARTS = ("materials", "lights", "numbers", "paths", "pictures", "accelerators")
+
+#: Probability that a scene without a bug fails.
+LEVEL = 0.01
+
+
+def check_scene(
+    scene: Scene,
+    *,
+    level: float = LEVEL,
+    seed: int = 0,
+    only: Sequence[str] = PARTS,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Verdict:
+    """Test everything that a scene uses against the laws of light transport.
+
+    Parameters
+    ----------
+    scene : Scene
+    level : float, default 0.01
+        Probability that a scene without a bug fails any of the tests with a p-value.
+    seed : int, default 0
+        Other random numbers, another test.
+    only : sequence of str
+        Some of `PARTS`, all by default.
+    progress : callable, optional
+        Is told in words what runs next.
+
+    Returns
+    -------
+    Verdict
+        True if nothing failed.
+
+    Raises
+    ------
+    AlightError
+        If the scene cannot be rendered, or a part has no such name.
+    """
+    for name in only:
+        if name not in PARTS:
+            raise OptionError("only: " + unknown_name("part", name, PARTS))
+    return Verdict(tuple(_findings(scene, seed, only, progress)), level)
+
+
+def _findings(
+    scene: Scene, seed: int, only: Sequence[str], say: Callable[[str], None]
+) -> Iterator[Finding]:
+    say("reading the scene")
+    flat = flatten(small(scene, integrator_of(scene)))
+    compiled = compile_scene(flat, structure="list")
+    if "materials" in only:
+        say("materials")
+        yield from check_materials(material_names(scene, flat), seed)
+    if "lights" in only and scene.integrator.needs_light:
+        say("lights")
+        yield from check_lights(flat, compiled, seed)
+    if "numbers" in only:
+        say("random numbers")
+        yield from check_numbers(scene.sampler, seed)
+    if "paths" in only and can_record(compiled.program.integrator):
+        say("paths")
+        yield from check_paths(compiled, seed)
+    if "pictures" in only:
+        yield from check_strategies(scene, seed, say)
+    if "accelerators" in only:
+        yield from check_accelerators(scene, seed, say)
+
+
+def material_names(scene: Scene, flat: FlatScene) -> dict[str, Bsdf]:
+    """The different materials in use, by their names in the scene or by model and shape."""
+    users: dict[int, str] = {}
+    for shape in flat.shapes:
+        users.setdefault(shape.bsdf, shape.name)
+    named: dict[int, str] = {}
+    for _, _, node in scene.walk():
+        if isinstance(node.bsdf, str):
+            named.setdefault(hash(scene.bsdfs[node.bsdf]), node.bsdf)
+    found: dict[str, Bsdf] = {}
+    for index, bsdf in enumerate(flat.bsdfs):
+        name = named.get(hash(bsdf)) or f"{bsdf.type_name()} of {users.get(index, index)}"
+        found[name if name not in found else f"{name} ({index})"] = bsdf
+    return found

@@ -1,0 +1,101 @@
+"""What the check of a scene found, and which of it counts when many laws are tested at once.
+
+Laws with a p-value form one family: Holm's step-down correction (Holm 1979) keeps the probability
+that a scene without a bug fails any of them at the level. Laws without one hold or do not hold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One law for one part of the scene.
+
+    Attributes
+    ----------
+    part : str
+        Of the scene, as ``material white`` or ``picture``.
+    law : str
+        In words.
+    p : float or None
+        Probability of so bad a value where the law holds; None for laws without chance in them, and
+        for what could not be judged.
+    holds : bool or None
+        For laws without a p-value; None where the law could not be judged.
+    detail : str
+        Figures, or why it was not judged.
+    pictures : dict of str to ndarray, shape (h, w, 3)
+        To be looked at if the law does not hold: linear pictures, and ``z`` of shape (h, w).
+    """
+
+    part: str
+    law: str
+    p: float | None = None
+    holds: bool | None = None
+    detail: str = ""
+    pictures: dict[str, np.ndarray] = field(default_factory=dict, repr=False, compare=False)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All findings about a scene.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+    level : float
+        Probability that a scene without a bug fails.
+    """
+
+    findings: tuple[Finding, ...]
+    level: float
+
+    @property
+    def corrected(self) -> tuple[float | None, ...]:
+        """Holm's adjusted p-value of each finding; None where it has none."""
+        tested = [i for i, finding in enumerate(self.findings) if finding.p is not None]
+        adjusted = adjusted_by_holm([self.findings[i].p or 0.0 for i in tested])
+        found: list[float | None] = [None] * len(self.findings)
+        for i, p in zip(tested, adjusted, strict=True):
+            found[i] = p
+        return tuple(found)
+
+    @property
+    def failures(self) -> tuple[Finding, ...]:
+        """Those that do not hold."""
+        return tuple(
+            finding
+            for finding, p in zip(self.findings, self.corrected, strict=True)
+            if finding.holds is False or (p is not None and p <= self.level)
+        )
+
+    @property
+    def ok(self) -> bool:
+        """Whether all hold."""
+        return not self.failures
+
+    def __bool__(self) -> bool:
+        """As `ok`."""
+        return self.ok
+
+
+def adjusted_by_holm(p_values: list[float]) -> list[float]:
+    """Holm's adjusted p-values: a hypothesis falls at a level if its value is not above it.
+
+    Examples
+    --------
+    >>> adjusted_by_holm([0.01, 0.5, 0.02])
+    [0.03, 0.5, 0.04]
+    """
+    order = sorted(range(len(p_values)), key=lambda i: p_values[i])
+    adjusted, largest = [0.0] * len(p_values), 0.0
+    for rank, i in enumerate(order):
+        # A smaller p-value never gets a larger adjusted one; a NaN is as bad as 0.
+        p = p_values[i] if p_values[i] == p_values[i] else 0.0
+        largest = max(largest, min(1.0, (len(p_values) - rank) * p))
+        adjusted[i] = largest
+    return adjusted

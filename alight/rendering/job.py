@@ -1,0 +1,283 @@
+"""A job: a compiled scene, its kernels, the films, and a schedule that says what comes next."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import alight
+from alight.compiled.scene import CompiledScene
+from alight.core.machine import fingerprint
+from alight.films import Film
+from alight.integrators.walk import make_settings
+from alight.rendering.options import AOVS
+from alight.rendering.passes import Work, ranges_of
+from alight.rendering.resources import peak_memory_mb
+from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.tile import Scratch, make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles import tiles_of
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a render is.
+
+    Attributes
+    ----------
+    phase : {"compile", "render"}
+    done_samples, total_samples : int
+        Samples of all pixels; the total is 0 where a time limit or a rule decides.
+    seconds : float
+        Of rendering, those before a resumed checkpoint too.
+    film : Film or None
+        May be read at any time.
+    """
+
+    phase: str
+    done_samples: int
+    total_samples: int
+    seconds: float
+    film: Film | None
+
+
+def seed_of_round(seed: int, round: int) -> int:
+    """Random numbers of a round's film: those of two rounds are independent, for every sampler.
+
+    Later samples of a sequence are not: they fill what its earlier ones left open.
+    """
+    return (seed + 0x9E3779B9 * round) % 2**32
+
+
+class JobState(NamedTuple):
+    """One moment of a job: all that going on with it needs, beside the scene.
+
+    Attributes
+    ----------
+    rounds : list of Film
+        Copies. Their cells say which samples they hold, so the moment may lie within a pass.
+    schedule : str
+        Name of its class.
+    schedule_state : dict
+        What the class makes it from again.
+    goal : Goal or None
+        What the schedule asked for last.
+    rays, samples : int
+    seconds : float
+        Of rendering.
+    time_limit : float or None
+        Of the whole render, in the same seconds.
+    """
+
+    rounds: list[Film]
+    schedule: str
+    schedule_state: dict[str, Any]
+    goal: Goal | None
+    rays: int
+    samples: int
+    seconds: float
+    time_limit: float | None
+
+
+class Job:
+    """One render: what it works with and what has been rendered so far.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    schedule : Schedule
+    seed, threads, replicates : int
+
+    Attributes
+    ----------
+    time_limit : float or None
+        Start no pass after so many `seconds`.
+    """
+
+    def __init__(
+        self, scene: CompiledScene, schedule: Schedule, *, seed: int, threads: int, replicates: int
+    ) -> None:
+        self.scene, self.schedule, self.threads = scene, schedule, threads
+        self.seed, self.replicates = seed, replicates
+        self.settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
+        self.rounds = [self._new_film()]
+        self.goal: Goal | None = None
+        self.verdict: Verdict | None = None
+        self.time_limit: float | None = None
+        self.rays = self.samples = 0
+        self._earlier = 0.0
+        self._begin: float | None = None
+        self.tiles = tiles_of(self.rounds[0].crop)
+        # The pool keeps its threads from pass to pass, and they their memory.
+        self.local = threading.local()
+        self._lock = threading.Lock()
+
+    def _new_film(self, round: int = 0) -> Film:
+        scene = self.scene
+        return Film(
+            *scene.size,
+            crop=scene.crop,
+            replicates=self.replicates,
+            aovs={name: AOVS[name] for name in scene.program.aovs},
+            scene_hash=scene.content_hash,
+            seed=seed_of_round(self.seed, round),
+            options=dict(scene.integrator),
+            fingerprint=fingerprint(),
+            version=alight.__version__,
+        )
+
+    # ------------------------------------------------------------------------ saved and restored
+
+    def state(self, copy: bool = True) -> JobState:
+        """Give this moment, from the thread that runs the job.
+
+        Tiles may be rendered meanwhile; without a copy, none while the state is in use.
+        """
+        rounds = [film.snapshot() for film in self.rounds] if copy else list(self.rounds)
+        with self._lock:
+            rays, samples = self.rays, self.samples
+        schedule = self.schedule
+        return JobState(
+            rounds, schedule.name, schedule.state(), self.goal, rays, samples, self.seconds,
+            self.time_limit,
+        )  # fmt: skip
+
+    def restore(self, state: JobState, goal: Goal | None) -> None:
+        """Go on from a state: with its goal, or with None, to ask this job's own schedule."""
+        self.rounds, self.goal = list(state.rounds), goal
+        self.rays, self.samples, self._earlier = state.rays, state.samples, state.seconds
+
+    # ------------------------------------------------------------------------ progress
+
+    def start_clock(self) -> None:
+        """Rendering begins now."""
+        self._begin = time.perf_counter()
+
+    def stop_clock(self) -> None:
+        """Rendering has ended."""
+        self._earlier, self._begin = self.seconds, None
+
+    @property
+    def seconds(self) -> float:
+        """Of rendering so far, those before a restored state too."""
+        running = 0.0 if self._begin is None else time.perf_counter() - self._begin
+        return self._earlier + running
+
+    @property
+    def film(self) -> Film:
+        """The picture so far."""
+        return self.schedule.picture(self.rounds)
+
+    def progress(self) -> Progress:
+        """How far the job is."""
+        _, _, width, height = self.rounds[0].crop
+        total = round((self.schedule.total_spp or 0) * width * height)
+        return Progress("render", self.samples, total, self.seconds, self.film)
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Until the time limit, if there is one."""
+        return None if self.time_limit is None else self.time_limit - self.seconds
+
+    # ------------------------------------------------------------------------ rendering
+
+    def start(self, progress: Callable | None) -> None:
+        """Compile the kernel (or read it from the cache) by rendering no sample of one tile."""
+        if progress:
+            progress(Progress("compile", 0, 0, 0.0, None))
+        self.kernels = make_kernels(self.scene)
+        tile = self.tiles[0]
+        nothing = np.zeros((*self.rounds[0].cells.shape, 2), np.int64)
+        render_tile(self.kernels, self.scene, self.settings, tile, ranges_of(tile, nothing))
+
+    def next_work(self) -> Work | None:
+        """What to render now; None when the schedule has given its verdict."""
+        while True:
+            if self.goal is not None:
+                work = Work(self.goal, self.rounds[self.goal.round])
+                if work.left:
+                    return work
+            answer = self.schedule.next(self.rounds)
+            if isinstance(answer, Verdict):
+                self.verdict = answer
+                return None
+            self.goal = answer
+            if answer.round == len(self.rounds):
+                self.rounds.append(self._new_film(answer.round))
+
+    def end(self, word: str) -> None:
+        """Something else than the schedule ends the render: "time" or "cancelled"."""
+        self.verdict = self.schedule.cut_short(self.rounds, word)
+
+    def run_pass(
+        self,
+        pool: ThreadPoolExecutor,
+        ranges: np.ndarray,
+        cancel: threading.Event,
+        report: Callable[[], None],
+    ) -> None:
+        """Render (first, count) samples of each cell, shape (cells_y, cells_x, 2).
+
+        `report` is called after every tile.
+
+        Raises
+        ------
+        BaseException
+            Whatever a thread or `report` raised, once the tiles that ran are in the film.
+        """
+        assert self.goal is not None
+        film = self.rounds[self.goal.round]
+        settings = self.settings._replace(seed=film.seed)
+
+        def work(tile: Tile) -> None:
+            if cancel.is_set():
+                return
+            mine = ranges_of(tile, ranges)
+            if not mine[..., 1].any():
+                return
+            if not hasattr(self.local, "scratch"):
+                self.local.scratch = Scratch()
+            partial, rays = render_tile(
+                self.kernels, self.scene, settings, tile, mine, self.local.scratch
+            )
+            samples = int(partial.counts.sum())
+            film.add_tile(partial, self.kernels.add_rows)
+            with self._lock:
+                self.rays += rays
+                self.samples += samples
+
+        futures = [pool.submit(work, tile) for tile in self.tiles]
+        try:
+            for future in futures:
+                future.result()
+                report()
+        except BaseException:
+            # Tiles that run are finished and added; those that wait are dropped.
+            cancel.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+
+    def statistics(self, seconds: dict[str, float]) -> dict[str, Any]:
+        """Times, rates and memory of this render, of its parts before a checkpoint too."""
+        seconds = {**seconds, "render": self.seconds}
+        rate = self.samples / seconds["render"] / 1e6 if seconds["render"] > 0 else 0.0
+        _, _, width, height = self.rounds[0].crop
+        verdict = self.verdict or Verdict("cancelled")
+        return {
+            "seconds": {name: round(value, 6) for name, value in seconds.items()},
+            "spp": self.samples / (width * height),
+            "samples": self.samples,
+            "msamples_per_s": rate,
+            "rays": self.rays,
+            "threads": self.threads,
+            "peak_rss_mb": peak_memory_mb(),
+            "program": self.scene.program._asdict(),
+            "accelerator": self.scene.stats,
+            "verdict": {"word": verdict.word, "line": verdict.line, **verdict.figures},
+        }

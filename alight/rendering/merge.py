@@ -1,0 +1,72 @@
+"""Films of different samples of one picture, added exactly, in any order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+from alight.core.errors import FilmError
+from alight.films import Film, merging
+from alight.rendering.checkpoint import Stored, read_stored
+from alight.rendering.resume import listed
+from alight.rendering.schedule import Schedule
+from alight.scene.content import differences
+
+
+def merge(*sources: Film | str | os.PathLike[str]) -> Film:
+    """Make one film of the samples of all.
+
+    Parameters
+    ----------
+    *sources : Film or path
+        Films, film files and checkpoints of one picture, with different samples
+        (``first_sample``). The order does not matter.
+
+    Returns
+    -------
+    Film
+        Of rounds of adaptive renders, round k with round k, the picture that their schedule makes.
+
+    Raises
+    ------
+    AlightError
+        If a file cannot be read, two films hold the same samples, or they differ in scene,
+        options, seed, replicates, size, crop, channels or kernel fingerprint: the message names
+        the films and what differs.
+    """
+    parts = [_stored(source, number) for number, source in enumerate(sources, start=1)]
+    if not parts:
+        raise FilmError("nothing to merge: give at least one film")
+    first = parts[0]
+    for part in parts[1:]:
+        _check_scene(first, part)
+        if part.kind != first.kind:
+            raise FilmError(
+                f"cannot merge {part.name} with {first.name}: {part.kind}, not {first.kind}"
+            )
+    names = [part.name for part in parts]
+    rounds = [
+        merging.merge(same, names) for same in zip(*(part.films for part in parts), strict=True)
+    ]
+    return _picture(first.schedule, rounds)
+
+
+def _stored(source: Film | str | os.PathLike[str], number: int) -> Stored:
+    if isinstance(source, Film):
+        return Stored(f"film {number}", [source], None, {})
+    return read_stored(source)
+
+
+def _check_scene(first: Stored, part: Stored) -> None:
+    """Name the keys that differ, where both files know their scenes."""
+    if first.films[0].scene_hash == part.films[0].scene_hash:
+        return
+    changed = differences(first.content, part.content) if first.content and part.content else []
+    if changed:
+        raise FilmError(
+            f"cannot merge {part.name} with {first.name}: their scenes differ\n{listed(changed)}"
+        )
+
+
+def _picture(schedule: Schedule | None, rounds: Sequence[Film]) -> Film:
+    return rounds[0] if schedule is None else schedule.picture(rounds)

@@ -1,0 +1,173 @@
+"""What a promise will cost, predicted from a pilot.
+
+The pilot's relMSE is measured at three numbers of samples, each twice the last. Its slope in
+logarithms (-1 for independent samples, steeper for better ones) is carried on to the error that is
+asked for; the interval holds the doubt about the slope, the distance between two looks of the stop
+rule, and that of the time per sample.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self
+
+from alight.core.errors import OptionError
+from alight.films import Film
+from alight.metrics.relmse import Estimate
+from alight.rendering.main_loop import render
+from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.stopping import GROWTH, Promise, first_look, judge, next_look
+from alight.scene import Scene
+
+#: Samples per pixel of the pilot, in whole rounds of replicates.
+PILOT = (16, 32, 64)
+
+#: The slope is no flatter than that of independent samples, less what noise makes of it, and no
+#: steeper than that of the best samplers.
+_FLATTEST, _STEEPEST = 0.9, 2.0
+
+#: Doubt about the slope beside its noise (it flattens out where edges are left), and relative
+#: half-widths: of the time per sample, and of the stop rule's own noise.
+_SLOPE_DOUBT, _TIME_DOUBT, _RULE_DOUBT = 0.08, 0.25, 0.06
+
+
+@dataclass
+class Pilot(Schedule):
+    """Looks at doubling numbers of samples, and at the processor's clock.
+
+    Attributes
+    ----------
+    seen : list of (spp, relRMSE that is not exceeded at 84 % minus estimate in logarithms, relMSE)
+    seconds : list of float
+        The processor's clock at the begin and at each look.
+    """
+
+    promise: Promise
+    seen: list[tuple[int, float, float]] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    need: float = math.inf
+    name: ClassVar[str] = "pilot"
+
+    def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
+        """The next number of samples, until all have been looked at."""
+        self.seconds.append(time.process_time())
+        film = rounds[0]
+        if len(self.seconds) > 1:
+            figure = film.relmse_estimate().figure
+            spread = math.log(math.sqrt(figure.quantile(0.841) / figure.value)) if (
+                figure.value > 0.0
+            ) else 0.0  # fmt: skip
+            self.seen.append((round(film.spp), 2.0 * spread, figure.value))
+            self.seconds[-1] = time.process_time()
+        if len(self.seen) == len(PILOT):
+            self.need = judge(film, self.promise, 8).factor
+            return Verdict("done")
+        spp = film.replicates * math.ceil(PILOT[len(self.seen)] / film.replicates)
+        return Goal.uniform(film, 0, spp)
+
+    def state(self) -> dict[str, Any]:
+        """Nothing: a pilot is too short to be saved."""
+        return {}
+
+    @classmethod
+    def restored(cls, state: dict[str, Any]) -> Self:
+        """Refuse: a pilot is too short to be saved."""
+        raise OptionError("a pilot cannot be resumed; start it again")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The predicted cost of a promise.
+
+    Attributes
+    ----------
+    spp, seconds : Estimate
+        Samples per pixel, and processor seconds of rendering (divide by the number of busy
+        threads for the time on the clock), each with a 95 % interval.
+    slope : Estimate
+        Of log(relMSE) against log(samples), negative.
+    pilot_error : float
+        relRMSE of the pilot.
+    pilot_spp : int
+    """
+
+    spp: Estimate
+    seconds: Estimate
+    slope: Estimate
+    pilot_error: float
+    pilot_spp: int
+
+
+def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
+    """Predict what `promise` will cost.
+
+    Parameters
+    ----------
+    scene : Scene, path or name of a built-in scene
+    promise : Promise
+    **options
+        `seed`, `threads`, `replicates` and `cancel` of `alight.render`.
+
+    Raises
+    ------
+    OptionError
+        If the pilot has seen no light, so that nothing can be said.
+    """
+    pilot = Pilot(promise)
+    film = render(scene, schedule=pilot, **options)
+    if not pilot.seen or not math.isfinite(pilot.seen[-1][2]):
+        raise OptionError("error: the pilot has seen no light; nothing can be predicted")
+    return plan_of(pilot, film.replicates)
+
+
+def plan_of(pilot: Pilot, replicates: int) -> Plan:
+    """Work out the cost from what a pilot has seen."""
+    spp, _, relmse = pilot.seen[-1]
+    rate = (pilot.seconds[-1] - pilot.seconds[0]) / spp
+    if relmse == 0.0:
+        first = float(first_look(replicates))
+        seconds = Estimate(*(first * rate * f for f in (1.0, 1.0 - _TIME_DOUBT, 2.0)))
+        return Plan(Estimate(first, first, first), seconds, Estimate(0.0, 0.0, 0.0), 0.0, spp)
+    slope = _slope(pilot.seen)
+    # Times the pilot's samples that independent samples would need.
+    gap = math.log(pilot.need) if pilot.need > 1.0 else math.log(_gap(pilot))
+    needs = [spp * math.exp(gap / s) for s in slope]
+    if gap < 0.0:
+        # A steeper slope leads to more samples on the way back.
+        needs = [needs[0], needs[2], needs[1]]
+    middle = needs[0] * math.sqrt(GROWTH)
+    low = _look_after(min(needs) * (1.0 - _RULE_DOUBT), replicates)
+    high = next_look(_look_after(max(needs) * (1.0 + _RULE_DOUBT), replicates) - 1, replicates)
+    estimate = Estimate(min(max(middle, low), high), float(low), float(high))
+    seconds = Estimate(
+        estimate.value * rate, low * rate * (1.0 - _TIME_DOUBT), high * rate * (1.0 + _TIME_DOUBT)
+    )
+    shown = Estimate(-slope.value, -slope.high, -slope.low)
+    return Plan(estimate, seconds, shown, math.sqrt(relmse), spp)
+
+
+def _gap(pilot: Pilot) -> float:
+    """The pilot's relMSE over the one that is asked for, where the promise is already kept."""
+    return max(pilot.seen[-1][2] / pilot.promise.error**2, 1e-6)
+
+
+def _slope(seen: Sequence[tuple[int, float, float]]) -> Estimate:
+    """Slope with its interval, from the first and the last point."""
+    (n0, spread0, e0), (n1, spread1, e1) = seen[0], seen[-1]
+    steps = math.log(n1 / n0)
+    slope = math.log(e0 / e1) / steps if e0 > 0.0 else 1.0
+    doubt = 1.96 * math.hypot(math.hypot(spread0, spread1) / steps, _SLOPE_DOUBT)
+    value = min(max(slope, _FLATTEST), _STEEPEST)
+    low, high = max(slope - doubt, _FLATTEST), min(slope + doubt, _STEEPEST)
+    return Estimate(value, min(low, value), max(high, value))
+
+
+def _look_after(spp: float, replicates: int) -> int:
+    """Find the first look of the stop rule at or after `spp`."""
+    look = first_look(replicates)
+    while look < spp and look < 2**40:
+        look = next_look(look, replicates)
+    return look

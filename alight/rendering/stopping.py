@@ -1,0 +1,285 @@
+"""Stopping at an error: what is promised, when one looks, and what can be said at the end.
+
+A look at a film asks for the error that the true one does not exceed, with a confidence of which
+each look spends its part: looks may then be as many as they like (alpha spending; Lan and DeMets
+1983, "Discrete sequential boundaries for clinical trials"). Light that has hardly been seen yet is
+in no error estimate, so there is a second figure, the unseen energy, which has to be as small.
+`docs/known-error.md` has how often the promise was kept.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from alight.core.errors import OptionError
+from alight.films import CELL_SIZE, Film
+from alight.metrics.own_error import estimate_relmse
+
+#: Samples per pixel at the first look, and their growth from look to look.
+FIRST_LOOK, GROWTH = 16, 1.25
+
+#: With no event among N samples, its probability is below 3 / N with 95 % confidence.
+_RULE_OF_THREE = 3.0
+
+#: A pixel's own variance has R - 1 degrees of freedom; that of its cell counts as so many more, so
+#: that R = 4 gives Student's distribution with 8.
+_CELL_FREEDOM = 5.0
+
+#: Two-sided 99 % of a normal distribution, for the share of the pixels.
+_Z = 2.576
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What a picture shall be when its render ends.
+
+    Parameters
+    ----------
+    error : float
+        Largest relRMSE, or under "pixel" the largest error of a pixel over max(pixel, 0.1 times
+        the mean of the picture); in (0, 10].
+    confidence : float, default 0.95
+        Of the statement that it is.
+    metric : {"relrmse", "pixel"}
+    share : float, default 0.95
+        Of the pixels (and channels) that are expected to be within `error`, under "pixel".
+
+    Raises
+    ------
+    OptionError
+        If a number is out of its range, or the metric is unknown.
+    """
+
+    error: float
+    confidence: float = 0.95
+    metric: Literal["relrmse", "pixel"] = "relrmse"
+    share: float = 0.95
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.error <= 10.0:
+            raise OptionError(f"error: must lie in (0, 1000 %], got {self.error:.6g}")
+        for name in ("confidence", "share"):
+            value = getattr(self, name)
+            if not 0.5 <= value < 1.0:
+                raise OptionError(f"{name}: must lie in [50 %, 100 %), got {value:.6g}")
+        if self.metric not in ("relrmse", "pixel"):
+            raise OptionError(f'metric: must be relrmse or pixel, got "{self.metric}"')
+
+    def doubt_at(self, look: int) -> float:
+        """Probability of a wrong statement that look number 0, 1, ... may spend: 1 in all."""
+        return (1.0 - self.confidence) / ((look + 1) * (look + 2))
+
+    def state(self) -> dict[str, Any]:
+        """Copy the fields."""
+        return asdict(self)
+
+
+class Judgement(NamedTuple):
+    """What one look says.
+
+    Attributes
+    ----------
+    achieved : float
+        The error that is not exceeded, with the confidence of this look; NaN means unknown.
+    share : float
+        Expected share of the pixels within the error, its lower bound; NaN under "relrmse".
+    unseen : float
+        relRMSE that events may add of which no sample has told yet (an indicator, no bound).
+    doubtful : float
+        Share of the 8x8 cells in which those events alone exceed the error.
+    within, met : bool
+        Whether the estimated error is small enough; and the unseen energy, too.
+    factor : float
+        Times the samples so far that the promise needs; 1 if it is kept.
+    """
+
+    achieved: float
+    share: float
+    unseen: float
+    doubtful: float
+    within: bool
+    met: bool
+    factor: float
+
+
+def first_look(replicates: int) -> int:
+    """Samples per pixel at the first look: whole rounds of the replicates."""
+    return replicates * max(math.ceil(FIRST_LOOK / replicates), 2)
+
+
+def next_look(spp: int, replicates: int) -> int:
+    """Samples per pixel at the look after that at `spp`."""
+    return replicates * math.ceil(GROWTH * spp / replicates)
+
+
+def judge(film: Film, promise: Promise, look: int) -> Judgement:
+    """Look at a film whose pixels hold whole rounds of all replicates.
+
+    Parameters
+    ----------
+    film : Film
+    promise : Promise
+    look : int
+        Number of the look, from 0.
+    """
+    return judge_means(*film.replicate_means(), promise, look)
+
+
+def judge_means(means: np.ndarray, counts: np.ndarray, promise: Promise, look: int) -> Judgement:
+    """Judge as `judge`, from means (h, w, R, 3) and counts (h, w, R) of a film's replicates."""
+    estimate = estimate_relmse(means, counts)
+    if math.isnan(estimate.figure.value):
+        return Judgement(math.nan, math.nan, math.nan, 1.0, False, False, math.inf)
+    achieved = estimate.relrmse_below(1.0 - promise.doubt_at(look))
+    share = math.nan
+    if promise.metric == "relrmse":
+        within = achieved <= promise.error
+        factor = (achieved / promise.error) ** 2
+    else:
+        share = share_within(means, counts, promise.error)
+        within = share >= promise.share
+        # The samples at which errors smaller by their root would be within.
+        factor = 1.0
+        while factor < 1e9 and (
+            share_within(means, counts, promise.error * math.sqrt(factor)) < promise.share
+        ):
+            factor *= 1.1
+    unseen, doubtful = unseen_error(means, counts, promise.error)
+    met = within and unseen <= promise.error
+    # What is unseen falls with the samples, not with their root.
+    factor = max(factor, unseen / promise.error, 1.0)
+    return Judgement(achieved, share, unseen, doubtful, within, met, 1.0 if met else factor)
+
+
+def cell_maximum(plane: np.ndarray) -> np.ndarray:
+    """Largest value of each 8x8 pixels, for planes (h, w, ...)."""
+    y, x = range(0, plane.shape[0], CELL_SIZE), range(0, plane.shape[1], CELL_SIZE)
+    return np.maximum.reduceat(np.maximum.reduceat(plane, y, axis=0), x, axis=1)
+
+
+def cell_sum(plane: np.ndarray) -> np.ndarray:
+    """Sum of each 8x8 pixels, float64, for planes (h, w, ...)."""
+    y, x = range(0, plane.shape[0], CELL_SIZE), range(0, plane.shape[1], CELL_SIZE)
+    return np.add.reduceat(np.add.reduceat(plane, y, axis=0, dtype=np.float64), x, axis=1)
+
+
+def spread_over_pixels(cells: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Give every pixel the value of its cell."""
+    rows, columns = np.arange(height) // CELL_SIZE, np.arange(width) // CELL_SIZE
+    return cells[rows][:, columns]
+
+
+def unseen_error(means: np.ndarray, counts: np.ndarray, error: float) -> tuple[float, float]:
+    """Estimate the relRMSE of light that no sample has told of yet.
+
+    An event that none of the k n samples of a cell's k pixels has met has a probability below
+    3 / (k n). If it brings as much as the largest contribution that has been seen in the cell, c,
+    up to 3 c / (k n) of each pixel's light is missing. c is taken from what one replicate's sum
+    has more than the others say: at least the largest sample, if that stands out.
+
+    Returns
+    -------
+    float
+        Root of the mean over the cells of the square of that, relative as in relRMSE.
+    float
+        Share of the cells in which it exceeds `error`.
+    """
+    n = counts.sum(axis=2)
+    total = np.maximum(n, 1)[..., None]
+    mean = (means * counts[..., None]).sum(axis=2) / total
+    others = np.maximum(n[..., None] - counts, 1)
+    excess = (means - mean[:, :, None]) * (counts * n[..., None] / others)[..., None]
+    largest = cell_maximum(np.maximum(excess.max(axis=2), 0.0))
+    samples = np.maximum(cell_sum(n), 1.0)[..., None]
+    pixels = cell_sum(np.ones(n.shape))[..., None]
+    epsilon = (0.1 * float(mean.mean())) ** 2
+    missing = _RULE_OF_THREE * largest / samples
+    relative = (missing**2 / ((cell_sum(mean) / pixels) ** 2 + epsilon)).mean(axis=2)
+    weights = pixels[..., 0] / pixels.sum()
+    doubtful = float(weights[relative > error**2].sum())
+    return math.sqrt(float((relative * weights).sum())), doubtful
+
+
+def share_within(means: np.ndarray, counts: np.ndarray, error: float) -> float:
+    """Estimate how many of the pixels are within an error: the expected share, its lower bound.
+
+    Each pixel's variance is its own with R - 1 degrees of freedom, joined with the relative
+    variance of its cell, which counts as 5 more: one pixel's few replicates can agree by chance.
+
+    Parameters
+    ----------
+    means : ndarray, shape (h, w, R, 3)
+    counts : ndarray of int, shape (h, w, R)
+    error : float
+        Allowed, over max(pixel, 0.1 times the mean of the picture).
+    """
+    h, w, replicates, _ = means.shape
+    n = np.maximum(counts.sum(axis=2), 1)[..., None]
+    mean = (means * counts[..., None]).sum(axis=2) / n
+    deviations = counts[..., None] * (means - mean[:, :, None]) ** 2
+    squares = deviations.sum(axis=2) / max(replicates - 1, 1) / n
+    scale = np.maximum(mean, 0.1 * float(mean.mean()))
+    relative = squares / scale**2
+    pixels = cell_sum(np.ones((h, w)))[..., None]
+    pooled = spread_over_pixels(cell_sum(relative) / pixels, h, w)
+    own = replicates - 1.0
+    joined = (own * relative + _CELL_FREEDOM * pooled) / (own + _CELL_FREEDOM)
+    with np.errstate(divide="ignore"):
+        t = np.where(joined > 0.0, error / np.sqrt(joined), np.inf)
+    share = float(_inside(t).mean())
+    return share - _Z * math.sqrt(max(share * (1.0 - share), 0.0) / (h * w))
+
+
+def _inside(t: np.ndarray) -> np.ndarray:
+    """P(|T| <= t) of Student's distribution with 8 degrees of freedom (A&S 26.7.4)."""
+    cosine2 = 1.0 / (1.0 + t * t / 8.0)
+    series = 1.0 + cosine2 * (0.5 + cosine2 * (0.375 + cosine2 * 0.3125))
+    return np.sqrt(1.0 - cosine2) * series
+
+
+def line_of(
+    word: str, judgement: Judgement, promise: Promise, spp: float, seconds: float | None = None
+) -> str:
+    """Write the one line that a render ends with.
+
+    Parameters
+    ----------
+    word : {"met", "not met", "not certifiable"}
+    judgement : Judgement
+    promise : Promise
+    spp : float
+        Samples per pixel so far.
+    seconds : float, optional
+        Spent on them.
+    """
+    asked = f"{100 * promise.error:.4g} %"
+    sure = f"{100 * promise.confidence:.4g} % confidence"
+    if promise.metric == "relrmse":
+        reached = f"relRMSE at most {100 * judgement.achieved:.3g} %"
+    else:
+        reached = f"{100 * judgement.share:.3g} % of the pixels within {asked}"
+    if word == "met":
+        return f"met: {reached} ({sure}, {spp:.4g} spp)"
+    if word == "not met":
+        more = (judgement.factor - 1.0) * (spp if seconds is None else seconds)
+        unit = "spp" if seconds is None else "s"
+        return f"not met: {reached}, asked {asked}; about {more:.3g} {unit} more are needed"
+    if math.isnan(judgement.achieved):
+        return "not certifiable: no light has been seen"
+    return (
+        f"not certifiable: {reached}, but in {100 * judgement.doubtful:.3g} % of the picture rare "
+        f"bright samples may hide more than {asked}"
+    )
+
+
+def word_of(judgement: Judgement) -> str:
+    """Name the end of a render whose budget is spent."""
+    if judgement.met:
+        return "met"
+    if judgement.within or math.isnan(judgement.achieved):
+        return "not certifiable"
+    return "not met"

@@ -1,0 +1,50 @@
+"""Pictures of docs/gallery.md: the built-in scenes, in half a screen's width.
+
+Usage: python docs/figures/gallery.py [NAME ...]
+"""
+
+import sys
+
+from pictures import IMAGES
+
+import alight
+
+SCENES = (
+    "coated-plastics",
+    "depth-of-field",
+    "environment-map",
+    "infinite-plane",
+    "instances",
+    "lambert-and-uniform-scatter",
+    "mirror-and-glass",
+    "phong-exponents",
+    "rough-glass",
+    "rough-metals",
+    "transform-tree",
+    "uniform-and-cosine-sampling",
+    "veach-plates",
+)
+WIDTH = 400
+#: Samples per pixel, more for scenes with caustics and blurred highlights.
+SPP = 96
+MORE = {"mirror-and-glass": 256, "rough-glass": 256, "veach-plates": 192}
+#: Its noise is what it shows.
+FEW = {"uniform-and-cosine-sampling": 16}
+
+
+def render(name: str) -> None:
+    """Render one scene at the gallery's size."""
+    width, height = alight.load(name).film.size
+    scale = min(1.0, WIDTH / width)
+    size = [round(width * scale), round(height * scale)]
+    film = alight.render(
+        alight.load(name, [f"film.size={size}"]), spp={**MORE, **FEW}.get(name, SPP)
+    )
+    film.save(IMAGES / "gallery" / f"{name}.png")
+
+
+if __name__ == "__main__":
+    (IMAGES / "gallery").mkdir(exist_ok=True)
+    for scene_name in sys.argv[1:] or SCENES:
+        print(scene_name)
+        render(scene_name)

@@ -1,0 +1,283 @@
+"""Pages of the materials, made from their files: formula, parameters, laws, source.
+
+What a page says is what the model's docstrings, fields and laws say. Only the material that its
+picture shows is chosen here; without a choice it is the model's first example.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+from types import ModuleType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+from pydantic import AfterValidator, BeforeValidator
+
+from alight.core.registry import modules, type_name_of
+from alight.core.spec import Interval, Model, Models, NumberOrTexture, Numbers, Spec, Texture
+
+DOCS = Path(__file__).resolve().parents[1]
+PAGES, IMAGES = DOCS / "materials", DOCS / "images" / "materials"
+SOURCES = "alight/bsdfs"
+
+_CHECKS = "{type: checkerboard, color0: 0, color1: 1, scale: [16, 8]}"
+_CLOTH = (
+    f"{{type: mask, opacity: {_CHECKS}, bsdf: {{type: diffuse, reflectance: [0.12, 0.4, 0.5]}}}}"
+)
+#: What stands on the ball.
+SHOWN = {
+    "diffuse": "{type: diffuse, reflectance: [0.75, 0.3, 0.12]}",
+    "uniform_scatter": "{type: uniform_scatter, reflectance: [0.75, 0.3, 0.12]}",
+    "oren_nayar": "{type: oren_nayar, reflectance: [0.75, 0.3, 0.12], sigma: 40}",
+    "mirror": "{type: mirror, reflectance: 0.95}",
+    "phong": "{type: phong, diffuse: [0.06, 0.2, 0.45], specular: 0.3, exponent: 100}",
+    "conductor": "{type: conductor, metal: gold}",
+    "dielectric": "{type: dielectric, int_ior: bk7}",
+    "rough_conductor": "{type: rough_conductor, metal: copper, alpha: 0.2}",
+    "rough_dielectric": "{type: rough_dielectric, int_ior: bk7, alpha: 0.15}",
+    "thin_dielectric": "{type: thin_dielectric, int_ior: bk7}",
+    "plastic": "{type: plastic, diffuse_reflectance: [0.55, 0.03, 0.03]}",
+    "rough_plastic": (
+        "{type: rough_plastic, diffuse_reflectance: [0.05, 0.35, 0.12], nonlinear: true}"
+    ),
+    "two_sided": f"{{type: two_sided, bsdf: {_CLOTH}}}",
+    "mask": _CLOTH,
+    "null": '{type: "null"}',
+    "blend": (
+        f"{{type: blend, weight: {_CHECKS}, bsdfs: [{{type: rough_conductor, metal: gold}},"
+        " {type: plastic, diffuse_reflectance: [0.03, 0.08, 0.3]}]}"
+    ),
+}
+
+SCENE = """\
+alight: 1
+camera: {{fov: 30, transform: {{look_at: {{origin: [0, 1, 4], target: [0, 0, 0]}}}}}}
+environment: {{type: constant, radiance: 0.8}}
+nodes:
+  ball:
+    shape: sphere
+    bsdf: {material}
+"""
+
+
+def materials() -> list[ModuleType]:
+    """The models of the registry, in its order; none that a user has registered."""
+    return [module for module in modules("bsdfs") if module.__name__.startswith("alight.")]
+
+
+def shown(module: ModuleType) -> str:
+    """The material of the picture, as a scene file writes it."""
+    name = type_name_of(module)
+    return SHOWN.get(name) or _flow(module.EXAMPLES[0])
+
+
+def samples(module: ModuleType) -> int:
+    """Samples per pixel of the picture: light inside of clear materials takes more."""
+    return 512 if type(module.EXAMPLES[0]).transmissive else 256
+
+
+def page(module: ModuleType) -> str:
+    """Write the page of one material."""
+    name, material = type_name_of(module), shown(module)
+    command = f"alight render material-ball --spp {samples(module)} --set 'bsdfs.ball={material}'"
+    summary, body, source = _split(inspect.cleandoc(module.__doc__ or ""))
+    parts = [
+        f"# {name.replace('_', ' ').capitalize()}",
+        f"`type: {name}`, from `{SOURCES}/{Path(module.__file__ or '').name}`",
+        f"![A ball of the material {name}](../images/materials/{name}.png)",
+        f"**{to_markdown(summary)}**",
+        to_markdown(body),
+        "## Parameters",
+        _parameters(module),
+        "## In a scene",
+        f"```yaml\n{SCENE.format(material=material)}```",
+        "The picture above:",
+        f"```bash\n{command}\n```",
+        *_laws(module),
+        *(["## Source", to_markdown(source[0].upper() + source[1:])] if source else []),
+        "[All materials](index.md)",
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def index() -> str:
+    """Write the overview: a picture and a line for each material."""
+    rows = []
+    for module in materials():
+        name = type_name_of(module)
+        summary, _, _ = _split(inspect.cleandoc(module.__doc__ or ""))
+        # Markdown has no way to say how large a picture is.
+        picture = f'<img src="../images/materials/{name}.png" width="120" alt="{name}">'
+        rows.append(f"| [{picture}]({name}.md) | [{name}]({name}.md) | {to_markdown(summary)} |")
+    text = """# Materials
+
+Each is one file, from which its page is made. The pictures show the built-in scene `material-ball`.
+
+| | type | what it is |
+|---|---|---|
+"""
+    return text + "\n".join(rows) + "\n"
+
+
+# ---------------------------------------------------------------- docstrings
+
+
+def _split(text: str) -> tuple[str, str, str]:
+    """Summary, body and source of a module's docstring."""
+    text, _, source = text.partition("\nSource: ")
+    summary, _, body = text.partition("\n\n")
+    return summary.strip(), body.strip(), source.strip()
+
+
+def to_markdown(text: str) -> str:
+    """Turn the reStructuredText of a docstring into Markdown: formulas and code."""
+    text = re.sub(
+        r"^\.\. math::[ \n]*((?:.*\n?)(?:(?:[ ]{2,}.*|)\n?)*)",
+        lambda found: _formula(found[1]),
+        text,
+        flags=re.MULTILINE,
+    )
+    text = re.sub(r":math:`([^`]+)`", r"$\1$", text)
+    return text.replace("``", "`").strip()
+
+
+def _formula(tex: str) -> str:
+    tex = inspect.cleandoc(tex).strip()
+    if "\\\\" in tex or re.search(r"(?<!\\)&", tex):
+        tex = f"\\begin{{align*}}\n{tex}\n\\end{{align*}}"
+    return f"$$\n{tex}\n$$\n\n"
+
+
+def _field_texts(model: type[Spec]) -> dict[str, str]:
+    """What the docstrings of a class and its bases say of each field."""
+    texts: dict[str, str] = {}
+    for base in model.__mro__:
+        _, _, section = inspect.cleandoc(base.__doc__ or "").partition("Parameters\n----------\n")
+        section = re.split(r"\n\n\w+\n-+\n", section)[0]
+        # Entries begin in the first column; "a, b" without a type refers to a base class.
+        for head, text in re.findall(r"^(\w.*)\n((?:[ ]+.*\n?|\n)*)", section, re.MULTILINE):
+            names, colon, _ = head.partition(" : ")
+            for name in names.split(", ") if colon else ():
+                texts.setdefault(name, " ".join(text.split()))
+    return texts
+
+
+# ---------------------------------------------------------------- fields
+
+
+def _parameters(module: ModuleType) -> str:
+    model = type(module.EXAMPLES[0])
+    texts, tables = _field_texts(model), _tables(model)
+    rows = [
+        f"| `{name}` | {_kind(field)} | {_default(field.default, tables)} |"
+        f" {to_markdown(texts.get(name, ''))} |"
+        for name, field in model.model_fields.items()
+        if name != "type"
+    ]
+    if not rows:
+        return "None."
+    lines = ["| key | value | default | what it is |", "|---|---|---|---|", *rows]
+    for title, names in tables.items():
+        listed = [
+            f"{name} ({value:g})" if isinstance(value, float) else name
+            for name, value in names.items()
+        ]
+        lines += ["", f"Names of `{title}`: {', '.join(listed)}."]
+    return "\n".join(lines)
+
+
+def _tables(model: type[Spec]) -> dict[str, dict[str, Any]]:
+    """Tables of names that the fields of a class know: constants of its modules."""
+    found: dict[str, dict[str, Any]] = {}
+    for base in model.__mro__:
+        module = inspect.getmodule(base)
+        for name, value in vars(module).items() if module else ():
+            if name.isupper() and isinstance(value, dict) and value:
+                first = next(iter(value.values()))
+                if isinstance(first, float) or (isinstance(first, tuple) and len(first) == 2):
+                    found[name] = value
+    return found
+
+
+def _kind(field: Any) -> str:
+    """Type and range of a field in words, from what checks it."""
+    metadata, named = list(field.metadata), False
+    annotations = [field.annotation]
+    while annotations:
+        annotation = annotations.pop()
+        metadata += getattr(annotation, "__metadata__", ())
+        if get_origin(annotation) in (Union, UnionType) or hasattr(annotation, "__metadata__"):
+            annotations += [part for part in get_args(annotation) if part is not None]
+    named = any(isinstance(mark, BeforeValidator | AfterValidator) for mark in metadata)
+    for mark in metadata:
+        text = _described(mark)
+        if text:
+            return f"{text}, or a name" if named else text
+    if get_origin(field.annotation) is Literal:
+        return " or ".join(f"`{value}`" for value in get_args(field.annotation))
+    if field.annotation is bool:
+        return "`true` or `false`"
+    return "name"
+
+
+def _described(mark: object) -> str:
+    """A marker of a field's type in words, or nothing."""
+    if isinstance(mark, Models):
+        return f"list of {mark.count} {mark.kind}s or names of them"
+    if isinstance(mark, Model):
+        return f"{mark.kind} or the name of one"
+    if isinstance(mark, NumberOrTexture):
+        return f"number {mark.interval.describe()} or texture"
+    if isinstance(mark, Numbers):
+        texture = ", or texture" if Texture in mark.other else ""
+        return f"number or {mark.count} numbers {mark.interval.describe()}{texture}"
+    if isinstance(mark, Interval):
+        text = mark.describe()
+        return text.removeprefix("a ") if text.startswith("a ") else f"number {text}"
+    return ""
+
+
+def _default(value: Any, tables: dict[str, dict[str, Any]]) -> str:
+    if value is None:
+        return ""
+    for names in tables.values():
+        for name, number in names.items():
+            if isinstance(value, float) and number == value:
+                return f"`{name}`"
+    return f"`{_flow(value)}`"
+
+
+def _flow(value: Any) -> str:
+    """A value as a scene file writes it, on one line."""
+    if isinstance(value, Spec):
+        fields = [
+            f"{name}: {_flow(item)}"
+            for name, item in value
+            if name == "type" or item != type(value).model_fields[name].default
+        ]
+        return "{" + ", ".join(sorted(fields, key=lambda text: not text.startswith("type:"))) + "}"
+    if isinstance(value, tuple):
+        if len(value) == 3 and value.count(value[0]) == 3:
+            return _flow(value[0])
+        return "[" + ", ".join(map(_flow, value)) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    # In YAML null is a value of its own.
+    return f"{value:g}" if isinstance(value, float) else str(value).replace("null", '"null"')
+
+
+def _laws(module: ModuleType) -> list[str]:
+    """What the tests hold each example of the model to."""
+    lines = []
+    for title, name in (("Energy", "is_lossless"), ("Reciprocity", "is_reciprocal")):
+        law = getattr(module, name, None)
+        if law is not None:
+            kept = sum(bool(law(example)) for example in module.EXAMPLES)
+            text = to_markdown(inspect.cleandoc(law.__doc__ or ""))
+            total = len(module.EXAMPLES)
+            lines.append(f"| {title} | {text} | {kept} of {total} |")
+    if not lines:
+        return []
+    head = ["| law | when it holds | examples of the file |", "|---|---|---|"]
+    return ["## Laws", "\n".join(head + lines)]

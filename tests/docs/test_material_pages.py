@@ -1,0 +1,73 @@
+"""Every material has a page that says what its file says, and a picture."""
+
+import importlib.util
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import alight
+from alight.core.registry import type_name_of
+from tests.docs.pages import ROOT
+
+_spec = importlib.util.spec_from_file_location(
+    "material_pages", ROOT / "docs" / "site" / "material_pages.py"
+)
+material_pages = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(material_pages)
+
+MATERIALS = material_pages.materials()
+RENEW = "python docs/figures/materials.py --pages writes it anew"
+
+
+@pytest.mark.parametrize("module", MATERIALS, ids=type_name_of)
+def test_page_is_what_the_file_says(module):
+    page = material_pages.PAGES / f"{type_name_of(module)}.md"
+    assert page.exists(), RENEW
+    assert page.read_text(encoding="utf-8") == material_pages.page(module), RENEW
+
+
+def test_overview_and_nothing_else_stands_beside_the_pages():
+    names = {path.stem for path in material_pages.PAGES.glob("*")}
+    assert names == {"index", *map(type_name_of, MATERIALS)}
+    overview = (material_pages.PAGES / "index.md").read_text(encoding="utf-8")
+    assert overview == material_pages.index(), RENEW
+
+
+def test_pages_are_in_the_navigation():
+    navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    listed = re.findall(r"- materials/(\w+)\.md", navigation)
+    assert listed == ["index", *map(type_name_of, MATERIALS)]
+
+
+@pytest.mark.parametrize("module", MATERIALS, ids=type_name_of)
+def test_pages_are_complete(module):
+    """No markup of docstrings is left, each key is explained, each formula is closed."""
+    text = material_pages.page(module)
+    assert ".. math::" not in text
+    assert ":math:" not in text
+    assert text.count("$$") % 2 == 0
+    rows = re.findall(r"^\| `(\w+)` \| (.+?) \| (.*?) \| (.*) \|$", text, re.MULTILINE)
+    fields = set(type(module.EXAMPLES[0]).model_fields) - {"type"}
+    assert {name for name, *_ in rows} == fields
+    assert all(kind.strip() and text.strip() for _, kind, _, text in rows)
+
+
+@pytest.mark.parametrize("module", MATERIALS, ids=type_name_of)
+def test_the_material_of_the_picture_goes_onto_the_ball(module):
+    scene = alight.load("material-ball", [f"bsdfs.ball={material_pages.shown(module)}"])
+    assert scene.bsdfs["ball"].type_name() == type_name_of(module)
+
+
+@pytest.mark.parametrize("module", MATERIALS, ids=type_name_of)
+def test_picture_is_there_and_bright(module):
+    with Image.open(material_pages.IMAGES / f"{type_name_of(module)}.png") as picture:
+        assert picture.size == (320, 320)
+        grey = np.asarray(picture.convert("L")).mean()
+    assert 50 < grey < 200
+
+
+def test_pictures_are_small():
+    sizes = [path.stat().st_size for path in material_pages.IMAGES.glob("*.png")]
+    assert sum(sizes) < 3e6

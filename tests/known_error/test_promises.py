@@ -1,0 +1,212 @@
+"""The promise of an error is kept, steering is unbiased, and rare light is not passed over."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from alight.core.errors import OptionError
+from alight.films.sample_ranges import empty_cells
+from alight.metrics.own_error import estimate_relmse
+from alight.rendering.adaptive import LEAST, MOST, counts_at, cycles_error, shares_of
+from alight.rendering.plan import Pilot, plan_of
+from alight.rendering.schedule import Goal, Verdict
+from alight.rendering.steering import Cycles, Steered
+from alight.rendering.stopping import (
+    Promise,
+    first_look,
+    judge_means,
+    next_look,
+    share_within,
+    unseen_error,
+)
+
+
+def noisy(rng, spp, sigma=1.0, size=32):
+    """Replicate means of a grey picture whose samples have the relative deviation `sigma`."""
+    truth = np.linspace(0.2, 1.0, size)[None, :, None, None] * np.ones((size, 1, 1, 3))
+    noise = rng.normal(0.0, sigma / math.sqrt(spp / 4), (size, size, 4, 1))
+    means = truth * (1.0 + noise)
+    return truth[:, :, 0], means, np.full((size, size, 4), spp // 4)
+
+
+def true_error(truth, means):
+    scale = truth**2 + (0.1 * truth.mean()) ** 2
+    return math.sqrt((((means.mean(axis=2) - truth) ** 2) / scale).mean())
+
+
+def test_the_interval_covers_and_is_no_wider_than_it_must_be():
+    rng, z = np.random.default_rng(1), []
+    for _ in range(60):
+        truth, means, counts = noisy(rng, 100)
+        relative = estimate_relmse(means.astype(np.float32), counts).relrmse
+        width = math.log(relative.high / relative.low) / 3.92
+        z.append(math.log(relative.value / true_error(np.broadcast_to(truth, means.mean(2).shape),
+                                                     means)) / width)  # fmt: skip
+    # The deviation of 60 standard normal numbers is 1 within 0.28 (3 sigma), their mean 0.39.
+    assert np.std(z) == pytest.approx(0.95, abs=0.28)
+    assert abs(np.mean(z)) < 0.39
+
+
+def test_a_promise_is_kept_and_not_paid_twice():
+    rng, kept, ratios = np.random.default_rng(2), 0, []
+    for _ in range(12):
+        asked = float(rng.uniform(0.08, 0.12))
+        spp, look, sums = first_look(4), 0, 0.0
+        done = 0
+        while True:
+            truth, means, counts = noisy(rng, spp - done)
+            # Sums of independent parts, as a film's.
+            sums, done = sums + means * (spp - done), spp
+            judgement = judge_means((sums / spp).astype(np.float32), 0 * counts + spp // 4,
+                                    Promise(asked), look)  # fmt: skip
+            if judgement.met:
+                break
+            spp, look = next_look(spp, 4), look + 1
+        truth = np.broadcast_to(truth, means.mean(2).shape)
+        kept += true_error(truth, sums / spp) <= asked
+        ratios.append(spp / (1.0 / asked**2))
+    assert kept >= 11
+    # Half a look on average, and the price of being sure.
+    assert 1.0 < np.mean(ratios) < 1.5
+
+
+def test_doubt_is_spent_once_over_all_looks():
+    promise = Promise(0.1, confidence=0.9)
+    assert sum(promise.doubt_at(k) for k in range(100000)) == pytest.approx(0.1, rel=1e-4)
+
+
+def test_one_spike_makes_a_noiseless_picture_uncertain():
+    means = np.ones((64, 64, 4, 3))
+    counts = np.full((64, 64, 4), 4)
+    assert unseen_error(means, counts, 0.02) == (0.0, 0.0)
+    # One sample of 100 in one pixel: 3 * 99 / (64 * 16) of light may be missing in its cell.
+    means[20, 20, 1] += 99.0 / 4
+    error, doubtful = unseen_error(means, counts, 0.02)
+    cell = 1.0 + 99 / 16 / 64
+    assert error == pytest.approx(3 * 99 / 1024 / cell / 8, rel=0.01)
+    assert doubtful == 1 / 64
+    judgement = judge_means(means.astype(np.float32), counts, Promise(0.03), 0)
+    assert not judgement.met
+
+
+@pytest.mark.parametrize("error", [0.05, 0.1, 0.2])
+def test_the_share_of_pixels_is_that_of_normal_noise(error):
+    truth, means, counts = noisy(np.random.default_rng(3), 100, size=128)
+    inside = (np.abs(means.mean(axis=2) - truth) <= error * truth).mean()
+    # Student's distribution for the doubt about each variance: a little on the safe side.
+    assert inside - 0.055 <= share_within(means, counts, error) <= inside
+
+
+class Pixels:
+    """What steering reads of a film."""
+
+    def __init__(self, means, counts):
+        h, w = counts.shape[:2]
+        self.crop, self.cells, self.replicates = (0, 0, w, h), empty_cells(w, h), 4
+        self.means, self.counts, self.aov_sums = means, counts, {}
+        self.spp = float(counts.sum(axis=2).mean())
+
+    def replicate_means(self):
+        return self.means, self.counts
+
+    @property
+    def sample_count(self):
+        return self.counts.sum(axis=2)
+
+
+def test_samples_go_where_the_noise_is():
+    rng = np.random.default_rng(4)
+    sigma = np.where(np.arange(64) < 32, 0.1, 0.4)[None, :, None, None]
+    means = 1.0 + rng.normal(0.0, 1.0, (64, 64, 4, 1)) * sigma * np.ones(3)
+    shares = shares_of(Pixels(means, np.full((64, 64, 4), 2)))
+    assert shares.mean() == pytest.approx(1.0, rel=0.02)
+    assert shares[:, 5:].mean() / shares[:, :3].mean() == pytest.approx(4.0, rel=0.15)
+    assert shares.min() >= LEAST * 0.999
+    assert shares.max() <= MOST * 1.001
+
+
+def test_counts_are_whole_rounds_and_only_grow():
+    shares = np.array([[0.0, 0.2, 1.0, 3.3]])
+    before = counts_at(shares, 8, 4)
+    for spp in range(12, 200, 4):
+        now = counts_at(shares, spp, 4)
+        assert (now >= before).all()
+        assert (now % 4 == 0).all()
+        assert now[0, 0] == 0
+        before = now
+
+
+def test_a_steered_render_asks_for_pilot_and_picture_in_different_films():
+    schedule = Steered(64, 32, None, adaptive=True)
+    film = Pixels(np.ones((16, 16, 4, 3)), np.zeros((16, 16, 4), int))
+    pilot = schedule.next([film])
+    assert isinstance(pilot, Goal)
+    # Its own film, hence random numbers of its own: else it would choose by what it then counts.
+    assert pilot.round == 1
+    seen = Pixels(np.ones((16, 16, 4, 3)), np.full((16, 16, 4), 2))
+    goal = schedule.next([film, seen])
+    assert isinstance(goal, Goal)
+    assert goal.round == 0
+    assert (goal.first == 64).all()
+    again = Steered.restored(schedule.state())
+    assert again.state().keys() == schedule.state().keys()
+    assert again.next([film, seen]) == Verdict("done")
+
+
+def test_a_promise_ends_with_one_of_three_words():
+    flat = Pixels(np.ones((16, 16, 4, 3), np.float32), np.full((16, 16, 4), 4))
+    schedule = Steered(0, 32, Promise(0.02))
+    assert isinstance(schedule.next([flat]), Goal)
+    assert schedule.next([flat]).word == "met"
+    rng = np.random.default_rng(5)
+    rough = Pixels((1 + rng.normal(0, 0.5, (16, 16, 4, 3))).astype(np.float32), flat.counts)
+    schedule = Steered(0, 16, Promise(0.02))
+    schedule.next([rough])
+    verdict = schedule.next([rough])
+    assert verdict.word == "not met"
+    assert "more are needed" in verdict.line
+    black = Pixels(np.zeros((16, 16, 4, 3), np.float32), flat.counts)
+    schedule = Steered(0, 16, Promise(0.02))
+    schedule.next([black])
+    assert schedule.next([black]).word == "not certifiable"
+
+
+def test_cycles_rule_is_its_formula():
+    means = np.array([0.3, 0.5, 0.3, 0.5])[None, None, :, None] * np.ones((1, 1, 4, 3))
+    counts = np.full((1, 1, 4), 3)
+    # All samples 0.4, every second one 0.3; the sum of the channels is above 1.
+    assert cycles_error(means, counts)[0, 0] == pytest.approx(0.3 / 1.2, rel=1e-3)
+    assert cycles_error(0.1 * means, counts)[0, 0] == pytest.approx(
+        0.03 / math.sqrt(0.12), rel=1e-3
+    )
+
+
+def test_cycles_stops_cells_that_look_finished():
+    schedule = Cycles(0, 64, 0.01)
+    rng = np.random.default_rng(6)
+    means = np.ones((32, 16, 4, 3))
+    means[:8] += rng.normal(0.0, 0.1, (8, 16, 4, 3))
+    film = Pixels(means, np.full((32, 16, 4), 4))
+    schedule.next([film])
+    goal = schedule.next([film])
+    assert goal.count.tolist() == [[32, 32], [32, 32], [16, 16], [16, 16]]
+
+
+def test_a_plan_follows_the_slope_of_the_pilot():
+    pilot = Pilot(Promise(0.01), seen=[(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)],
+                  seconds=[0.0, 0.1, 0.2, 0.4], need=4.2)  # fmt: skip
+    plan = plan_of(pilot, 4)
+    assert plan.slope.value == pytest.approx(-1.0)
+    assert plan.spp.low <= 4.0 * 64 <= plan.spp.high
+    assert plan.spp.high / plan.spp.low < 2.5
+    assert plan.seconds.value == pytest.approx(plan.spp.value * 0.4 / 64)
+
+
+@pytest.mark.parametrize("wrong", [{"error": 0.0}, {"error": 11.0}, {"error": 0.1, "share": 1.0},
+                                   {"error": 0.1, "metric": "psnr"}])  # fmt: skip
+def test_promises_that_cannot_be_are_refused(wrong):
+    with pytest.raises(OptionError, match=r"error|share|metric"):
+        Promise(**wrong)

@@ -1,0 +1,250 @@
+"""`alight why`: the parts add up, and where the answer is known, it is given."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import alight
+from alight.cli.main import app
+from alight.compiled.scene import compile_scene
+from alight.films.fixed_point import carry, to_float
+from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, can_record
+from alight.integrators.walk import make_settings
+from alight.lab.why.shares import (
+    BATCHES,
+    REPLICATES,
+    TECHNIQUES,
+    Part,
+    _Divider,
+    relative_weights,
+    shares_of,
+)
+from alight.lab.why.trials import alternatives, try_alternatives
+from alight.lab.why.words import ranked, share_lines
+from alight.laws.scene.pictures import small
+from alight.rendering.contributions import Contributions, Recorder
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.scene import flatten
+from alight.scene.files import loads
+from tests.laws.test_scene_check import SCENE
+
+CAMERA = """alight: 1
+camera: {type: pinhole, fov: 40, transform: {look_at: {origin: [0, 4, 4], target: [0, 0, 0]}}}
+film: {size: [16, 16]}
+"""
+FLOOR = """
+  floor: {shape: rectangle, transform: [{scale: [9, 9, 1]}, {rotate: {axis: x, angle: -90}}]}
+"""
+SMALL_LAMP = (
+    CAMERA
+    + "integrator: {type: path, light_sampling: bsdf, max_depth: 3}\n"
+    + "environment: {type: constant, radiance: 0.3}\nnodes:"
+    + FLOOR
+    + """  lamp:
+    shape: disk
+    light: {type: area, radiance: 300}
+    transform: [{rotate: {axis: x, angle: 90}}, {scale: 0.3}, {translate: [0, 5, 0]}]
+"""
+)
+MANY_LIGHTS = (
+    CAMERA
+    + "integrator: {type: path, light_choice: uniform, max_depth: 2}\nnodes:"
+    + FLOOR
+    + "  sun: {light: {type: point, intensity: 100}, transform: {translate: [0, 5, 0]}}\n"
+    + "".join(
+        f"  star-{i}: {{light: {{type: point, intensity: 1}}, "
+        f"transform: {{translate: [{i - 8}, 5, 1]}}}}\n"
+        for i in range(16)
+    )
+)
+
+
+# ---------------------------------------------------------------- contributions
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    scene = small(alight.load(SCENE), size=16)
+    compiled = compile_scene(flatten(scene), structure="list")
+    return compiled, *Recorder(compiled, 2).run(8, 5, 2)
+
+
+def test_contributions_add_up_to_the_picture(recorded):
+    compiled, found, picture = recorded
+    width, height = compiled.size
+    place = found.pixel * 2 + found.replicate
+    sums = [
+        np.bincount(place, found.value[:, c].astype(float), width * height * 2) for c in (0, 1, 2)
+    ]
+    sums = np.stack(sums, axis=-1).reshape(height, width, 2, 3)
+    np.testing.assert_allclose(sums, picture, rtol=2e-5, atol=2e-5)
+    assert set(found.how.tolist()) == {SEEN, BY_BSDF, BY_DELTA, BY_LIGHT}
+    assert set(found.light.tolist()) == {0, 1, 2}
+    assert found.depth.max() == 6
+    assert ((found.depth == 1) == (found.how == SEEN)).all()
+    assert ((found.bsdf < 0) == (found.how == SEEN)).all()
+
+
+def test_the_picture_is_the_ordinary_one(recorded):
+    compiled, _, picture = recorded
+    settings = make_settings(compiled.integrator, seed=5, replicates=2)
+    kernels = make_kernels(compiled, compiled=False)
+    film, _ = render_tile(
+        kernels, compiled, settings, Tile(0, 0, *compiled.size), np.tile([0, 8], (2, 2, 1))
+    )
+    carry(film.sums)
+    # A path whose choice hangs on a rounding error goes another way: very few do.
+    close = np.isclose(to_float(film.sums), picture, rtol=1e-3, atol=1e-4)
+    assert close.mean() > 0.97
+
+
+def test_a_log_without_room_is_made_larger(recorded, monkeypatch):
+    compiled, found, _ = recorded
+    monkeypatch.setattr("alight.rendering.contributions._ROOM", 0)
+    again, _ = Recorder(compiled, 1).run(8, 5, 2)
+    assert len(again.pixel) == len(found.pixel)
+
+
+def test_integrators_that_say_where_their_light_comes_from():
+    assert [can_record(name) for name in ("path", "direct", "random_walk")] == [True] * 3
+    assert not can_record("ambient_occlusion")
+
+
+# ---------------------------------------------------------------- shares
+
+
+def batch(rng, means):
+    """One contribution of each kind a sample; its values are exponential with these means."""
+    pixels, spp = 64, 2
+    kinds, values, where, replicate = [], [], [], []
+    for kind, mean in enumerate(means):
+        for pixel in range(pixels):
+            for r in range(REPLICATES):
+                values += (mean * rng.exponential(size=spp)).tolist()
+                kinds += [kind] * spp
+                where += [pixel] * spp
+                replicate += [r] * spp
+    value = np.array(values, np.float32)[:, None].repeat(3, axis=1)
+    where, replicate, kinds = (np.array(v) for v in (where, replicate, kinds))
+    found = Contributions(
+        where, replicate, kinds + 2, kinds * 0 + BY_LIGHT, kinds, kinds * 0, value
+    )
+    sums = np.zeros((pixels, REPLICATES, 3))
+    np.add.at(sums, (where, replicate), value.astype(float))
+    return found, sums.reshape(8, 8, REPLICATES, 3)
+
+
+def test_shares_of_independent_parts_are_those_of_their_variances():
+    """Exponential parts with means 3 and 1 have variances 9 and 1."""
+    rng = np.random.default_rng(1)
+    scene = type("Scene", (), {"size": (8, 8)})()
+    divider = _Divider(scene, np.ones((8, 8, 3)), 2)
+    total = []
+    for _ in range(BATCHES):
+        found, sums = batch(rng, (3.0, 1.0))
+        divider.add(found, sums)
+        total.append(2 * (sums / 2).var(axis=2, ddof=1).sum())
+    shares = divider.result((["a", "b"], ["m"]))
+    assert shares.relative_variance == pytest.approx(np.mean(total), rel=1e-6)
+    by_light = {part.light: share for part, share in shares.by("light").items()}
+    assert by_light["a"].value + by_light["b"].value == pytest.approx(1.0, abs=1e-9)
+    assert 0.002 < by_light["a"].error < 0.03
+    assert abs(by_light["a"].value - 0.9) < 3.5 * by_light["a"].error
+    assert shares.map_of(Part(light="a")).sum() / shares.variance.sum() == pytest.approx(
+        by_light["a"].value
+    )
+    assert [part.depth for part in shares.by("depth")] == [2, 3]
+
+
+def test_parts_of_a_scene_add_up_and_map_to_its_pixels():
+    shares = shares_of(alight.load(SCENE), size=16, spp=32)
+    for fields in (("depth",), ("technique",), ("light",), ("material",), ("light", "depth")):
+        assert sum(s.value for s in shares.by(*fields).values()) == pytest.approx(1.0, abs=1e-9)
+    np.testing.assert_allclose(shares.variance.sum(), shares.relative_variance, rtol=1e-9)
+    assert {part.light for part in shares.parts} == {"lamp", "bulb", "environment"}
+    assert {part.material for part in shares.parts} >= {"", "glass", "clay"}
+    assert shares.by("technique").keys() <= {Part(technique=t) for t in TECHNIQUES.values()}
+
+
+def test_a_small_lamp_that_only_bsdf_sampling_finds():
+    shares = shares_of(loads(SMALL_LAMP, "lamp"), size=16, spp=64)
+    lines = list(share_lines(shares))
+    assert "light `lamp` found by BSDF sampling at depth 2" in lines[1]
+    [first, *_] = ranked(shares).values()
+    assert first.value > 0.9
+
+
+def test_weights_are_those_of_relmse():
+    reference = np.full((2, 2, 3), 3.0)
+    np.testing.assert_allclose(relative_weights(reference).sum(), 1.0 / (9.0 + 0.09))
+    assert np.isfinite(relative_weights(np.zeros((2, 2, 3)))).all()
+
+
+# ---------------------------------------------------------------- alternatives
+
+
+def test_alternatives_are_the_other_choices():
+    found = alternatives(alight.load(SCENE))
+    assert set(found) == {
+        "integrator.light_sampling=bsdf",
+        "integrator.light_sampling=emitter",
+        "integrator.heuristic=balance",
+        "integrator.russian_roulette=none",
+        "integrator.light_choice=uniform",
+    }
+    lit = alternatives(
+        alight.load(SCENE), Part(depth=2, technique=TECHNIQUES[BY_LIGHT], light="lamp")
+    )
+    assert next(iter(lit)) == "integrator.light_choice=uniform"
+    # One light: there is nothing to choose.
+    assert "integrator.light_choice=uniform" not in alternatives(alight.load("cornell-box"))
+
+
+@pytest.mark.proofs
+def test_many_unequal_lights_chosen_alike():
+    scene = loads(MANY_LIGHTS, "lights")
+    shares = shares_of(scene, size=16, spp=64)
+    assert "light `sun` found by light sampling at depth 2" in list(share_lines(shares))[1]
+    trials, left = try_alternatives(scene, cause=next(iter(ranked(shares))), limit=0.5)
+    [trial] = trials
+    assert trial.change == "integrator.light_choice=power"
+    assert trial.helps
+    # 17 lights alike: E[x^2] = 17 (100^2 + 16); by power 116^2: less their common mean.
+    assert trial.variance.value > 50.0
+    assert left
+
+
+# ---------------------------------------------------------------- the command line
+
+
+def test_numbers_and_maps_from_the_command_line(tmp_path):
+    target = tmp_path / "maps.png"
+    words = ["why", str(SCENE), "--size", "16", "--spp", "32", "--no-measure", "-o", str(target)]
+    result = CliRunner().invoke(app, [*words, "--json", "-q"])
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.output)
+    assert sum(row["share"] for row in found["parts"]) == pytest.approx(1.0, abs=1e-9)
+    assert found["spp"] == 32
+    assert target.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--spp", "16"), "spp: must be at least 32, got 16"),
+        (("--size", "4"), "size: must be in [8, 1024] pixels, got 4"),
+        (("--integrator", "ambient_occlusion"), "does not say where its light comes from"),
+        (("-o", "maps.exr"), "-o: the maps are a .png file, got maps.exr"),
+    ],
+)
+def test_wrong_options(words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(app, ["why", "cornell-box", "-q", *words])
+    assert result.exit_code == 2
+    assert message in result.output
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,130 @@
+"""The test of two pictures with their errors: calibrated, and it finds a bias of 1 %."""
+
+import math
+
+import numpy as np
+import pytest
+
+from alight.metrics.agreement import Measured, compare_measured
+from alight.metrics.statistics import t_to_z
+
+SHAPE = (96, 128, 3)
+
+
+def measured(seed, scale=1.0, noise=0.2, replicates=4, spread=0.0):
+    """A picture as a film makes it: mean and standard error over a few replicates.
+
+    `spread` gives pixels very different noise: 0 all the same.
+    """
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[0 : SHAPE[0], 0 : SHAPE[1]] / 128
+    truth = np.stack([0.5 + x, 0.3 + y, 1.2 - 0.5 * x], axis=-1)
+    sigma = noise * np.exp(spread * np.random.default_rng(99).normal(size=SHAPE))
+    seeds = truth * scale + sigma * rng.normal(size=(replicates, *SHAPE))
+    error = seeds.std(axis=0, ddof=1) / math.sqrt(replicates)
+    return Measured(seeds.mean(axis=0), error, replicates)
+
+
+@pytest.mark.parametrize("spread", [0.0, 1.0], ids=["even", "uneven"])
+@pytest.mark.parametrize("replicates", [2, 4, 16])
+def test_z_is_standard_normal_for_equal_pictures(replicates, spread):
+    a, b = (measured(s, replicates=replicates, spread=spread) for s in (1, 2))
+    found = compare_measured(a, b)
+    assert found.passed, found.reasons
+    z = found.z[np.isfinite(found.z)]
+    assert z.size == 3 * (96 // found.block) * (128 // found.block)
+    # Four times the standard deviations of mean and of rms over so many.
+    assert abs(z.mean()) < 4 / math.sqrt(z.size)
+    assert abs(math.sqrt((z**2).mean()) - 1) < 4 / math.sqrt(2 * z.size)
+
+
+def test_false_alarms_are_as_rare_as_promised():
+    failed = sum(
+        not compare_measured(measured(2 * s + 10), measured(2 * s + 11), block=8).passed
+        for s in range(40)
+    )
+    # 1 % by Holm and three times 0.13 % by rms: 4 of 40 has a probability below 0.1 %.
+    assert failed < 4
+
+
+def test_a_bias_of_one_percent_is_found_and_named():
+    found = compare_measured(measured(1), measured(2, scale=1.01))
+    assert not found.passed
+    assert {"mean R", "mean G", "mean B"} <= {reason.split(":")[0] for reason in found.reasons}
+    assert found.mean_b[0] / found.mean_a[0] == pytest.approx(1.01, abs=0.002)
+
+
+def test_a_difference_in_one_block_is_found():
+    b = measured(2)
+    b.mean[40:48, 64:72, 1] += 0.3
+    found = compare_measured(measured(1), b, block=8)
+    assert [reason.split(":")[0] for reason in found.reasons if "rms" not in reason] == [
+        "largest |z|"
+    ]
+    y, x, c = np.unravel_index(np.nanargmax(np.abs(found.z)), found.z.shape)
+    assert (y, x, c) == (5, 8, 1)
+
+
+def test_understated_errors_fail_and_shared_noise_is_only_odd():
+    a, b = measured(1), measured(2)
+    small = Measured(b.mean, 0.5 * b.error, b.replicates)
+    assert any("rms" in reason for reason in compare_measured(a, small).reasons)
+    same = compare_measured(a, Measured(a.mean, b.error, 4))
+    assert same.passed
+    assert len(same.remarks) == 3
+
+
+def test_one_side_may_be_exact_and_of_another_precision():
+    a = measured(1)
+    y, x = np.mgrid[0 : SHAPE[0], 0 : SHAPE[1]] / 128
+    truth = np.stack([0.5 + x, 0.3 + y, 1.2 - 0.5 * x], axis=-1)
+    assert compare_measured(a, Measured(truth.astype(np.float32))).passed
+    assert not compare_measured(Measured(1.01 * truth), a).passed
+
+
+def test_rounding_of_pixels_without_noise_is_no_difference():
+    """A lamp seen directly has no noise, and renderers round it differently."""
+    a, b = measured(1), measured(2)
+    for side, factor in ((a, 1.0), (b, 1.0 + 3e-7)):
+        side.mean[:16] = 10.0 * factor
+        side.error[:16] = 0.0
+    found = compare_measured(a, b, block=8)
+    assert found.passed, found.reasons
+    assert np.isnan(found.z[:2]).all()
+    b.mean[:16] *= 1.0001
+    assert not compare_measured(a, b, block=8).passed
+
+
+def test_unknown_errors_are_left_out():
+    a, b = measured(1), measured(2)
+    b.error[:48] = np.nan
+    b.mean[:48] += 1.0
+    found = compare_measured(a, b)
+    assert found.passed, found.reasons
+    assert np.isnan(found.z[: 48 // found.block]).all()
+
+
+@pytest.mark.parametrize(
+    ("size", "replicates", "block"),
+    [(8, 4, 4), (70, 4, 4), (300, 4, 8), (40, 64, 1), (70, 64, 2), (70, 2, 8), (300, 2, 8)],
+)
+def test_blocks_leave_a_thousand_but_are_large_enough_for_few_replicates(size, replicates, block):
+    rng = np.random.default_rng(1)
+    mean, error = rng.random((size, size, 3)), np.full((size, size, 3), 0.1)
+    found = compare_measured(Measured(mean, error, replicates), Measured(mean))
+    assert found.block == block
+
+
+def test_what_cannot_be_judged_is_refused():
+    flat = np.ones((8, 8, 3))
+    with pytest.raises(ValueError, match="nothing to judge"):
+        compare_measured(Measured(flat), Measured(flat))
+    with pytest.raises(ValueError, match="one shape"):
+        compare_measured(Measured(flat, flat, 4), Measured(flat[1:]))
+
+
+def test_one_pixel_is_students_t_with_one_freedom_less_than_replicates():
+    """The formula of the pooled freedom is exact for a block of one pixel."""
+    mean, error = np.full((2, 2, 3), 1.3), np.full((2, 2, 3), 0.1)
+    found = compare_measured(Measured(mean, error, 4), Measured(np.ones((2, 2, 3))), block=1)
+    assert np.allclose(found.z, t_to_z(np.array(3.0), np.array(3.0)), rtol=1e-5)
