@@ -39,8 +39,8 @@ def send_when(monkeypatch, samples, number):
     """Send ourselves a signal when so many samples are in the film."""
     add_tile = Film.add_tile
 
-    def add_and_send(film, partial):
-        add_tile(film, partial)
+    def add_and_send(film, *tile):
+        add_tile(film, *tile)
         if film.counts.sum() == samples * film.counts[..., 0].size:
             os.kill(os.getpid(), number)
 

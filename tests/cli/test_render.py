@@ -65,7 +65,7 @@ def test_options_reach_the_renderer(alight):
     assert result.exit_code == 0, result.output
     assert alight.stub.options == {
         "spp": 16, "time_limit": 9.0, "seed": 5, "threads": 3, "replicates": 8,
-        "spp_per_pass": 2, "first_sample": 64, "aovs": ("direct", "indirect"),
+        "spp_per_pass": 2, "first_sample": 64, "aovs": ("direct", "indirect"), "schedule": None,
     }  # fmt: skip
 
 

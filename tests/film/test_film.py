@@ -10,6 +10,7 @@ import pytest
 from alight.core.errors import FilmError
 from alight.films import Film, PartialFilm, SampleRanges, fixed_point
 from alight.films.fixed_point import to_limbs
+from alight.rendering.tile import compiled_add_rows
 
 REPLICATES = 4
 
@@ -353,3 +354,16 @@ def test_notebooks_show_the_picture_and_its_error():
     assert "8 × 8 pixels, 16 samples per pixel, relative error" in page
     assert "data:image/png;base64," in page
     assert repr(film) == "<Film 8x8, 16 spp, 4 replicates>"
+
+
+def test_machine_code_adds_tiles_as_numpy_does():
+    rng = np.random.default_rng(3)
+    films = [Film(19, 21, crop=(2, 3, 16, 17), replicates=2) for _ in range(2)]
+    for x0, y0, width, height in ((8, 8, 8, 8), (2, 3, 6, 5), (8, 8, 8, 8), (16, 16, 2, 4)):
+        shape = (height, width, 2)
+        # Both limbs of any sign, with carries in both directions.
+        sums = rng.integers(-(2**52), 2**52, (*shape, 3, 2))
+        for film, add_rows in zip(films, (None, compiled_add_rows()), strict=True):
+            tile = PartialFilm(x0, y0, sums.copy(), np.ones(shape, np.int64), 0, 0)
+            film.add_tile(tile, add_rows)
+    np.testing.assert_array_equal(films[1].sums, films[0].sums)

@@ -48,9 +48,9 @@ def stopped_after(tiles, path, monkeypatch, spp=SPP, **options):
     """Render with a checkpoint, cancelled when so many tiles are in the film."""
     cancel, add_tile, count = threading.Event(), Film.add_tile, 0
 
-    def add_and_count(film, partial):
+    def add_and_count(film, *tile):
         nonlocal count
-        add_tile(film, partial)
+        add_tile(film, *tile)
         count += 1
         if count == tiles:
             cancel.set()
@@ -88,10 +88,10 @@ def test_more_samples_are_those_of_a_longer_render(tmp_path, monkeypatch, refere
 def test_a_render_that_fails_has_kept_its_samples(tmp_path, monkeypatch, reference):
     path, add_tile = tmp_path / "a.alight", Film.add_tile
 
-    def fail_late(film, partial):
+    def fail_late(film, *tile):
         if film.counts.max() >= 12:
             raise MemoryError("no memory")
-        add_tile(film, partial)
+        add_tile(film, *tile)
 
     with monkeypatch.context() as patch:
         patch.setattr(Film, "add_tile", fail_late)
@@ -284,8 +284,8 @@ def test_rendering_does_not_wait_for_the_disk(tmp_path, monkeypatch):
             went_on.append(all_rendered.wait(30))
         return write(*arguments)
 
-    def add_and_tell(film, partial):
-        add_tile(film, partial)
+    def add_and_tell(film, *tile):
+        add_tile(film, *tile)
         if film.counts.sum() == 60 * 37 * SPP:
             all_rendered.set()
 
