@@ -60,7 +60,7 @@ test: setup-dev
 	$(BIN)/python -m pytest -n $(JOBS)
 
 proofs: setup-dev
-	ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS)
+	ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS) --ignore tests/static # which runs no kernel
 	$(BIN)/python -m pytest -n $(JOBS) -m proofs
 
 lint: setup-dev
