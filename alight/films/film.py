@@ -150,7 +150,7 @@ class Film:
         ----------
         partial : PartialFilm
         add_rows : callable, optional
-            `fixed_point.add_rows` as machine code, which takes a tenth of NumPy's time.
+            `fixed_point.add_rows` as machine code, which takes less than half of NumPy's time.
 
         Raises
         ------
