@@ -20,6 +20,7 @@ from alight.core.jit import instantiate, kernel
 from alight.core.simd import LANES, load_lanes, store_lanes, to_float
 from alight.core.vec3 import Vec3
 from alight.core.view import View
+from alight.laws.compiled import RESULTS, N, load_vec3, store_vec3
 from alight.shapes.hit import COLORS, INFO
 from alight.textures import vertex_color
 from alight.textures.checkerboard import Checkerboard
@@ -35,21 +36,6 @@ from tests.sampling.materials import (
     random_numbers,
 )
 from tests.sampling.statistics import unit_vectors
-
-N = 2048
-RESULTS = 15
-
-
-@kernel
-def load_vec3(view, i):
-    return Vec3(load_lanes(view, i), load_lanes(view, i + N), load_lanes(view, i + 2 * N))
-
-
-@kernel
-def store_vec3(view, row, i, v):
-    store_lanes(view, row * N + i, v.x)
-    store_lanes(view, (row + 1) * N + i, v.y)
-    store_lanes(view, (row + 2) * N + i, v.z)
 
 
 @kernel
