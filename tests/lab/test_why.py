@@ -210,7 +210,7 @@ def test_many_unequal_lights_chosen_alike():
     scene = loads(MANY_LIGHTS, "lights")
     shares = shares_of(scene, size=16, spp=64)
     assert "light `sun` found by light sampling at depth 2" in list(share_lines(shares))[1]
-    trials, _ = try_alternatives(scene, cause=next(iter(ranked(shares))), limit=30.0)
+    trials, _ = try_alternatives(scene, cause=next(iter(ranked(shares))), limit=240.0)
     trial = trials[0]
     assert trial.change == "integrator.light_choice=power"
     assert trial.helps
