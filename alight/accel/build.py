@@ -18,6 +18,7 @@ from functools import lru_cache
 import numpy as np
 
 from alight.accel import top
+from alight.accel.cost import patience, sah_cost
 from alight.accel.layout import BLOCK, CHILD, NODE, WIDTH, Bvh
 from alight.accel.references import MARGIN, ROUNDING, refer_to_triangles
 from alight.accel.splitting import MEDIAN, SAH, Workspace, halve
@@ -67,8 +68,8 @@ def build_bvh(
     bvh : Bvh
         Its ids are empty.
     stats : dict
-        ``nodes``, ``blocks``, ``leaves``, ``depth``, ``bytes``, ``seconds`` (build without
-        compilation).
+        ``nodes``, ``blocks``, ``leaves``, ``depth``, ``bytes``, ``sah_cost``, ``seconds`` (build
+        without compilation).
     """
     if others is None or boxes is None:
         others, boxes = np.zeros((0, BLOCK), np.float32), np.zeros((0, 2, 3), np.float32)
@@ -77,6 +78,8 @@ def build_bvh(
     with _Pool(threads) as pool:
         builder = _Builder(kernels(), pool, METHODS[method], vertices, faces, others, boxes)
         bvh, stats = builder.run()
+    stats["sah_cost"] = sah_cost(bvh)
+    bvh = bvh._replace(patience=patience(bvh, stats["sah_cost"]))
     stats["seconds"] = time.perf_counter() - begin
     return bvh, stats
 
@@ -365,6 +368,7 @@ class _Builder:
             View(aligned_zeros(int(node_at[-1]), NODE)),
             View(aligned_zeros(int(block_at[-1]), BLOCK)),
             View(np.zeros(0, np.uint32)),
+            1,
         )
         for node, children in enumerate(top_nodes):
             row = bvh.nodes.array.reshape(-1, NODE)[node]

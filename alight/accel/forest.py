@@ -60,7 +60,7 @@ class Forest:
         others = len(self.analytic) + len(self.instances)
         if len(self.triangles.faces) + others == 0:
             empty = View(np.zeros(0, np.float32))
-            tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)))
+            tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)), 1)
             return tree, View(np.zeros(6, np.float32)), (), {}
         used = sorted({i.geometry for i in self.instances})
         trees = [build_bvh(*self.geometries[g], method=method, threads=threads) for g in used]
@@ -70,7 +70,6 @@ class Forest:
         vertices = np.ascontiguousarray(self.triangles.vertices, np.float32)
         faces = np.ascontiguousarray(self.triangles.faces, np.int32)
         main, stats = build_bvh(vertices, faces, blocks, boxes, method=method, threads=threads)
-        stats["sah_cost"] = sah_cost(main)
         tree, roots = _joined([main, *(t for t, _ in trees)])
         if trees:
             self._point_to_roots(tree, dict(zip(used, roots[1:], strict=True)))
@@ -132,27 +131,9 @@ def _joined(trees: list[Bvh]) -> tuple[Bvh, list[int]]:
         View(np.concatenate([t.nodes.array for t in trees])),
         View(np.concatenate([t.blocks.array for t in trees])),
         trees[0].ids,
+        trees[0].patience,
     )
     return joined, roots
-
-
-def sah_cost(tree: Bvh) -> float:
-    """Expected work of a ray that meets the root box, in tests of a block (Wald 2007).
-
-    Every child costs its surface area relative to the root's: one step if it is a node, its blocks
-    if it is a leaf.
-    """
-    rows = tree.nodes.array.reshape(-1, NODE)
-    low, high = rows[:, :24].reshape(-1, 3, 8), rows[:, 24:48].reshape(-1, 3, 8)
-    there = low[:, 0] <= high[:, 0]
-    x, y, z = np.moveaxis(np.where(there[:, None], high - low, 0.0).astype(np.float64), 1, 0)
-    area = x * y + y * z + z * x
-    child = rows[:, CHILD : CHILD + 8].view(np.uint32)
-    cost = np.where(child >= LEAF, child & 15, 1)
-    root = rows[0, :48].reshape(6, 8)
-    x, y, z = (root[3:].max(axis=1) - root[:3].min(axis=1)).astype(np.float64)
-    whole = x * y + y * z + z * x
-    return float(1.0 + (area * cost).sum() / whole) if whole > 0.0 else 1.0
 
 
 def placed(one: Instance, vertices: np.ndarray, faces: np.ndarray) -> TriangleSet:

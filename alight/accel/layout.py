@@ -26,8 +26,9 @@ from __future__ import annotations
 from collections import namedtuple
 
 #: Views. nodes, blocks: float32 as described above (whole numbers as bit patterns); ids: u32, shape
-#: and prim of each index.
-Bvh = namedtuple("Bvh", "nodes blocks ids")
+#: and prim of each index. patience: steps that a ray takes before it lets the others of its packet
+#: go on (`turns`).
+Bvh = namedtuple("Bvh", "nodes blocks ids patience")
 
 NODE = 64
 CHILD = 48

@@ -5,6 +5,7 @@ import pytest
 
 from alight.accel import batch
 from alight.accel.layout import BLOCK, CHILD, COUNT, IDS, LEAF, MAX_DEPTH, NODE, STACK, WIDTH
+from alight.core.view import View
 from tests.accel.tracing import icosphere, torus
 
 
@@ -77,8 +78,38 @@ def test_hard_cases_give_a_complete_tree_of_bounded_depth(name, corners, method)
 
 
 def test_sah_costs_less_than_the_median():
-    from alight.accel.forest import sah_cost
+    from alight.accel.cost import sah_cost
 
     vertices, faces = torus(300, 100, 0.15)
     costs = [sah_cost(batch.build(vertices, faces, method=m)[0]) for m in ("sah", "median")]
     assert costs[0] < costs[1]
+
+
+def test_rays_share_the_time_only_where_they_wait_for_memory():
+    from alight.accel.cost import BIG, COSTLY, ENDLESS, patience
+
+    bvh, _ = batch.build(*torus(40, 30, 0.3))
+    assert bvh.patience == ENDLESS
+    # Without bounds in the way of the test: as many nodes as it takes to be big.
+    big = bvh._replace(nodes=View(np.zeros(BIG // 4 + 1, np.float32)))
+    assert patience(big, COSTLY - 1.0) == 1
+    assert patience(big, COSTLY) == ENDLESS
+
+
+def test_how_rays_share_the_time_changes_no_hit():
+    rng = np.random.default_rng(5)
+    vertices, faces = torus(60, 40, 0.3)
+    vertices = np.concatenate([vertices, rng.normal(size=(900, 3)).astype(np.float32)])
+    soup = len(vertices) - 900 + np.arange(900, dtype=np.int32).reshape(-1, 3)
+    bvh, _ = batch.build(vertices, np.concatenate([faces, soup]))
+    o = rng.normal(size=(3000, 3)).astype(np.float32)
+    d = rng.normal(size=(3000, 3)).astype(np.float32)
+    results = []
+    for steps in (1, 3, 1 << 40):
+        tree = bvh._replace(patience=steps)
+        hits = batch.intersect_batch(tree, o, d)
+        results.append([*hits, batch.is_occluded_batch(tree, o, d)])
+    assert 0 < np.isfinite(results[0][0]).sum() < 3000
+    for other in results[1:]:
+        for a, b in zip(results[0], other, strict=True):
+            np.testing.assert_array_equal(a, b)

@@ -47,10 +47,13 @@ def run_tests(folder: Path, *tests: str) -> subprocess.CompletedProcess:
         **os.environ, "PYTHONPATH": str(folder), "ALIGHT_CACHE": str(folder / "cache"),
         "COLUMNS": "300", "PYTHONDONTWRITEBYTECODE": "1",
     }  # fmt: skip
+    # A run that is stuck says where, before the time of the test around it is over.
     options = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=line"]
+    options += ["-o", "faulthandler_timeout=120", "-o", "timeout=240"]
     return subprocess.run(
         [sys.executable, "-m", "pytest", *options, *tests],
-        cwd=folder, env=environment, capture_output=True, text=True, check=False,
+        cwd=folder, env=environment, check=False,
+        stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=570,
     )  # fmt: skip
 
 
