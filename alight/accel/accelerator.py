@@ -17,7 +17,15 @@ import numpy as np
 from alight.accel.forest import Forest, placed, placed_box
 from alight.accel.layout import ANALYTIC
 from alight.accel.lists import Accelerator
-from alight.accel.primitives import Analytic, Instance, TriangleSet, chosen, finite, in_order
+from alight.accel.primitives import (
+    Analytic,
+    Instance,
+    TriangleSet,
+    chosen,
+    finite,
+    first_of_pairs,
+    in_order,
+)
 from alight.core.view import View
 
 #: Most primitives in lists altogether.
@@ -73,7 +81,8 @@ def build_accelerator(
         sorter.list_the_big()
     elif structure != "bvh":
         raise ValueError(f'structure must be "auto", "list" or "bvh", got {structure!r}')
-    accelerator, plan, stats = sorter.finish(builder, threads)
+    # What the oracle tests one by one stays so.
+    accelerator, plan, stats = sorter.finish(builder, threads, in_pairs=structure == "auto")
     stats["seconds"] = time.perf_counter() - begin
     return accelerator, plan, stats
 
@@ -157,7 +166,7 @@ class _Sorter:
 
     # ---- the result
 
-    def finish(self, builder: str, threads: int):
+    def finish(self, builder: str, threads: int, in_pairs: bool):
         """The accelerator, its plan, and figures about it."""
         plan, lists = [], {}
         for kind in ANALYTIC:
@@ -169,13 +178,12 @@ class _Sorter:
         lists["planes"] = self.planes
         plan += [name for name, rows in lists.items() if rows]
         tables = {name: View(np.array(rows, np.uint32).reshape(-1)) for name, rows in lists.items()}
-        listed = [chosen(self.triangles, self.listed), *self.flattened]
-        corners = np.concatenate([t.vertices[t.faces].reshape(-1, 9) for t in listed])
-        corners = np.ascontiguousarray(corners, np.float32)
-        ids = np.concatenate([np.stack([t.shape, t.prim], axis=1) for t in listed])
-        order = np.lexsort((ids[:, 1], ids[:, 0]))
-        if len(ids):
-            plan.append("triangles")
+        corners, ids = self._listed_triangles()
+        first = first_of_pairs(corners, ids) if in_pairs else np.zeros(len(ids), bool)
+        alone = ~first & ~np.roll(first, 1)
+        second = np.roll(first, 1)
+        plan += ["pairs"] if first.any() else []
+        plan += ["triangles"] if alone.any() else []
         forest = Forest(
             chosen(self.triangles, ~self.listed),
             [
@@ -191,15 +199,29 @@ class _Sorter:
         return (
             Accelerator(
                 **tables,
-                # One number more: the last corner is read as four.
-                triangles=View(np.append(corners[order].reshape(-1), np.float32(0.0))),
-                triangle_ids=View(np.ascontiguousarray(ids[order], np.uint32).reshape(-1)),
+                triangles=_corner_table(corners[alone]),
+                triangle_ids=View(ids[alone].reshape(-1)),
+                pairs=_corner_table(np.hstack([corners[first], corners[second, 2:]])),
+                pair_ids=View(np.hstack([ids[first], ids[second, 1:]]).reshape(-1)),
                 tree=tree,
                 box=box,
             ),
             (*plan, *tree_plan),
             {"listed": count, "triangles": len(self.triangles.faces), **stats},
         )
+
+    def _listed_triangles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (n, 3, 3) float32, metres, and (shape, prim) of triangles in lists, in order."""
+        listed = [chosen(self.triangles, self.listed), *self.flattened]
+        corners = np.concatenate([t.vertices[t.faces] for t in listed]).astype(np.float32)
+        ids = np.concatenate([np.stack([t.shape, t.prim], axis=1) for t in listed])
+        order = np.lexsort((ids[:, 1], ids[:, 0]))
+        return corners[order], ids[order].astype(np.uint32)
+
+
+def _corner_table(corners: np.ndarray) -> View:
+    """Corners as kernels read them; one number more, as the last corner is read as four."""
+    return View(np.append(corners.reshape(-1), np.float32(0.0)))
 
 
 def _half_area(low: np.ndarray, high: np.ndarray) -> float:

@@ -18,14 +18,16 @@ from alight.core.simd import as_int, bits_float, float_bits, lanes, lanes_u32, w
 from alight.shapes import cylinder, disk, plane, rectangle, sphere
 from alight.shapes.hit import Hit
 from alight.shapes.triangle import intersect as intersect_triangle
-from alight.shapes.triangle import rotated, shear_of
+from alight.shapes.triangle import intersect_pair, rotated, shear_of
 
 #: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes,
 #: cylinders: u32, shape and row in the data, of those in lists; triangles: float32, corners of
-#: those in the list, and triangle_ids: u32, their shape and prim; tree: `Bvh`; box: float32, lower
-#: and upper bounds of it.
+#: those in the list, and triangle_ids: u32, their shape and prim; pairs: float32, four corners of
+#: two triangles each (`intersect_pair`), and pair_ids: u32, their shape and two prims; tree: `Bvh`;
+#: box: float32, lower and upper bounds of it.
 Accelerator = namedtuple(
-    "Accelerator", "rectangles spheres disks planes cylinders triangles triangle_ids tree box"
+    "Accelerator",
+    "rectangles spheres disks planes cylinders triangles triangle_ids pairs pair_ids tree box",
 )
 
 #: Intersection kernels of the lists of analytic shapes, by the name of the list.
@@ -74,6 +76,13 @@ def merge(best, found):
     """The closer one of two hits, at the same t the one with the lower shape."""
     closer = (found.shape != NOTHING) & ((found.t < best.t) | (found.shape < best.shape))
     return keep(closer, found, best)
+
+
+@kernel(strict=True)
+def wins(a, b):
+    """True if the first of two hits is nearer or, at the same t, has the lower (shape, prim)."""
+    earlier = (a.shape < b.shape) | ((a.shape == b.shape) & (a.prim < b.prim))
+    return (a.t < b.t) | ((a.t == b.t) & earlier)
 
 
 @kernel
@@ -143,7 +152,8 @@ def closest_of_triangles(accel, data, o, d, best):
         found = keep_closer(
             found, hit, t, u, v, accel.triangle_ids[2 * i], accel.triangle_ids[2 * i + 1]
         )
-    return merge(best, found)
+    # Others of the same mesh may have been met as pairs.
+    return keep((found.shape != NOTHING) & wins(found, best), found, best)
 
 
 @kernel(strict=True)
@@ -153,6 +163,29 @@ def occlude_by_triangles(accel, data, o, d, t_max):
     origin = rotated(o, shear)
     for i in range(accel.triangles.size // 9):
         _, _, _, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, t_max)
+        t_max = where(hit, -1.0, t_max)
+    return t_max
+
+
+@kernel(strict=True)
+def closest_of_pairs(accel, data, o, d, best):
+    """Closest hits with the pairs of triangles in the list."""
+    shear, found = shear_of(d), nothing_yet(best)
+    origin = rotated(o, shear)
+    for i in range(accel.pairs.size // 12):
+        t, u, v, hit, second = intersect_pair(accel.pairs, 12 * i, origin, shear, found.t)
+        prim = where(second, lanes_u32(accel.pair_ids[3 * i + 2]), accel.pair_ids[3 * i + 1])
+        found = keep_closer(found, hit, t, u, v, accel.pair_ids[3 * i], prim)
+    return merge(best, found)
+
+
+@kernel(strict=True)
+def occlude_by_pairs(accel, data, o, d, t_max):
+    """Occlusion by the pairs of triangles in the list."""
+    shear = shear_of(d)
+    origin = rotated(o, shear)
+    for i in range(accel.pairs.size // 12):
+        _, _, _, hit, _ = intersect_pair(accel.pairs, 12 * i, origin, shear, t_max)
         t_max = where(hit, -1.0, t_max)
     return t_max
 
@@ -191,6 +224,8 @@ def write_lists(names: tuple[str, ...]) -> tuple[Callable, Callable]:
     for name in names:
         if name == "triangles":
             texts = closest_of_triangles, occlude_by_triangles
+        elif name == "pairs":
+            texts = closest_of_pairs, occlude_by_pairs
         else:
             texts = _write_shape_list(name)
         closest, occlude = _then(closest, texts[0]), _then(occlude, texts[1])

@@ -16,6 +16,7 @@ from alight.accel.lists import (
     closest_of_nothing,
     keep,
     occlude_by_nothing,
+    wins,
     write_lists,
 )
 from alight.accel.mixed import write_leaves
@@ -56,13 +57,6 @@ def enters_box(box, o, d, t_max):
         minimum(maximum(low.z, high.z), t_max),
     )
     return enter <= leave * STRETCH
-
-
-@kernel(strict=True)
-def wins(a, b):
-    """True if the first of two hits is nearer or, at the same t, has the lower (shape, prim)."""
-    earlier = (a.shape < b.shape) | ((a.shape == b.shape) & (a.prim < b.prim))
-    return (a.t < b.t) | ((a.t == b.t) & earlier)
 
 
 def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:

@@ -68,3 +68,34 @@ def chosen(triangles: TriangleSet, which: np.ndarray) -> TriangleSet:
     return TriangleSet(
         triangles.vertices, triangles.faces[which], triangles.shape[which], triangles.prim[which]
     )
+
+
+#: Cosine of the angle between neighbours that count as flat: rays that meet both are rare then.
+FLAT = 0.99
+
+
+def first_of_pairs(corners: np.ndarray, ids: np.ndarray) -> np.ndarray:
+    """Which triangles a, b, c are followed by a triangle a, c, d in (nearly) the same plane.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3) float32
+    ids : (n, 2) uint32
+        Shape and prim, ascending.
+
+    Returns
+    -------
+    (n,) bool
+        No triangle belongs to two pairs.
+    """
+    a, b, c = np.moveaxis(corners.astype(np.float64), 1, 0)
+    normal = np.cross(b - a, c - a)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        fits = np.einsum("ij,ij->i", normal[:-1], normal[1:]) > FLAT
+    fits &= (ids[:-1, 0] == ids[1:, 0]) & (corners[:-1, 0] == corners[1:, 0]).all(axis=1)
+    fits &= (corners[:-1, 2] == corners[1:, 1]).all(axis=1)
+    first = np.zeros(len(corners), bool)
+    for i in np.flatnonzero(fits).tolist():
+        first[i] = not first[i - 1]
+    return first

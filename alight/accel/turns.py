@@ -172,14 +172,13 @@ def write_closest(closest_of_leaf: Callable) -> Callable:
             while k < count:
                 i = order[k]
                 code, size, left = codes[i], sizes[i], tree.patience
-                boxes, triangles = _box_ray(numbers, rows, i), _triangle_ray(numbers, rows, i)
-                best = SingleHit(ts[i], as_int(indices[i]), as_int(faces[i]), us[i], vs[i])
+                boxes = _box_ray(numbers, rows, i)
                 while (left > 0) & (code != _DONE):
                     left -= 1
                     on = False
                     if code < LEAF:
                         at = NODE * code
-                        enter, met = meet_boxes(tree.nodes, at, boxes, best.t)
+                        enter, met = meet_boxes(tree.nodes, at, boxes, ts[i])
                         children = mask_bits(met)
                         on = children != 0
                         if on:
@@ -192,6 +191,7 @@ def write_closest(closest_of_leaf: Callable) -> Callable:
                                 size = push_children(tree, stack, size, children, distances, at) - 1
                                 code = stack[size] & 0xFFFFFFFF
                     else:
+                        best = SingleHit(ts[i], as_int(indices[i]), as_int(faces[i]), us[i], vs[i])
                         best = closest_of_leaf(
                             tree,
                             data,
@@ -199,13 +199,13 @@ def write_closest(closest_of_leaf: Callable) -> Callable:
                             code & 15,
                             _load(numbers, _ORIGIN + i),
                             _load(numbers, _DIRECTION + i),
-                            triangles,
+                            _triangle_ray(numbers, rows, i),
                             best,
                         )
+                        ts[i], us[i], vs[i] = best.t, best.u, best.v
+                        indices[i], faces[i] = as_uint(best.index), as_uint(best.face)
                     if not on:
-                        code, size = _pop(stack, STACK * i, size, best.t)
-                ts[i], us[i], vs[i] = best.t, best.u, best.v
-                indices[i], faces[i] = as_uint(best.index), as_uint(best.face)
+                        code, size = _pop(stack, STACK * i, size, ts[i])
                 if code == _DONE:
                     count -= 1
                     order[k] = order[count]
@@ -240,7 +240,7 @@ def write_any(any_of_leaf: Callable) -> Callable:
             while k < count:
                 i = order[k]
                 size, end, left = sizes[i], ends[i], tree.patience
-                boxes, triangles = _box_ray(numbers, rows, i), _triangle_ray(numbers, rows, i)
+                boxes = _box_ray(numbers, rows, i)
                 while (left > 0) & (size > STACK * i):
                     left -= 1
                     size -= 1
@@ -262,7 +262,7 @@ def write_any(any_of_leaf: Callable) -> Callable:
                         code & 15,
                         _load(numbers, _ORIGIN + i),
                         _load(numbers, _DIRECTION + i),
-                        triangles,
+                        _triangle_ray(numbers, rows, i),
                         end,
                     ):
                         ends[i] = -1.0
