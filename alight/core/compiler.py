@@ -5,11 +5,14 @@ Only `alight.core.jit.load_compiler` imports this module, at the first compilati
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numba import njit
+from numba import njit, types
 from numba.core import ir as numba_ir
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
 from numba.core.typed_passes import (
     NativeLowering,
@@ -17,6 +20,7 @@ from numba.core.typed_passes import (
     NopythonTypeInference,
     PreLowerStripPhis,
 )
+from numba.core.typing.typeof import typeof
 from numba.core.untyped_passes import (
     DeadBranchPrune,
     FixupArgs,
@@ -27,6 +31,7 @@ from numba.core.untyped_passes import (
 
 from alight.core import simd
 from alight.core.lane_types import N
+from alight.core.machine_code import ObjectCode
 from alight.core.wide_instructions import PRIMITIVES
 
 
@@ -50,6 +55,45 @@ class Float32Constants(FunctionPass):
         return True
 
 
+class OptimisedLibrary(JITCodeLibrary):
+    """Optimised LLVM IR, to link with or to make an object file of.
+
+    It is kept out of Numba's own engine. Were it in there, a kernel's calls could go to this copy
+    of a function in place of the one in the kernel's own module, which is optimised together with
+    its callers, and the same program could round differently from one process to the next.
+    """
+
+    def _finalize_final_module(self):
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def object_code(self) -> bytes:
+        """Machine code for this processor."""
+        self._ensure_finalized()
+        return self._codegen._tm.emit_object(self._final_module)
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LowerToLibrary(NativeLowering):
+    """Lowering to LLVM IR, without an entry point for Python."""
+
+    _name = "alight_lower_to_library"
+
+    def run_pass(self, state):
+        """Lower one function."""
+        state.flags.no_compile = True
+        state.library = OptimisedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        super().run_pass(state)
+        # The dispatcher insists on an entry point of its own, a built-in callable, to tell its
+        # functions apart; nothing ever calls this one. Methods of two lists are never equal.
+        entry = [].append
+        lowered = state["cr"]
+        state.targetctx.insert_user_function(entry, lowered.fndesc, [state.library])
+        state["cr"] = lowered._replace(cfunc=entry)
+        return True
+
+
 class KernelCompiler(CompilerBase):
     """Numba's nopython pipeline reduced to the passes that kernel text needs.
 
@@ -57,8 +101,6 @@ class KernelCompiler(CompilerBase):
     closures, generators, list comprehensions, parallel loops and typed-IR rewrites, none of which
     kernels have, and the annotation of types for display.
     """
-
-    lowering = NativeLowering
 
     def define_pipelines(self):
         """The passes in order."""
@@ -72,7 +114,7 @@ class KernelCompiler(CompilerBase):
             ReconstructSSA,
             NopythonTypeInference,
             PreLowerStripPhis,
-            self.lowering,
+            LowerToLibrary,
             NoPythonBackend,
         ):
             pipeline.add_pass(step, step._name)
@@ -80,59 +122,37 @@ class KernelCompiler(CompilerBase):
         return [pipeline]
 
 
-class LinkingLibrary(JITCodeLibrary):
-    """Optimised LLVM IR to link with, kept out of the engine that makes machine code.
-
-    Were it in there, a kernel's calls could go to this copy of a function in place of the one in
-    the kernel's own module, which is optimised together with its callers: the same program would
-    round differently when compiled and when read from the disk cache, which holds only the latter.
-    """
-
-    def _finalize_final_module(self):
-        self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
-        self._finalized = True
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class LowerForLinking(NativeLowering):
-    """Lowering of kernels that only kernels call: LLVM IR to link with, no machine code."""
-
-    _name = "alight_lower_for_linking"
-
-    def run_pass(self, state):
-        """Lower one function."""
-        state.flags.no_compile = True
-        state.library = LinkingLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
-        super().run_pass(state)
-        # The dispatcher insists on an entry point of its own, a built-in callable, to tell its
-        # functions apart; nothing ever calls this one. Methods of two lists are never equal.
-        entry = [].append
-        lowered = state["cr"]
-        state.targetctx.insert_user_function(entry, lowered.fndesc, [state.library])
-        state["cr"] = lowered._replace(cfunc=entry)
-        return True
-
-
-class InnerCompiler(KernelCompiler):
-    """For kernels that only kernels call."""
-
-    lowering = LowerForLinking
-
-
 def jit(function, *, fast_math, root):
-    """A Numba dispatcher; only root kernels are callable from Python and cached on disk."""
+    """A Numba dispatcher; of root kernels `object_code` makes something that can be called."""
     return njit(  # pyright: ignore[reportCallIssue]
         function,
         nogil=True,
         fastmath=fast_math,
         error_model="numpy",
-        pipeline_class=KernelCompiler if root else InnerCompiler,
-        cache=root,
-        no_cpython_wrapper=not root,
+        pipeline_class=KernelCompiler,
+        no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
         # A call would pass the state of 16 paths through memory: a fifth of the time.
         forceinline=not root,
+    )
+
+
+def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
+    """Compile a root kernel for arguments of these types."""
+    signature = tuple(map(typeof, arguments))
+    dispatcher.compile(signature)
+    compiled = dispatcher.overloads[signature]
+    described = compiled.fndesc
+    if described.restype != types.none:
+        raise TypeError(f"{described.qualname}: a kernel called from Python must return nothing")
+    packer = compiled.target_context.get_arg_packer(described.argtypes)
+    plain = [str(t) for t in packer.argument_types]
+    with global_compiler_lock:
+        code = compiled.library.object_code()
+    return ObjectCode(
+        described.llvm_func_name,
+        tuple("ptr" if t.endswith(("*", "ptr")) else t for t in plain),
+        code,
     )
 
 

@@ -5,66 +5,26 @@ one *program* (the models that a scene uses and the options that are fixed while
 `instantiate` walks the call graph from a root kernel, puts the program's own functions in the
 places of the factories, and hands the result to Numba, or leaves it in Python (the NumPy twin).
 
-Numba is imported by the first compilation, not before: loading scenes and asking for help do not
-need a compiler.
+Numba is imported by the first compilation, not before: loading scenes, asking for help and kernels
+that were compiled before (`machine_code`) do not need a compiler.
 """
 
 from __future__ import annotations
 
-import hashlib
 import types
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable
 from functools import cache, lru_cache
 from typing import Any
 
-from alight.core.machine import cache_folder
+from alight.core.machine_code import MachineCode, ObjectCode
+from alight.core.marks import STRICT, Specialised, is_kernel, kernel, specialised
+from alight.core.source_digest import digest_of
+
+__all__ = ["FAST_MATH", "Specialised", "instantiate", "is_kernel", "kernel", "specialised"]
 
 #: Fast-math of shading code. Never nnan or ninf: NaN must be seen, infinity is used as "no hit".
 FAST_MATH = frozenset({"contract", "reassoc", "arcp", "nsz", "afn"})
-
-
-#: Attributes that mark a function as kernel text, and as strict.
-_KERNEL, _STRICT = "__alight_kernel__", "__alight_strict__"
-
-
-def kernel(function: Callable | None = None, *, strict: bool = False) -> Callable:
-    """Mark a function as kernel text.
-
-    Parameters
-    ----------
-    strict : bool, default False
-        Compile without any fast-math, this function and everything that it calls. For edge
-        functions, error bounds and exact sums, where a reordered or contracted operation is a bug.
-    """
-    if function is None:
-        return lambda f: kernel(f, strict=strict)
-    setattr(function, _KERNEL, True)
-    setattr(function, _STRICT, strict)
-    return function
-
-
-class Specialised:
-    """A kernel that is written anew for each program; calling it needs `instantiate`."""
-
-    def __init__(self, factory: Callable[[Any], Callable]):
-        self.factory = factory
-        self.__name__ = factory.__name__
-        self.__doc__ = factory.__doc__
-
-    def __call__(self, *args) -> Any:
-        """Refuse: the text is not written yet."""
-        raise TypeError(f"{self.__name__} depends on the program: use instantiate() first")
-
-
-def specialised(factory: Callable[[Any], Callable]) -> Specialised:
-    """Mark a factory ``program -> kernel`` whose name kernels can call like a kernel."""
-    return Specialised(factory)
-
-
-def is_kernel(value: Any) -> bool:
-    """True for functions marked with `kernel`."""
-    return isinstance(value, types.FunctionType) and hasattr(value, _KERNEL)
 
 
 def instantiate(
@@ -88,9 +48,17 @@ def instantiate(
         For the twin: given each kernel as text names it (a function or a `Specialised`) and what
         would be called in its place, it returns what is called, so that calls can be looked at.
     """
-    if compiled:
-        return _CompiledBuild(program).get(root)
-    return _PythonBuild(program, observe).get(root)
+    if not compiled:
+        return _PythonBuild(program, observe).get(root)
+
+    def compile_for(arguments: tuple) -> ObjectCode:
+        return load_compiler().object_code(_CompiledBuild(program).get(root), arguments)
+
+    text = root.factory if isinstance(root, Specialised) else root
+    # The digest tells a kernel that is not of alight's own from an older one of the same name.
+    digest = digest_of({"root": text})
+    identity = f"{text.__module__}.{text.__qualname__} {digest} {program!r}"
+    return MachineCode(root.__name__, identity, compile_for)
 
 
 class _Build(ABC):
@@ -108,7 +76,7 @@ class _Build(ABC):
         """The kernel `node` for this program, made once."""
         if isinstance(node, Specialised):
             node = self.text_of(node)
-        strict = strict or getattr(node, _STRICT)
+        strict = strict or getattr(node, STRICT)
         key = (node, strict)
         if key not in self.done:
             self.done[key] = self.make(node, strict)
@@ -174,14 +142,11 @@ class _CompiledBuild(_Build):
         return super().get(node, strict)
 
     def make(self, node: Callable, strict: bool, root: bool = False) -> Any:
-        strict = strict or getattr(node, _STRICT)
+        strict = strict or getattr(node, STRICT)
         shared = not depends_on_program(node)
         if shared and (node, strict, root) in _SHARED:
             return _SHARED[node, strict, root]
         copy = self.clone(node, strict)
-        if root and self.program is not None:
-            # Numba names its cache files by the qualified name.
-            copy.__qualname__ = f"{node.__name__}_{digest(self.program)}"
         result = self.compiler.jit(copy, fast_math=set() if strict else set(FAST_MATH), root=root)
         if shared:
             _SHARED[node, strict, root] = result
@@ -226,41 +191,12 @@ def _names(code: types.CodeType) -> set[str]:
     return names
 
 
-def digest(program: Hashable) -> str:
-    """Short stable name of a program (its repr decides)."""
-    return hashlib.sha256(repr(program).encode()).hexdigest()[:16]
-
-
-# ---------------------------------------------------------------- the compiler and its disk cache
-
-
-def fixed(kernel: Any) -> Callable:
-    """A compiled root kernel whose arguments have the same types at each call.
-
-    Numba's dispatcher looks at the types of all arguments each time; for nested tuples of tables
-    that takes longer than a small tile. Here it does so at the first call only.
-    """
-    entry = None
-
-    def call(*args: Any) -> Any:
-        nonlocal entry
-        if entry is None:
-            kernel(*args)
-            (compiled,) = kernel.overloads.values()
-            entry = compiled.entry_point
-        else:
-            entry(*args)
-
-    call.dispatcher = kernel  # pyright: ignore[reportFunctionMemberAccess]
-    return call
+# ---------------------------------------------------------------- the compiler
 
 
 @lru_cache(maxsize=1)
 def load_compiler():
-    """Import Numba and our compiler, with the disk cache pointed at this version's own folder."""
-    from numba.core import config
-
-    config.CACHE_DIR = str(cache_folder())  # pyright: ignore[reportAttributeAccessIssue]
+    """Import Numba and our compiler."""
     from alight.core import compiler
 
     return compiler

@@ -25,16 +25,15 @@ def lanes_of_machine() -> int:
 @lru_cache(maxsize=1)
 def describe_machine() -> dict[str, str]:
     """Everything that decides the bits of a picture: sources, compiler, processor, lanes."""
-    import llvmlite
+    from importlib.metadata import version
+
     import llvmlite.binding as llvm
-    import numba
-    import numpy as np
 
     return {
         "sources of alight": _digest_of_sources(),
-        "numba": numba.__version__,
-        "llvmlite": llvmlite.__version__,
-        "numpy": np.__version__,
+        "numba": version("numba"),
+        "llvmlite": version("llvmlite"),
+        "numpy": version("numpy"),
         "python": platform.python_version(),
         "processor": llvm.get_host_cpu_name(),
         "features of the processor": llvm.get_host_cpu_features().flatten(),
@@ -60,11 +59,7 @@ def _digest_of_sources() -> str:
 
 
 def cache_folder() -> Path:
-    """Where compiled kernels are kept: a folder named by the fingerprint.
-
-    Numba's own cache looks only at the file of the outermost function; a callee changed in
-    another file would go unseen. The folder changes with any source file of the package.
-    """
+    """Where compiled kernels are kept: a folder that changes with any source of the package."""
     base = os.environ.get("ALIGHT_CACHE")
     if base is not None:
         return Path(base) / fingerprint()

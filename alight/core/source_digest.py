@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.jit import Specialised, is_kernel
+from alight.core.marks import Specialised, is_kernel
 
 
 def digest_of(functions: dict[str, Any]) -> str:

@@ -11,7 +11,8 @@ import numpy as np
 
 from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
-from alight.core.jit import fixed, instantiate
+from alight.core.jit import instantiate
+from alight.core.machine_code import MachineCode
 from alight.core.view import View
 from alight.films import PartialFilm
 from alight.films.fixed_point import add_rows
@@ -52,7 +53,9 @@ def make_kernels(
     def make(program: Program) -> Callable:
         kernel = instantiate(render_tile_kernel, program, compiled=compiled, observe=observe)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
-        return fixed(kernel) if compiled else np.errstate(all="ignore")(kernel)
+        if isinstance(kernel, MachineCode):
+            return kernel.fixed()
+        return np.errstate(all="ignore")(kernel)
 
     wanted = set(LAYERS) & set(scene.program.aovs)
     # What light does there plays no part in these layers, and need not be compiled for them.
@@ -66,7 +69,9 @@ def make_kernels(
 @lru_cache(maxsize=1)
 def compiled_add_rows() -> Callable:
     """`add_rows` as machine code, ready to run: it is the same for all scenes."""
-    call, nothing = fixed(instantiate(add_rows)), View(np.zeros(2, np.int64))
+    kernel, nothing = instantiate(add_rows), View(np.zeros(2, np.int64))
+    assert isinstance(kernel, MachineCode)
+    call = kernel.fixed()
     call(nothing, 0, 0, nothing, 0, 0)
     return call
 

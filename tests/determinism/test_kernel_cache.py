@@ -34,7 +34,7 @@ def run(script: str, folder: Path, **environment: str) -> str:
 
 def test_compiled_and_cached_kernels_give_the_same_bits(tmp_path):
     first = run(RENDER, tmp_path, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
-    assert list(tmp_path.rglob("*.nbc"))
+    assert list(tmp_path.rglob("*.kernel"))
     again = run(RENDER, tmp_path, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
     assert again == first
 

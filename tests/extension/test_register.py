@@ -204,7 +204,7 @@ def test_an_edited_script_is_compiled_anew_and_an_unchanged_one_is_not(tmp_path)
             capture_output=True, text=True, check=False,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
-        return float(done.stdout), len(list((tmp_path / "cache").rglob("*.nbc")))
+        return float(done.stdout), len(list((tmp_path / "cache").rglob("*.kernel")))
 
     first, kernels = run(1.0)
     assert run(1.0) == (first, kernels)
