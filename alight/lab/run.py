@@ -158,13 +158,12 @@ def _processor() -> str:
 
 def versions() -> dict[str, str]:
     """Versions of everything that decides the numbers."""
-    import numba
-    import numpy as np
+    from importlib.metadata import version
 
     return {
         "alight": alight.__version__,
         "kernels": fingerprint(),
         "python": platform.python_version(),
-        "numpy": np.__version__,
-        "numba": numba.__version__,
+        "numpy": version("numpy"),
+        "numba": version("numba"),
     }
