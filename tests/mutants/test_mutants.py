@@ -47,14 +47,18 @@ def run_tests(folder: Path, *tests: str) -> subprocess.CompletedProcess:
         **os.environ, "PYTHONPATH": str(folder), "ALIGHT_CACHE": str(folder / "cache"),
         "COLUMNS": "300", "PYTHONDONTWRITEBYTECODE": "1",
     }  # fmt: skip
-    # A run that is stuck says where, before the time of the test around it is over.
     options = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=line"]
-    options += ["-o", "faulthandler_timeout=120", "-o", "timeout=240"]
-    return subprocess.run(
-        [sys.executable, "-m", "pytest", *options, *tests],
-        cwd=folder, env=environment, check=False,
-        stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=570,
-    )  # fmt: skip
+    # A run that is stuck says where, before the time of the test around it is over.
+    command = [sys.executable, "-X", "faulthandler", "-m", "pytest", *options]
+    command += ["-o", "faulthandler_timeout=200", "-o", "timeout=0", *tests]
+    try:
+        return subprocess.run(
+            command, cwd=folder, env=environment, check=False, timeout=570,
+            stdin=subprocess.DEVNULL, capture_output=True, text=True,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as stuck:
+        said = b"".join(stream for stream in (stuck.stdout, stuck.stderr) if stream)
+        pytest.fail(f"stuck: {' '.join(tests)}\n{said.decode(errors='replace')}")
 
 
 @pytest.mark.proofs
