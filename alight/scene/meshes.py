@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import Issue, SceneError, nearest, quote
-from alight.scene.formats import obj, ply
+from alight.scene.formats import obj, ply, stl
 from alight.scene.formats.triangles import MeshArrays
 from alight.shapes.mesh import Mesh
 
-FORMATS = {".ply": ply.read, ".obj": obj.read}
+FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class MeshStore:
 
 
 def read_file(path: Path, name: str = "") -> MeshArrays:
-    """Read a PLY or OBJ file.
+    """Read a PLY, OBJ or STL file.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def read_file(path: Path, name: str = "") -> MeshArrays:
     name = name or str(path)
     reader = FORMATS.get(path.suffix.lower())
     if reader is None:
-        raise _error(f"must be a .ply or .obj file, got {quote(name)}")
+        raise _error(f"must be a .ply, .obj or .stl file, got {quote(name)}")
     try:
         data = path.read_bytes()
     except (OSError, ValueError) as error:

@@ -1,4 +1,4 @@
-r"""Triangle mesh, from a PLY or OBJ file or from arrays.
+r"""Triangle mesh, from a PLY, OBJ or STL file or from arrays.
 
 .. math:: p(b_1, b_2) = (1 - b_1 - b_2)\, p_0 + b_1\, p_1 + b_2\, p_2
 
@@ -115,7 +115,7 @@ class Mesh(Shape):
     Parameters
     ----------
     file : str, optional
-        PLY or OBJ file, relative to the scene file; not together with arrays.
+        PLY, OBJ or STL file, relative to the scene file; not together with arrays.
     vertices : (n, 3) float32, metres, optional
         Positions in the space of its node.
     faces : (m, 3) int32, optional

@@ -9,7 +9,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tests.scene.mutate import OBJ, Mutation, mesh_file, mesh_scene, mutate_bytes
+from tests.scene.mutate import (
+    OBJ,
+    STL,
+    Mutation,
+    binary_stl,
+    mesh_file,
+    mesh_scene,
+    mutate_bytes,
+)
 
 _XML = """<scene version="3.0.0">
 <sensor type="perspective"><transform name="to_world"><translate z="4"/></transform></sensor>
@@ -25,7 +33,8 @@ _FLAGS = 0x1000 | 0x1 | 0x2
 def meshes(seed: int, n: int) -> Iterator[Mutation]:
     """Yield `n` scenes, each with the content of its mesh file."""
     rng = random.Random(seed)
-    plain = [("mesh.ply", mesh_file(order)) for order in ("", "<", ">")] + [("mesh.obj", OBJ)]
+    plain = [("mesh.ply", mesh_file(order)) for order in ("", "<", ">")]
+    plain += [("mesh.obj", OBJ), ("mesh.stl", STL), ("mesh.stl", binary_stl())]
     for _ in range(n):
         kind = rng.randrange(len(plain) + 2)
         if kind < len(plain):

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import random
+import struct
 from collections.abc import Iterator
 from importlib import resources
 from typing import NamedTuple
@@ -26,8 +27,34 @@ WORDS = (
 # fmt: on
 
 
+STL = b"""solid square
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 1 1 0
+endloop
+endfacet
+facet normal 0 0 1
+outer loop
+vertex -0 0 0
+vertex 1 1 0
+vertex 0 1 0
+endloop
+endfacet
+endsolid square
+"""
+
+
+def binary_stl() -> bytes:
+    """The same square."""
+    facets = ([0, 0, 0, 1, 0, 0, 1, 1, 0], [-0.0, 0, 0, 1, 1, 0, 0, 1, 0])
+    body = b"".join(struct.pack("<12fH", 0, 0, 1, *corners, 0) for corners in facets)
+    return b"made by hand".ljust(80) + struct.pack("<I", 2) + body
+
+
 class Mutation(NamedTuple):
-    """One case: the scene's text, and the content of its mesh file ``mesh.ply`` or ``mesh.obj``."""
+    """One case: the scene's text, and its mesh file: ``mesh.ply``, ``mesh.obj`` or ``mesh.stl``."""
 
     text: str
     mesh_name: str

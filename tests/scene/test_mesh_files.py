@@ -1,12 +1,13 @@
-"""PLY and OBJ files: positions, polygons, normals, texture coordinates and colours come through."""
+"""PLY, OBJ and STL: positions, polygons, normals, texture coordinates and colours come through."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from alight.scene.formats import obj, ply
+from alight.scene.formats import obj, ply, stl
 from alight.scene.formats.triangles import MeshArrays, fan, srgb_to_linear
+from tests.scene.mutate import STL, binary_stl
 
 SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
 UVS = [[0, 0], [0.25, 0], [0.25, 0.5], [0, 0.5]]
@@ -124,3 +125,18 @@ def test_fans_cover_polygons_once():
 def test_srgb_curve_at_its_ends_and_joint():
     values = np.array([0.0, 0.04045, 1.0], np.float32)
     np.testing.assert_allclose(srgb_to_linear(values), [0.0, 0.0031308, 1.0], rtol=1e-4)
+
+
+def test_stl_joins_equal_corners_in_both_spellings():
+    for data in (STL, binary_stl(), b"solid" + binary_stl()[5:], STL.upper(), b"\n " + STL):
+        mesh = stl.read(data)
+        # -0 is 0; nearly the same place is another one.
+        np.testing.assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+        np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
+        assert mesh.normals is None and mesh.uvs is None
+        assert [array.dtype.str for array in mesh[:2]] == ["<f4", "<i4"]
+
+
+def test_stl_keeps_corners_that_differ_in_the_last_bit():
+    near = STL.replace(b"vertex 0 1 0", b"vertex 1e-30 1 0").replace(b"-0 0 0", b"1e-30 0 0")
+    assert len(stl.read(near).vertices) == 5

@@ -153,7 +153,7 @@ SCENES = {
     "mesh-file-and-arrays": CAMERA + "nodes: {a: {shape: {type: mesh, file: a.ply, uvs: []}}}\n",
     "mesh-file-missing": CAMERA + "nodes: {a: {shape: {type: mesh, file: empt.ply}}}\n",
     "mesh-folder-missing": CAMERA + "nodes: {a: {shape: {type: mesh, file: no/such.ply}}}\n",
-    "mesh-file-kind": CAMERA + "nodes: {a: {shape: {type: mesh, file: a.stl}}}\n",
+    "mesh-file-kind": CAMERA + "nodes: {a: {shape: {type: mesh, file: a.fbx}}}\n",
     "mesh-empty": CAMERA + "nodes: {a: {shape: {type: mesh, vertices: [], faces: []}}}\n",
     "mesh-no-faces": CAMERA
     + "nodes: {a: {shape: {type: mesh, vertices: [[0, 0, 0]], faces: []}}}\n",
@@ -212,6 +212,14 @@ MESHES = {
     "corner.obj": b"v 0 0 0\nf 1 a 1\n",
     "index.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
     "zero-index.obj": b"v 0 0 0\nf 0 1 1\n",
+    "empty.stl": b"",
+    "no.stl": b"\0" * 90,
+    "short.stl": b"x" * 80 + struct.pack("<I", 4_000_000_000) + b"\0" * 50,
+    "no-facet.stl": b"solid nothing\nendsolid nothing\n",
+    "two.stl": b"solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\n",
+    "cut.stl": b"solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n",
+    "word.stl": b"solid\nfacet\nvertex 0 zero 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n",
+    "nan.stl": b"solid\nfacet\nvertex 0 nan 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n",
     "nan.obj": b"v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n",
 }
 
