@@ -110,7 +110,7 @@ def weight_is_value_over_density(material: Material, cosine: float) -> None:
     demand(~weight[:, pdf <= 0.0].any(), "a failed sample has a weight")
     # A direction that one part of a nested material fails with may be one of another part.
     alone = not isinstance(material.spec, Nested)
-    demand(~f_cos[:, pdf <= 0.0].any() | ~alone, "f cos > 0 in a direction of pdf 0")
+    demand(not alone or not f_cos[:, pdf <= 0.0].any(), "f cos > 0 in a direction of pdf 0")
 
 
 @refined

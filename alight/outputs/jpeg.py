@@ -26,7 +26,7 @@ def write(path: Path, picture: Picture, display: Display) -> None:
     # Through memory: Pillow reports a full disk without the reason.
     encoded = io.BytesIO()
     Image.fromarray(pixels).save(encoded, format="JPEG", quality=_QUALITY, subsampling=0)
-    path.write_bytes(encoded.getbuffer())
+    path.write_bytes(encoded.getvalue())
 
 
 def read(path: Path) -> np.ndarray:

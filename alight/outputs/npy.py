@@ -20,7 +20,7 @@ def write(path: Path, picture: Picture, display: Display) -> None:
     # Through memory: NumPy's own writing to files reports a full disk without the reason.
     encoded = io.BytesIO()
     np.save(encoded, picture.image, allow_pickle=False)
-    path.write_bytes(encoded.getbuffer())
+    path.write_bytes(encoded.getvalue())
 
 
 def read(path: Path) -> np.ndarray:

@@ -8,19 +8,31 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.core.jit import load_compiler
 from alight.rendering.job import Job
 from alight.rendering.schedule import Uniform
 from alight.scene import flatten
 
 
 @pytest.fixture(scope="module")
-def machine_code():
+def machine_code(tmp_path_factory):
     """LLVM IR of the main loop for the Cornell box with mirror and glass, after optimisation."""
-    flat = flatten(alight.load("mirror-and-glass"))
-    job = Job(compile_scene(flat), Uniform(0, 1), seed=0, threads=1, replicates=4)
-    job.start(None)
-    (code,) = job.kernels.beauty.dispatcher.inspect_llvm().values()
-    return code
+    compiler, seen = load_compiler(), {}
+    compile_ = compiler.object_code
+
+    def look(dispatcher, arguments):
+        result = compile_(dispatcher, arguments)
+        (compiled,) = dispatcher.overloads.values()
+        seen[dispatcher.py_func.__name__] = compiled.library.get_llvm_str()
+        return result
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiler, "object_code", look)
+        patch.setenv("ALIGHT_CACHE", str(tmp_path_factory.mktemp("cache")))
+        flat = flatten(alight.load("mirror-and-glass"))
+        job = Job(compile_scene(flat), Uniform(0, 1), seed=0, threads=1, replicates=4)
+        job.start(None)
+    return seen["render_tile_kernel"]
 
 
 def test_no_double_arithmetic(machine_code):
