@@ -21,12 +21,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, model_validator
 
+from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
 from alight.bsdfs.tints import WHITE, tint, tint_features
 from alight.core.errors import unknown_name
 from alight.core.fresnel import fresnel_conductor
 from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_u32, lanes_vec3, where
+from alight.core.simd import lanes, lanes_u32, where
 from alight.core.spec import Bsdf, Color, ColorTexture, PositiveColor, Triple, invalid
 from alight.core.vec import Vec3
 from alight.textures.fetch import constant_color
@@ -169,12 +170,6 @@ def load(scene, base, surface):
 
 
 # ---------------------------------------------------------------- scattering
-
-
-@kernel
-def evaluate(params, wo, wi):
-    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
-    return lanes_vec3(0.0), lanes(0.0)
 
 
 @kernel

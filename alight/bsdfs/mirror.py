@@ -13,9 +13,10 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Literal
 
+from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
 from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_u32, lanes_vec3, where
+from alight.core.simd import lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture
 from alight.core.vec import Vec3
 from alight.textures.fetch import color
@@ -68,12 +69,6 @@ def load(scene, base, surface):
 
 
 # ---------------------------------------------------------------- scattering
-
-
-@kernel
-def evaluate(params, wo, wi):
-    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
-    return lanes_vec3(0.0), lanes(0.0)
 
 
 @kernel

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Literal
 
+from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
 from alight.core.jit import kernel
 from alight.core.simd import lanes, lanes_u32, lanes_vec3
@@ -59,12 +60,6 @@ def load(scene, base, surface):
 
 
 # ---------------------------------------------------------------- scattering
-
-
-@kernel
-def evaluate(params, wo, wi):
-    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
-    return lanes_vec3(0.0), lanes(0.0)
 
 
 @kernel

@@ -25,8 +25,8 @@ from alight.bsdfs.coating import (
     diffuse_reflectance,
     share_of_coat,
 )
-from alight.bsdfs.dielectric import MEDIA, Medium
 from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH, REFLECTION
+from alight.bsdfs.interface import MEDIA, Medium
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.jit import kernel

@@ -20,15 +20,15 @@ from typing import Literal
 
 from alight.bsdfs.conductor import SLOTS as METAL_SLOTS
 from alight.bsdfs.conductor import Metallic, pack_metal
+from alight.bsdfs.conductor import load as load_metal
 from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets, pack_facets
 from alight.bsdfs.flags import REFLECTION
-from alight.bsdfs.tints import tint, tint_features
+from alight.bsdfs.tints import tint_features
 from alight.core.fresnel import fresnel_conductor
 from alight.core.jit import kernel
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
 from alight.core.simd import lanes, lanes_u32, where
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
-from alight.textures.fetch import constant_color
 
 
 class RoughConductor(Metallic, Rough):
@@ -87,12 +87,8 @@ def features(spec: RoughConductor) -> tuple[str, ...]:
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    return Params(
-        constant_color(scene, base, surface),
-        constant_color(scene, base + 3, surface),
-        tint(scene, base + 6, surface),
-        load_facets(scene, base + 9, surface),
-    )
+    eta, k, tint = load_metal(scene, base, surface)
+    return Params(eta, k, tint, load_facets(scene, base + 9, surface))
 
 
 # ---------------------------------------------------------------- scattering

@@ -26,19 +26,19 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from alight.bsdfs.dielectric import SLOTS as INTERFACE_SLOTS
-from alight.bsdfs.dielectric import Interface, pack_interface
+from alight.bsdfs import interface
 from alight.bsdfs.dielectric import inner_index as inner_index
 from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets, pack_facets
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
-from alight.bsdfs.tints import tint, tint_features
+from alight.bsdfs.interface import Interface
+from alight.bsdfs.interface import albedo as albedo
+from alight.bsdfs.interface import load as load_interface
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.jit import kernel
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
 from alight.core.simd import absolute, lanes_u32, maximum, where
 from alight.core.spec import invalid
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
-from alight.textures.fetch import scalar
 
 #: Both indices differ by at least this part: the facet that refracts is found from how far.
 LEAST_DIFFERENCE = 1e-3
@@ -50,7 +50,7 @@ class RoughDielectric(Interface, Rough):
     Parameters
     ----------
     int_ior, ext_ior, specular_reflectance, specular_transmittance
-        As in `alight.bsdfs.dielectric.Interface`; the indices differ by at least 0.1 %.
+        As in `alight.bsdfs.interface.Interface`; the indices differ by at least 0.1 %.
     distribution, alpha, alpha_u, alpha_v
         As in `alight.bsdfs.facets.Rough`.
     """
@@ -95,31 +95,26 @@ def is_reciprocal(spec: RoughDielectric) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = INTERFACE_SLOTS | FACET_SLOTS
+SLOTS = interface.SLOTS | FACET_SLOTS
 Params = namedtuple("RoughDielectricParams", "eta reflectance transmittance facets")
 
 
 def pack(spec: RoughDielectric, packer) -> None:
     """Fill the row of one material."""
-    pack_interface(spec, packer)
+    interface.pack(spec, packer)
     pack_facets(spec, packer)
 
 
 def features(spec: RoughDielectric) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
-    tints = tint_features(spec.specular_reflectance, spec.specular_transmittance)
-    return (*tints, *facet_features(spec))
+    return (*interface.features(spec), *facet_features(spec))
 
 
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    return Params(
-        scalar(scene, base, surface),
-        tint(scene, base + 1, surface),
-        tint(scene, base + 4, surface),
-        load_facets(scene, base + 7, surface),
-    )
+    eta, reflectance, transmittance = load_interface(scene, base, surface)
+    return Params(eta, reflectance, transmittance, load_facets(scene, base + 7, surface))
 
 
 # ---------------------------------------------------------------- scattering
@@ -186,9 +181,3 @@ def sample(params, wo, u, u2):
     weight, pdf = _scatter(params, eta, wo, wi)
     flags = where(reflects, lanes_u32(REFLECTION), lanes_u32(TRANSMISSION))
     return _turned(below, wi), weight, pdf, flags
-
-
-@kernel
-def albedo(params):
-    """What is let through."""
-    return params.transmittance

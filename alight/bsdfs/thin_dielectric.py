@@ -14,17 +14,21 @@ from or transmitted through a pile of plates.
 
 from __future__ import annotations
 
-from collections import namedtuple
 from typing import Literal
 
-from alight.bsdfs.dielectric import Interface, pack_interface
+from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
-from alight.bsdfs.tints import WHITE, tint, tint_features
+from alight.bsdfs.interface import SLOTS as SLOTS
+from alight.bsdfs.interface import Interface
+from alight.bsdfs.interface import albedo as albedo
+from alight.bsdfs.interface import features as features
+from alight.bsdfs.interface import is_lossless as is_lossless
+from alight.bsdfs.interface import load as load
+from alight.bsdfs.interface import pack as pack
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.jit import kernel
-from alight.core.simd import absolute, lanes, lanes_u32, lanes_vec3, where
+from alight.core.simd import absolute, lanes_u32, where
 from alight.core.vec import Vec3
-from alight.textures.fetch import scalar
 
 
 class ThinDielectric(Interface):
@@ -33,7 +37,7 @@ class ThinDielectric(Interface):
     Parameters
     ----------
     int_ior, ext_ior, specular_reflectance, specular_transmittance
-        As in `Interface`: of the pane, and of the medium on both sides of it.
+        As in `alight.bsdfs.interface.Interface`: inside is the pane, outside are both sides of it.
     """
 
     type: Literal["thin_dielectric"] = "thin_dielectric"
@@ -50,49 +54,12 @@ EXAMPLES = (
 # ---------------------------------------------------------------- laws, checked for every example
 
 
-def is_lossless(spec: ThinDielectric) -> bool:
-    """All light that arrives leaves again."""
-    return spec.specular_reflectance == spec.specular_transmittance == WHITE
-
-
 def is_reciprocal(spec: ThinDielectric) -> bool:
     """f(wo, wi) = f(wi, wo)."""
     return True
 
 
-# ---------------------------------------------------------------- tables
-
-SLOTS = {"eta": 1, "specular_reflectance": 3, "specular_transmittance": 3}
-Params = namedtuple("ThinDielectricParams", "eta reflectance transmittance")
-
-
-def pack(spec: ThinDielectric, packer) -> None:
-    """Fill the row of one material."""
-    pack_interface(spec, packer)
-
-
-def features(spec: ThinDielectric) -> tuple[str, ...]:
-    """What must be compiled for this material beyond the model's usual path."""
-    return tint_features(spec.specular_reflectance, spec.specular_transmittance)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(
-        scalar(scene, base, surface),
-        tint(scene, base + 1, surface),
-        tint(scene, base + 4, surface),
-    )
-
-
 # ---------------------------------------------------------------- scattering
-
-
-@kernel
-def evaluate(params, wo, wi):
-    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
-    return lanes_vec3(0.0), lanes(0.0)
 
 
 @kernel
@@ -107,9 +74,3 @@ def sample(params, wo, u, u2):
     weight = where(reflects, params.reflectance, params.transmittance)
     passes = lanes_u32(TRANSMISSION | DELTA | NULL)
     return wi, weight, pmf, where(reflects, lanes_u32(REFLECTION | DELTA), passes)
-
-
-@kernel
-def albedo(params):
-    """What is let through."""
-    return params.transmittance

@@ -114,7 +114,10 @@ class Builder:
         known = specs(marker.family)
         name = value.get("type")
         if not isinstance(name, str) or name not in known:
-            self.report(*_type_problem(marker, name, path))
+            if "type" in value and name is None and "null" in known:
+                self.report(join_path(path, "type"), _NULL.format(kind=marker.kind))
+            else:
+                self.report(*_type_problem(marker, name, path))
             return _stand_in(marker.family, path)
         return self.fields(known[name], value, path) or _stand_in(marker.family, path)
 
@@ -185,6 +188,10 @@ class Builder:
 
 class _Failed(Exception):
     """A value was reported and has no stand-in: leave its field at the default."""
+
+
+#: A word of YAML's own is the name of a model.
+_NULL = 'a bare null means nothing in YAML; write "null", quoted, for the {kind} of that name'
 
 
 def _type_problem(marker: Model, name: object, path: str) -> tuple[str, str]:

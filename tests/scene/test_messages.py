@@ -75,6 +75,7 @@ SCENES = {
     + "bsdfs:\n  b0: {type: mirror}\n"
     + "".join(f"  b{i}: {{type: blend, bsdfs: [b{i - 1}, b{i - 1}]}}\n" for i in range(1, 60))
     + "nodes: {a: {shape: disk, bsdf: {type: mask, bsdf: b5}}}\n",
+    "null-without-quotes": CAMERA + "nodes: {a: {shape: disk, bsdf: {type: null}}}\n",
     "blend-of-one": CAMERA + "bsdfs: {b: {type: blend, bsdfs: [{type: mirror}]}}\n",
     "blend-of-a-number": CAMERA + "bsdfs: {b: {type: blend, bsdfs: [{type: mirror}, 3]}}\n",
     "blend-of-unknown": CAMERA + "bsdfs: {b: {type: blend, bsdfs: [b1, {type: miror}]}}\n",

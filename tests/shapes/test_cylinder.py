@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
+from alight.lights.area import Area
 from alight.scene.transform import scale
 from alight.shapes import cylinder
 from alight.shapes.cylinder import Cylinder
 from tests.accel.tracing import World as Accelerated
 from tests.accel.tracing import same_bits
+from tests.lights.test_light_sampling import sample
 from tests.shapes.tracing import PLACEMENTS, World, bounce, directions, rows, unit
 
 IDENTITY = np.eye(4)
@@ -209,6 +211,42 @@ def test_bounds_hold_the_surface_tightly(placement):
     assert np.all(points.max(1) <= high)
     np.testing.assert_allclose(points.min(1), low, atol=1e-3)
     np.testing.assert_allclose(points.max(1), high, atol=1e-3)
+
+
+# ---------------------------------------------------------------- as a light
+
+
+def test_a_lamp_around_a_point_lights_it_as_the_integral_says():
+    # Seen from the middle the wall covers the angles from atan(r / h) to 90 degrees of the upper
+    # half: E = pi L h^2 / (h^2 + r^2) on a surface across the axis.
+    r, h = 0.8, 1.5
+    shape = Cylinder(p0=(0, 0, -h), p1=(0, 0, h), radius=r, flip_normals=True)
+    s = sample(World((shape, IDENTITY, Area(radiance=2.0))), (0, 0, 0), 800_000)
+    cosine = np.maximum(rows(s.wi)[2], 0.0)
+    values = np.where(s.pdf > 0.0, rows(s.radiance)[0] * cosine / np.maximum(s.pdf, 1e-9), 0.0)
+    exact = 2.0 * np.pi * h * h / (h * h + r * r)
+    error = values.std() / np.sqrt(len(values))
+    assert 4.5 * error < 0.007 * exact
+    assert abs(values.mean() - exact) < 4.5 * error
+
+
+def test_a_lamp_shines_outwards_by_its_view_factor():
+    # A small surface that looks along the axis of a cylinder from the side sees one half of it:
+    # by quadrature over the wall that faces it.
+    r, h, x = 0.8, 1.5, 2.0
+    shape = Cylinder(p0=(0, 0, 0), p1=(0, 0, h), radius=r)
+    s = sample(World((shape, IDENTITY, Area(radiance=2.0))), (x, 0, 0), 1_600_000)
+    cosine = np.maximum(rows(s.wi)[2], 0.0)
+    values = np.where(s.pdf > 0.0, rows(s.radiance)[0] * cosine / np.maximum(s.pdf, 1e-9), 0.0)
+    phi = (np.arange(4000) + 0.5) * (2.0 * np.pi / 4000)
+    z = ((np.arange(2000) + 0.5) * (h / 2000))[:, None]
+    to_wall = r * np.cos(phi) - x, r * np.sin(phi)
+    squared = to_wall[0] ** 2 + to_wall[1] ** 2 + z * z
+    facing = np.maximum(-(to_wall[0] * np.cos(phi) + to_wall[1] * np.sin(phi)), 0.0)
+    exact = 2.0 * (z * facing / squared**2).sum() * (2.0 * np.pi * r / 4000) * (h / 2000)
+    error = values.std() / np.sqrt(len(values))
+    assert 4.5 * error < 0.007 * exact
+    assert abs(values.mean() - exact) < 4.5 * error
 
 
 def test_an_axis_without_length_is_refused():

@@ -199,6 +199,12 @@ def shape(body, kind, **options):
             '<point name="p1" x="0" y="2" z="0"/><float name="radius" value="0.5"/>',
             "{type: cylinder, p1: [0, 2, 0], radius: 0.5}",
         ),
+        # Rendered as a lamp by Mitsuba: a mirror leaves the outer side of a cylinder outside.
+        ("cylinder", ('<boolean name="flip_normals" value="true"/>'
+         '<transform name="to_world"><scale x="-1"/></transform>'),
+         "{type: cylinder, flip_normals: true}"),
+        ("cylinder", '<transform name="to_world"><scale value="-1"/></transform>',
+         "{type: cylinder}"),
         # A mirror turns a sphere inside out, as it does in Mitsuba.
         ("sphere", '<transform name="to_world"><scale x="-1"/></transform>',
          "{type: sphere, flip_normals: true}"),

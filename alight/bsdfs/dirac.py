@@ -1,0 +1,12 @@
+"""Models of Dirac lobes only, whose directions are met by sampling alone."""
+
+from __future__ import annotations
+
+from alight.core.jit import kernel
+from alight.core.simd import lanes, lanes_vec3
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
+    return lanes_vec3(0.0), lanes(0.0)

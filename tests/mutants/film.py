@@ -1,0 +1,69 @@
+"""Bugs of samples, films and statistics."""
+
+from tests.mutants.mutant import Mutant
+
+TWIN = "tests/rendering/test_in_the_twin.py"
+BITS = "tests/determinism/test_same_bits.py"
+
+FILM = (
+    Mutant(
+        "sums in float32",
+        "rendering/tile_kernel.py",
+        (
+            ("    as_int,\n", "    as_int,\n    as_float,\n"),
+            (
+                "+= as_int(limbs[i * LANES + lane])",
+                "= as_int(as_float(film.sums[at * 6 + i]) + limbs[i * LANES + lane])",
+            ),
+        ),
+        f"{BITS}::test_two_halves_are_the_whole",
+    ),
+    Mutant(
+        "replicate and index of a sample swapped",
+        "rendering/tile_kernel.py",
+        (("first // replicates, first % replicates", "first % replicates, first // replicates"),),
+        f"{TWIN}::test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate",
+    ),
+    Mutant(
+        "the same scramble for all replicates",
+        "samplers/state.py",
+        (("pixel_keys(x, y, scramble, seed)", "pixel_keys(x, y, 0, seed)"),),
+        "tests/samplers/test_samplers.py::test_neighbours_are_not_correlated",
+    ),
+    Mutant(
+        "random numbers reach 1",
+        "core/rng.py",
+        (("return to_float(word >> 8) * TO_UNIT", "return to_float(word >> 1) * (2.0**-31)"),),
+        "tests/samplers/test_rng.py::test_unit_float_stays_below_one",
+    ),
+    Mutant(
+        "weight of the pixel filter forgotten",
+        "rendering/tile_kernel.py",
+        (("lanes_vec3(1.0) * weight", "lanes_vec3(1.0)"),),
+        f"{TWIN}::test_an_edge_rings_as_the_mitchell_filter_says",
+    ),
+    Mutant(
+        "camera rays by the pixel's place in the tile",
+        "rendering/tile_kernel.py",
+        (("to_float(x) + 0.5 + dx", "to_float(x - tile.x0) + 0.5 + dx"),),
+        f"{BITS}::test_crop_equals_the_cut_out",
+    ),
+    Mutant(
+        "random numbers that depend on the tile",
+        "rendering/tile_kernel.py",
+        (("3 * ROOM), lanes_u32(settings.seed)", "3 * ROOM), lanes_u32(settings.seed + tile.x0)"),),
+        f"{BITS}::test_tile_order_and_size",
+    ),
+    Mutant(
+        "standard error without R / (R - 1)",
+        "films/statistics.py",
+        (("squares * (replicates / (replicates - 1))", "squares"),),
+        "tests/film/test_film.py::test_standard_error_is_the_formula_of_the_replicates",
+    ),
+    Mutant(
+        "many tests, each at the level of one",
+        "metrics/statistics.py",
+        (("level / (len(p_values) - rank)", "level"),),
+        "tests/metrics/test_statistics.py::test_holm_steps_down",
+    ),
+)

@@ -1,0 +1,129 @@
+"""Bugs of lights."""
+
+from tests.mutants.mutant import Mutant
+
+LIGHTS = "tests/lights/test_light_sampling.py"
+MAPS = "tests/lights/test_environment.py"
+STRATEGIES = "tests/lights/test_environment_strategies.py"
+LAMPS = "tests/lights/test_spot_and_textured.py"
+
+LIGHT = (
+    Mutant(
+        "density per area for one per solid angle",
+        "shapes/hit.py",
+        (
+            (
+                "pdf_area * distance * distance / where(edge_on, 1.0, absolute(cosine))",
+                "pdf_area + 0.0 * distance",
+            ),
+        ),
+        f"{LIGHTS}::test_solid_angle_of_a_disk_on_its_axis",
+    ),
+    Mutant(
+        "probability of the light's choice forgotten",
+        "lights/sampling.py",
+        (("pdf = s.pdf * pmf", "pdf = s.pdf"),),
+        f"{LIGHTS}::test_lights_are_chosen_as_asked",
+    ),
+    Mutant(
+        "density of the environment forgotten",
+        "lights/sampling.py",
+        (
+            (
+                "return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]",
+                "return lanes(0.0)",
+            ),
+        ),
+        f"{LIGHTS}::test_constant_environment",
+    ),
+    Mutant(
+        "light's choice forgotten where a ray finds the environment",
+        "lights/sampling.py",
+        (
+            (
+                "return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]",
+                "return density(scene, d)",
+            ),
+        ),
+        f"{LIGHTS}::test_lights_are_chosen_as_asked",
+    ),
+    Mutant(
+        "light's choice forgotten where a ray finds a lamp",
+        "lights/sampling.py",
+        (("density * gather(scene.lights.data, index * STRIDE + 3), 0.0)", "density, 0.0)"),),
+        f"{LIGHTS}::test_lights_are_chosen_as_asked",
+    ),
+    Mutant(
+        "density of an environment map without the sine of the latitude",
+        "lights/environment.py",
+        (
+            (
+                "(0.5 * INV_TWO_PI) / absolute(size)",
+                "(0.5 * INV_TWO_PI) * as_float(as_int(scene.lights.map[ROWS]))",
+            ),
+        ),
+        f"{MAPS}::test_density_integrates_to_one",
+    ),
+    Mutant(
+        "cells of an environment map chosen without the sine of the latitude",
+        "lights/environment_map.py",
+        (("cumulative_2d(share * seen)", "cumulative_2d(seen)"),),
+        f"{MAPS}::test_importance_has_little_variance",
+    ),
+    Mutant(
+        "environment map turned the wrong way round",
+        "lights/environment.py",
+        (
+            ("arctan2(d.x, -d.z)", "arctan2(-d.x, -d.z)"),
+            ("Vec3(sine * s, cosine, -sine * z)", "Vec3(-sine * s, cosine, -sine * z)"),
+        ),
+        f"{MAPS}::test_middle_of_the_map_is_along_z_and_its_left_half_towards_x",
+    ),
+    Mutant(
+        "importance compensated where nothing complements it",
+        "compiled/scene.py",
+        (('== "mis"', '!= "bsdf"'),),
+        f"{STRATEGIES}::test_only_combined_sampling_is_compensated",
+    ),
+    Mutant(
+        "textured lamp whose samples show another point",
+        "lights/emission.py",
+        (
+            (
+                "x, y = where(mine, x1, x), where(mine, y1, y)",
+                "x, y = where(mine, y1, x), where(mine, x1, y)",
+            ),
+        ),
+        f"{LAMPS}::test_samples_show_the_texture_of_the_point_that_they_hit",
+    ),
+    Mutant(
+        "light from both sides of a lamp",
+        "lights/sampling.py",
+        (("(surface.light > 0) & (dot(wo, surface.ng) > 0.0)", "surface.light > 0"),),
+        f"{LIGHTS}::test_area_lights_shine_on_their_outer_side_only",
+    ),
+    Mutant(
+        "point light that does not fall with the square of the distance",
+        "lights/point.py",
+        (("1.0 / squared", "1.0 / sqrt(squared)"),),
+        f"{LIGHTS}::test_point_light",
+    ),
+    Mutant(
+        "shadow rays as long as the way to the light",
+        "shapes/hit.py",
+        (("return where(distance < 1e30, length, distance)", "return distance"),),
+        "tests/shapes/test_robust_rays.py::test_shadow_rays_do_not_meet_their_light",
+    ),
+    Mutant(
+        "rays that start on the surface itself",
+        "shapes/hit.py",
+        (("return p + copysign(error, side_of(w, ng)) * ng", "return p"),),
+        "tests/shapes/test_robust_rays.py::test_spawn_origin_moves_to_the_side_of_the_direction",
+    ),
+    Mutant(
+        "power heuristic without its square",
+        "core/mis.py",
+        (("squared = ratio * ratio", "squared = ratio"),),
+        "tests/unit/test_mis.py::test_weights_are_the_closed_form",
+    ),
+)

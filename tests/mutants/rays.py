@@ -1,0 +1,32 @@
+"""Bugs of intersection."""
+
+from tests.mutants.mutant import Mutant
+
+ORACLES = "tests/accel/test_against_oracles.py"
+
+RAYS = (
+    Mutant(
+        "any-hit that looks beyond the end of the ray",
+        "accel/lists.py",
+        (
+            (
+                "_, _, _, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, t_max)",
+                "_, _, _, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, 1e38)",
+            ),
+        ),
+        f"{ORACLES}::test_any_hit_agrees_with_closest_and_t_max_ends_the_ray[list]",
+    ),
+    Mutant(
+        "ties go to the highest shape",
+        "accel/lists.py",
+        (("hit & (t < found.t)", "hit & (t <= found.t)"),),
+        "tests/accel/test_scenes.py"
+        "::test_ties_go_to_the_lowest_shape_then_the_lowest_primitive[list]",
+    ),
+    Mutant(
+        "box test that culls what it should keep",
+        "accel/single.py",
+        (("STRETCH = 1.0 + 2.0**-20", "STRETCH = 1.0 - 2.0**-10"),),
+        f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
+    ),
+)

@@ -1,0 +1,71 @@
+"""Bugs of paths."""
+
+from tests.mutants.mutant import Mutant
+
+FORMS = "tests/estimators/test_closed_forms.py"
+TWIN = "tests/rendering/test_in_the_twin.py"
+
+TRANSPORT = (
+    Mutant(
+        "both ways of sampling with full weight",
+        "integrators/path.py",
+        (
+            ("where(path.delta, 1.0, heuristic(path.pdf, light_pdf))", "lanes(1.0)"),
+            ("where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))", "lanes(1.0)"),
+        ),
+        f"{FORMS}::test_furnace_box_returns_le_over_one_minus_albedo[mis]",
+    ),
+    Mutant(
+        "light behind a mirror weighed as if lights were sampled for it",
+        "integrators/path.py",
+        (
+            (
+                "where(path.delta, 1.0, heuristic(path.pdf, light_pdf))",
+                "heuristic(path.pdf, light_pdf)",
+            ),
+        ),
+        f"{FORMS}::test_furnace_box_returns_le_over_one_minus_albedo[mis]",
+    ),
+    Mutant(
+        "survivors of the roulette do not carry the light of the others",
+        "integrators/path.py",
+        (("beta / survival", "beta"),),
+        f"{FORMS}::test_roulette_does_not_change_the_mean[1]",
+    ),
+    Mutant(
+        "paths one edge too long",
+        "integrators/path.py",
+        (("depth < settings.max_depth", "depth <= settings.max_depth"),),
+        f"{FORMS}::test_depth_cap_gives_the_partial_geometric_series[mis-1]",
+    ),
+    Mutant(
+        "direct light ends one edge too early",
+        "integrators/path.py",
+        (("shining & (depth <= 2)", "shining & (depth <= 1)"),),
+        f"{TWIN}::test_the_direct_layer_is_the_picture_of_two_edges",
+    ),
+    Mutant(
+        "NaN in the value of a BSDF taken for darkness",
+        "integrators/path.py",
+        (("~(max_component(f_cos) <= 0.0)", "(max_component(f_cos) > 0.0)"),),
+        f"{TWIN}::test_samples_that_are_not_finite_are_counted_and_add_nothing",
+    ),
+    Mutant(
+        "NaN swallowed by the end of a path",
+        "integrators/path.py",
+        (("~(largest <= 0.0)", "(largest > 0.0)"),),
+        f"{TWIN}::test_samples_that_are_not_finite_are_counted_and_add_nothing",
+    ),
+    Mutant(
+        "light and BSDF sampled with the same numbers",
+        "integrators/walk.py",
+        (("ROULETTE = 0, 1, 3, 4, 6", "ROULETTE = 0, 1, 3, 1, 6"),),
+        f"{TWIN}::test_no_random_number_is_used_for_two_purposes",
+    ),
+    Mutant(
+        "the same numbers at every vertex",
+        "integrators/walk.py",
+        (("CAMERA_DIMENSIONS + (depth - 1) * VERTEX_DIMENSIONS", "CAMERA_DIMENSIONS + 0 * depth"),),
+        f"{TWIN}::test_no_random_number_is_used_for_two_purposes",
+    ),
+)
