@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.lab.blocks import LEVEL, judge
+from alight.lab.blocks import (
+    LEVEL,
+    BlockMoments,
+    compare_with_reference,
+    exact_statistics,
+    judge,
+)
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED
 from tests.lab.synthetic import LIGHT_TAILED, NOISES, SyntheticStudy
 
@@ -94,6 +100,33 @@ def _false_alarms(count, noise, first):
 def test_unbiased_arms_are_not_called_biased():
     # 1 % of 60 studies; five or more have a chance of 4e-4.
     assert _false_alarms(60, "gaussian", 900) < 5
+
+
+def _rare_events(rng, rate):
+    """Bias test of 16 pictures whose 64 blocks see a firefly with probability `rate` each."""
+    size = (64, 64)
+    reference = exact_statistics(np.ones((64, 64, 3), np.float32), None)
+    sigma, rows = 0.1, []
+    for _ in range(16):
+        seen = (rng.poisson(rate, (8, 8)) - rate) / np.sqrt(rate)
+        blocks = 1.0 + sigma * (seen + 0.1 * rng.standard_normal((8, 8)))
+        rows.append(np.concatenate([np.full(3, blocks.mean()), blocks.ravel()]))
+    return compare_with_reference(BlockMoments.calm(rows, size).statistics, reference)
+
+
+@pytest.mark.parametrize("rate", [0.03, 0.3])
+def test_rare_fireflies_are_no_bias(rate):
+    """A block that no firefly hit is too dark and too quiet: alone it would be called biased."""
+    rng = np.random.default_rng(5)
+    tests = [judge([_rare_events(rng, rate)], [False])[0] for _ in range(60)]
+    # 4 % of 60 are 2.4; nine or more have a chance of 1e-3. Without joining all 60 fail, or 32.
+    assert sum(test.verdict == BIASED for test in tests) < 9
+    assert max(test.block for test in tests) > 8
+
+
+def test_noise_that_is_nearly_normal_keeps_small_blocks():
+    rng = np.random.default_rng(6)
+    assert _rare_events(rng, 30.0).test.block == 8
 
 
 @pytest.mark.proofs
