@@ -191,7 +191,7 @@ def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics)
     p_values = [0.5 * math.erfc(excess / math.sqrt(2.0)), *found.p_values.values()]
     p = min(1.0, len(p_values) * min(p_values))
     test = BiasTest(
-        arm.block, blocks, found.rms, found.rms_low, found.rms_high, found.largest,
+        arm.block, blocks, found.rms, max(found.rms_low, 0.0), found.rms_high, found.largest,
         _relative_differences(arm, reference), p, UNBIASED,
     )  # fmt: skip
     return RawTest(test, p)

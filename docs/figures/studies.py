@@ -45,7 +45,7 @@ def scene_table(scene: SceneResult) -> str:
     """The arms of a scene, the most efficient first; those that compute something else last."""
     arms = sorted(scene.arms, key=lambda arm: (arm.declares_different, -arm.efficiency.value))
     spp = arms[0].samples[-1].spp
-    errors = Column.of([arm.samples[-1].relmse.value for arm in arms])
+    errors = Column.of([arm.samples[-1].relmse.value for arm in arms], digits=4)
     costs = Column.of([arm.microseconds_per_sample.value for arm in arms], plain=True)
     head = (
         f"relMSE at {spp} spp {errors.unit}".strip(),
