@@ -18,6 +18,7 @@ import numpy as np
 from alight.lab.decomposition import Moments
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
 from alight.lab.statistics import holm_adjusted, quantile
+from alight.laws.statistics import chi_square_tail
 from alight.metrics.comparison import PictureStatistics, compare_pictures
 from alight.metrics.relmse import Estimate
 from alight.metrics.statistics import welch
@@ -29,7 +30,7 @@ _BLOCKS = 64
 LEVEL = 0.01
 
 #: Largest skewness of a block's mean over the seeds: above, four blocks become one. Noise of rare
-#: spikes, one to 1000 in a block, is then called biased in 1 to 4 % of the cases at the level of
+#: spikes, one to 1000 in a block, is then called biased in 1 to 3 % of the cases at the level of
 #: 1 % (without: up to 100 %), and noise that is nearly normal keeps its 64 blocks.
 _LARGEST_SKEWNESS = 0.2
 
@@ -101,16 +102,16 @@ def _joined(blocks: np.ndarray, factor: int) -> np.ndarray:
 def _skewness(blocks: np.ndarray) -> float:
     """Skewness of the blocks' means over the seeds; blocks of shape (S, h, w), S >= 3.
 
-    The cumulants are pooled over the blocks before their ratio is taken: blocks that a rare event
-    visited speak for those that it did not.
+    Pooled over the blocks: those that a rare event visited speak for those that it did not, and
+    each has the scale of its own noise.
     """
     count = len(blocks)
     if count < 3:
         return 0.0
     around = blocks - blocks.mean(axis=0)
-    variance = float((around**2).sum(axis=0).mean()) / (count - 1)
+    scale = float((((around**2).sum(axis=0) / (count - 1)) ** 1.5).mean())
     third = float((around**3).sum(axis=0).mean()) * count / ((count - 1) * (count - 2))
-    return third / variance**1.5 / math.sqrt(count) if variance > 0.0 else 0.0
+    return third / scale / math.sqrt(count) if scale > 0.0 else 0.0
 
 
 def joined_statistics(statistics: PictureStatistics, block: int) -> PictureStatistics:
@@ -186,9 +187,7 @@ def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics)
     """
     found = compare_pictures(arm, joined_statistics(reference, arm.block))
     blocks = int(np.isfinite(found.z).sum())
-    # The mean of squares of B standard normal numbers has the standard deviation sqrt(2 / B).
-    excess = (found.rms**2 - 1.0) * math.sqrt(blocks / 2.0)
-    p_values = [0.5 * math.erfc(excess / math.sqrt(2.0)), *found.p_values.values()]
+    p_values = [chi_square_tail(blocks * found.rms**2, blocks), *found.p_values.values()]
     p = min(1.0, len(p_values) * min(p_values))
     test = BiasTest(
         arm.block, blocks, found.rms, max(found.rms_low, 0.0), found.rms_high, found.largest,

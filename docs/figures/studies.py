@@ -5,15 +5,15 @@ python docs/figures/studies.py out/diffuse
 """
 
 import argparse
-import re
 from pathlib import Path
+from typing import Any
 
 from pictures import IMAGES
 from study_figures import draw
 
 from alight.lab.report.numbers import Column, number, p_value
 from alight.lab.report.numbers import fixed as decimals
-from alight.lab.results import ArmResult, SceneResult, StudyResult, load
+from alight.lab.results import ArmResult, Curve, SceneResult, StudyResult, TableResult, load
 from alight.metrics.relmse import Estimate
 
 PAGES = Path(__file__).resolve().parents[1] / "studies"
@@ -81,20 +81,23 @@ def with_half_width(slope: Estimate) -> str:
     return f"{decimals(slope.value, digits)} ± {decimals(half, digits)}"
 
 
-def own_table(table) -> str:
+def own_table(table: TableResult) -> str:
     """A table of a study's own."""
     lines = [f"| {' | '.join(table.columns)} |", "|" + "---|" * len(table.columns)]
-    for row in table.rows:
-        cells = [
-            f"{number(v[0])} [{number(v[1])}, {number(v[2])}]"
-            if isinstance(v, list)
-            else v
-            if isinstance(v, str)
-            else number(v)
-            for v in row
-        ]
-        lines.append(f"| {' | '.join(cells)} |")
+    lines += [f"| {' | '.join(plain_cell(value) for value in row)} |" for row in table.rows]
     return "\n".join(lines)
+
+
+def plain_cell(value: Any) -> str:
+    """A text, a number, or a value and its interval."""
+    if isinstance(value, str):
+        return value
+    return with_bounds(*value) if isinstance(value, list) else number(value)
+
+
+def with_bounds(value: float, low: float, high: float) -> str:
+    """A number and its interval."""
+    return f"{number(value)} [{number(low)}, {number(high)}]"
 
 
 def slope_table(result: StudyResult) -> str:
@@ -111,7 +114,7 @@ def slope_table(result: StudyResult) -> str:
     return "\n\n".join(found)
 
 
-def _slope(curve) -> str:
+def _slope(curve: Curve) -> str:
     if curve.slope is None:
         return "–"
     expected = curve.expected_slope
@@ -130,9 +133,9 @@ def time_table(result: StudyResult) -> str:
         cells = []
         for curve in panel.curves:
             at = curve.x.index(size) if size in curve.x else None
-            cells.append("" if at is None else
-                         f"{number(curve.y[at])} [{number(curve.low[at])}, {number(curve.high[at])}]")
-        lines.append(f"| {int(size):,} | {' | '.join(cells)} |".replace(",", "\u2009", 1))
+            found = (curve.y[at], curve.low[at], curve.high[at]) if at is not None else ()
+            cells.append(with_bounds(*found) if found else "")
+        lines.append(f"| {decimals(size, 0)} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -155,10 +158,10 @@ def main() -> None:
         result = load(folder / "results.json")
         draw(result, IMAGES / "studies" / f"{result.name}.svg")
         page = PAGES / f"{result.name}.md"
-        text = page.read_text(encoding="utf-8")
-        block = f"{BEGIN}\n\n{tables(result)}\n\n{END}"
-        pattern = re.escape(BEGIN) + ".*?" + re.escape(END)
-        page.write_text(re.sub(pattern, lambda _: block, text, flags=re.DOTALL), encoding="utf-8")
+        before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
+        after = rest.partition(END)[2]
+        text = f"{before}{BEGIN}\n\n{tables(result)}\n\n{END}{after}"
+        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -98,7 +98,7 @@ def _limit(axes: Axes, values: Sequence[float]) -> None:
 
 
 def _speedups(axes: Axes, scene: SceneResult) -> None:
-    """Dots and 95 % intervals of the efficiency over the baseline's; also the key of the colours."""
+    """Dots and intervals of the efficiency over the baseline's, and the key of the colours."""
     arms = sorted(zip(scene.arms, _looks(scene), strict=True), key=lambda a: a[0].efficiency.value)
     axes.set_xscale("log")
     axes.axvline(1.0, color=BASELINE, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
@@ -213,5 +213,3 @@ def _diagram(axes: Axes, diagram: CurveResult, styles: dict[str, Look], small: b
     title = title.replace("A product of sines", "smooth").replace("A ball's indicator", "edge")
     axes.set_title(title if small else f"{title}: {diagram.y_label}", loc="left", fontsize=8)
     axes.set_xlabel(diagram.x_label, fontsize=7 if small else 8.5)
-
-
