@@ -143,6 +143,15 @@ def test_one_block_of_three_sigma_is_no_bias():
     assert raw.p_value == pytest.approx(5 * 0.0027, rel=0.01)
 
 
+def test_verdicts_are_corrected_over_the_arms():
+    """Two arms at 0.6 % each: alone both would be called biased at 1 %, together neither is."""
+    raw = [_rare_events(np.random.default_rng(seed), 30.0) for seed in (1, 2)]
+    raw = [replace(one, p_value=0.006) for one in raw]
+    assert [test.verdict for test in judge(raw, [False, False])] == [UNBIASED, UNBIASED]
+    assert [test.p_value for test in judge(raw, [False, False])] == [0.012, 0.012]
+    assert judge(raw[:1], [False])[0].verdict == BIASED
+
+
 @pytest.mark.proofs
 @pytest.mark.parametrize("noise", NOISES)
 def test_false_alarms_of_bias(noise):
