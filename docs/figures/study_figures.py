@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, NullLocator
+from PIL import Image
 
 from alight.lab.report.charts import tick_texts
 from alight.lab.report.pictures import exposure_for
@@ -20,12 +21,15 @@ from alight.outputs.tone_mapping import Display
 #: Inches.
 WIDTH, PANEL, CROP = 7.4, 2.3, 1.3
 
+#: Samples per pixel of the zone plates.
+LADDER = (1, 4, 16, 64)
+
 #: Crops of more scenes would be too small to see anything.
 MOST_STRIPS = 2
 
 
 def draw(result: StudyResult, path: Path) -> None:
-    """Write the figure of a study as SVG."""
+    """Write the figure of a study as SVG, always the same bytes."""
     with paper_style(), mpl.rc_context({"svg.fonttype": "path", "figure.facecolor": "white"}):
         figure = _scenes(result.scenes) if result.scenes else _curves(result.curves)
         path.parent.mkdir(exist_ok=True)
@@ -35,6 +39,14 @@ def draw(result: StudyResult, path: Path) -> None:
 def _looks(scene: SceneResult) -> list[Look]:
     baseline = next(i for i, arm in enumerate(scene.arms) if arm.is_baseline)
     return looks(len(scene.arms), baseline)
+
+
+def draw_means(scene: SceneResult, path: Path) -> None:
+    """Write the mean pictures of all arms, side by side and without noise to speak of."""
+    show = Display(exposure_for(scene.reference_image))
+    row = np.concatenate([show.apply(arm.images.mean) for arm in scene.arms], axis=1)
+    grey = np.round(np.clip(row.mean(axis=2), 0.0, 1.0) * 255.0).astype(np.uint8)
+    Image.fromarray(grey).save(path, optimize=True)
 
 
 # ------------------------------------------------------------------------ studies of pictures
@@ -57,6 +69,26 @@ def _scenes(scenes: Sequence[SceneResult]) -> Figure:
         if strips:
             _strip(figure, scene, top - PANEL - 0.42, crop)
     return figure
+
+
+def draw_samples(path: Path) -> None:
+    """Write the zone plate with 1, 4, 16 and 64 samples per pixel, side by side."""
+    import alight
+
+    changes = ["film.size=[256,256]", "film.filter.type=box"]
+    scene = alight.load("zone-plate", changes)
+    pictures = [np.asarray(Display(0.0).apply(alight.render(scene, spp=n).image[:128, :128]))
+                for n in LADDER]  # fmt: skip
+    with paper_style(), mpl.rc_context({"svg.fonttype": "path", "figure.facecolor": "white"}):
+        figure = new_figure(WIDTH, WIDTH / len(LADDER) + 0.22)
+        for i, (spp, picture) in enumerate(zip(LADDER, pictures, strict=True)):
+            share = 1.0 / len(LADDER)
+            axes = figure.add_axes((i * share + 0.004, 0.01, share - 0.008, 0.88))
+            axes.imshow(np.round(np.clip(picture, 0.0, 1.0) * 255.0).astype(np.uint8),
+                        interpolation="nearest")  # fmt: skip
+            axes.set_axis_off()
+            axes.set_title(f"{spp} samples a pixel" if spp > 1 else "1 sample a pixel", fontsize=8)
+        figure.savefig(path, metadata={"Date": None, "Creator": None}, facecolor="white")
 
 
 def _convergence(axes: Axes, scene: SceneResult) -> None:
@@ -123,7 +155,7 @@ def _speedups(axes: Axes, scene: SceneResult) -> None:
             (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0))  # fmt: skip
     inside = [s * 10.0**e for e in range(-8, 8) for s in subs
               if low / room <= s * 10.0**e <= high * room]  # fmt: skip
-    axes.xaxis.set_major_locator(FixedLocator(inside[:: max(1, math.ceil(len(inside) / 6))]))
+    axes.xaxis.set_major_locator(FixedLocator(inside[:: max(1, math.ceil(len(inside) / 4))]))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
     axes.set_title("speed-up over the baseline" if low < high else "", loc="left", fontsize=8.5)

@@ -172,7 +172,7 @@ def test_a_reference_knows_its_error_and_serves_a_study(tmp_path, monkeypatch):
     assert result.scenes[0].reference.source == "ref.exr"
     assert [point.spp for point in _arm(result, "independent").times] == [4]
     assert len(_arm(result, "twin").times) == 1
-    assert _arm(result, "twin").bias.verdict == UNBIASED
+    assert _arm(result, "twin").bias.p_value > 1e-4
     other = SceneSpec("smooth-direct-light", options={"size": 16},
                       reference=ReferenceSpec(file="ref.exr"))  # fmt: skip
     with pytest.raises(StudyError, match="must have 16x16 pixels as the arms, got 32x32"):
