@@ -1,4 +1,4 @@
-"""The progress bar: rate, time left and the error that the picture has so far."""
+"""The progress bar of every command, and what it shows of a render: rate, time left, error."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
+    from rich.progress import TaskID
+
     from alight.films import Film
     from alight.rendering import Progress
 
@@ -15,7 +17,54 @@ if TYPE_CHECKING:
 _ERROR_SHARE = 0.02
 
 
-class ProgressBar:
+class Bar:
+    """One line on stderr: what is done, how far it is, some figures, the time that is left.
+
+    Parameters
+    ----------
+    quiet : bool, default False
+        Show nothing.
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+        console = Console(stderr=True)
+        # In files and pipes a bar would leave nothing but empty lines.
+        self._hidden = quiet or not console.is_terminal
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[error]}"),
+            console=console,
+            transient=True,
+            disable=self._hidden,
+        )
+        self._task = self._begin("loading", None)
+
+    def _begin(self, text: str, total: float | None) -> TaskID:
+        """Add a line; its speed is its own."""
+        return self._bar.add_task(text, total=total, rate="", error="")
+
+    def __enter__(self) -> Self:
+        """Start showing."""
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Remove the bar."""
+        self._bar.stop()
+
+
+class ProgressBar(Bar):
     """Shows `Progress` objects on stderr; a callback for `alight.render`.
 
     Parameters
@@ -34,42 +83,11 @@ class ProgressBar:
     """
 
     def __init__(self, quiet: bool = False, time_limit: float | None = None) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-        from rich.progress import Progress as Bar
-
+        super().__init__(quiet)
         self.film: Film | None = None
         self.phase = "load"
         self._time_limit = time_limit
         self._error, self._next_error = "", 1.0
-        console = Console(stderr=True)
-        # In files and pipes a bar would leave nothing but empty lines.
-        self._hidden = quiet or not console.is_terminal
-        self._bar = Bar(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TimeRemainingColumn(),
-            TextColumn("{task.fields[error]}"),
-            console=console,
-            transient=True,
-            disable=self._hidden,
-        )
-        self._task = self._bar.add_task("loading", total=None, rate="", error="")
-
-    def __enter__(self) -> Self:
-        """Start showing."""
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Remove the bar."""
-        self._bar.stop()
 
     def __call__(self, progress: Progress) -> None:
         """Show how far the render is."""

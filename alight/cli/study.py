@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
     from alight.lab.pictures import StudyProgress
     from alight.lab.results import SceneResult, StudyResult
 
+from alight.cli.progress import Bar
 from alight.cli.reporting import INTERRUPTED
 
 
@@ -121,40 +119,18 @@ def _scene_lines(scene: SceneResult) -> list[str]:
     return lines
 
 
-class StudyBar:
+class StudyBar(Bar):
     """Shows `StudyProgress` on stderr, with the time that is left."""
 
     def __init__(self, quiet: bool) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-        console = Console(stderr=True)
-        self._bar = Progress(
-            TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(),
-            console=console, transient=True, disable=quiet or not console.is_terminal,
-        )  # fmt: skip
-        self._task = self._bar.add_task("loading", total=None)
+        super().__init__(quiet)
         self._total: float | None = None
-
-    def __enter__(self) -> Self:
-        """Start showing."""
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Remove the bar."""
-        self._bar.stop()
 
     def __call__(self, progress: StudyProgress) -> None:
         """Show how far the study is."""
         if progress.total != self._total:
             # Another phase: its speed says nothing about the last one's.
             self._bar.remove_task(self._task)
-            self._task = self._bar.add_task(progress.text, total=progress.total or None)
+            self._task = self._begin(progress.text, progress.total or None)
             self._total = progress.total
         self._bar.update(self._task, description=progress.text, completed=progress.done)

@@ -93,11 +93,11 @@ class Measured:
 
         def noted():
             for one in replicates:
-                # Only the numbers stay; the blocks are added up one by one.
+                # Only the numbers stay: the blocks are few.
                 rows.append(Replicate(one.number, one.seed, one.invalid, one.rungs, np.zeros(0)))
                 yield one.blocks
 
-        blocks = BlockMoments.of(noted(), plan.arm.size)
+        blocks = BlockMoments.calm(noted(), plan.arm.size)
         figures = {
             spp: {
                 name: np.array([_number(row.rungs[spp][name]) for row in rows])
@@ -245,7 +245,7 @@ def _shared_noise(
 def _bias_tests(plans: Sequence[Plan], measured: Mapping[str, Measured]) -> list[BiasTest]:
     raw: list[RawTest] = []
     for plan in plans:
-        statistics = measured[plan.arm.spec.name].blocks.statistics(plan.arm.size)
+        statistics = measured[plan.arm.spec.name].blocks.statistics
         raw.append(compare_with_reference(statistics, plan.reference.statistics))
     return judge(raw, [plan.arm.spec.declares_different for plan in plans])
 

@@ -121,7 +121,7 @@ def _kept(path: Path, arm: Arm) -> Reference | None:
 def _reference(arrays: dict[str, np.ndarray], facts: dict) -> Reference:
     image, variance = arrays["image"], arrays["variance"]
     size = (image.shape[1], image.shape[0])
-    statistics = BlockMoments.of(arrays["rows"], size).statistics(size)
+    statistics = BlockMoments.of(arrays["rows"], size).statistics
     info = ReferenceInfo(
         facts["source"], facts["arm"], facts["spp"], _relative(image, variance), False,
         facts["seconds"], facts["key"],

@@ -55,8 +55,7 @@ class SyntheticArm:
         self.mse = np.array(values)
         # The time of a replicate varies by 3 %.
         self.seconds = seconds * np.exp(0.03 * rng.standard_normal(count) - 0.03**2 / 2)
-        size = picture.shape[1::-1]
-        self.statistics = BlockMoments.of(rows, size).statistics(size)
+        self.statistics = BlockMoments.calm(rows, picture.shape[1::-1]).statistics
 
     @property
     def cost(self):
@@ -73,8 +72,7 @@ class SyntheticReference:
             moments.add(one.astype(np.float64))
         self.image = moments.mean.astype(np.float32)
         self.variance = (moments.variance / REFERENCE_SEEDS).astype(np.float32)
-        size = picture.shape[1::-1]
-        self.statistics = BlockMoments.of(rows, size).statistics(size)
+        self.statistics = BlockMoments.of(rows, picture.shape[1::-1]).statistics
         self.figures = Figures(self.image, self.variance)
 
 

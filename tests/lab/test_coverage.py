@@ -1,10 +1,18 @@
 """Intervals hold what they promise, on studies whose truth is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
 
-from alight.lab.blocks import LEVEL, judge
+from alight.lab.blocks import (
+    LEVEL,
+    BlockMoments,
+    compare_with_reference,
+    exact_statistics,
+    judge,
+)
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED
 from tests.lab.synthetic import LIGHT_TAILED, NOISES, SyntheticStudy
 
@@ -94,6 +102,54 @@ def _false_alarms(count, noise, first):
 def test_unbiased_arms_are_not_called_biased():
     # 1 % of 60 studies; five or more have a chance of 4e-4.
     assert _false_alarms(60, "gaussian", 900) < 5
+
+
+def _rare_events(rng, rate):
+    """Bias test of 16 pictures whose 64 blocks see a firefly with probability `rate` each."""
+    size = (64, 64)
+    reference = exact_statistics(np.ones((64, 64, 3), np.float32), None)
+    sigma, rows = 0.1, []
+    for _ in range(16):
+        seen = (rng.poisson(rate, (8, 8)) - rate) / np.sqrt(rate)
+        blocks = 1.0 + sigma * (seen + 0.1 * rng.standard_normal((8, 8)))
+        rows.append(np.concatenate([np.full(3, blocks.mean()), blocks.ravel()]))
+    return compare_with_reference(BlockMoments.calm(rows, size).statistics, reference)
+
+
+@pytest.mark.parametrize("rate", [0.03, 0.3])
+def test_rare_fireflies_are_no_bias(rate):
+    """A block that no firefly hit is too dark and too quiet: alone it would be called biased."""
+    rng = np.random.default_rng(5)
+    tests = [judge([_rare_events(rng, rate)], [False])[0] for _ in range(60)]
+    # 3 % of 60 are 1.8; eight or more have a chance of 6e-4. Without joining all 60 fail, or 32.
+    assert sum(test.verdict == BIASED for test in tests) < 8
+    assert max(test.block for test in tests) > 8
+
+
+def test_noise_that_is_nearly_normal_keeps_small_blocks():
+    rng = np.random.default_rng(6)
+    assert _rare_events(rng, 30.0).test.block == 8
+
+
+def test_one_block_of_three_sigma_is_no_bias():
+    """The mean square of a few z is chi-square, far from normal: p is 0.003, not 1e-5."""
+    reference = exact_statistics(np.ones((8, 8, 3), np.float32), None)
+    one = replace(
+        reference, count=1e6, block=8, block_mean=np.array([[1.003]]),
+        block_variance=np.array([[1.0]]), channel_mean=np.ones(3), channel_variance=np.ones(3),
+    )  # fmt: skip
+    raw = compare_with_reference(one, reference)
+    assert raw.test.z_rms == pytest.approx(3.0, rel=1e-3)
+    assert raw.p_value == pytest.approx(5 * 0.0027, rel=0.01)
+
+
+def test_verdicts_are_corrected_over_the_arms():
+    """Two arms at 0.6 % each: alone both would be called biased at 1 %, together neither is."""
+    raw = [_rare_events(np.random.default_rng(seed), 30.0) for seed in (1, 2)]
+    raw = [replace(one, p_value=0.006) for one in raw]
+    assert [test.verdict for test in judge(raw, [False, False])] == [UNBIASED, UNBIASED]
+    assert [test.p_value for test in judge(raw, [False, False])] == [0.012, 0.012]
+    assert judge(raw[:1], [False])[0].verdict == BIASED
 
 
 @pytest.mark.proofs

@@ -9,8 +9,9 @@ from alight.core.errors import AlightError
 from alight.lab.integrals import INTEGRANDS, jittered_points, product_error, run_integrals
 from alight.lab.make_reference import make_reference
 from alight.lab.pictures import Session
-from alight.lab.results import DIFFERENT, UNBIASED, load
+from alight.lab.results import DIFFERENT, load
 from alight.lab.run import STORE, run_study
+from alight.lab.statistics import holm_adjusted
 from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.relmse import relrmse
@@ -38,8 +39,14 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def result(folder):
-    return run_study(_study(INDEPENDENT, SOBOL, TWIN), folder)
+def reports():
+    """What the study of `result` said while it ran."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def result(folder, reports):
+    return run_study(_study(INDEPENDENT, SOBOL, TWIN), folder, progress=reports.append)
 
 
 def _arm(result, name):
@@ -55,7 +62,23 @@ def test_the_better_sampler_is_found(result):
     assert twin.speedup.p_adjusted > 0.001
     slope = _arm(result, "independent").slope_spp
     assert slope.low < -0.5 < slope.high
-    assert {arm.bias.verdict for arm in result.scenes[0].arms} == {UNBIASED}
+    # One study in a hundred calls something biased, and each change of the kernels is another one.
+    assert min(arm.bias.p_value for arm in result.scenes[0].arms) > 1e-4
+
+
+def test_p_values_are_corrected_over_the_arms(result):
+    found = [arm.speedup for arm in result.scenes[0].arms if arm.speedup]
+    corrected = holm_adjusted([speedup.p_value for speedup in found])
+    assert [speedup.p_adjusted for speedup in found] == corrected
+    assert corrected != [speedup.p_value for speedup in found]
+
+
+@pytest.mark.usefixtures("result")
+def test_blocks_hold_all_arms_in_random_order(reports):
+    texts = [report.text for report in reports if ": replicate " in report.text]
+    orders = [tuple(text.split(", ")[1] for text in texts[i : i + 3]) for i in range(0, 18, 3)]
+    assert all(sorted(order) == ["independent", "sobol", "twin"] for order in orders)
+    assert len(set(orders)) > 1
 
 
 def test_parts_add_up_and_seeds_differ(result):
@@ -108,7 +131,7 @@ def test_what_computes_something_else_is_named(tmp_path):
     for value, _, high in _arm(found, "dim").bias.difference:
         # Five standard errors.
         assert abs(value + 0.01) < 2.5 * (high - value) < 0.01
-    assert _arm(found, "independent").bias.verdict == UNBIASED
+    assert _arm(found, "independent").bias.p_value > 1e-4
 
 
 def test_a_noisy_reference_is_refused_and_nothing_is_lost(tmp_path):
@@ -149,7 +172,7 @@ def test_a_reference_knows_its_error_and_serves_a_study(tmp_path, monkeypatch):
     assert result.scenes[0].reference.source == "ref.exr"
     assert [point.spp for point in _arm(result, "independent").times] == [4]
     assert len(_arm(result, "twin").times) == 1
-    assert _arm(result, "twin").bias.verdict == UNBIASED
+    assert _arm(result, "twin").bias.p_value > 1e-4
     other = SceneSpec("smooth-direct-light", options={"size": 16},
                       reference=ReferenceSpec(file="ref.exr"))  # fmt: skip
     with pytest.raises(StudyError, match="must have 16x16 pixels as the arms, got 32x32"):

@@ -39,7 +39,9 @@ def fixed(value: float, decimals: int) -> str:
     >>> fixed(-1.25, 1)
     '−1.2'
     """
-    return f"{value:,.{decimals}f}".replace(",", "\u2009").replace("-", "−")
+    # Adding 0 turns -0.0, which rounding leaves, into 0.0.
+    rounded = round(value, decimals) + 0.0 if math.isfinite(value) else value
+    return f"{rounded:,.{decimals}f}".replace(",", "\u2009").replace("-", "−")
 
 
 def number(value: float | None, digits: int = 3) -> str:

@@ -227,8 +227,7 @@ def color_bar(scale: Scale, percent: bool = False) -> dict[str, Any]:
     else:
         low, high = scale.low, scale.high
         values = [low, 0.5 * (low + high), high]
-        texts = [f"{100.0 * v:.2g} %" if percent else f"{v:.3g}" for v in values]
-        texts = [text.replace("-", "−") for text in texts]
+        texts = [f"{number(100.0 * v, 2)} %" if percent else number(v) for v in values]
         if scale.kind == "signed":
             texts[2] = f"+{texts[2]}"
     places = scale.places(np.array(values))

@@ -104,9 +104,11 @@ def efficiency_table(arms: Ranked) -> Table:
 
 
 def _ratio_column(values: Sequence[float]) -> Column:
-    """Choose decimals for speed-ups: two are enough, for small ones too."""
+    """Choose decimals for speed-ups: two are enough, unless one is below a tenth."""
     column = Column.of(values, plain=True)
-    return column if column.decimals is None else Column(0, min(column.decimals, 2))
+    if column.decimals is None or min(values) < 0.1:
+        return column
+    return Column(0, min(column.decimals, 2))
 
 
 def _ratio(arm: ArmResult) -> Estimate | None:
@@ -204,10 +206,12 @@ def truth_table(arms: Ranked) -> Table:
             *(estimate_cell(e, share, suffix=" %", sign=True) for e in row),
         ]
         rows.append(_row(arm, look, cells, heads))
-    blocks = ", ".join(sorted({f"{a.bias.blocks} blocks of {a.bias.block} × {a.bias.block} pixels"
-                               for a, _ in arms}))  # fmt: skip
+    sizes = sorted({(a.bias.block, a.bias.blocks) for a, _ in arms})
+    blocks = " or ".join(f"{count} blocks of {side} × {side} pixels" for side, count in sizes)
+    larger = ", larger where rare events make the noise" if len(sizes) > 1 else ""
     caption = (
-        f"Is the mean of the pictures that of the reference? Block t-tests ({blocks}): rms of z "
+        f"Is the mean of the pictures that of the reference? Block t-tests ({blocks}{larger}): "
+        "rms of z "
         "with its bounds if there is no bias, the largest |z|, and how far the channel means are "
         "off (95 % intervals); p is corrected for all tests."
     )

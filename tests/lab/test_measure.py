@@ -1,0 +1,63 @@
+"""What the time of a replicate is: processor time of all threads, of rendering alone."""
+
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from alight.compiled.scene import compile_scene
+from alight.lab import measure
+from alight.lab.decomposition import reference_spread
+from alight.lab.evaluate import _shared_noise
+from alight.scene import content_hash, flatten, load
+
+
+@pytest.fixture(scope="module")
+def scene():
+    flat = flatten(load("smooth-direct-light", ["film.size=[16,16]"]))
+    return compile_scene(flat, content_hash(flat))
+
+
+def _seconds(scene, monkeypatch, delay):
+    """Time of two steps of a ladder in which each tile also does `delay`."""
+    kernels = measure.compiled_kernels(scene)
+    render_tile = measure.render_tile
+
+    def slower(*arguments):
+        delay()
+        return render_tile(*arguments)
+
+    monkeypatch.setattr(measure, "render_tile", slower)
+    return [rung.seconds for rung in measure.render_ladder(scene, kernels, 1, 3, (1, 2), 2)]
+
+
+def test_waiting_costs_nothing(scene, monkeypatch):
+    """Another program on the machine makes us wait; it must not make an arm look slow."""
+    first, second = _seconds(scene, monkeypatch, lambda: time.sleep(0.4))
+    assert first <= second < 0.2
+
+
+def test_work_in_other_threads_costs(scene, monkeypatch):
+    def work():
+        begin = time.thread_time()
+        while time.thread_time() - begin < 0.05:
+            pass
+
+    first, second = _seconds(scene, monkeypatch, work)
+    assert first >= 0.05
+    assert second >= 0.10
+
+
+def test_the_noise_of_references_widens_the_interval():
+    """Shared, it cancels between arms of equal noise; of two references it adds up."""
+    rng = np.random.default_rng(1)
+    a, b = (SimpleNamespace(variance=rng.random((8, 8, 3)), seeds=16) for _ in range(2))
+    spread_a, spread_b = (reference_spread(one.variance, 16) for one in (a, b))
+    noisy, quiet = {"mse": np.array([3.0, 5.0])}, {"mse": np.array([1.0, 3.0])}
+    plan_a, plan_b = SimpleNamespace(reference=a), SimpleNamespace(reference=b)
+    shared = _shared_noise(plan_a, noisy, plan_a, quiet)
+    assert shared == pytest.approx(spread_a * (1 / 4 - 1 / 2) ** 2)
+    assert _shared_noise(plan_a, noisy, plan_a, noisy) == 0.0
+    apart = _shared_noise(plan_a, noisy, plan_b, quiet)
+    assert apart == pytest.approx(spread_a / 16 + spread_b / 4)
