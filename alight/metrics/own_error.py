@@ -148,10 +148,7 @@ def estimate_relmse(means: np.ndarray, counts: np.ndarray) -> ErrorEstimate:
         band = _Band(means[rows], counts[rows] if len(counts) > 1 else counts, known[rows], inside)
         totals += _totals_of(band, epsilons, halvings)
     pixels = int(known.sum())
-    figures = [
-        _figure(float(rows[0, 0]), *map(float, rows[:, 1:].max(axis=0)), pixels, replicates)
-        for rows in totals
-    ]
+    figures = [_figure(rows, pixels, replicates) for rows in totals]
     return ErrorEstimate(figures[0], figures[1], epsilons[0], float(known.mean()))
 
 
@@ -184,14 +181,18 @@ def _weighted(m: np.ndarray, k: np.ndarray) -> np.ndarray:
     return result
 
 
-def _figure(value: float, own: float, pooled: float, pixels: int, replicates: int) -> Figure:
-    """From the sums over pixels of relative SE^2, of relative SE^4, and of that by cells."""
+def _figure(rows: np.ndarray, pixels: int, replicates: int) -> Figure:
+    """From the sums over pixels of relative SE^2, of relative SE^4, and of that by cells.
+
+    `rows` has them for two brightnesses, shape (2, 3).
+    """
+    value, spread = float(rows[0, 0]), float(rows[:, 1:].max())
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
     relmse = value / pixels
     # Rare spikes seldom meet in both halves of a pixel's replicates, but do in those of a cell.
     ratio = replicates / (replicates - 1)
-    variance = 2.0 * ratio * max(own, pooled) / value**2
+    variance = 2.0 * ratio * spread / value**2
     variance *= (1.0 + _BRIGHTNESS_NOISE * math.sqrt(relmse)) ** 2
     variance += min(_BRIGHTNESS_BIAS * relmse, _MOST_BIAS) ** 2
     return Figure(relmse, 2.0 * ratio / variance, replicates)

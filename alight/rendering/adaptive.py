@@ -6,7 +6,7 @@ aspects of the representative method"). V_c comes from a **pilot that is not in 
 samples of a seed of its own. So the counts are known before the first sample that counts, a mean is
 a sum over a fixed number, and every pixel is unbiased; `docs/known-error.md` compares other ways.
 
-Beside it, for comparison, the rule of Blender's Cycles, which is not unbiased.
+`alight.rendering.cycles` has, for comparison, the rule of Blender's Cycles, which is not unbiased.
 """
 
 from __future__ import annotations
@@ -26,9 +26,6 @@ LEAST, MOST = 0.2, 8.0
 #: Weight of the cells around in a cell's variance.
 _AROUND = 0.2
 
-#: Of Cycles: samples before the first decision and between two, and the threshold by default.
-CYCLES_FIRST, CYCLES_STEP, CYCLES_THRESHOLD = 16, 16, 0.01
-
 
 def _edges(start: int, length: int) -> np.ndarray:
     """Where the cells of a window begin, counted from its corner."""
@@ -36,14 +33,14 @@ def _edges(start: int, length: int) -> np.ndarray:
     return np.maximum(np.arange(first, length, CELL_SIZE), 0)
 
 
-def _over_cells(film: Film, plane: np.ndarray, operation: np.ufunc) -> np.ndarray:
+def over_cells(film: Film, plane: np.ndarray, operation: np.ufunc) -> np.ndarray:
     """Reduce the pixels of each cell of a film's window."""
     x, y, w, h = film.crop
     rows = operation.reduceat(plane, _edges(y, h), axis=0)
     return operation.reduceat(rows, _edges(x, w), axis=1)
 
 
-def _box(plane: np.ndarray) -> np.ndarray:
+def box(plane: np.ndarray) -> np.ndarray:
     """Average over 3x3 places of a plane (h, w), the border repeated."""
     h, w = plane.shape
     padded = np.pad(plane, 1, mode="edge")
@@ -63,12 +60,12 @@ def shares_of(pilot: Film) -> np.ndarray:
     n = np.maximum(counts.sum(axis=2), 1)[..., None]
     mean = (means * counts[..., None]).sum(axis=2, dtype=np.float64) / n
     squares = (counts[..., None] * (means - mean[:, :, None]) ** 2).sum(axis=2)
-    brightness = np.stack([_box(mean[..., c]) for c in range(3)], axis=-1)
+    brightness = np.stack([box(mean[..., c]) for c in range(3)], axis=-1)
     epsilon = (0.1 * float(mean.mean())) ** 2
     relative = (squares / np.maximum(brightness**2 + epsilon, 1e-300)).mean(axis=2)
-    pixels = _over_cells(pilot, np.ones(relative.shape), np.add)
-    variance = _over_cells(pilot, relative, np.add) / pixels
-    variance = (1.0 - _AROUND) * variance + _AROUND * _box(variance)
+    pixels = over_cells(pilot, np.ones(relative.shape), np.add)
+    variance = over_cells(pilot, relative, np.add) / pixels
+    variance = (1.0 - _AROUND) * variance + _AROUND * box(variance)
     shares = np.sqrt(variance)
     # A few rounds of cutting and scaling settle it; a black or noiseless pilot says nothing.
     for _ in range(20):
@@ -90,39 +87,3 @@ def counts_at(shares: np.ndarray, spp: int, replicates: int) -> np.ndarray:
     """
     rounds = np.rint(shares * (spp / replicates)).astype(np.int64)
     return replicates * np.where(shares > 0.0, np.maximum(rounds, 1), 0)
-
-
-def cycles_active(film: Film, threshold: float) -> np.ndarray:
-    """Which cells Cycles' rule goes on with: those with a pixel, or a neighbour of one, in noise.
-
-    The error of a pixel is the difference between all its samples and half of them, summed over
-    the channels, over the root of its brightness (over the brightness itself above 1). Cycles
-    decides for single pixels; here a cell goes on as long as one of its pixels does.
-
-    Source: Blender's Cycles, film/adaptive_sampling.h, after Dammertz, Hanika, Keller and Lensch
-    2010, "A hierarchical automatic stopping condition for Monte Carlo global illumination".
-
-    Returns
-    -------
-    ndarray of bool, shape (cells_y, cells_x)
-        Of the full film.
-    """
-    means, counts = film.replicate_means()
-    noisy = cycles_error(means, counts) >= threshold
-    spread = _box(noisy.astype(np.float64)) > 0.0
-    result = np.zeros(film.cells.shape, bool)
-    result[cells_of(*film.crop)] = _over_cells(film, spread, np.maximum)
-    return result
-
-
-def cycles_error(means: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Error of each pixel by Cycles' rule, shape (h, w), see `cycles_active`."""
-    half = slice(0, None, 2)
-    whole, part = (
-        (means[:, :, rows] * counts[:, :, rows, None]).sum(axis=2)
-        / np.maximum(counts[:, :, rows].sum(axis=2), 1)[..., None]
-        for rows in (slice(None), half)
-    )
-    brightness = np.maximum(whole.sum(axis=2), 0.0)
-    scale = np.where(brightness < 1.0, np.sqrt(brightness), brightness)
-    return np.abs(whole - part).sum(axis=2) / (1e-4 + scale)
