@@ -133,7 +133,7 @@ class Cycles(Schedule):
         if not self.before.size:
             first = first_decision(self.threshold)
             return Verdict("done", f"{rule} decides after {first} spp first; nothing was decided")
-        stopped = float(np.mean(self.counts[cells_of(*film.crop)] < self.now))
+        stopped = float(np.mean(self.counts[cells_of(*film.crop)] < self.spp))
         return Verdict("done", f"{rule} stopped {100 * stopped:.3g} % of the cells early")
 
     def biases(self, rounds: Sequence[Film]) -> tuple[Bias, ...]:

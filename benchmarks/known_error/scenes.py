@@ -132,6 +132,27 @@ nodes:
     bsdf: {type: diffuse, reflectance: 0}
     light: {type: area, radiance: 99}
 """,
+    # Nearly all noise is behind a panel, in a tenth of the picture.
+    "lamp-in-a-corner": """
+camera: {fov: 40, transform: {look_at: {origin: [0, 0, 3.9], target: [0, 0, 0]}}}
+integrator: {type: path, max_depth: 6, rr_depth: 5}
+environment: {type: constant, radiance: 1}
+nodes:
+  ground:
+    transform: [{scale: 20}, {rotate: {axis: x, angle: -90}}, {translate: [0, -1, 0]}]
+    shape: rectangle
+    bsdf: {type: diffuse, reflectance: 0.1}
+  mirror:
+    shape: {type: sphere, center: [0.7, -0.6, 0.3], radius: 0.4}
+    bsdf: {type: rough_conductor, alpha: 0.05}
+  lamp:
+    shape: {type: sphere, center: [0.75, 0.5, 0.6], radius: 0.03}
+    bsdf: {type: diffuse, reflectance: 0}
+    light: {type: area, radiance: 400}
+  shade:
+    shape: {type: sphere, center: [0.72, 0.2, 0.55], radius: 0.12}
+    bsdf: {type: diffuse, reflectance: 0.8}
+""",
     "zero-variance": """
 camera: {fov: 40, transform: {look_at: {origin: [0, 0, 3], target: [0, 0, 0]}}}
 integrator: {type: path, max_depth: 1}
@@ -142,6 +163,9 @@ nodes:
     bsdf: {type: diffuse, reflectance: 0}
 """,
 }
+#: Where adaptive sampling has something to do.
+UNEVEN = ("sphere-light", "cornell-box", "glass", "many-lights", "environment", "lamp-in-a-corner")
+
 ORDINARY = ("furnace-box", "sphere-light", "cornell-box", "glass", "many-lights", "environment")
 
 
