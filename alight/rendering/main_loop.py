@@ -172,6 +172,11 @@ def run(
 
     try:
         _passes(job, pace, cancel or threading.Event(), report)
+        job.stop_clock()
+        clock.lap("render")
+        if not (cancel and cancel.is_set()):
+            job.record_biases()
+        clock.lap("biases")
     finally:
         job.stop_clock()
         # The checkpoint first: whatever `progress` does, the samples are safe.
@@ -179,10 +184,6 @@ def run(
             writer.finish(job)
         if progress:
             progress(job.progress())
-    clock.lap("render")
-    if not (cancel and cancel.is_set()):
-        job.record_biases()
-    clock.lap("biases")
     film = job.film
     film.stats = job.statistics(clock.laps)
     if writer:

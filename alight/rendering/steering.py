@@ -27,8 +27,8 @@ from alight.rendering.stopping import (
 
 #: What the ledger says of a render that its own error ended.
 _STOPPED = (
-    "the picture's own error ended the render, so that the number of samples depends on them; on "
-    "the scenes of docs/known-error.md its mean changed by less than 0.2 %"
+    "the samples themselves decided how many there are (measured on the scenes of "
+    "docs/known-error.md: less than 0.2 % of the light)"
 )
 
 

@@ -3,12 +3,12 @@
 python benchmarks/known_error/run.py [--only coverage,bias,gain,plan,replicates] [--runs 1000]
     [--truth 7600] [--scenes cornell-box,...] [--save FILE]
 
-``coverage`` prints, scene by scene, how often the 95 % interval held the true error at three numbers
-of samples (with the exact binomial p-values of coverage below 93 % and above 98 %), how often the stop rule
-said ``met``, how often that was true, and at how many times the samples of an oracle. ``bias`` is
-the mean of adaptive pictures and of Cycles' rule where bright samples are rare, ``gain`` adaptive
-against even pictures at equal processor time, ``plan`` how often a predicted cost was right,
-``replicates`` what independent scrambles cost.
+``coverage`` prints, scene by scene, how often the 95 % interval held the true error at three
+numbers of samples (with the exact binomial p-values of coverage below 93 % and above 98 %), how
+often the stop rule said ``met``, how often that was true, and at how many times the samples of an
+oracle. ``bias`` is the mean of adaptive pictures and of Cycles' rule where bright samples are rare,
+``gain`` adaptive against even pictures at equal processor time, ``plan`` how often a predicted cost
+was right, ``replicates`` what independent scrambles cost.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def report(name: str, results: list[dict[str, Any]]) -> None:
 
 def main() -> None:
     """Run all scenes, each until its runs are done."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser = argparse.ArgumentParser(description="Campaigns on a picture's known error.")
     parser.add_argument("--runs", type=int, default=1000)
     parser.add_argument("--truth", type=int, default=100 * CHECKED[-1])
     parser.add_argument("--scenes", default=",".join(TEXTS))

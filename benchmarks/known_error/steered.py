@@ -23,7 +23,7 @@ from alight.rendering.stopping import Promise
 RARE_SPIKE_MEAN = 1.0 + 0.001 * 99.0
 
 #: Samples per pixel at which an adaptive and an even picture are compared.
-EVEN_SPP = 128
+EVEN_SPP = 256
 
 #: Cycles' threshold, and the samples at which it gives up.
 CYCLES_THRESHOLD, CYCLES_MOST = 0.01, 1024
@@ -34,6 +34,7 @@ class _Pilot:
 
     def __init__(self, means: np.ndarray) -> None:
         self.crop, self.cells = (0, 0, SIDE, SIDE), empty_cells(SIDE, SIDE)
+        self.replicates = REPLICATES
         self._means = means
 
     def replicate_means(self) -> tuple[np.ndarray, np.ndarray]:
@@ -138,10 +139,11 @@ def plans(names: Sequence[str], runs: int) -> None:
         seconds = time.process_time() - begin
         inside += plan.spp.low <= film.spp <= plan.spp.high
         timely += plan.seconds.low <= seconds <= plan.seconds.high
+        spp, cost = plan.spp, plan.seconds
         print(
-            f"{names[i % len(names)]} to {asked:.2%}: {film.spp:g} spp, "
-            f"planned {plan.spp.value:.0f} ({plan.spp.low:.0f} to {plan.spp.high:.0f}); {seconds:.2f} s, planned "
-            f"{plan.seconds.value:.2f} ({plan.seconds.low:.2f} to {plan.seconds.high:.2f})",
+            f"{names[i % len(names)]} to {asked:.2%}: {film.spp:g} spp, planned {spp.value:.0f} "
+            f"({spp.low:.0f} to {spp.high:.0f}); {seconds:.2f} s, planned {cost.value:.2f} "
+            f"({cost.low:.2f} to {cost.high:.2f})",
             flush=True,
         )
     print(f"plan: samples inside {inside} of {runs}, seconds inside {timely} of {runs}")
