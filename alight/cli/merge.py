@@ -28,7 +28,7 @@ def merge(
     """Add films of different samples of the same picture; one film alone is only converted."""
     from alight.cli.finishing import Results, write_outputs
     from alight.cli.reporting import warn
-    from alight.cli.summary import error_line, warnings_of
+    from alight.cli.summary import bias_lines, error_line, warnings_of
     from alight.outputs.tone_mapping import Display
     from alight.rendering import merge as merge_films
 
@@ -42,6 +42,7 @@ def merge(
         _, _, w, h = film.crop
         count = "1 film" if len(films) == 1 else f"{len(films)} films"
         typer.echo(f"{count}, {w}x{h} pixels, {film.spp:g} spp")
-        typer.echo(error_line(film.relmse_estimate()))
+        for line in [error_line(film.relmse_estimate()), *bias_lines(film)]:
+            typer.echo(line)
         for path in output:
             typer.echo(f"written: {path}")

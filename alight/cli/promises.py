@@ -94,6 +94,30 @@ def parse_promise(error: str, confidence: str, metric: str, share: str) -> Promi
     )
 
 
+def promise_to_resume(
+    error: str | None,
+    confidence: str,
+    metric: str,
+    share: str,
+    spp: int | None,
+    max_spp: int | None,
+) -> Promise | None:
+    """Make the promise that a resumed render shall keep; None where no error is given.
+
+    Raises
+    ------
+    OptionError
+        For options that are wrong or contradict each other.
+    """
+    if error is None:
+        if max_spp is not None:
+            raise OptionError("--max-spp limits --error; without it, give --spp")
+        return None
+    if spp is not None:
+        raise OptionError("--error and --spp contradict each other; the limit is --max-spp")
+    return parse_promise(error, confidence, metric, share)
+
+
 def schedule_of(
     options: dict[str, Any], spp: int | None, first_sample: int, default_spp: int
 ) -> Schedule | None:
@@ -113,24 +137,22 @@ def schedule_of(
     OptionError
         For options that contradict each other.
     """
-    from alight.rendering.adaptive import CYCLES_THRESHOLD
-    from alight.rendering.steering import Cycles, Steered
+    from alight.rendering.cycles import MOST, THRESHOLD, Cycles
+    from alight.rendering.steering import Steered
 
     error, max_spp, criterion = options["error"], options["max_spp"], options["criterion"]
     if criterion not in ("pilot", "cycles"):
         raise OptionError(
             "--adaptive-criterion: " + unknown_name("criterion", criterion, ("pilot", "cycles"))
         )
-    if error is not None and spp is not None:
-        raise OptionError("--error and --spp contradict each other; the limit is --max-spp")
     if criterion == "cycles":
-        threshold = CYCLES_THRESHOLD if error is None else parse_share("--error", error)
-        return Cycles(first_sample, max_spp or spp or default_spp, threshold)
-    if error is None:
-        if max_spp is not None:
-            raise OptionError("--max-spp limits --error; without it, give --spp")
+        threshold = THRESHOLD if error is None else parse_share("--error", error)
+        return Cycles(first_sample, max_spp or spp or MOST, threshold)
+    promise = promise_to_resume(
+        error, options["confidence"], options["metric"], options["share"], spp, max_spp
+    )
+    if promise is None:
         return (
             Steered(first_sample, spp or default_spp, None, True) if options["adaptive"] else None
         )
-    promise = parse_promise(error, options["confidence"], options["metric"], options["share"])
     return Steered(first_sample, max_spp, promise, options["adaptive"])

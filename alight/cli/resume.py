@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from alight.cli import arguments
+from alight.cli import arguments, promises
 
 
 def resume(
@@ -26,6 +26,11 @@ def resume(
         int | None,
         typer.Option(help="Samples per pixel in all.", min=1, show_default="as asked for first"),
     ] = None,
+    error: promises.Error = None,
+    confidence: promises.Confidence = "95%",
+    metric: promises.Metric = "relrmse",
+    share: promises.Share = "95%",
+    max_spp: promises.MaxSpp = None,
     time_limit: Annotated[
         float | None,
         typer.Option(
@@ -56,6 +61,7 @@ def resume(
     from alight.rendering import resume as resume_render
     from alight.rendering.checkpoint import read_checkpoint
 
+    promise = promises.promise_to_resume(error, confidence, metric, share, spp, max_spp)
     saved = read_checkpoint(checkpoint)
     notes = _Notes(saved.origin.notes)
     # Only now: what they register decides how the scene is understood.
@@ -75,7 +81,8 @@ def resume(
         resume_render,
         saved,
         scene=scene,
-        spp=spp,
+        spp=max_spp if promise else spp,
+        promise=promise,
         time_limit=time_limit,
         threads=threads,
         checkpoint=to,

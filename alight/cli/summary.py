@@ -20,7 +20,12 @@ def summary_lines(film: Film, error: ErrorEstimate, seconds: float) -> list[str]
     rate, rendering = film.stats["msamples_per_s"], film.stats["seconds"]["render"]
     speed = f"{film.spp:g} spp in {rendering:.2f} s, {rate:.2f} Msamples/s"
     lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
-    return [*lines, error_line(error), *verdict_lines(film)]
+    return [*lines, error_line(error), *bias_lines(film), *verdict_lines(film)]
+
+
+def bias_lines(film: Film) -> list[str]:
+    """Say what in the picture is biased, and by how much."""
+    return [f"bias: {bias.line}" for bias in film.biases]
 
 
 def verdict_lines(film: Film) -> list[str]:
@@ -58,12 +63,20 @@ def statistics_of(
     film: Film, error: ErrorEstimate, outputs: list[Path], warnings: list[str]
 ) -> dict[str, Any]:
     """Gather what ``--stats`` writes."""
+    from alight.rendering.stopping import unseen_of
+
     literature = _estimate(error.relmse_literature)
+    unseen = unseen_of(film)
     return {
         **film.stats,
         "relmse": {"epsilon": error.epsilon, **_estimate(error.relmse)},
         "relmse_literature": {"epsilon": 0.01, **literature},
         "relrmse": _estimate(error.relrmse),
+        "unseen": {
+            "indicator": unseen.indicator,
+            "bound": unseen.bound,
+            "largest_sample": film.largest_sample,
+        },
         "provenance": film.provenance,
         "outputs": [str(path) for path in outputs],
         "warnings": warnings,

@@ -16,7 +16,8 @@ import numpy as np
 
 from alight.core.errors import FilmError
 from alight.core.view import View
-from alight.films import fixed_point, merging, notebook, statistics, storage
+from alight.films import fixed_point, ledger, merging, notebook, statistics, storage
+from alight.films.ledger import Bias
 from alight.films.sample_ranges import (
     CELL_SIZE,
     SampleRanges,
@@ -96,6 +97,10 @@ class Film:
         `SampleRanges` of each 8x8 cell of the full film.
     invalid, saturated : int
         Samples that were NaN or infinite (they add 0 and count 1); values cut to 2^36.
+    recorded : tuple of Bias
+        What the renderer knows to be biased; see `biases`.
+    largest_sample : float or None
+        No channel of a sample can be larger; None where that is not known.
     stats : dict
         Times and rates, filled in by the renderer.
 
@@ -138,6 +143,8 @@ class Film:
         }
         self.cells = empty_cells(width, height)
         self.invalid = self.saturated = 0
+        self.recorded: tuple[Bias, ...] = ()
+        self.largest_sample: float | None = None
         self.stats: dict[str, Any] = {}
         self._lock = threading.RLock()
 
@@ -262,12 +269,14 @@ class Film:
 
     def empty_like(self) -> Film:
         """Make a film without samples and with the same identity."""
-        return Film(
+        film = Film(
             self.width, self.height, crop=self.crop, replicates=self.replicates,
             channels=self.channels, aovs=self.aov_channels, scene_hash=self.scene_hash,
             seed=self.seed, options=self.options, fingerprint=self.fingerprint,
             version=self.version,
         )  # fmt: skip
+        film.recorded, film.largest_sample = self.recorded, self.largest_sample
+        return film
 
     def snapshot(self) -> Film:
         """Copy this moment, for readers that need several planes of one state."""
@@ -329,6 +338,11 @@ class Film:
         """The picture's own error with its interval: `relmse_estimate` by a short name."""
         return self.relmse_estimate()
 
+    @property
+    def biases(self) -> tuple[Bias, ...]:
+        """The ledger: everything in the picture that is biased, with its effect if measured."""
+        return (*self.recorded, *ledger.counted(self.invalid, self.saturated, self.counts.sum()))
+
     def replicate_means(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean of each replicate, float32, shape (h, w, R, 3), and the counts (h, w, R)."""
         # Counts are exact in float32: they are below 2^19.
@@ -374,6 +388,7 @@ class Film:
             "fingerprint": self.fingerprint,
             "invalid": self.invalid,
             "saturated": self.saturated,
+            "biases": "; ".join(bias.line for bias in self.biases) or "none",
         }
 
     # ------------------------------------------------------------------------------ output

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from alight.core.errors import FilmError
-from alight.films import fixed_point
+from alight.films import fixed_point, ledger
 from alight.films.sample_ranges import CELL_SIZE, cells_of, union_of_cells
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def merge(films: Sequence[Film], names: Sequence[str] | None = None) -> Film:
         _check_recorded(part, name)
         _check_same(parts[0], part, names[0], name)
     result = parts[0].empty_like()
+    result.recorded = ledger.joined(part.recorded for part in parts)
     index = cells_of(*result.crop)
     for number, (name, part) in enumerate(zip(names, parts, strict=True)):
         _check_disjoint(parts[:number], part, index, names, name)

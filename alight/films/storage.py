@@ -11,6 +11,7 @@ import numpy as np
 
 from alight.core.errors import FilmError
 from alight.films.archive import Archive, read_archive, write_archive
+from alight.films.ledger import Bias
 from alight.films.sample_ranges import SampleRanges
 
 if TYPE_CHECKING:
@@ -78,6 +79,8 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             "aovs": film.aov_channels,
             "invalid": film.invalid,
             "saturated": film.saturated,
+            "largest_sample": film.largest_sample,
+            "recorded": [bias.state() for bias in film.recorded],
             "ranges": [list(cell) for cell in distinct],
         })  # fmt: skip
         indices = [distinct[cell] for cell in film.cells.flat]
@@ -122,6 +125,8 @@ def _unpack(
     table[:] = ranges
     film.cells = table[_shaped(arrays[f"{number}.cells"], film.cells)]
     film.invalid, film.saturated = described["invalid"], described["saturated"]
+    film.largest_sample = described.get("largest_sample")
+    film.recorded = tuple(Bias.restored(state) for state in described.get("recorded", ()))
     return film
 
 

@@ -6,10 +6,12 @@ aspects of the representative method"). V_c comes from a **pilot that is not in 
 samples of a seed of its own. So the counts are known before the first sample that counts, a mean is
 a sum over a fixed number, and every pixel is unbiased; `docs/known-error.md` compares other ways.
 
-Beside it, for comparison, the rule of Blender's Cycles, which is not unbiased.
+`alight.rendering.cycles` has, for comparison, the rule of Blender's Cycles, which is not unbiased.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -26,9 +28,6 @@ LEAST, MOST = 0.2, 8.0
 #: Weight of the cells around in a cell's variance.
 _AROUND = 0.2
 
-#: Of Cycles: samples before the first decision and between two, and the threshold by default.
-CYCLES_FIRST, CYCLES_STEP, CYCLES_THRESHOLD = 16, 16, 0.01
-
 
 def _edges(start: int, length: int) -> np.ndarray:
     """Where the cells of a window begin, counted from its corner."""
@@ -36,19 +35,35 @@ def _edges(start: int, length: int) -> np.ndarray:
     return np.maximum(np.arange(first, length, CELL_SIZE), 0)
 
 
-def _over_cells(film: Film, plane: np.ndarray, operation: np.ufunc) -> np.ndarray:
+def over_cells(film: Film, plane: np.ndarray, operation: np.ufunc) -> np.ndarray:
     """Reduce the pixels of each cell of a film's window."""
     x, y, w, h = film.crop
     rows = operation.reduceat(plane, _edges(y, h), axis=0)
     return operation.reduceat(rows, _edges(x, w), axis=1)
 
 
-def _box(plane: np.ndarray) -> np.ndarray:
+def box(plane: np.ndarray) -> np.ndarray:
     """Average over 3x3 places of a plane (h, w), the border repeated."""
     h, w = plane.shape
     padded = np.pad(plane, 1, mode="edge")
     rows = padded[:h] + padded[1 : h + 1] + padded[2:]
     return (rows[:, :w] + rows[:, 1 : w + 1] + rows[:, 2:]) / 9.0
+
+
+def _mean_and_squares(means: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean of each pixel over the replicates, and its squared deviations by their counts."""
+    weights = counts[..., None]
+    n = np.maximum(weights.sum(axis=2), 1)
+    mean = (means * weights).sum(axis=2, dtype=np.float64) / n
+    return mean, (weights * (means - mean[:, :, None]) ** 2).sum(axis=2)
+
+
+def _correlation(a: np.ndarray, b: np.ndarray, weights: np.ndarray) -> float:
+    """Of two planes, 0 where it is negative or nothing varies."""
+    weights = weights / weights.sum()
+    a, b = a - (a * weights).sum(), b - (b * weights).sum()
+    spread = float((a * a * weights).sum() * (b * b * weights).sum())
+    return max(float((a * b * weights).sum()) / math.sqrt(spread), 0.0) if spread > 0.0 else 0.0
 
 
 def shares_of(pilot: Film) -> np.ndarray:
@@ -60,16 +75,27 @@ def shares_of(pilot: Film) -> np.ndarray:
         Of the full film; their mean over the pixels of the window is 1, and 0 outside of it.
     """
     means, counts = pilot.replicate_means()
-    n = np.maximum(counts.sum(axis=2), 1)[..., None]
-    mean = (means * counts[..., None]).sum(axis=2, dtype=np.float64) / n
-    squares = (counts[..., None] * (means - mean[:, :, None]) ** 2).sum(axis=2)
-    brightness = np.stack([_box(mean[..., c]) for c in range(3)], axis=-1)
+    mean, squares = _mean_and_squares(means, counts)
+    brightness = np.stack([box(mean[..., c]) for c in range(3)], axis=-1)
     epsilon = (0.1 * float(mean.mean())) ** 2
-    relative = (squares / np.maximum(brightness**2 + epsilon, 1e-300)).mean(axis=2)
-    pixels = _over_cells(pilot, np.ones(relative.shape), np.add)
-    variance = _over_cells(pilot, relative, np.add) / pixels
-    variance = (1.0 - _AROUND) * variance + _AROUND * _box(variance)
-    shares = np.sqrt(variance)
+    scale = np.maximum(brightness**2 + epsilon, 1e-300)
+    pixels = over_cells(pilot, np.ones(scale.shape[:2]), np.add)
+
+    def deviation(squares: np.ndarray) -> np.ndarray:
+        variance = over_cells(pilot, (squares / scale).mean(axis=2), np.add) / pixels
+        return np.sqrt((1.0 - _AROUND) * variance + _AROUND * box(variance))
+
+    shares = deviation(squares)
+    if pilot.replicates >= 4:
+        # Cells differ by chance, too. Two halves of the pilot tell how much of it is chance: with
+        # a correlation r of halves that of the whole is 2 r / (1 + r) (Spearman and Brown 1910).
+        halves = [
+            deviation(_mean_and_squares(means[:, :, part], counts[:, :, part])[1])
+            for part in (slice(0, None, 2), slice(1, None, 2))
+        ]
+        agreement = _correlation(*halves, pixels)
+        average = float((shares * pixels).sum() / pixels.sum())
+        shares = average + 2.0 * agreement / (1.0 + agreement) * (shares - average)
     # A few rounds of cutting and scaling settle it; a black or noiseless pilot says nothing.
     for _ in range(20):
         mean_share = float((shares * pixels).sum() / pixels.sum())
@@ -80,49 +106,17 @@ def shares_of(pilot: Film) -> np.ndarray:
 
 
 def counts_at(shares: np.ndarray, spp: int, replicates: int) -> np.ndarray:
-    """Samples of each cell when the picture has `spp` on average: whole rounds of replicates.
+    """Samples of each cell when the picture has about `spp` on average: whole rounds of replicates.
 
-    They only grow with `spp`, so that a film of fewer is part of a film of more.
+    They only grow with `spp`, so that a film of fewer is part of a film of more. A replicate gets
+    2^k or 1.5 * 2^k samples: between powers of two the points of its sequence are less even, which
+    would cost more than a finer share brings.
 
     Returns
     -------
     ndarray of int64, shape (cells_y, cells_x)
     """
     rounds = np.rint(shares * (spp / replicates)).astype(np.int64)
+    step = np.maximum(2 ** np.floor(np.log2(np.maximum(rounds, 1))).astype(np.int64) // 2, 1)
+    rounds = (rounds + step // 2) // step * step
     return replicates * np.where(shares > 0.0, np.maximum(rounds, 1), 0)
-
-
-def cycles_active(film: Film, threshold: float) -> np.ndarray:
-    """Which cells Cycles' rule goes on with: those with a pixel, or a neighbour of one, in noise.
-
-    The error of a pixel is the difference between all its samples and half of them, summed over
-    the channels, over the root of its brightness (over the brightness itself above 1). Cycles
-    decides for single pixels; here a cell goes on as long as one of its pixels does.
-
-    Source: Blender's Cycles, film/adaptive_sampling.h, after Dammertz, Hanika, Keller and Lensch
-    2010, "A hierarchical automatic stopping condition for Monte Carlo global illumination".
-
-    Returns
-    -------
-    ndarray of bool, shape (cells_y, cells_x)
-        Of the full film.
-    """
-    means, counts = film.replicate_means()
-    noisy = cycles_error(means, counts) >= threshold
-    spread = _box(noisy.astype(np.float64)) > 0.0
-    result = np.zeros(film.cells.shape, bool)
-    result[cells_of(*film.crop)] = _over_cells(film, spread, np.maximum)
-    return result
-
-
-def cycles_error(means: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Error of each pixel by Cycles' rule, shape (h, w), see `cycles_active`."""
-    half = slice(0, None, 2)
-    whole, part = (
-        (means[:, :, rows] * counts[:, :, rows, None]).sum(axis=2)
-        / np.maximum(counts[:, :, rows].sum(axis=2), 1)[..., None]
-        for rows in (slice(None), half)
-    )
-    brightness = np.maximum(whole.sum(axis=2), 0.0)
-    scale = np.where(brightness < 1.0, np.sqrt(brightness), brightness)
-    return np.abs(whole - part).sum(axis=2) / (1e-4 + scale)

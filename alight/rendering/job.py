@@ -16,6 +16,7 @@ from alight.compiled.scene import CompiledScene
 from alight.core.machine import fingerprint
 from alight.films import Film
 from alight.integrators.walk import make_settings
+from alight.rendering import depth_cap
 from alight.rendering.options import AOVS
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
@@ -23,6 +24,9 @@ from alight.rendering.schedule import Goal, Schedule, Verdict
 from alight.rendering.tile import Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
+
+#: Names the random numbers of the ledger's pilot; no schedule has so many rounds.
+_PILOT_ROUND = 2**16
 
 
 @dataclass(frozen=True)
@@ -93,6 +97,8 @@ class Job:
     scene : CompiledScene
     schedule : Schedule
     seed, threads, replicates : int
+    largest_sample : float, optional
+        Bound of a sample's value, for its films.
 
     Attributes
     ----------
@@ -101,10 +107,17 @@ class Job:
     """
 
     def __init__(
-        self, scene: CompiledScene, schedule: Schedule, *, seed: int, threads: int, replicates: int
+        self,
+        scene: CompiledScene,
+        schedule: Schedule,
+        *,
+        seed: int,
+        threads: int,
+        replicates: int,
+        largest_sample: float | None = None,
     ) -> None:
         self.scene, self.schedule, self.threads = scene, schedule, threads
-        self.seed, self.replicates = seed, replicates
+        self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
         self.settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
         self.rounds = [self._new_film()]
         self.goal: Goal | None = None
@@ -120,7 +133,7 @@ class Job:
 
     def _new_film(self, round: int = 0) -> Film:
         scene = self.scene
-        return Film(
+        film = Film(
             *scene.size,
             crop=scene.crop,
             replicates=self.replicates,
@@ -131,6 +144,9 @@ class Job:
             fingerprint=fingerprint(),
             version=alight.__version__,
         )
+        film.recorded = depth_cap.unmeasured(scene.integrator)
+        film.largest_sample = self.largest_sample
+        return film
 
     # ------------------------------------------------------------------------ saved and restored
 
@@ -211,6 +227,14 @@ class Job:
             if answer.round == len(self.rounds):
                 self.rounds.append(self._new_film(answer.round))
 
+    def record_biases(self) -> None:
+        """Enter into the picture's ledger what is biased, and measure what can be measured."""
+        film = self.film
+        if self.samples:
+            seed = seed_of_round(self.seed, _PILOT_ROUND)
+            film.recorded = depth_cap.measured(self, seed)
+            film.recorded += self.schedule.biases(self.rounds)
+
     def end(self, word: str) -> None:
         """Something else than the schedule ends the render: "time" or "cancelled"."""
         self.verdict = self.schedule.cut_short(self.rounds, word)
@@ -279,5 +303,6 @@ class Job:
             "peak_rss_mb": peak_memory_mb(),
             "program": self.scene.program._asdict(),
             "accelerator": self.scene.stats,
+            "biases": [bias.state() for bias in self.film.biases],
             "verdict": {"word": verdict.word, "line": verdict.line, **verdict.figures},
         }

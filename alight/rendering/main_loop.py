@@ -22,6 +22,7 @@ from alight.films import Film
 from alight.rendering.checkpoint import Origin
 from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.job import Job, Progress
+from alight.rendering.largest_sample import largest_sample
 from alight.rendering.options import check_options, layers_of
 from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
@@ -136,7 +137,10 @@ def make_job(
     compiled = compile_scene(flat, content_hash(flat), aovs=layers_of(aovs), threads=threads)
     clock.lap("bvh")
     replicates = replicates or flat.film.replicates
-    return Job(compiled, schedule, seed=seed, threads=threads, replicates=replicates)
+    return Job(
+        compiled, schedule, seed=seed, threads=threads, replicates=replicates,
+        largest_sample=largest_sample(flat),
+    )  # fmt: skip
 
 
 def run(
@@ -168,6 +172,11 @@ def run(
 
     try:
         _passes(job, pace, cancel or threading.Event(), report)
+        job.stop_clock()
+        clock.lap("render")
+        if not (cancel and cancel.is_set()):
+            job.record_biases()
+        clock.lap("biases")
     finally:
         job.stop_clock()
         # The checkpoint first: whatever `progress` does, the samples are safe.
@@ -175,7 +184,6 @@ def run(
             writer.finish(job)
         if progress:
             progress(job.progress())
-    clock.lap("render")
     film = job.film
     film.stats = job.statistics(clock.laps)
     if writer:

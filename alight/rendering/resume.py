@@ -18,6 +18,7 @@ from alight.rendering.options import check_options
 from alight.rendering.passes import Pace
 from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import restored_schedule
+from alight.rendering.stopping import Promise
 from alight.scene import Scene, content_hash, flatten, load
 from alight.scene.content import describe_content, differences
 
@@ -31,6 +32,7 @@ def resume(
     scene: Scene | str | os.PathLike[str] | None = None,
     spp: int | None = None,
     time_limit: float | None = None,
+    promise: Promise | None = None,
     schedule: Schedule | None = None,
     threads: int | None = None,
     spp_per_pass: int | None = None,
@@ -48,9 +50,12 @@ def resume(
     scene : Scene or path, optional
         The same scene, where it was made in Python or has been moved.
     spp : int, optional
-        Samples per pixel in all, to render more (or fewer) than was asked for first.
+        Samples per pixel in all, to render more (or fewer) than was asked for first; with
+        `promise` the largest number of them.
     time_limit : float, seconds, optional
         For this part of the render; what is left of the first time limit by default.
+    promise : Promise, optional
+        Go on until it is kept.
     schedule : Schedule, optional
         Another rule instead of the one in the checkpoint.
     checkpoint : path, optional
@@ -77,9 +82,12 @@ def resume(
     scene = _load_scene(saved, scene)
     state, film = saved.state, saved.state.rounds[0]
     own = restored_schedule(state.schedule, state.schedule_state)
-    goes_on = spp is None and schedule is None
+    goes_on = spp is None and promise is None and schedule is None
     if schedule is None:
-        schedule = own if spp is None else own.extended(spp)
+        if promise is not None:
+            schedule = own.towards(promise, film, spp)
+        else:
+            schedule = own if spp is None else own.extended(spp)
     job = make_job(
         scene, schedule, clock, seed=film.seed, threads=threads, replicates=film.replicates,
         aovs=tuple(film.aov_channels),

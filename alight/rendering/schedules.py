@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from alight.core.errors import FilmError, unknown_name
+from alight.rendering.cycles import Cycles
 from alight.rendering.schedule import Schedule, Uniform
-from alight.rendering.steering import Cycles, Steered
+from alight.rendering.steering import Steered
 
 SCHEDULES: tuple[type[Schedule], ...] = (Uniform, Steered, Cycles)
 

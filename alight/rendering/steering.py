@@ -11,16 +11,25 @@ import numpy as np
 from alight.core.errors import OptionError
 from alight.films import Film
 from alight.films.fixed_point import MAX_SAMPLES
-from alight.rendering.adaptive import (
-    CYCLES_FIRST,
-    CYCLES_STEP,
-    PILOT_SPP,
-    counts_at,
-    cycles_active,
-    shares_of,
-)
+from alight.films.ledger import Bias
+from alight.films.sample_ranges import cells_of
+from alight.rendering.adaptive import PILOT_SPP, counts_at, shares_of
 from alight.rendering.schedule import Goal, Schedule, Verdict
-from alight.rendering.stopping import Promise, first_look, judge, line_of, next_look, word_of
+from alight.rendering.stopping import (
+    Judgement,
+    Promise,
+    first_look,
+    judge,
+    line_of,
+    next_look,
+    word_of,
+)
+
+#: What the ledger says of a render that its own error ended.
+_STOPPED = (
+    "the samples themselves decided how many there are (measured on the scenes of "
+    "docs/known-error.md: less than 0.2 % of the light)"
+)
 
 
 class Steered(Schedule):
@@ -46,29 +55,31 @@ class Steered(Schedule):
         if promise is None and spp is None:
             raise OptionError("adaptive: give spp or an error, or it would never end")
         self.first, self.spp, self.promise, self.adaptive = first, spp, promise, adaptive
-        self.look, self.now, self.shares = -1, 0, np.zeros(0)
+        self.shares, self.piloted = np.zeros(0), False
+        # Number of the look, its samples per pixel, and whether they have been asked for.
+        self.look, self.now, self.asked = 0, 0, False
 
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
         """First the pilot, then look after look."""
         film = rounds[0]
         if self.adaptive and not self.shares.size:
-            if len(rounds) == 1:
+            if not self.piloted:
+                # What a render before this one has of the pilot is not rendered again.
+                self.piloted = True
                 pilot = film.replicates * max(math.ceil(PILOT_SPP / film.replicates), 2)
                 return Goal.uniform(film, self.first, pilot, round=1)
             self.shares = shares_of(rounds[1])
         most = self._most(film)
-        if self.look >= 0:
+        if self.asked:
             verdict = self._verdict(film, most)
             if verdict is not None:
                 return verdict
-        self.look += 1
-        if self.promise is None:
-            self.now = most
-        elif self.look == 0:
-            self.now = min(first_look(film.replicates), most)
-        else:
-            self.now = min(next_look(self.now, film.replicates), most)
-        return self._goal(film)
+            self.look, self.now = self.look + 1, min(next_look(self.now, film.replicates), most)
+        elif not self.now:
+            self.now = most if self.promise is None else min(first_look(film.replicates), most)
+        self.asked = True
+        counts = self._counts_at(film, self.now)
+        return Goal(np.full(counts.shape, self.first, np.int64), counts)
 
     def _most(self, film: Film) -> int:
         room = MAX_SAMPLES * (1 if film.aov_sums else film.replicates)
@@ -77,11 +88,10 @@ class Steered(Schedule):
             room = int((room - film.replicates) / max(float(self.shares.max()), 1.0))
         return min(self.spp or room, room)
 
-    def _goal(self, film: Film) -> Goal:
+    def _counts_at(self, film: Film, spp: int) -> np.ndarray:
         if not self.adaptive:
-            return Goal.uniform(film, self.first, self.now)
-        counts = counts_at(self.shares, self.now, film.replicates)
-        return Goal(np.full(counts.shape, self.first, np.int64), counts)
+            return np.full(film.cells.shape, spp, np.int64)
+        return counts_at(self.shares, spp, film.replicates)
 
     def _verdict(self, film: Film, most: int) -> Verdict | None:
         if self.promise is None:
@@ -89,11 +99,11 @@ class Steered(Schedule):
         judgement = judge(film, self.promise, self.look)
         if not judgement.met and self.now < most:
             return None
-        return self._say(film, word_of(judgement))
+        return self._say(film, judgement)
 
-    def _say(self, film: Film, word: str) -> Verdict:
+    def _say(self, film: Film, judgement: Judgement) -> Verdict:
         assert self.promise is not None
-        judgement = judge(film, self.promise, self.look)
+        word = word_of(judgement)
         figures = {
             "promise": self.promise.state(),
             **{k: _number(v) for k, v in judgement._asdict().items()},
@@ -105,8 +115,37 @@ class Steered(Schedule):
         film = rounds[0]
         if self.promise is None or word != "time" or not film.sample_count.all():
             return Verdict(word)
-        self.look = max(self.look, 0) + 1
-        return self._say(film, word_of(judge(film, self.promise, self.look)))
+        return self._say(film, judge(film, self.promise, self.look + 1))
+
+    def biases(self, rounds: Sequence[Film]) -> tuple[Bias, ...]:
+        """An error that ends the render makes the number of samples depend on them, a little."""
+        return () if self.promise is None else (Bias("stopped at an error", _STOPPED),)
+
+    def towards(self, promise: Promise, film: Film, spp: int | None) -> Steered:
+        """Go on to another error, by the same pilot."""
+        longer = Steered(self.first, spp, promise, self.adaptive)
+        longer.shares = self.shares
+        return longer.after(film)
+
+    def after(self, film: Film) -> Steered:
+        """Leave out the looks at which a film had less than this one; they were in vain.
+
+        Raises
+        ------
+        OptionError
+            If the film holds more than is allowed.
+        """
+        if not film.sample_count.any() or (self.adaptive and not self.shares.size):
+            return self
+        window = cells_of(*film.crop)
+        held = np.array([[cell.count for cell in row] for row in film.cells[window]], np.int64)
+        self.now, most = first_look(film.replicates), self._most(film)
+        while (self._counts_at(film, min(self.now, most))[window] < held).any():
+            if self.now >= most:
+                raise OptionError(f"--max-spp: {most} is less than the render holds already")
+            self.look, self.now = self.look + 1, next_look(self.now, film.replicates)
+        self.now = min(self.now, most)
+        return self
 
     def extended(self, spp: int) -> Steered:
         """Go on to more samples, by the same pilot."""
@@ -128,6 +167,8 @@ class Steered(Schedule):
             "adaptive": self.adaptive,
             "look": self.look,
             "now": self.now,
+            "asked": self.asked,
+            "piloted": self.piloted,
             "shares": self.shares,
         }
 
@@ -137,60 +178,8 @@ class Steered(Schedule):
         promise = Promise(**state["promise"]) if state["promise"] else None
         self = cls(int(state["first"]), state["spp"], promise, bool(state["adaptive"]))
         self.look, self.now = int(state["look"]), int(state["now"])
+        self.asked, self.piloted = bool(state["asked"]), bool(state["piloted"])
         self.shares = np.asarray(state["shares"], np.float64)
-        return self
-
-
-class Cycles(Schedule):
-    """The adaptive rule of Blender's Cycles, to be compared with: its pictures are biased.
-
-    Parameters
-    ----------
-    first, spp : int
-        First sample, and the largest number of them per pixel.
-    threshold : float
-        Of its error: see `alight.rendering.adaptive.cycles_active`.
-    """
-
-    name: ClassVar[str] = "cycles"
-
-    def __init__(self, first: int, spp: int, threshold: float) -> None:
-        if not threshold > 0.0:
-            raise OptionError(f"the threshold of cycles must be > 0, got {threshold:.6g}")
-        self.first, self.spp, self.threshold = first, spp, threshold
-        self.counts = np.zeros((0, 0), np.int64)
-
-    def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
-        """Go on with the cells that are active."""
-        film = rounds[0]
-        if not self.counts.size:
-            self.counts = np.full(film.cells.shape, min(CYCLES_FIRST, self.spp), np.int64)
-        else:
-            going = cycles_active(film, self.threshold) & (self.counts == self.counts.max())
-            if not going.any() or self.counts.max() >= self.spp:
-                line = f"stopped by Cycles' rule (threshold {self.threshold:g}), which is biased"
-                return Verdict("done", line)
-            more = min(CYCLES_STEP, self.spp - int(self.counts.max()))
-            self.counts = self.counts + np.where(going, more, 0)
-        return Goal(np.full(self.counts.shape, self.first, np.int64), self.counts)
-
-    @property
-    def total_spp(self) -> float | None:
-        """At most."""
-        return self.spp
-
-    def state(self) -> dict[str, Any]:
-        """The fields."""
-        return {
-            "first": self.first, "spp": self.spp, "threshold": self.threshold,
-            "counts": self.counts,
-        }  # fmt: skip
-
-    @classmethod
-    def restored(cls, state: dict[str, Any]) -> Self:
-        """From the fields."""
-        self = cls(int(state["first"]), int(state["spp"]), float(state["threshold"]))
-        self.counts = np.asarray(state["counts"], np.int64)
         return self
 
 

@@ -88,9 +88,11 @@ class Judgement(NamedTuple):
     share : float
         Expected share of the pixels within the error, its lower bound; NaN under "relrmse".
     unseen : float
-        relRMSE that events may add of which no sample has told yet (an indicator, no bound).
+        relRMSE that events may add of which no sample has told yet: see `Unseen.figure`.
     doubtful : float
         Share of the 8x8 cells in which those events alone exceed the error.
+    bound : float
+        `Unseen.bound`, a bound of the same; NaN where there is none.
     within, met : bool
         Whether the estimated error is small enough; and the unseen energy, too.
     factor : float
@@ -101,6 +103,7 @@ class Judgement(NamedTuple):
     share: float
     unseen: float
     doubtful: float
+    bound: float
     within: bool
     met: bool
     factor: float
@@ -126,14 +129,23 @@ def judge(film: Film, promise: Promise, look: int) -> Judgement:
     look : int
         Number of the look, from 0.
     """
-    return judge_means(*film.replicate_means(), promise, look)
+    return judge_means(*film.replicate_means(), promise, look, film.largest_sample)
 
 
-def judge_means(means: np.ndarray, counts: np.ndarray, promise: Promise, look: int) -> Judgement:
-    """Judge as `judge`, from means (h, w, R, 3) and counts (h, w, R) of a film's replicates."""
+def judge_means(
+    means: np.ndarray,
+    counts: np.ndarray,
+    promise: Promise,
+    look: int,
+    largest: float | None = None,
+) -> Judgement:
+    """Judge as `judge`, from means (h, w, R, 3) and counts (h, w, R) of a film's replicates.
+
+    `largest` bounds the value of a sample, if that is known.
+    """
     estimate = estimate_relmse(means, counts)
     if math.isnan(estimate.figure.value):
-        return Judgement(math.nan, math.nan, math.nan, 1.0, False, False, math.inf)
+        return Judgement(math.nan, math.nan, math.nan, 1.0, math.nan, False, False, math.inf)
     achieved = estimate.relrmse_below(1.0 - promise.doubt_at(look))
     share = math.nan
     if promise.metric == "relrmse":
@@ -148,17 +160,13 @@ def judge_means(means: np.ndarray, counts: np.ndarray, promise: Promise, look: i
             share_within(means, counts, promise.error * math.sqrt(factor)) < promise.share
         ):
             factor *= 1.1
-    unseen, doubtful = unseen_error(means, counts, promise.error)
-    met = within and unseen <= promise.error
+    unseen = unseen_error(means, counts, promise.error, largest)
+    met = within and unseen.figure <= promise.error
     # What is unseen falls with the samples, not with their root.
-    factor = max(factor, unseen / promise.error, 1.0)
-    return Judgement(achieved, share, unseen, doubtful, within, met, 1.0 if met else factor)
-
-
-def cell_maximum(plane: np.ndarray) -> np.ndarray:
-    """Largest value of each 8x8 pixels, for planes (h, w, ...)."""
-    y, x = range(0, plane.shape[0], CELL_SIZE), range(0, plane.shape[1], CELL_SIZE)
-    return np.maximum.reduceat(np.maximum.reduceat(plane, y, axis=0), x, axis=1)
+    factor = 1.0 if met else max(factor, unseen.figure / promise.error, 1.0)
+    return Judgement(
+        achieved, share, unseen.figure, unseen.doubtful, unseen.bound, within, met, factor
+    )
 
 
 def cell_sum(plane: np.ndarray) -> np.ndarray:
@@ -173,35 +181,87 @@ def spread_over_pixels(cells: np.ndarray, height: int, width: int) -> np.ndarray
     return cells[rows][:, columns]
 
 
-def unseen_error(means: np.ndarray, counts: np.ndarray, error: float) -> tuple[float, float]:
+class Unseen(NamedTuple):
+    """relRMSE of light that no sample has told of yet.
+
+    Attributes
+    ----------
+    indicator : float
+        If an unseen event is as bright as the largest contribution seen in its cell.
+    bound : float
+        If it is as bright as a sample can be; NaN where that is not known.
+    doubtful : float
+        Share of the picture in whose cells the smaller of both exceeds the error.
+    """
+
+    indicator: float
+    bound: float
+    doubtful: float
+
+    @property
+    def figure(self) -> float:
+        """The smaller one."""
+        return min(self.indicator, math.inf if math.isnan(self.bound) else self.bound)
+
+
+def unseen_of(film: Film) -> Unseen:
+    """`unseen_error` of a film; `doubtful` against an error of 1 %."""
+    return unseen_error(*film.replicate_means(), 0.01, film.largest_sample)
+
+
+def unseen_error(
+    means: np.ndarray, counts: np.ndarray, error: float, largest: float | None = None
+) -> Unseen:
     """Estimate the relRMSE of light that no sample has told of yet.
 
     An event that none of the k n samples of a cell's k pixels has met has a probability below
-    3 / (k n). If it brings as much as the largest contribution that has been seen in the cell, c,
-    up to 3 c / (k n) of each pixel's light is missing. c is taken from what one replicate's sum
-    has more than the others say: at least the largest sample, if that stands out.
+    3 / (k n). If it brings c, up to 3 c / (k n) of each pixel's light is missing. For a bound c is
+    `largest`. For the indicator it is the largest contribution seen in the cell: what one
+    replicate's sum has more than the others say, at least the largest sample if that stands out.
 
-    Returns
-    -------
-    float
-        Root of the mean over the cells of the square of that, relative as in relRMSE.
-    float
-        Share of the cells in which it exceeds `error`.
+    Parameters
+    ----------
+    means : ndarray, shape (h, w, R, 3)
+    counts : ndarray of int, shape (h, w, R)
+    error : float
+        For `Unseen.doubtful`.
+    largest : float, optional
+        No sample can be larger (`alight.rendering.largest_sample`).
     """
     n = counts.sum(axis=2)
-    total = np.maximum(n, 1)[..., None]
-    mean = (means * counts[..., None]).sum(axis=2) / total
-    others = np.maximum(n[..., None] - counts, 1)
-    excess = (means - mean[:, :, None]) * (counts * n[..., None] / others)[..., None]
-    largest = cell_maximum(np.maximum(excess.max(axis=2), 0.0))
-    samples = np.maximum(cell_sum(n), 1.0)[..., None]
-    pixels = cell_sum(np.ones(n.shape))[..., None]
-    epsilon = (0.1 * float(mean.mean())) ** 2
-    missing = _RULE_OF_THREE * largest / samples
-    relative = (missing**2 / ((cell_sum(mean) / pixels) ** 2 + epsilon)).mean(axis=2)
-    weights = pixels[..., 0] / pixels.sum()
-    doubtful = float(weights[relative > error**2].sum())
-    return math.sqrt(float((relative * weights).sum())), doubtful
+    height, width = n.shape
+    bright, most = [], []
+    total = 0.0
+    # Whole rows of cells at a time: the planes of a replicate stay in the processor's cache.
+    for y in range(0, height, CELL_SIZE):
+        rows = slice(y, y + CELL_SIZE)
+        m = np.ascontiguousarray(means[rows].transpose(2, 3, 0, 1), np.float32)
+        k = np.ascontiguousarray(counts[rows].transpose(2, 0, 1)[:, None], np.float32)
+        sums = k.sum(axis=0)
+        mean = (m * k).sum(axis=0) / np.maximum(sums, 1.0)
+        excess = (m - mean) * (k * sums / np.maximum(sums - k, 1.0))
+        columns = range(0, width, CELL_SIZE)
+        most.append(np.maximum.reduceat(excess.max(axis=(0, 2)), columns, axis=1))
+        bright.append(np.add.reduceat(mean.sum(axis=1), columns, axis=1))
+        total += float(mean.sum(dtype=np.float64))
+    samples = np.maximum(cell_sum(n), 1.0)
+    pixels = cell_sum(np.ones(n.shape))
+    epsilon = (0.1 * total / (3 * n.size)) ** 2
+    scale = (np.stack(bright, axis=1) / pixels) ** 2 + epsilon
+    weights = pixels / pixels.sum()
+    seen = _missing(np.maximum(np.stack(most, axis=1), 0.0), samples, scale)
+    indicator = math.sqrt(float((seen * weights).sum()))
+    if largest is None:
+        return Unseen(indicator, math.nan, float(weights[seen > error**2].sum()))
+    possible = _missing(np.float64(largest), samples, scale)
+    bound = math.sqrt(float((possible * weights).sum()))
+    smaller = np.minimum(seen, possible)
+    return Unseen(indicator, bound, float(weights[smaller > error**2].sum()))
+
+
+def _missing(brightest: np.ndarray, samples: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """relMSE of each cell if events so bright are missing, from planes (3, ...) and counts."""
+    return ((_RULE_OF_THREE * brightest / samples) ** 2 / np.maximum(scale, 1e-300)).mean(axis=0)
 
 
 def share_within(means: np.ndarray, counts: np.ndarray, error: float) -> float:
@@ -263,7 +323,11 @@ def line_of(
     else:
         reached = f"{100 * judgement.share:.3g} % of the pixels within {asked}"
     if word == "met":
-        return f"met: {reached} ({sure}, {spp:.4g} spp)"
+        bounded = judgement.bound <= promise.error
+        kind = "bound" if bounded else "indicator"
+        figure = judgement.bound if bounded else judgement.unseen
+        unseen = f"unseen light {100 * figure:.2g} % ({kind})"
+        return f"met: {reached} ({sure}, {spp:.4g} spp), {unseen}"
     if word == "not met":
         more = (judgement.factor - 1.0) * (spp if seconds is None else seconds)
         unit = "spp" if seconds is None else "s"

@@ -51,7 +51,7 @@ def run_once(
     asked = float(np.exp(np.interp(np.log(oracle), np.log(looks()), np.log(curve + 1e-300))))
     asked = max(asked, 1e-4)
     result: dict[str, Any] = {"scene": name, "asked": asked, "oracle": oracle, "word": ""}
-    sums, first, within = 0.0, 0, []
+    sums, first, true, within = 0.0, 0, 0.0, []
     for look, spp in enumerate(looks()):
         sums, first = sums + runner.sums(seed, first, spp - first), spp
         means = (sums / (spp / REPLICATES)).astype(np.float32)

@@ -132,6 +132,40 @@ nodes:
     bsdf: {type: diffuse, reflectance: 0}
     light: {type: area, radiance: 99}
 """,
+    # Walls that shine, and in one corner a small lamp: paths cost the same, noise does not.
+    "lamp-in-a-corner": """
+camera: {fov: 60, transform: {look_at: {origin: [0.6, 0.1, 0.9], target: [-0.4, 0, -1]}}}
+integrator: {type: path, max_depth: 6, rr_depth: 5}
+nodes:
+  walls:
+    shape: {type: cube, flip_normals: true}
+    bsdf: {type: diffuse, reflectance: 0.4}
+    light: {type: area, radiance: 1}
+  lamp:
+    shape: {type: sphere, center: [-0.8, 0.8, -0.8], radius: 0.02}
+    bsdf: {type: diffuse, reflectance: 0}
+    light: {type: area, radiance: 3000}
+  shade:
+    shape: {type: sphere, center: [-0.72, 0.72, -0.72], radius: 0.09}
+    bsdf: {type: diffuse, reflectance: 0.8}
+""",
+    # The same walls, and a rough mirror ball in which small lamps are seen.
+    "glossy-ball": """
+camera: {fov: 60, transform: {look_at: {origin: [0.6, 0.1, 0.9], target: [-0.4, 0, -1]}}}
+integrator: {type: path, max_depth: 4, light_sampling: bsdf}
+nodes:
+  walls:
+    shape: {type: cube, flip_normals: true}
+    bsdf: {type: diffuse, reflectance: 0}
+    light: {type: area, radiance: 1}
+  lamp:
+    shape: {type: sphere, center: [0.5, 0.8, 0.8], radius: 0.1}
+    bsdf: {type: diffuse, reflectance: 0}
+    light: {type: area, radiance: 60}
+  ball:
+    shape: {type: sphere, center: [-0.4, -0.2, -0.5], radius: 0.25}
+    bsdf: {type: rough_conductor, alpha: 0.5}
+""",
     "zero-variance": """
 camera: {fov: 40, transform: {look_at: {origin: [0, 0, 3], target: [0, 0, 0]}}}
 integrator: {type: path, max_depth: 1}
@@ -142,6 +176,11 @@ nodes:
     bsdf: {type: diffuse, reflectance: 0}
 """,
 }
+#: Where adaptive sampling has something to do.
+UNEVEN = (
+    "sphere-light", "cornell-box", "glass", "many-lights", "lamp-in-a-corner", "glossy-ball"
+)  # fmt: skip
+
 ORDINARY = ("furnace-box", "sphere-light", "cornell-box", "glass", "many-lights", "environment")
 
 

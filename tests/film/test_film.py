@@ -343,7 +343,7 @@ def test_provenance_says_what_and_how():
     assert film.provenance == {
         "version": "1.2", "scene_hash": "abc", "seed": 9, "spp": 6.0, "replicates": 4,
         "size": (8, 8), "crop": (0, 0, 8, 8), "options": {"max_depth": 8}, "fingerprint": "f",
-        "invalid": 0, "saturated": 0,
+        "invalid": 0, "saturated": 0, "biases": "none",
     }  # fmt: skip
 
 

@@ -10,10 +10,11 @@ import pytest
 from alight.core.errors import OptionError
 from alight.films.sample_ranges import empty_cells
 from alight.metrics.own_error import estimate_relmse
-from alight.rendering.adaptive import LEAST, MOST, counts_at, cycles_error, shares_of
+from alight.rendering.adaptive import LEAST, MOST, counts_at, shares_of
+from alight.rendering.cycles import Cycles, cycles_error, first_decision, in_noise
 from alight.rendering.plan import Pilot, plan_of
 from alight.rendering.schedule import Goal, Verdict
-from alight.rendering.steering import Cycles, Steered
+from alight.rendering.steering import Steered
 from alight.rendering.stopping import (
     Promise,
     first_look,
@@ -81,13 +82,18 @@ def test_doubt_is_spent_once_over_all_looks():
 def test_one_spike_makes_a_noiseless_picture_uncertain():
     means = np.ones((64, 64, 4, 3))
     counts = np.full((64, 64, 4), 4)
-    assert unseen_error(means, counts, 0.02) == (0.0, 0.0)
+    assert unseen_error(means, counts, 0.02).figure == 0.0
     # One sample of 100 in one pixel: 3 * 99 / (64 * 16) of light may be missing in its cell.
     means[20, 20, 1] += 99.0 / 4
-    error, doubtful = unseen_error(means, counts, 0.02)
+    unseen = unseen_error(means, counts, 0.02)
     cell = 1.0 + 99 / 16 / 64
-    assert error == pytest.approx(3 * 99 / 1024 / cell / 8, rel=0.01)
-    assert doubtful == 1 / 64
+    assert unseen.indicator == pytest.approx(3 * 99 / 1024 / cell / 8, rel=0.01)
+    assert unseen.doubtful == 1 / 64
+    assert math.isnan(unseen.bound)
+    # No sample above 5: 15 / 1024 in every cell of brightness 1 is the bound.
+    assert unseen_error(0 * means + 1, counts, 0.02, 5.0).bound == pytest.approx(
+        15 / 1024 / math.sqrt(1.01)
+    )
     judgement = judge_means(means.astype(np.float32), counts, Promise(0.03), 0)
     assert not judgement.met
 
@@ -107,6 +113,7 @@ class Pixels:
         h, w = counts.shape[:2]
         self.crop, self.cells, self.replicates = (0, 0, w, h), empty_cells(w, h), 4
         self.means, self.counts, self.aov_sums = means, counts, {}
+        self.largest_sample = None
         self.spp = float(counts.sum(axis=2).mean())
 
     def replicate_means(self):
@@ -184,15 +191,46 @@ def test_cycles_rule_is_its_formula():
     )
 
 
+@pytest.mark.parametrize(("threshold", "samples"), [(0.1, 48), (0.01, 80), (0.001, 144), (1, 32)])
+def test_cycles_decides_first_where_cycles_does(threshold, samples):
+    # By its integrator: ceil(16 / threshold^0.3) is 32, 64, 128, 16; the index of the last sample
+    # is above that, and 15 more than a multiple of 16.
+    assert first_decision(threshold) == samples
+
+
+def test_cycles_lets_the_eight_pixels_around_go_on():
+    error = np.zeros((6, 6))
+    error[2, 3] = 0.05
+    expected = np.zeros((6, 6), bool)
+    expected[1:4, 2:5] = True
+    active = np.ones((6, 6), bool)
+    # Five times the threshold.
+    assert (in_noise(error, 0.01, active) == expected).all()
+    assert not in_noise(error, 0.0101, active).any()
+    # A pixel that was finished is not looked at again.
+    assert not in_noise(error, 0.01, ~expected).any()
+
+
 def test_cycles_stops_cells_that_look_finished():
-    schedule = Cycles(0, 64, 0.01)
+    schedule = Cycles(0, 128, 0.01)
     rng = np.random.default_rng(6)
-    means = np.ones((32, 16, 4, 3))
+    means = np.ones((40, 16, 4, 3))
     means[:8] += rng.normal(0.0, 0.1, (8, 16, 4, 3))
-    film = Pixels(means, np.full((32, 16, 4), 4))
-    schedule.next([film])
-    goal = schedule.next([film])
-    assert goal.count.tolist() == [[32, 32], [32, 32], [16, 16], [16, 16]]
+    film = Pixels(means, np.full((40, 16, 4), 20))
+    assert (schedule.next([film]).count == 80).all()
+    # The noisy cells, and those whose pixels touch them.
+    assert schedule.next([film]).count[:, 0].tolist() == [96, 96, 80, 80, 80]
+    means[:8], means[15] = 1.0, rng.normal(1.0, 0.1, (16, 4, 3))
+    goal = Cycles.restored(schedule.state()).next([film])
+    # The first ones have ended; the third starts again, and will not catch up.
+    assert goal.count[:, 0].tolist() == [96, 112, 96, 80, 80]
+
+
+def test_cycles_needs_two_halves():
+    film = Pixels(np.ones((8, 8, 3, 3)), np.full((8, 8, 3), 20))
+    film.replicates = 3
+    with pytest.raises(OptionError, match="even number of replicates, got 3"):
+        Cycles(0, 128, 0.01).next([film])
 
 
 def test_a_plan_follows_the_slope_of_the_pilot():

@@ -1,10 +1,12 @@
 """Renders that are killed at random moments and resumed: the campaign, as a program of its own.
 
-    python -m tests.rendering.kills --kills 100 --folder /tmp/kills
+    python -m tests.rendering.kills --kills 100 --folder /tmp/kills [--steered]
 
 Each render is a fork of one process that has compiled the kernel, so that a trial takes a fraction
 of a second. It writes checkpoints without a pause; SIGKILL comes at a moment drawn uniformly from
 the length of such a render. Every second resumed render is killed as well before the last one ends.
+With --steered the render is adaptive and ends at an error; each result is then merged with that of
+other samples, and every second one is first rendered to a larger error, then to the smaller one.
 The last line is JSON: what happened, and how many results differ from the uninterrupted one.
 """
 
@@ -24,6 +26,9 @@ import numpy as np
 import alight
 from alight.core.errors import FilmError, OutputError
 from alight.films import Film
+from alight.rendering.checkpoint import read_checkpoint
+from alight.rendering.steering import Steered
+from alight.rendering.stopping import Promise
 
 SPP = 48
 
@@ -37,8 +42,32 @@ def options():
     return {"threads": 2, "spp_per_pass": 1, "every": 0.0}
 
 
+#: Errors that a steered render is to reach: at once, or one after the other.
+ERRORS = (0.25, 0.15)
+
+#: The samples that a steered result is merged with; those before are its own.
+OTHER = 2**14
+
+
 def begin(path):
     alight.render(the_scene(), spp=SPP, aovs=("depth",), checkpoint=path, **options())
+
+
+def steered(error, first=0):
+    return Steered(first, None, Promise(error), adaptive=True)
+
+
+def begin_steered(path, error=ERRORS[1]):
+    schedule = steered(error)
+    alight.render(the_scene(), schedule=schedule, aovs=("depth",), checkpoint=path, **options())
+
+
+def begin_with_more_error(path):
+    begin_steered(path, ERRORS[0])
+
+
+def go_on_to_less_error(path):
+    alight.resume(path, promise=Promise(ERRORS[1]), **options())
 
 
 def go_on(path):
@@ -71,6 +100,45 @@ def same(film, reference):
         for f in (film, reference)
     ]
     return all(np.array_equal(a, b) for a, b in zip(mine, others, strict=True))
+
+
+def steered_campaign(kills, folder, seed):
+    """As `campaign`, for adaptive renders that end at an error; results are merged with others."""
+    rng, seen = random.Random(seed), Counter(kills=0)
+    reference, path = folder / "reference.alight", folder / "render.alight"
+    begin_steered(reference)
+    other = folder / "other.alight"
+    alight.render(
+        the_scene(), schedule=steered(ERRORS[0], OTHER), aovs=("depth",), checkpoint=other
+    )
+    whole = alight.merge(reference, other)
+    started = time.perf_counter()
+    forked(begin_steered, path)
+    length = time.perf_counter() - started
+    while seen["kills"] < kills:
+        path.unlink(missing_ok=True)
+        in_two = rng.random() < 0.5
+        work = begin_with_more_error if in_two else begin_steered
+        while forked(work, path, rng.uniform(0, length)):
+            seen["kills"] += 1
+            seen["of renders with two errors"] += in_two
+            if path.exists():
+                seen["inside the pilot or before"] += len(read_checkpoint(path).state.rounds) == 1
+                work = go_on
+            if rng.random() < 0.5 or seen["kills"] >= kills:
+                break
+        if not path.exists():
+            begin_steered(path)
+        if in_two:
+            while forked(go_on_to_less_error, path, rng.uniform(0, 2 * length)):
+                seen["kills"] += 1
+            go_on_to_less_error(path)
+        else:
+            go_on(path)
+        seen["results"] += 1
+        seen["different"] += not same(alight.merge(other, path), whole)
+        seen["leftovers"] += len(list(folder.glob(".alight-*.tmp")))
+    return {**seen, "seconds of a render": round(length, 3)}
 
 
 def campaign(kills, folder, seed):
@@ -114,9 +182,11 @@ def main():
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--folder", type=Path, default=Path())
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--steered", action="store_true")
     asked = parser.parse_args()
     try:
-        print(json.dumps(campaign(asked.kills, asked.folder, asked.seed)))
+        run = steered_campaign if asked.steered else campaign
+        print(json.dumps(run(asked.kills, asked.folder, asked.seed)))
     except (FilmError, OutputError) as error:
         raise SystemExit(f"a checkpoint was refused: {error}") from error
 

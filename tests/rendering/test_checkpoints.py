@@ -364,10 +364,10 @@ def test_notes_and_recipe_are_kept_over_a_resume(tmp_path):
 # ---------------------------------------------------------------------------- killed
 
 
-def kill_renders(kills, folder, seed):
+def kill_renders(kills, folder, seed, *options):
     result = subprocess.run(
         [sys.executable, "-m", "tests.rendering.kills", "--kills", str(kills),
-         "--folder", str(folder), "--seed", str(seed)],
+         "--folder", str(folder), "--seed", str(seed), *options],
         capture_output=True, text=True, check=False, cwd=Path(__file__).parents[2],
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
     )  # fmt: skip
@@ -387,3 +387,13 @@ def test_killed_renders_go_on_to_the_same_bits(tmp_path, kills):
         # How many meet a write is up to the disk; without any the proof would prove little.
         assert seen["inside a checkpoint's write"] >= 3
         assert seen["with samples in the checkpoint"] >= 30
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")
+@pytest.mark.parametrize("kills", [3, pytest.param(40, marks=pytest.mark.proofs)])
+def test_killed_adaptive_renders_go_on_to_their_error_and_merge_to_the_same_bits(tmp_path, kills):
+    seen = kill_renders(kills, tmp_path, kills, "--steered")
+    assert seen["kills"] >= kills
+    assert seen["results"] > 0
+    assert seen["different"] == 0
+    assert seen["leftovers"] == 0

@@ -1,0 +1,132 @@
+r"""How much light a depth cap cuts off, from a small pilot that follows the same paths further.
+
+Random numbers belong to (pixel, sample, dimension). So a path under a cap is the beginning of the
+same path under none, and what the cap cuts off is the difference of two renders of the same
+samples, pixel by pixel, without the noise of what they share. The cap is a number that kernels are
+given, so both are the machine code of the picture, which itself does not change.
+
+Roulette ends the longer paths, and the difference is then all that is missing. Without roulette
+paths are followed for twice `_FURTHER` edges, and the rest is the geometric series that their two
+halves begin:
+
+.. math:: A + B + \frac{B q}{1 - q}, \qquad q = B / A
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from alight.films import CELL_SIZE
+from alight.films.fixed_point import to_float
+from alight.films.ledger import Bias
+from alight.films.sample_ranges import cells_of
+from alight.integrators.walk import UNLIMITED
+from alight.rendering.tile import Scratch, render_tile
+from alight.rendering.tile_kernel import Tile
+
+if TYPE_CHECKING:
+    from alight.core.spec import Integrator
+    from alight.rendering.job import Job
+
+#: One sample of the pilot for so many of the picture: about 1 % of its time.
+_SHARE = 400
+
+#: Least and most samples of the pilot.
+_LEAST, _MOST = 1024, 2**17
+
+#: Edges by which paths without roulette are followed further, twice.
+_FURTHER = 8
+
+
+class Lost(NamedTuple):
+    """Light beyond a cap: radiance, its standard error, and the mean of what is there."""
+
+    radiance: float
+    error: float
+    mean: float
+
+
+def cap_of(integrator: Integrator) -> int | None:
+    """The longest path of an integrator, in edges; None where it has no limit."""
+    return dict(integrator).get("max_depth")
+
+
+def unmeasured(integrator: Integrator) -> tuple[Bias, ...]:
+    """The entry of a cap before its effect is known."""
+    cap = cap_of(integrator)
+    return () if cap is None else (Bias("depth cap", _text(cap)),)
+
+
+def measured(job: Job, seed: int) -> tuple[Bias, ...]:
+    """The entry of a job's cap, from a pilot of its own seed."""
+    cap = cap_of(job.scene.integrator)
+    if cap is None:
+        return ()
+    lost = light_beyond(job, cap, seed)
+    whole = lost.mean + lost.radiance
+    if not whole > 0.0 or not math.isfinite(whole):
+        return (Bias("depth cap", f"{_text(cap)}; the series of longer paths does not end"),)
+    return (Bias("depth cap", _text(cap), -lost.radiance / whole, lost.error / whole),)
+
+
+def _text(cap: int) -> str:
+    return f"paths end at depth {cap}"
+
+
+def light_beyond(job: Job, cap: int, seed: int) -> Lost:
+    """Measure the radiance of longer paths in a few cells of the picture, drawn at random."""
+    film = job.rounds[0]
+    tiles = _some_cells(job, seed)
+    spp = film.replicates
+    if dict(job.scene.integrator).get("russian_roulette") == "throughput":
+        caps = (cap, UNLIMITED)
+    else:
+        caps = (cap, cap + _FURTHER, cap + 2 * _FURTHER)
+    scratches = [Scratch() for _ in caps]
+    pixels, sums = np.zeros(len(tiles)), np.zeros((len(tiles), len(caps)))
+    for i, tile in enumerate(tiles):
+        pixels[i] = (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
+        for j, (limit, scratch) in enumerate(zip(caps, scratches, strict=True)):
+            settings = job.settings._replace(seed=seed, max_depth=limit)
+            ranges = np.array([[[0, spp]]])
+            part, _ = render_tile(job.kernels, job.scene, settings, tile, ranges, scratch)
+            sums[i, j] = to_float(part.sums[..., :3, :]).sum() / (3 * spp)
+    found = sums[:, 1:] - sums[:, :-1]
+    radiance, factor = _series(found.sum(axis=0))
+    radiance /= pixels.sum()
+    # Cells are independent; the pictured ones stand for all.
+    residual = found @ factor - radiance * pixels
+    error = math.sqrt(float((residual**2).sum()) * len(tiles) / max(len(tiles) - 1, 1))
+    mean = float(film.image.mean(dtype=np.float64))
+    return Lost(float(radiance), float(error / pixels.sum()), mean)
+
+
+def _series(found: np.ndarray) -> tuple[float, np.ndarray]:
+    """The sum of the series that begins so, and its derivative by what was found."""
+    if len(found) == 1 or not found.any():
+        return float(found.sum()), np.ones(len(found))
+    a, b = found
+    if not 0.0 <= b < a:
+        return math.inf, np.ones(2)
+    return float(a + a * b / (a - b)), np.array([1.0 - (b / (a - b)) ** 2, (a / (a - b)) ** 2])
+
+
+def _some_cells(job: Job, seed: int) -> list[Tile]:
+    """Cells of the picture's window, all equally likely, as tiles of their own."""
+    film = job.rounds[0]
+    samples = min(max(job.samples // _SHARE, _LEAST), _MOST)
+    rows, columns = cells_of(*film.crop)
+    down, across = rows.stop - rows.start, columns.stop - columns.start
+    count = min(math.ceil(samples / (CELL_SIZE**2 * film.replicates)), down * across)
+    chosen = np.random.default_rng(seed).permutation(down * across)[:count]
+    x, y, w, h = film.crop
+    tiles = []
+    for cell in sorted(chosen.tolist()):
+        left = (columns.start + cell % across) * CELL_SIZE
+        top = (rows.start + cell // across) * CELL_SIZE
+        right, bottom = min(left + CELL_SIZE, x + w), min(top + CELL_SIZE, y + h)
+        tiles.append(Tile(max(left, x), max(top, y), right, bottom))
+    return tiles

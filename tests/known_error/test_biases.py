@@ -1,0 +1,137 @@
+"""Whatever is biased stands in the picture's ledger, with the effect that it has."""
+
+from __future__ import annotations
+
+import json
+import threading
+
+import numpy as np
+import pytest
+
+import alight
+from alight.films import Film
+from alight.films.ledger import Bias, joined
+from alight.outputs import exr
+from alight.rendering.cycles import Cycles
+from alight.rendering.depth_cap import _series
+from alight.rendering.stopping import Promise
+
+# A closed white box that shines: depth d brings Le rho^(d - 1), so a cap D loses rho^D of it.
+BOX = """
+alight: 1
+camera: {type: pinhole, fov: 60, transform: [{look_at: {origin: [0.2, 0.1, 0.3], target: [1,
+    0.5, -1]}}]}
+film: {size: [48, 40]}
+integrator: INTEGRATOR
+nodes:
+  box:
+    shape: {type: cube, flip_normals: true}
+    bsdf: {type: diffuse, reflectance: 0.5}
+    light: {type: area, radiance: [1, 2, 3]}
+"""
+
+
+@pytest.fixture
+def box(tmp_path):
+    def make(integrator):
+        path = tmp_path / "box.yaml"
+        path.write_text(BOX.replace("INTEGRATOR", integrator))
+        return alight.load(path)
+
+    return make
+
+
+@pytest.mark.parametrize(
+    "integrator",
+    [
+        "{type: path, max_depth: 3, rr_depth: 2}",
+        "{type: path, max_depth: 3, russian_roulette: none}",
+        "{type: random_walk, max_depth: 3}",
+    ],
+)
+def test_a_depth_cap_says_what_it_cuts_off(box, integrator):
+    film = alight.render(box(integrator), spp=64)
+    (bias,) = film.biases
+    assert bias.cause == "depth cap"
+    assert bias.error < 0.02
+    # A random walk's own depths are noisy, but what they lack is 1/8 all the same.
+    assert bias.effect == pytest.approx(-0.125, abs=3.0 * bias.error)
+    assert film.stats["biases"] == [bias.state()]
+
+
+def test_a_picture_without_a_bias_has_an_empty_ledger(box):
+    film = alight.render(box("{type: path}"), spp=8)
+    assert film.biases == ()
+    assert film.provenance["biases"] == "none"
+
+
+def test_a_series_that_does_not_end_is_no_number():
+    assert _series(np.array([0.5, 0.5]))[0] == np.inf
+    value, slope = _series(np.array([0.5, 0.25]))
+    assert value == 1.0
+    step = 1e-6
+    for i in range(2):
+        moved = np.array([0.5, 0.25]) + step * np.eye(2)[i]
+        assert (_series(moved)[0] - value) / step == pytest.approx(slope[i], abs=1e-4)
+
+
+def test_the_ledger_is_in_every_file(box, tmp_path):
+    film = alight.render(box("{type: path, max_depth: 3}"), spp=8, checkpoint=tmp_path / "c.alight")
+    film.save(tmp_path / "a.exr")
+    film.save(tmp_path / "a.alight")
+    assert "paths end at depth 3: -1" in exr.read_layers(tmp_path / "a.exr")[1]["biases"]
+    assert Film.load(tmp_path / "a.alight").biases == film.biases
+    assert Film.load(tmp_path / "c.alight").biases == film.biases
+    other = alight.render(box("{type: path, max_depth: 3}"), spp=8, first_sample=8)
+    assert [bias.cause for bias in alight.merge(film, other).biases] == ["depth cap"]
+
+
+def test_a_render_that_was_cut_short_is_not_silent(box, tmp_path):
+    cancel = threading.Event()
+    cancel.set()
+    film = alight.render(box("{type: path, max_depth: 3}"), spp=8, cancel=cancel)
+    assert film.biases == (Bias("depth cap", "paths end at depth 3"),)
+
+
+def test_the_surest_effect_is_kept():
+    unknown, rough = Bias("depth cap", "x"), Bias("depth cap", "x", -0.1, 0.05)
+    sure, else_ = Bias("depth cap", "x", -0.12, 0.01), Bias("adaptive criterion", "y")
+    assert joined([[unknown, else_], [rough], [sure]]) == (sure, else_)
+
+
+def test_an_error_that_ends_a_render_is_recorded(box):
+    from alight.rendering.steering import Steered
+
+    schedule = Steered(0, None, Promise(0.5))
+    film = alight.render(box("{type: path}"), schedule=schedule)
+    assert [bias.cause for bias in film.biases] == ["stopped at an error"]
+
+
+def test_cycles_rule_is_recorded_with_its_effect():
+    """A cell that is dark until a late sample: the rule leaves half of the cells too dark."""
+
+    class Pixels:
+        def __init__(self, means, counts):
+            from alight.films.sample_ranges import empty_cells
+
+            h, w = counts.shape[:2]
+            self.crop, self.cells, self.replicates = (0, 0, w, h), empty_cells(w, h), 4
+            self.means, self.counts = means, counts
+
+        def replicate_means(self):
+            return self.means, self.counts
+
+    rng = np.random.default_rng(1)
+    schedule = Cycles(0, 96, 0.01)
+    counts = np.full((32, 32, 4), 20)
+    before = rng.normal(1.0, 0.2, (32, 32, 4, 1)) * np.ones(3)
+    film = Pixels(before, counts)
+    schedule.next([film])
+    schedule.next([film])
+    film.means = before * 0.9
+    (bias,) = schedule.biases([film])
+    assert bias.cause == "adaptive criterion"
+    assert bias.effect == pytest.approx(-0.1, abs=1e-6)
+    # 10 % of the standard error of a mean of 1024 pixels.
+    assert bias.error == pytest.approx(0.1 * 0.2 / np.sqrt(4 * 1024), rel=0.2)
+    json.dumps(bias.state())
