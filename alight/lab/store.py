@@ -83,10 +83,15 @@ class Store:
         self.path = path
         with self._explained():
             self._base = sqlite3.connect(path, timeout=10.0, isolation_level=None)
-            self._base.execute("PRAGMA journal_mode = WAL")
-            # With WAL a crash of the program loses nothing, one of the machine the last replicate.
-            self._base.execute("PRAGMA synchronous = NORMAL")
-            self._base.executescript(_SCHEMA)
+            try:
+                self._base.execute("PRAGMA journal_mode = WAL")
+                # With WAL a crash of the program loses nothing, one of the machine the last
+                # replicate.
+                self._base.execute("PRAGMA synchronous = NORMAL")
+                self._base.executescript(_SCHEMA)
+            except sqlite3.Error:
+                self._base.close()
+                raise
 
     def __enter__(self) -> Self:
         """Return itself."""
