@@ -7,6 +7,7 @@ A program with one class calls it directly. Values in lanes that are not active 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 from alight.bsdfs import MODELS
 from alight.core.jit import kernel, specialised
@@ -31,22 +32,28 @@ def stride_of(names: Iterable[str]) -> int:
     return max(STRIDE, 1 << (max(widths, default=1) - 1).bit_length())
 
 
-@specialised
-def first_slot(program):
-    """``first_slot(row)``: where the numbers of a row begin in `materials.data`."""
+class Used(NamedTuple):
+    """A model that a program uses.
+
+    Attributes
+    ----------
+    number : int
+        Of its kind, in `materials.info`.
+    model : module
+    stride : int
+        Numbers of a row in `materials.data`.
+    """
+
+    number: int
+    model: Any
+    stride: int
+
+
+def models_of(program) -> list[Used]:
+    """The models that a program uses."""
     stride = stride_of(program.bsdfs)
-
-    @kernel
-    def first_slot(row):
-        return row * stride
-
-    return first_slot
-
-
-def models_of(program) -> list[tuple[int, object]]:
-    """(kind number, module) of the models that a program uses."""
     return [
-        (number, model)
+        Used(number, model, stride)
         for number, model in enumerate(modules("bsdfs"))
         if model.EXAMPLES[0].type_name() in program.bsdfs and hasattr(model, "sample")
     ]
@@ -94,7 +101,7 @@ def evaluate_row(program):
 
 def _evaluate_one_sided(models):
     if len(models) == 1:
-        return _evaluate_of(models[0][1])
+        return _evaluate_of(models[0])
     switch = _evaluate_switch(models)
 
     @kernel
@@ -105,12 +112,12 @@ def _evaluate_one_sided(models):
     return evaluate_row
 
 
-def _evaluate_of(model):
-    load, evaluate = model.load, model.evaluate
+def _evaluate_of(used):
+    load, evaluate, stride = used.model.load, used.model.evaluate, used.stride
 
     @kernel
     def evaluate_row(scene, surface, row, wo, wi, active):
-        return evaluate(load(scene, first_slot(row), surface), wo, wi)
+        return evaluate(load(scene, row * stride, surface), wo, wi)
 
     return evaluate_row
 
@@ -118,7 +125,7 @@ def _evaluate_of(model):
 def _evaluate_switch(models):
     if not models:
         return _keep_value
-    number, evaluate = models[0][0], _evaluate_of(models[0][1])
+    number, evaluate = models[0].number, _evaluate_of(models[0])
     rest = _evaluate_switch(models[1:])
 
     @kernel
@@ -158,7 +165,7 @@ def sample_row(program):
 
 def _sample_one_sided(models):
     if len(models) == 1:
-        return _sample_of(models[0][1])
+        return _sample_of(models[0])
     switch = _sample_switch(models)
 
     @kernel
@@ -171,12 +178,12 @@ def _sample_one_sided(models):
     return sample_row
 
 
-def _sample_of(model):
-    load, sample = model.load, model.sample
+def _sample_of(used):
+    load, sample, stride = used.model.load, used.model.sample, used.stride
 
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
-        return sample(load(scene, first_slot(row), surface), wo, u, u2)
+        return sample(load(scene, row * stride, surface), wo, u, u2)
 
     return sample_row
 
@@ -184,7 +191,7 @@ def _sample_of(model):
 def _sample_switch(models):
     if not models:
         return _keep_sample
-    number, sample = models[0][0], _sample_of(models[0][1])
+    number, sample = models[0].number, _sample_of(models[0])
     rest = _sample_switch(models[1:])
 
     @kernel
@@ -214,24 +221,25 @@ def concentration(program):
     Radiance is concentrated there: the throughput falls by 1 / eta^2, and rises again by eta^2 when
     the path comes out (PBR4 section 14.1.4). Glass that is a part of a blend counts as 1.
     """
-    return _concentration_switch([(n, m) for n, m in models_of(program) if hasattr(m, INNER_INDEX)])
+    return _concentration_switch([u for u in models_of(program) if hasattr(u.model, INNER_INDEX)])
 
 
 def refracts(program) -> bool:
     """Whether `concentration` may be other than 1."""
-    return any(hasattr(model, INNER_INDEX) for _, model in models_of(program))
+    return any(hasattr(used.model, INNER_INDEX) for used in models_of(program))
 
 
 def _concentration_switch(models):
     if not models:
         return _no_concentration
-    number, inner_index = models[0][0], getattr(models[0][1], INNER_INDEX)
+    number, model, stride = models[0]
+    inner_index = getattr(model, INNER_INDEX)
     rest = _concentration_switch(models[1:])
 
     @kernel
     def step(scene, surface, wi):
         factor = rest(scene, surface, wi)
-        eta = inner_index(scene, first_slot(surface.bsdf), surface)
+        eta = inner_index(scene, surface.bsdf * stride, surface)
         inside = (wi.z < 0.0) & (_kind(scene, surface.bsdf) == number)
         return where(inside, maximum(eta * eta, 1.0), factor)
 
@@ -261,14 +269,15 @@ def albedo_row(program):
 def _albedo_switch(models):
     if not models:
         return _keep_albedo
-    number, load, albedo = models[0][0], models[0][1].load, models[0][1].albedo
+    number, model, stride = models[0]
+    load, albedo = model.load, model.albedo
     rest = _albedo_switch(models[1:])
 
     @kernel
     def step(scene, surface, row, kind, active, value):
         mine = active & (kind == number)
         if any_lane(mine):
-            value = where(mine, albedo(load(scene, first_slot(row), surface)), value)
+            value = where(mine, albedo(load(scene, row * stride, surface)), value)
         return rest(scene, surface, row, kind, active, value)
 
     return step

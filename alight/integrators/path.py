@@ -10,7 +10,8 @@ sampling techniques, SIGGRAPH 1995; Arvo and Kirk, Particle transport and image 
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from collections import namedtuple
+from typing import Literal, Self
 
 from pydantic import model_validator
 
@@ -127,13 +128,17 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     heuristic = {"power": power_heuristic, "balance": balance_heuristic}[
         program.option("heuristic", "power")
     ]
-    by_light = strategy in ("emitter", "mis") and bool(program.lights)
     bsdf_weight, light_weight = weights_of(STRATEGIES[strategy], heuristic)
-    delta_lights = has_delta_lights(program)
+    listeners = _Listeners(*(record or (None, None, None, None)))
+    by_light = strategy in ("emitter", "mis") and bool(program.lights)
+    samples_lights = by_light or has_delta_lights(program)
     area_lights = "area" in program.lights
     environment = environment_of(program) is not None
-    refracting = refracts(program)
-    recorded, (meet, find, leave, sample) = record is not None, _listeners(record)
+    reach_environment = _write_reach_environment(bsdf_weight, listeners)
+    reach_lamp = _write_reach_lamp(bsdf_weight, listeners)
+    add_direct_light = _write_add_direct_light(light_weight, by_light, listeners)
+    play_roulette = _write_play_roulette(refracts(program))
+    recorded, meet = record is not None, listeners.meet
 
     @kernel
     def path_step(scene, settings, path):
@@ -147,16 +152,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         L, L_direct = path.L, path.L_direct
 
         # The ray left the scene: light of the environment.
-        if environment:  # noqa: SIM102  (known when this is compiled; the next line is not)
-            if any_lane(missed):
-                # Other lanes look at one place of a map: that costs no memory traffic.
-                d = where(missed, path.d, 0.0)
-                Le = environment_radiance(scene, d)
-                w = bsdf_weight(path, environment_pdf(scene, d))
-                L = where(missed, L + path.beta * Le * w, L)
-                L_direct = where(missed & (depth <= 2), L, L_direct)
-                if recorded:
-                    leave(scene, path, depth, missed, path.beta * Le * w)
+        if environment:
+            L, L_direct = reach_environment(scene, path, depth, missed, L, L_direct)
 
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
@@ -165,45 +162,19 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
 
         # The ray came upon a light.
         if area_lights:
-            shining = active & (surface.light != 0)
-            if any_lane(shining):
-                Le = emitted(scene, surface, -path.d)
-                pdf = light_pdf(scene, surface.light, path.p, path.d, hit.t, surface)
-                w = bsdf_weight(path, pdf)
-                L = where(shining, L + path.beta * Le * w, L)
-                L_direct = where(shining & (depth <= 2), L, L_direct)
-                if recorded:
-                    find(scene, path, surface.light, depth, shining, path.beta * Le * w)
+            L, L_direct = reach_lamp(scene, path, hit, surface, depth, active, L, L_direct)
 
         # The longest path ends here: one more edge would be too many.
         active = active & (depth < settings.max_depth)
-        dimension = vertex_dimension(depth)
 
         # Direct light, by sampling the lights.
-        if by_light or delta_lights:
-            light = sample_light(
-                scene, surface.p, surface.ns, get_1d(path.sampler, dimension + LIGHT_CHOICE),
-                get_2d(path.sampler, dimension + LIGHT_POINT), active,
-            )  # fmt: skip
-            if by_light:
-                lit = active & (light.pdf > 0.0)
-            else:
-                lit = active & (light.pdf > 0.0) & light.delta
-            if any_lane(lit):
-                wi = to_local(surface, light.wi)
-                f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
-                lit = lit & ~(max_component(f_cos) <= 0.0)
-                rays += count_lanes(lit)
-                o, end = shadow_ray(surface, light)
-                lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
-                w = light_weight(light, pdf)
-                Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
-                L = where(lit, L + Ld, L)
-                L_direct = where(lit & (depth <= 1), L, L_direct)
-                if recorded:
-                    sample(scene, path, depth, lit, Ld)
+        if samples_lights:
+            L, L_direct, rays = add_direct_light(
+                scene, path, surface, wo, depth, active, L, L_direct, rays
+            )
 
         # Where the path goes on.
+        dimension = vertex_dimension(depth)
         wi, weight, pdf, flags = scatter(
             scene,
             surface,
@@ -218,19 +189,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         active = active & ~(largest <= 0.0)
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
-
-        # Russian roulette: end dim paths, and let the survivors carry their light.
         if roulette:
-            bright = largest
-            if refracting:
-                # A path in glass is not dim: what it lost on the way in comes back on the way out.
-                bright = largest * concentration(scene, surface, wi)
-            survival = minimum(bright, MAX_SURVIVAL)
-            playing = depth >= settings.rr_depth
-            survived = get_1d(path.sampler, dimension + ROULETTE) < survival
-            active = active & (survived | ~playing)
-            beta = where(playing, beta / survival, beta)
-
+            beta, active = play_roulette(scene, settings, path, surface, wi, depth, beta, active)
         return WalkPath(
             o, d, surface.p, L, L_direct, beta, pdf,
             (flags & DELTA) != 0, depth, path.sampler, active, rays,
@@ -239,9 +199,104 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     return path_step
 
 
-def _listeners(record) -> Any:
-    """What to unpack: the kernels, or nothing in the place of each."""
-    return record or (None, None, None, None)
+#: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
+_Listeners = namedtuple("_Listeners", "meet find leave sample")
+
+
+def _write_reach_environment(bsdf_weight, listeners):
+    """``(scene, path, depth, missed, L, L_direct) -> (L, L_direct)``: rays that left the scene."""
+    recorded, leave = listeners.leave is not None, listeners.leave
+
+    @kernel
+    def reach_environment(scene, path, depth, missed, L, L_direct):
+        if any_lane(missed):
+            # Other lanes look at one place of a map: that costs no memory traffic.
+            d = where(missed, path.d, 0.0)
+            Le = environment_radiance(scene, d)
+            w = bsdf_weight(path, environment_pdf(scene, d))
+            L = where(missed, L + path.beta * Le * w, L)
+            L_direct = where(missed & (depth <= 2), L, L_direct)
+            if recorded:
+                leave(scene, path, depth, missed, path.beta * Le * w)
+        return L, L_direct
+
+    return reach_environment
+
+
+def _write_reach_lamp(bsdf_weight, listeners):
+    """``(scene, path, hit, surface, depth, active, L, L_direct) -> (L, L_direct)``: lights hit."""
+    recorded, find = listeners.find is not None, listeners.find
+
+    @kernel
+    def reach_lamp(scene, path, hit, surface, depth, active, L, L_direct):
+        shining = active & (surface.light != 0)
+        if any_lane(shining):
+            Le = emitted(scene, surface, -path.d)
+            pdf = light_pdf(scene, surface.light, path.p, path.d, hit.t, surface)
+            w = bsdf_weight(path, pdf)
+            L = where(shining, L + path.beta * Le * w, L)
+            L_direct = where(shining & (depth <= 2), L, L_direct)
+            if recorded:
+                find(scene, path, surface.light, depth, shining, path.beta * Le * w)
+        return L, L_direct
+
+    return reach_lamp
+
+
+def _write_add_direct_light(light_weight, by_light, listeners):
+    """``(scene, path, surface, wo, depth, active, L, L_direct, rays) -> (L, L_direct, rays)``.
+
+    Only delta lights count unless `by_light`.
+    """
+    recorded, sample = listeners.sample is not None, listeners.sample
+
+    @kernel
+    def add_direct_light(scene, path, surface, wo, depth, active, L, L_direct, rays):
+        dimension = vertex_dimension(depth)
+        light = sample_light(
+            scene, surface.p, surface.ns, get_1d(path.sampler, dimension + LIGHT_CHOICE),
+            get_2d(path.sampler, dimension + LIGHT_POINT), active,
+        )  # fmt: skip
+        lit = active & (light.pdf > 0.0)
+        if not by_light:
+            lit = lit & light.delta
+        if any_lane(lit):
+            wi = to_local(surface, light.wi)
+            f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
+            lit = lit & ~(max_component(f_cos) <= 0.0)
+            rays += count_lanes(lit)
+            o, end = shadow_ray(surface, light)
+            lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
+            w = light_weight(light, pdf)
+            Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
+            L = where(lit, L + Ld, L)
+            L_direct = where(lit & (depth <= 1), L, L_direct)
+            if recorded:
+                sample(scene, path, depth, lit, Ld)
+        return L, L_direct, rays
+
+    return add_direct_light
+
+
+def _write_play_roulette(refracting):
+    """``(scene, settings, path, surface, wi, depth, beta, active) -> (beta, active)``.
+
+    Ends dim paths at random, and lets the survivors carry their light.
+    """
+
+    @kernel
+    def play_roulette(scene, settings, path, surface, wi, depth, beta, active):
+        bright = max_component(beta)
+        if refracting:
+            # A path in glass is not dim: what it lost on the way in comes back on the way out.
+            bright = bright * concentration(scene, surface, wi)
+        survival = minimum(bright, MAX_SURVIVAL)
+        playing = depth >= settings.rr_depth
+        survived = get_1d(path.sampler, vertex_dimension(depth) + ROULETTE) < survival
+        active = active & (survived | ~playing)
+        return where(playing, beta / survival, beta), active
+
+    return play_roulette
 
 
 def weights_of(strategy, heuristic):
