@@ -49,7 +49,8 @@ def scene_table(scene: SceneResult) -> str:
     costs = Column.of([arm.microseconds_per_sample.value for arm in arms], plain=True)
     head = (
         f"relMSE at {spp} spp {errors.unit}".strip(),
-        "µs a sample", "speed-up at equal time", "p", "slope", "mean",
+        "µs a sample", "speed-up at equal time" if arms[0].times else f"speed-up at {spp} spp",
+        "p", "slope", "mean",
     )  # fmt: skip
     lines = [f"| {scene.label} | {' | '.join(head)} |", "|---|" + "---:|" * 5 + "---|"]
     lines += [_row(arm, errors, costs) for arm in arms]

@@ -65,7 +65,7 @@ def _scenes(scenes: Sequence[SceneResult]) -> Figure:
         bottom = (top - 0.2 - (PANEL - 0.35)) / height
         size = (PANEL - 0.35) / height
         _convergence(figure.add_axes((0.075, bottom, 0.40, size)), scene)
-        _speedups(figure.add_axes((0.73, bottom, 0.255, size)), scene)
+        _speedups(figure.add_axes((0.73, bottom, 0.24, size)), scene)
         if strips:
             _strip(figure, scene, top - PANEL - 0.42, crop)
     return figure
@@ -157,7 +157,7 @@ def _speedups(axes: Axes, scene: SceneResult) -> None:
               if low / room <= s * 10.0**e <= high * room]  # fmt: skip
     axes.xaxis.set_major_locator(FixedLocator(inside[:: max(1, math.ceil(len(inside) / 4))]))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_major_formatter(lambda x, _: tick_texts([x])[0])
     axes.set_title("speed-up over the baseline" if low < high else "", loc="left", fontsize=8.5)
     axes.spines["left"].set_visible(False)
     axes.tick_params(axis="y", length=0)

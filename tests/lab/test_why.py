@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, can_record
 from alight.integrators.walk import make_settings
+from alight.lab.statistics import holm_adjusted, log_mean, log_ratio
+from alight.lab.why import trials
 from alight.lab.why.shares import (
     BATCHES,
     REPLICATES,
@@ -205,13 +208,36 @@ def test_alternatives_are_the_other_choices():
     assert "integrator.light_choice=uniform" not in alternatives(alight.load("cornell-box"))
 
 
+def test_advice_is_corrected_over_all_that_was_tried(monkeypatch):
+    """Of five changes that do nothing, one looks good by chance every fifth time."""
+    rng, raw = np.random.default_rng(2), []
+
+    def measured(arms, weights, seeds):
+        noise = rng.lognormal(0.0, 0.1, (2, 2, BATCHES))
+        here, there = [(log_mean(variances), log_mean(times)) for variances, times in noise]
+        raw.append(log_ratio(here[0] + here[1], there[0] + there[1], paired=True).p_value)
+        return [here, there]
+
+    changes = dict.fromkeys("abcde")
+    monkeypatch.setattr(trials, "alternatives", lambda scene, cause: changes)
+    monkeypatch.setattr(
+        trials, "Sums", lambda arm: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
+    )
+    monkeypatch.setattr(trials, "_arm", lambda scene: None)
+    monkeypatch.setattr(trials, "_measured", measured)
+    tried, left = try_alternatives(alight.load(SCENE))
+    assert not left
+    found = {trial.change: trial.p_value for trial in tried}
+    assert [found[name] for name in changes] == holm_adjusted(raw)
+
+
 @pytest.mark.proofs
 def test_many_unequal_lights_chosen_alike():
     scene = loads(MANY_LIGHTS, "lights")
     shares = shares_of(scene, size=16, spp=64)
     assert "light `sun` found by light sampling at depth 2" in list(share_lines(shares))[1]
-    trials, _ = try_alternatives(scene, cause=next(iter(ranked(shares))), limit=240.0)
-    trial = trials[0]
+    tried, _ = try_alternatives(scene, cause=next(iter(ranked(shares))), limit=240.0)
+    trial = tried[0]
     assert trial.change == "integrator.light_choice=power"
     assert trial.helps
     # 17 lights alike: E[x^2] = 17 (100^2 + 16); by power 116^2: less their common mean.

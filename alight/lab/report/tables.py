@@ -107,7 +107,8 @@ def _ratio_column(values: Sequence[float]) -> Column:
     """Choose decimals for speed-ups: two are enough, unless one is below a tenth."""
     column = Column.of(values, plain=True)
     if column.decimals is None or min(values) < 0.1:
-        return column
+        # Three digits each.
+        return Column(0, None)
     return Column(0, min(column.decimals, 2))
 
 

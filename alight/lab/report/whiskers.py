@@ -70,7 +70,7 @@ class Whiskers:
         return _svg("".join(parts), 16.0)
 
     def _ticks(self) -> list[float]:
-        """At most five round numbers, 1 among them."""
+        """A few round numbers with room between them, 1 among them."""
         for steps in ((1, 1.2, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,)):
             decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
             values = [float(f"{s * 10.0**e:.6g}") for e in decades for s in steps]
@@ -78,7 +78,8 @@ class Whiskers:
             places = [self.place(v) for v in inside]
             if all(b - a >= 30.0 for a, b in itertools.pairwise(places)):
                 return inside
-        step = math.ceil(len(inside) / 5)
+        # The text of a small power of ten is long.
+        step = math.ceil(len(inside) / 4)
         return [v for v in inside if round(math.log10(v)) % step == 0]
 
 

@@ -14,7 +14,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
 from alight.core.errors import OptionError
-from alight.lab.report import style, write_report
+from alight.lab.report import style, tables, write_report
 from alight.lab.results import BIASED, Speedup
 from alight.metrics.relmse import Estimate
 from tests.lab.report import synthetic
@@ -189,3 +189,10 @@ def test_the_same_result_gives_the_same_page(tmp_path, report):
     """No clock, no random id: a report can be kept under version control."""
     _, page, _ = report
     assert write_report(synthetic.study(), tmp_path).read_text("utf-8") == page
+
+
+def test_small_and_large_speedups_keep_three_digits():
+    column = tables._ratio_column([2.87211, 0.000405])
+    assert (column.text(2.87211), column.text(0.000405)) == ("2.87", "0.000405")
+    column = tables._ratio_column([0.91, 1.8765])
+    assert (column.text(0.91), column.text(1.8765)) == ("0.91", "1.88")
