@@ -89,11 +89,11 @@ def shares_of(pilot: Film) -> np.ndarray:
     if pilot.replicates >= 4:
         # Cells differ by chance, too. Two halves of the pilot tell how much of it is chance: with
         # a correlation r of halves that of the whole is 2 r / (1 + r) (Spearman and Brown 1910).
-        halves = [
+        first, second = (
             deviation(_mean_and_squares(means[:, :, part], counts[:, :, part])[1])
             for part in (slice(0, None, 2), slice(1, None, 2))
-        ]
-        agreement = _correlation(*halves, pixels)
+        )
+        agreement = _correlation(first, second, pixels)
         average = float((shares * pixels).sum() / pixels.sum())
         shares = average + 2.0 * agreement / (1.0 + agreement) * (shares - average)
     # A few rounds of cutting and scaling settle it; a black or noiseless pilot says nothing.
