@@ -25,6 +25,9 @@ PILOT_SPP = 8
 #: did not see is not left out, and what it saw once is not overdone.
 LEAST, MOST = 0.2, 8.0
 
+#: A smaller gain is left alone, and all cells get the same.
+_WORTH = 1.05
+
 #: Weight of the cells around in a cell's variance.
 _AROUND = 0.2
 
@@ -89,17 +92,20 @@ def shares_of(pilot: Film) -> np.ndarray:
     if pilot.replicates >= 4:
         # Cells differ by chance, too. Two halves of the pilot tell how much of it is chance: with
         # a correlation r of halves that of the whole is 2 r / (1 + r) (Spearman and Brown 1910).
-        halves = [
+        first, second = (
             deviation(_mean_and_squares(means[:, :, part], counts[:, :, part])[1])
             for part in (slice(0, None, 2), slice(1, None, 2))
-        ]
-        agreement = _correlation(*halves, pixels)
+        )
+        agreement = _correlation(first, second, pixels)
         average = float((shares * pixels).sum() / pixels.sum())
         shares = average + 2.0 * agreement / (1.0 + agreement) * (shares - average)
     # A few rounds of cutting and scaling settle it; a black or noiseless pilot says nothing.
     for _ in range(20):
         mean_share = float((shares * pixels).sum() / pixels.sum())
         shares = np.clip(shares / mean_share, LEAST, MOST) if mean_share > 0.0 else shares + 1.0
+    # relMSE of even samples over that of these shares; counts that differ cost evenness.
+    if float((shares**2 * pixels).sum() / pixels.sum()) < _WORTH:
+        shares = np.ones(shares.shape)
     result = np.zeros(pilot.cells.shape)
     result[cells_of(*pilot.crop)] = shares
     return result

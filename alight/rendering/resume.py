@@ -18,6 +18,7 @@ from alight.rendering.options import check_options
 from alight.rendering.passes import Pace
 from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import restored_schedule
+from alight.rendering.steering import towards
 from alight.rendering.stopping import Promise
 from alight.scene import Scene, content_hash, flatten, load
 from alight.scene.content import describe_content, differences
@@ -85,7 +86,7 @@ def resume(
     goes_on = spp is None and promise is None and schedule is None
     if schedule is None:
         if promise is not None:
-            schedule = own.towards(promise, film, spp)
+            schedule = towards(own, promise, film, spp)
         else:
             schedule = own if spp is None else own.extended(spp)
     job = make_job(

@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from alight.core.errors import OptionError
 from alight.films import Film
 from alight.films.fixed_point import MAX_SAMPLES
 from alight.films.ledger import Bias
-
-if TYPE_CHECKING:
-    from alight.rendering.stopping import Promise
 
 
 @dataclass(frozen=True)
@@ -105,24 +102,6 @@ class Schedule(ABC):
         """
         raise OptionError(f"--spp: a render by the schedule {self.name} has no fixed number")
 
-    def towards(self, promise: Promise, film: Film, spp: int | None) -> Schedule:
-        """Make the schedule that goes on from `film` until a promise is kept.
-
-        Parameters
-        ----------
-        promise : Promise
-        film : Film
-            What there is; it may hold a part of a goal.
-        spp : int or None
-            Largest number of samples per pixel.
-
-        Raises
-        ------
-        OptionError
-            If that has no meaning for it.
-        """
-        raise OptionError(f"--error: a render by the schedule {self.name} cannot go on to an error")
-
     @property
     def total_spp(self) -> float | None:
         """Samples per pixel at the end, as far as they are known: for the progress bar."""
@@ -165,12 +144,6 @@ class Uniform(Schedule):
         # What the film has room for.
         most = MAX_SAMPLES * (1 if rounds[0].aov_sums else rounds[0].replicates)
         return Goal.uniform(rounds[0], self.first, self.spp or most)
-
-    def towards(self, promise: Promise, film: Film, spp: int | None) -> Schedule:
-        """As an even render to that error, which has looked in vain so far."""
-        from alight.rendering.steering import Steered
-
-        return Steered(self.first, spp, promise).after(film)
 
     def extended(self, spp: int) -> Uniform:
         """More or fewer samples from the same first one on."""

@@ -14,7 +14,7 @@ from alight.films.fixed_point import MAX_SAMPLES
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import cells_of
 from alight.rendering.adaptive import PILOT_SPP, counts_at, shares_of
-from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.schedule import Goal, Schedule, Uniform, Verdict
 from alight.rendering.stopping import (
     Judgement,
     Promise,
@@ -121,12 +121,6 @@ class Steered(Schedule):
         """An error that ends the render makes the number of samples depend on them, a little."""
         return () if self.promise is None else (Bias("stopped at an error", _STOPPED),)
 
-    def towards(self, promise: Promise, film: Film, spp: int | None) -> Steered:
-        """Go on to another error, by the same pilot."""
-        longer = Steered(self.first, spp, promise, self.adaptive)
-        longer.shares = self.shares
-        return longer.after(film)
-
     def after(self, film: Film) -> Steered:
         """Leave out the looks at which a film had less than this one; they were in vain.
 
@@ -181,6 +175,34 @@ class Steered(Schedule):
         self.asked, self.piloted = bool(state["asked"]), bool(state["piloted"])
         self.shares = np.asarray(state["shares"], np.float64)
         return self
+
+
+def towards(schedule: Schedule, promise: Promise, film: Film, spp: int | None) -> Steered:
+    """Make the schedule that goes on from a film until a promise is kept.
+
+    Parameters
+    ----------
+    schedule : Schedule
+        Of the render so far.
+    promise : Promise
+    film : Film
+        What there is; it may hold a part of a goal.
+    spp : int or None
+        Largest number of samples per pixel.
+
+    Raises
+    ------
+    OptionError
+        If that has no meaning for it.
+    """
+    if isinstance(schedule, Uniform):
+        return Steered(schedule.first, spp, promise).after(film)
+    if not isinstance(schedule, Steered):
+        name = schedule.name
+        raise OptionError(f"--error: a render by the schedule {name} cannot go on to an error")
+    longer = Steered(schedule.first, spp, promise, schedule.adaptive)
+    longer.shares = schedule.shares
+    return longer.after(film)
 
 
 def _number(value: Any) -> Any:

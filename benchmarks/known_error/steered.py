@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from scenes import REPLICATES, SIDE, Runner, Truth, load_scene
 
+from alight.films import Film
 from alight.films.sample_ranges import empty_cells
 from alight.rendering import render
 from alight.rendering.adaptive import PILOT_SPP, counts_at, shares_of
 from alight.rendering.cycles import STEP, cycles_error, first_decision, in_noise
 from alight.rendering.job import seed_of_round
 from alight.rendering.plan import make_plan
+from alight.rendering.schedule import Goal, Verdict
 from alight.rendering.steering import Steered
 from alight.rendering.stopping import Promise
 
@@ -124,6 +126,18 @@ def _even_picture(runner: Runner, seed: int, spp: int) -> np.ndarray:
     return runner.means(seed, spp).mean(axis=2)
 
 
+class _Timed(Steered):
+    """A rule that knows the processor time of rendering, which is what a plan predicts."""
+
+    begin = seconds = 0.0
+
+    def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
+        self.begin = self.begin or time.process_time()
+        answer = super().next(rounds)
+        self.seconds = time.process_time() - self.begin
+        return answer
+
+
 def plans(names: Sequence[str], runs: int) -> None:
     """How often the true cost of a promise lay in the interval that `plan` gave."""
     rng, inside, timely = np.random.default_rng(4), 0, 0
@@ -134,9 +148,9 @@ def plans(names: Sequence[str], runs: int) -> None:
         # From less than the pilot has reached to a quarter of its error.
         asked = pilot * float(np.exp(rng.uniform(np.log(0.3), np.log(1.2))))
         plan = make_plan(scene, Promise(asked), **options)
-        begin = time.process_time()
-        film = render(scene, schedule=Steered(0, None, Promise(asked)), threads=1, seed=500 + i)
-        seconds = time.process_time() - begin
+        schedule = _Timed(0, None, Promise(asked))
+        film = render(scene, schedule=schedule, threads=1, seed=500 + i)
+        seconds = schedule.seconds
         inside += plan.spp.low <= film.spp <= plan.spp.high
         timely += plan.seconds.low <= seconds <= plan.seconds.high
         spp, cost = plan.spp, plan.seconds
