@@ -76,9 +76,9 @@ class Whiskers:
             values = [float(f"{s * 10.0**e:.6g}") for e in decades for s in steps]
             inside = [v for v in values if self.low <= v <= self.high]
             places = [self.place(v) for v in inside]
-            if all(b - a >= 30.0 for a, b in itertools.pairwise(places)):
+            room = 8.0 + 5.5 * max(len(f"{v:g}×") for v in inside)
+            if all(b - a >= room for a, b in itertools.pairwise(places)):
                 return inside
-        # The text of a small power of ten is long.
         step = math.ceil(len(inside) / 4)
         return [v for v in inside if round(math.log10(v)) % step == 0]
 
