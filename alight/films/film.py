@@ -98,7 +98,7 @@ class Film:
     invalid, saturated : int
         Samples that were NaN or infinite (they add 0 and count 1); values cut to 2^36.
     recorded : tuple of Bias
-        What the renderer knows to be biased; see `biases`.
+        What the renderer knows to be biased, effects as radiance; see `biases`.
     largest_sample : float or None
         No channel of a sample can be larger; None where that is not known.
     stats : dict
@@ -145,6 +145,7 @@ class Film:
         self.invalid = self.saturated = 0
         self.recorded: tuple[Bias, ...] = ()
         self.largest_sample: float | None = None
+        self._mean_of = -1, 0.0
         self.stats: dict[str, Any] = {}
         self._lock = threading.RLock()
 
@@ -341,7 +342,13 @@ class Film:
     @property
     def biases(self) -> tuple[Bias, ...]:
         """The ledger: everything in the picture that is biased, with its effect if measured."""
-        return (*self.recorded, *ledger.counted(self.invalid, self.saturated, self.counts.sum()))
+        with self._lock:
+            samples = int(self.counts.sum())
+            # Worked out once for the same samples.
+            if self.recorded and self._mean_of[0] != samples:
+                self._mean_of = samples, float(self.mean[..., :3].mean())
+            known = [bias.relative(self._mean_of[1]) for bias in self.recorded]
+            return (*known, *ledger.counted(self.invalid, self.saturated, samples))
 
     def replicate_means(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean of each replicate, float32, shape (h, w, R, 3), and the counts (h, w, R)."""
@@ -456,10 +463,7 @@ class Film:
 
 
 def _add(target: np.ndarray, sums: np.ndarray) -> None:
-    """Add fixed-point sums in place. Carrying first leaves limb 1 room for the addition.
-
-    The addend is brought to canonical form where it is: a copy would take longer than the sum.
-    """
+    """Add fixed-point sums in place. Carrying first leaves limb 1 room for the addition."""
     fixed_point.carry(sums)
     target += sums
     fixed_point.carry(target)

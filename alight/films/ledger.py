@@ -42,6 +42,16 @@ class Bias(NamedTuple):
         doubt = "" if self.error is None else f" ± {100 * self.error:.2g} %"
         return f"{self.text}: {100 * self.effect:+.2g} %{doubt} of the light"
 
+    def relative(self, mean: float) -> Self:
+        """From a change of radiance to a share of what `mean` would be without it."""
+        if self.effect is None:
+            return self
+        whole = mean - self.effect
+        if not whole > 0.0:
+            return self._replace(effect=None, error=None)
+        error = None if self.error is None else self.error / whole
+        return self._replace(effect=self.effect / whole, error=error)
+
     def state(self) -> dict[str, Any]:
         """Plain JSON."""
         return {name: _finite(value) for name, value in self._asdict().items()}

@@ -142,14 +142,13 @@ class Cycles(Schedule):
             return ()
         film = rounds[0]
         after = _cell_means(film, film.replicate_means()[0])
-        total = float(after.sum()) / film.replicates
         change = after - self.before
         # Replicates and cells are independent of each other.
-        variance = change.var(axis=2, ddof=1).sum() / film.replicates
-        whole = max(total - float(change.sum()) / film.replicates, 1e-300)
-        effect = float(change.sum()) / film.replicates / whole
+        variance = float(change.var(axis=2, ddof=1).sum()) * film.replicates
+        pixels = film.replicates * film.crop[2] * film.crop[3]
+        effect, error = float(change.sum()) / pixels, math.sqrt(variance) / pixels
         text = f"Cycles' rule decides by the samples that it keeps (threshold {self.threshold:g})"
-        return (Bias("adaptive criterion", text, effect, float(np.sqrt(variance)) / whole),)
+        return (Bias("adaptive criterion", text, effect, error),)
 
     @property
     def total_spp(self) -> float | None:

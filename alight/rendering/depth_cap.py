@@ -31,22 +31,19 @@ if TYPE_CHECKING:
     from alight.core.spec import Integrator
     from alight.rendering.job import Job
 
-#: One sample of the pilot for so many of the picture: about 1 % of its time.
-_SHARE = 400
-
-#: Least and most samples of the pilot.
-_LEAST, _MOST = 1024, 2**17
+#: One sample of the pilot for so many pixels, and the least and most samples. They depend on the
+#: picture's size alone: parts of a render, and their sum, say the same.
+_PIXELS, _LEAST, _MOST = 8, 2048, 2**16
 
 #: Edges by which paths without roulette are followed further, twice.
 _FURTHER = 8
 
 
 class Lost(NamedTuple):
-    """Light beyond a cap: radiance, its standard error, and the mean of what is there."""
+    """Radiance beyond a cap, mean over the picture; infinite where the series does not end."""
 
     radiance: float
     error: float
-    mean: float
 
 
 def cap_of(integrator: Integrator) -> int | None:
@@ -66,10 +63,9 @@ def measured(job: Job, seed: int) -> tuple[Bias, ...]:
     if cap is None:
         return ()
     lost = light_beyond(job, cap, seed)
-    whole = lost.mean + lost.radiance
-    if not whole > 0.0 or not math.isfinite(whole):
-        return (Bias("depth cap", f"{_text(cap)}; the series of longer paths does not end"),)
-    return (Bias("depth cap", _text(cap), -lost.radiance / whole, lost.error / whole),)
+    if not math.isfinite(lost.radiance):
+        return (Bias("depth cap", f"{_text(cap)}; what it cuts off could not be measured"),)
+    return (Bias("depth cap", _text(cap), -lost.radiance, lost.error),)
 
 
 def _text(cap: int) -> str:
@@ -95,13 +91,14 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
             part, _ = render_tile(job.kernels, job.scene, settings, tile, ranges, scratch)
             sums[i, j] = to_float(part.sums[..., :3, :]).sum() / (3 * spp)
     found = sums[:, 1:] - sums[:, :-1]
-    radiance, factor = _series(found.sum(axis=0))
-    radiance /= pixels.sum()
-    # Cells are independent; the pictured ones stand for all.
-    residual = found @ factor - radiance * pixels
-    error = math.sqrt(float((residual**2).sum()) * len(tiles) / max(len(tiles) - 1, 1))
-    mean = float(film.image.mean(dtype=np.float64))
-    return Lost(float(radiance), float(error / pixels.sum()), mean)
+    total, slope = _series(found.sum(axis=0))
+    radiance = total / pixels.sum()
+    if not math.isfinite(radiance):
+        return Lost(math.inf, math.inf)
+    # A ratio of sums over cells that are independent of each other.
+    residual = found @ slope - radiance * pixels
+    spread = float((residual**2).sum()) * len(tiles) / max(len(tiles) - 1, 1)
+    return Lost(float(radiance), math.sqrt(spread) / float(pixels.sum()))
 
 
 def _series(found: np.ndarray) -> tuple[float, np.ndarray]:
@@ -117,12 +114,12 @@ def _series(found: np.ndarray) -> tuple[float, np.ndarray]:
 def _some_cells(job: Job, seed: int) -> list[Tile]:
     """Cells of the picture's window, all equally likely, as tiles of their own."""
     film = job.rounds[0]
-    samples = min(max(job.samples // _SHARE, _LEAST), _MOST)
+    x, y, w, h = film.crop
+    samples = min(max(w * h // _PIXELS, _LEAST), _MOST)
     rows, columns = cells_of(*film.crop)
     down, across = rows.stop - rows.start, columns.stop - columns.start
     count = min(math.ceil(samples / (CELL_SIZE**2 * film.replicates)), down * across)
     chosen = np.random.default_rng(seed).permutation(down * across)[:count]
-    x, y, w, h = film.crop
     tiles = []
     for cell in sorted(chosen.tolist()):
         left = (columns.start + cell % across) * CELL_SIZE
