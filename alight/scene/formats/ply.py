@@ -1,6 +1,6 @@
 """PLY meshes: ascii and binary, polygons, normals, texture coordinates, vertex colours.
 
-A reader of our own: docs/decisions/0005-mesh-files.md says why. Counts in the header are compared
+A reader of our own: docs/decisions/0014-mesh-files.md says why. Counts in the header are compared
 with the size of the file before memory is asked for.
 
 Source: Turk, The PLY polygon file format (1994).
