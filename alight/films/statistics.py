@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from alight.films.fixed_point import to_float, total
+from alight.films.fixed_point import MAX_SAMPLES, carry, to_float, total
 
 
 def pixel_mean(sums: np.ndarray, counts: np.ndarray) -> np.ndarray:
@@ -33,7 +33,12 @@ def pixel_mean(sums: np.ndarray, counts: np.ndarray) -> np.ndarray:
         Within 3 units in the last place.
     """
     n = counts.sum(axis=2)[..., None]
-    return total(sums, axis=2) / np.maximum(n, 1)
+    if n.max(initial=0) > MAX_SAMPLES:
+        return total(sums, axis=2) / np.maximum(n, 1)
+    # So few samples cannot overflow an int64 even together; the value is the same to the bit.
+    together = sums.sum(axis=2)
+    carry(together)
+    return to_float(together) / np.maximum(n, 1)
 
 
 def replicate_means(sums: np.ndarray, counts: np.ndarray) -> np.ndarray:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from alight.films import fixed_point
-from alight.films.fixed_point import carry, split, to_float, to_limbs, total
+from alight.films.fixed_point import MAX_SAMPLES, carry, split, to_float, to_limbs, total
+from alight.films.statistics import pixel_mean
 
 UNIT = Fraction(1, 2**48)
 
@@ -130,3 +131,22 @@ def test_the_kernel_gives_whole_numbers_in_float32():
 def test_full_range_samples_fit_into_the_limbs():
     top = 2**44 * fixed_point.MAX_SAMPLES + fixed_point.MAX_SAMPLES
     assert top < 2**63 <= 2**44 * (fixed_point.MAX_SAMPLES + 1)
+
+
+@pytest.mark.parametrize("samples", [MAX_SAMPLES // 4, MAX_SAMPLES])
+def test_the_mean_of_a_pixel_is_the_exact_total_over_its_samples(samples):
+    """Sums as large as so many samples can make them, of both signs, in 4 replicates."""
+    rng = np.random.default_rng(samples)
+    sums = np.zeros((7, 9, 4, 3, 2), np.int64)
+    sums[..., 0] = rng.integers(-(2**44), 2**44, sums.shape[:-1]) * samples
+    sums[0, :, :, :, 0] = 2**44 * samples
+    sums[1, :, :, :, 0] = -(2**44) * samples
+    sums[2, :, :, :, 0] = rng.integers(-1, 2, sums.shape[1:-1])
+    sums[..., 1] = rng.integers(0, 2**40, sums.shape[:-1])
+    counts = np.full(sums.shape[:3], samples)
+    mean = pixel_mean(sums, counts)
+    for at in np.ndindex(7, 9, 3):
+        parts = sums[at[0], at[1], :, at[2]].tolist()
+        whole = Fraction(sum(hi * 2**40 + lo for hi, lo in parts), 2**48 * 4 * samples)
+        assert mean[at] == pytest.approx(float(whole), rel=1e-15)
+    np.testing.assert_array_equal(mean, total(sums, 2) / (4 * samples))
