@@ -140,7 +140,10 @@ def jit(function, *, fast_math, root):
 def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
     """Compile a root kernel for arguments of these types.
 
-    Afterwards the dispatcher's only overload has the library (`OptimisedLibrary`) for a look at it.
+    Raises
+    ------
+    TypeError
+        If it returns something.
     """
     signature = tuple(map(typeof, arguments))
     dispatcher.compile(signature)

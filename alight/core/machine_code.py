@@ -202,8 +202,10 @@ def _brought_to_life(compiled: ObjectCode) -> Callable:
     unused = (ctypes.c_int64 * 2)()
     result, error = ctypes.byref(unused), ctypes.byref(unused, 8)
 
-    def run(*numbers: Any, engine: Any = engine) -> None:
-        # The code lives as long as its engine.
+    # The code lives as long as its engine.
+    function.engine = engine  # pyright: ignore[reportAttributeAccessIssue]
+
+    def run(*numbers: Any) -> None:
         status = function(result, error, *numbers)
         assert status == 0, f"{compiled.symbol} ended with {status}"
 

@@ -90,7 +90,7 @@ def test_rays_share_the_time_only_where_they_wait_for_memory():
 
     bvh, _ = batch.build(*torus(40, 30, 0.3))
     assert bvh.patience == ENDLESS
-    # Without bounds in the way of the test: as many nodes as it takes to be big.
+    # Only the size of the arrays counts here, not what is in them.
     big = bvh._replace(nodes=View(np.zeros(BIG // 4 + 1, np.float32)))
     assert patience(big, COSTLY - 1.0) == 1
     assert patience(big, COSTLY) == ENDLESS

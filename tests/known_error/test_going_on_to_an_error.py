@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 import pytest
 
 import alight
 from alight.core.errors import OptionError
-from alight.films import Film
 from alight.rendering.cycles import Cycles
 from alight.rendering.steering import Steered
 from alight.rendering.stopping import Promise
+from tests.rendering.interrupted import assert_same, cancelled_after
 
 #: No edge of the window lies on the 8-pixel grid.
 CHANGES = ("film.size=[64, 48]", "film.crop=[3, 5, 50, 39]", "integrator.max_depth=4")
@@ -22,24 +20,9 @@ def scene():
     return alight.load("cornell-box", CHANGES)
 
 
-def assert_same(film, other):
-    np.testing.assert_array_equal(film.sums, other.sums)
-    np.testing.assert_array_equal(film.counts, other.counts)
-
-
 def stopped_after(tiles, path, monkeypatch, schedule):
     """Render with a checkpoint until so many tiles are in the films."""
-    cancel, add_tile, count = threading.Event(), Film.add_tile, 0
-
-    def add_and_count(film, *tile):
-        nonlocal count
-        add_tile(film, *tile)
-        count += 1
-        if count == tiles:
-            cancel.set()
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Film, "add_tile", add_and_count)
+    with cancelled_after(tiles, monkeypatch) as cancel:
         return alight.render(
             scene(), schedule=schedule, checkpoint=path, cancel=cancel, threads=1, spp_per_pass=5
         )

@@ -23,6 +23,7 @@ from alight.rendering.checkpoint import read_checkpoint
 from alight.rendering.schedule import Goal, Schedule, Verdict
 from alight.scene import SceneManager
 from alight.scene.content import describe_content, differences
+from tests.rendering.interrupted import assert_same, cancelled_after
 
 SPP = 24
 #: The package gives the function of the same name.
@@ -39,24 +40,9 @@ def reference():
     return alight.render(scene(), spp=SPP)
 
 
-def assert_same(film, other):
-    np.testing.assert_array_equal(film.sums, other.sums)
-    np.testing.assert_array_equal(film.counts, other.counts)
-
-
 def stopped_after(tiles, path, monkeypatch, spp=SPP, **options):
     """Render with a checkpoint, cancelled when so many tiles are in the film."""
-    cancel, add_tile, count = threading.Event(), Film.add_tile, 0
-
-    def add_and_count(film, *tile):
-        nonlocal count
-        add_tile(film, *tile)
-        count += 1
-        if count == tiles:
-            cancel.set()
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Film, "add_tile", add_and_count)
+    with cancelled_after(tiles, monkeypatch) as cancel:
         return alight.render(
             scene(), spp=spp, checkpoint=path, cancel=cancel, threads=1, spp_per_pass=5, **options
         )
