@@ -82,9 +82,11 @@ def _pixels_of(image: Any, path: Path) -> np.ndarray:
     wide = [tile for tile in image.tile if str(tile[3]).endswith((";16B", "; 16B"))]
     if wide and image.mode in ("RGB", "RGBA"):
         return _sixteen_bits(image, path)
-    if image.mode in ("1", "L", "LA"):
-        return np.asarray(image.convert("L") if image.mode == "1" else image.getchannel(0))
-    return np.asarray(image.convert("RGB"))
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L") if image.mode == "1" else image)
+    if image.mode in ("LA", "RGBA"):
+        return np.asarray(image)
+    return np.asarray(image.convert("RGBA" if "transparency" in image.info else "RGB"))
 
 
 def _sixteen_bits(image: Any, path: Path) -> np.ndarray:
@@ -95,10 +97,10 @@ def _sixteen_bits(image: Any, path: Path) -> np.ndarray:
     """
     from PIL import Image
 
-    halves = [np.asarray(image.convert("RGB"), np.uint16)]
+    halves = [np.asarray(image, np.uint16)]
     with Image.open(path, formats=("PNG",)) as swapped:
         swapped.tile = [t._replace(args=str(t[3]).replace("16B", "16L")) for t in swapped.tile]
-        halves.append(np.asarray(swapped.convert("RGB"), np.uint16))
+        halves.append(np.asarray(swapped, np.uint16))
     return halves[0] << 8 | halves[1]
 
 

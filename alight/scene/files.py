@@ -279,7 +279,7 @@ class _FileWriter:
             return spec
         if image not in self.names:
             name = self.names[image] = self.new_name(key_path, ".npy")
-            np.save(self.target.with_name(name), image.texels, allow_pickle=False)
+            np.save(self.target.with_name(name), image.whole, allow_pickle=False)
         return spec.replaced(file=self.names[image], pixels=None)
 
     def new_name(self, key_path: str, suffix: str) -> str:
