@@ -176,9 +176,8 @@ def _mesh(content: obj.Content, part: _Part, starts: np.ndarray, name: str) -> M
         return None
     # Only the vertices that these faces use.
     used, faces = np.unique(arrays.faces, return_inverse=True)
-    tables = [None if t is None else t[used] for t in arrays]
-    tables[1] = faces.reshape(-1, 3).astype(np.int32)
-    arrays = arrays._make(tables)
+    kept = {n: t[used] for n, t in arrays._asdict().items() if t is not None and n != "faces"}
+    arrays = arrays._replace(**kept, faces=faces.reshape(-1, 3).astype(np.int32))
     problem = mesh_problem(arrays)
     if problem:
         raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])
