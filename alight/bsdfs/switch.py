@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from alight.bsdfs.absorption import ABSORBING
 from alight.core.jit import kernel, specialised
+from alight.core.maths import exp
 from alight.core.registry import Models, modules
 from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, maximum, where
 from alight.core.vec import Vec3
@@ -22,6 +24,8 @@ TWO_SIDED, MIXED = 1, 2
 TWO_SIDED_NAME = "two_sided"
 #: Kernel of models that refract: ``(scene, base, surface)``, the index inside over that outside.
 INNER_INDEX = "inner_index"
+#: Kernel of models with an inside: ``(scene, base, surface)``, absorption coefficients per metre.
+ABSORPTION = "absorption"
 
 
 def stride_of(names: Iterable[str]) -> int:
@@ -248,6 +252,49 @@ def _concentration_switch(models):
 @kernel
 def _no_concentration(scene, surface, wi):
     return lanes(1.0)
+
+
+def absorbs(program) -> bool:
+    """Whether `transmittance` may be other than 1."""
+    return ABSORBING in program.bsdfs
+
+
+@specialised
+def transmittance(program):
+    """``(scene, surface, wo, t) -> Vec3``: what the body around a piece of a path leaves of it.
+
+    The piece of length t ends at the surface, coming from wo (local frame). Glass that is a part of
+    a blend absorbs nothing.
+    """
+    switch = _absorption_switch([u for u in models_of(program) if hasattr(u.model, ABSORPTION)])
+
+    @kernel
+    def transmittance(scene, surface, wo, t):
+        sigma = switch(scene, surface, wo.z < 0.0)
+        return Vec3(exp(-sigma.x * t), exp(-sigma.y * t), exp(-sigma.z * t))
+
+    return transmittance
+
+
+def _absorption_switch(models):
+    if not models:
+        return _no_absorption
+    number, model, stride = models[0]
+    absorption = getattr(model, ABSORPTION)
+    rest = _absorption_switch(models[1:])
+
+    @kernel
+    def step(scene, surface, inside):
+        mine = inside & (_kind(scene, surface.bsdf) == number)
+        found = absorption(scene, where(mine, surface.bsdf, 0) * stride, surface)
+        return where(mine, found, rest(scene, surface, inside))
+
+    return step
+
+
+@kernel
+def _no_absorption(scene, surface, inside):
+    return lanes_vec3(0.0)
 
 
 # ---------------------------------------------------------------- albedo, for the AOV
