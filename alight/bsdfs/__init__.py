@@ -2,12 +2,14 @@
 
 from alight.bsdfs import (
     blend,
+    bump_map,
     conductor,
     dielectric,
     diffuse,
     eon,
     mask,
     mirror,
+    normal_map,
     null,
     oren_nayar,
     phong,
@@ -40,4 +42,6 @@ MODELS = (
     null,
     blend,
     mask,
+    normal_map,
+    bump_map,
 )

@@ -208,7 +208,8 @@ SLOTS = {
     "anisotropy": 1, "anisotropy_rotation": 1, "transmission": 1, "clearcoat": 1,
     "clearcoat_roughness": 1, "sheen_color": 3, "sheen_roughness": 1, "iridescence": 1,
     "iridescence_ior": 1, "iridescence_thickness": 1, "eta": 1, "modes": 1, "rows": 1,
-    "last_row": 1, "coat_rows": 1, "last_coat_row": 1, "sheen_rows": 1, "last_sheen_row": 1, **ABSORPTION_SLOTS,
+    "last_row": 1, "coat_rows": 1, "last_coat_row": 1, "sheen_rows": 1, "last_sheen_row": 1,
+    **ABSORPTION_SLOTS,
 }  # fmt: skip
 _AT = dict(zip(SLOTS, (sum(list(SLOTS.values())[:i]) for i in range(len(SLOTS))), strict=True))
 METALLIC, ROUGHNESS, SPECULAR = _AT["metallic"], _AT["roughness"], _AT["specular"]

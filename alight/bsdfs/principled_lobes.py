@@ -77,8 +77,9 @@ Film = namedtuple("Film", "share ior thickness")
 #: What follows from the viewer's direction `wo`, which is above the surface. rows: of the
 #: albedos from there; seen: from `wo`, which is the normal where not; below: wo was mirrored;
 #: inside: and the surface bounds a body; eta: index beyond the surface over that before it; a, b:
-#: Fresnel's term of plastic and glass is a + b F; metal, glass, diffuse: their factors; coat, sheen, base: what each layer gets of the light;
-#: to_coat, to_sheen, to_facets, to_diffuse: probabilities.
+#: Fresnel's term of plastic and glass is a + b F; metal, glass, diffuse: their factors; coat,
+#: sheen, base: what each layer gets of the light; to_coat, to_sheen, to_facets, to_diffuse:
+#: probabilities.
 View = namedtuple(
     "View",
     "wo rows seen below inside eta a b metal glass diffuse coat sheen base "
@@ -329,7 +330,8 @@ def _view(params, wo):
     per_total = 1.0 / (to_coat + to_sheen + facets + maximum(matte_light, 0.0))
     return View(
         wo, rows, seen, below, inside, eta, a, b, metal, glass, diffuse,
-        coat, sheen * under_coat, base, to_coat * per_total, to_sheen * per_total, facets * per_total,
+        coat, sheen * under_coat, base,
+        to_coat * per_total, to_sheen * per_total, facets * per_total,
         maximum(matte_light, 0.0) * per_total,
     )  # fmt: skip
 

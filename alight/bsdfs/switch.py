@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from alight.bsdfs.absorption import ABSORBING
+from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.jit import kernel, specialised
 from alight.core.maths import exp
 from alight.core.registry import Models, modules
@@ -18,8 +19,9 @@ from alight.core.vec import Vec3
 
 #: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
 STRIDE = 16
-#: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones.
-TWO_SIDED, MIXED = 1, 2
+#: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones; and
+#: from bit `RELIEF` on, the row of its normal or bump map + 1.
+TWO_SIDED, MIXED, RELIEF = 1, 2, 2
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 TWO_SIDED_NAME = "two_sided"
 #: Kernel of models that refract: ``(scene, base, surface)``, the index inside over that outside.
@@ -84,6 +86,12 @@ def _flip(mask, w):
     return Vec3(w.x, w.y, where(mask, -w.z, w.z))
 
 
+@kernel
+def _relief(scene, row):
+    """Row of the map that bends a material's normals, + 1; 0 without one."""
+    return material_flags(scene, row) >> RELIEF
+
+
 # ---------------------------------------------------------------- evaluate
 
 
@@ -91,6 +99,8 @@ def _flip(mask, w):
 def evaluate_row(program):
     """``(scene, surface, row, wo, wi, active) -> (f_cos, pdf)`` in the local frame."""
     one_sided = _evaluate_one_sided(models_of(program))
+    if BENT in program.bsdfs:
+        one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _relief)
     if TWO_SIDED_NAME not in program.bsdfs:
         return one_sided
 
@@ -154,6 +164,8 @@ def _keep_value(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
 def sample_row(program):
     """``(scene, surface, row, wo, u, u2, active) -> (wi, weight, pdf, flags)``, local frame."""
     one_sided = _sample_one_sided(models_of(program))
+    if BENT in program.bsdfs:
+        one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _relief)
     if TWO_SIDED_NAME not in program.bsdfs:
         return one_sided
 
