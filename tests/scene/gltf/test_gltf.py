@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
-from alight.scene import flatten, load
+from alight.scene import content_hash, flatten, load, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
 from alight.scene.formats.gltf.scene import parse
@@ -62,9 +62,9 @@ def test_everything_is_read_or_listed(tmp_path):
                  "opacity of vertices", "spots", "choose with --camera"):  # fmt: skip
         assert word in said, word
     assert "studio" not in said
-    # The mesh that stands twice is one prototype.
+    # The mesh that stands twice is one prototype; the two others are alike.
     assert list(scene.prototypes) == ["mesh 0"]
-    assert len(flatten(scene).geometries) == 3
+    assert len(flatten(scene).geometries) == 2
 
 
 def test_cameras_look_along_minus_z_with_y_up(tmp_path):
@@ -78,6 +78,23 @@ def test_cameras_look_along_minus_z_with_y_up(tmp_path):
     np.testing.assert_allclose(flat.camera.to_world @ [0, 0, -1, 0], [-1, 0, 0, 0], atol=1e-12)
     np.testing.assert_allclose(flat.camera.to_world @ [0, 1, 0, 0], [0, 1, 0, 0], atol=1e-12)
     assert flat.camera.camera.fov == pytest.approx(np.degrees(1.0))
+
+
+@pytest.mark.parametrize("wanted", ["1", "node 6"])
+def test_other_cameras_are_chosen_by_number_or_name(wanted, tmp_path):
+    (tmp_path / "a.glb").write_bytes(everything().glb())
+    scene = load(tmp_path / "a.glb", [f"camera={wanted}"])
+    assert flatten(scene).camera.camera.height == 2.0
+    with pytest.raises(SceneError, match="number of camera nodes, 2, got 7"):
+        load(tmp_path / "a.glb", ["camera=7"])
+
+
+def test_converted_scenes_are_the_same(tmp_path):
+    (tmp_path / "a.glb").write_bytes(everything().glb())
+    scene = load(tmp_path / "a.glb")
+    (tmp_path / "out").mkdir()
+    save(scene, tmp_path / "out" / "a.yaml")
+    assert content_hash(load(tmp_path / "out" / "a.yaml")) == content_hash(scene)
 
 
 def test_texture_coordinates_are_turned_over():
