@@ -2,11 +2,14 @@
 
 from alight.bsdfs import (
     blend,
+    bump_map,
     conductor,
     dielectric,
     diffuse,
+    eon,
     mask,
     mirror,
+    normal_map,
     null,
     oren_nayar,
     phong,
@@ -33,9 +36,12 @@ MODELS = (
     plastic,
     rough_plastic,
     oren_nayar,
+    eon,
     principled,
     two_sided,
     null,
     blend,
     mask,
+    normal_map,
+    bump_map,
 )

@@ -171,11 +171,28 @@ def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
 def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
     manager = SceneManager(scene)
     for assignment in changes:
-        manager.set_value(assignment)
+        manager.set_value(_with_camera_path(manager.scene, assignment))
     issues = find_problems(manager.scene)
     if issues:
         raise SceneError([manager.scene.source.located(issue) for issue in issues])
     return manager.scene
+
+
+def _with_camera_path(scene: Scene, assignment: str) -> str:
+    """Put the path of a camera's node into the place of its number or its last name."""
+    key, _, wanted = assignment.partition("=")
+    if key.strip() != "camera":
+        return assignment
+    wanted = wanted.strip()
+    paths = [path for path, _, node in scene.walk() if node.camera is not None]
+    named = [path for path in paths if path.rpartition("/")[2] == wanted]
+    if wanted.isdigit() and wanted not in paths:
+        if int(wanted[:9]) >= len(paths):
+            held = ", ".join(paths) or "none"
+            text = f"must be below the number of camera nodes, {len(paths)}, got {wanted}"
+            raise SceneError([Issue("camera", f"{text}  (cameras: {held})")])
+        named = [paths[int(wanted)]]
+    return f'camera="{named[0]}"' if len(named) == 1 and wanted not in paths else assignment
 
 
 def _read(path: Path) -> str:

@@ -6,12 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from alight.core.errors import Issue, SceneError
-from alight.scene.formats import gltf
+from alight.scene.formats import gltf, mesh_scene, obj_scene
 from alight.scene.formats.parsed import Parsed
 
 Parser = Callable[[bytes, str, Path | None], Parsed]
 
-PARSERS: dict[str, Parser] = {".gltf": gltf.parse, ".glb": gltf.parse}
+PARSERS: dict[str, Parser] = {
+    ".gltf": gltf.parse,
+    ".glb": gltf.parse,
+    ".obj": obj_scene.parse,
+    ".ply": mesh_scene.parse_ply,
+    ".stl": mesh_scene.parse_stl,
+}
 MOST_BYTES = 2**30
 
 

@@ -9,7 +9,7 @@ from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.media import MEDIA, METALS, PERFECT
-from alight.scene.formats.mitsuba.textures import color_or_texture, number_or_texture
+from alight.scene.formats.mitsuba.textures import color_or_texture, number_or_texture, texture_value
 from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number
 
 #: What takes the place of a material that is not covered.
@@ -178,6 +178,33 @@ def _phong(draft: Draft) -> None:
     draft.number("exponent", 30.0)
 
 
+def _normal_map(draft: Draft) -> None:
+    color_or_texture(draft, "texture", name="normalmap")
+    if not draft.properties.has("normalmap"):
+        draft.context.report.error(draft.element, 'needs <texture name="normalmap" ...>')
+    _as_mitsuba_bends(draft)
+    draft.put("follow_uv", False)
+    _nested(draft, "bsdf")
+
+
+def _bump_map(draft: Draft) -> None:
+    p = draft.properties
+    textures = p.take("texture")
+    if len(textures) != 1:
+        draft.context.report.error(draft.element, f"must hold one texture, got {len(textures)}")
+    else:
+        path = f"{draft.path}.texture"
+        draft.put("texture", texture_value(draft.context, textures[0], path, as_number=True))
+    draft.number("scale", 1.0)
+    _as_mitsuba_bends(draft)
+    _nested(draft, "bsdf")
+
+
+def _as_mitsuba_bends(draft: Draft) -> None:
+    """Mitsuba neither moves bent normals towards the viewer nor fades light out."""
+    draft.put("rims", "black")
+
+
 def _two_sided(draft: Draft) -> None:
     _nested(draft, "bsdf")
 
@@ -201,10 +228,12 @@ def _nothing(draft: Draft) -> None:
 #: Plug-ins of Mitsuba that alight has models for: our name, and what reads the parameters.
 COVERED: dict[str, tuple[str, Callable[[Draft], None]]] = {
     "blendbsdf": ("blend", _blend),
+    "bumpmap": ("bump_map", _bump_map),
     "conductor": ("conductor", _conductor),
     "dielectric": ("dielectric", _dielectric),
     "diffuse": ("diffuse", _diffuse),
     "mask": ("mask", _mask),
+    "normalmap": ("normal_map", _normal_map),
     "null": ("null", _nothing),
     "phong": ("phong", _phong),
     "plastic": ("plastic", _plastic),
