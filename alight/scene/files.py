@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.media.volumes import holds_volume
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Recipe, Scene, Source
@@ -292,7 +293,18 @@ class _FileWriter:
                 return spec
             absolute = (self.folder / spec.file).resolve()
             return spec.replaced(file=_relative(absolute, self.target.parent.resolve()))
-        return self.mesh(spec, key_path) if isinstance(spec, Mesh) else self.picture(spec, key_path)
+        if isinstance(spec, Mesh):
+            return self.mesh(spec, key_path)
+        return self.volume(spec, key_path) if holds_volume(spec) else self.picture(spec, key_path)
+
+    def volume(self, spec: Any, key_path: str) -> Any:
+        volume = spec.values
+        if volume is None or volume.cells <= MOST_INLINE_TEXELS:
+            return spec
+        if volume not in self.names:
+            name = self.names[volume] = self.new_name(key_path, ".npy")
+            np.save(self.target.with_name(name), volume.values[..., 0], allow_pickle=False)
+        return spec.replaced(file=self.names[volume], values=None)
 
     def mesh(self, mesh: Mesh, key_path: str) -> Mesh:
         assert mesh.vertices is not None
