@@ -17,7 +17,7 @@ from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Recipe, Remarks, Scene, Source
 from alight.scene.dump import dump_scene
-from alight.scene.formats import mitsuba, native, ply
+from alight.scene.formats import mitsuba, native, pbrt, ply
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.manager import SceneManager
 from alight.scene.validation import find_problems
@@ -25,7 +25,7 @@ from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
 # Files of other programs, which are read but not written.
-FOREIGN = (".xml",)
+FOREIGN = (".xml", pbrt.SUFFIX)
 # Meshes with more vertices, and pictures with more texels, go into files beside a saved scene.
 MOST_INLINE_VERTICES, MOST_INLINE_TEXELS = 100, 64
 
@@ -48,14 +48,14 @@ def load(
     Parameters
     ----------
     scene : str or path
-        A scene file (``.yaml``, ``.yml``, ``.json``, or Mitsuba's ``.xml``) or the name of a
-        built-in scene.
+        A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml`` or pbrt's ``.pbrt``) or the
+        name of a built-in scene.
     changes : sequence of str, optional
         ``path.to.key=value`` assignments, as for ``--set``.
     definitions : mapping of str to str, optional
         Values of the ``$names`` of an XML file, as for ``-D``.
     lenient : bool, default False
-        Replace what an XML file asks for and alight lacks, instead of refusing the file;
+        Replace what a foreign file asks for and alight lacks, instead of refusing it;
         `Scene.warnings` lists it.
 
     Returns
@@ -103,7 +103,7 @@ def loads(
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
 ) -> Scene:
-    """Load a scene from text, in the native format or in Mitsuba's.
+    """Load a scene from text, in the native format, in Mitsuba's, or, by its name, in pbrt's.
 
     Parameters
     ----------
@@ -142,6 +142,10 @@ def _parse(
     """Plain data, problems so far and the origin, whichever format the text has."""
     if mitsuba.is_xml(text):
         parsed = mitsuba.parse(text, name, folder, definitions, lenient)
+        remarks = Remarks(tuple(parsed.notes), tuple(parsed.warnings), parsed.spp)
+        return parsed.data, parsed.issues, Source(name, folder, parsed.places, remarks)
+    if name.lower().endswith(pbrt.SUFFIX) and not definitions:
+        parsed = pbrt.parse(text, name, folder, lenient)
         remarks = Remarks(tuple(parsed.notes), tuple(parsed.warnings), parsed.spp)
         return parsed.data, parsed.issues, Source(name, folder, parsed.places, remarks)
     if definitions:
