@@ -4,8 +4,8 @@ Each level cuts every triangle into four. A vertex with n neighbours moves to
 :math:`(1 - n \beta)\, v + \beta \sum v_j` with :math:`\beta = 3/16` for n = 3, else 3 / 8n; a new
 one on an edge stands at 3/8 of its ends and 1/8 of the corners opposite. On a border the weights
 are 3/4, 1/8, 1/8 and 1/2, 1/2. At last all vertices move to where infinitely many levels would
-bring them, :math:`\gamma = 1 / (n + 3 / 8 \beta)` or on a border 3/5, 1/5, 1/5, and get the normal
-of the limit surface.
+bring them, :math:`\gamma = 1 / (n + 3 / 8 \beta)` or on a border 2/3, 1/6, 1/6 as on any cubic
+B-spline, and get the normal of the limit surface.
 
 Source: Loop, Smooth Subdivision Surfaces Based on Triangles (1987); Hoppe et al., Piecewise Smooth
 Surface Reconstruction, SIGGRAPH 1994, for limits and tangents; PBR3 section 3.8 for borders.
@@ -85,7 +85,7 @@ def subdivide(vertices: Floats, faces: Ints, levels: int) -> tuple[Floats, Float
         vertices = np.concatenate([moved, middles])
     edges = _edges(vertices, faces)
     limit = _smoothed(vertices, edges, at_limit=True)
-    return limit, _normals(limit, faces, edges), faces
+    return limit, _normals(vertices, faces, edges), faces
 
 
 def _edges(vertices: Floats, faces: Ints) -> _Edges:
@@ -121,7 +121,8 @@ def _edges(vertices: Floats, faces: Ints) -> _Edges:
 
 def _gathered(into: Ints, rows: Floats, count: int) -> Floats:
     """Sum of the rows that go into each of `count` places."""
-    return np.stack([np.bincount(into, rows[:, i], count) for i in range(3)], axis=1)
+    columns = [np.bincount(into, rows[:, i], count) for i in range(3)]
+    return np.stack(columns, axis=1).astype(np.float64, copy=False)
 
 
 def _quartered(faces: Ints, middles: Ints) -> Ints:
@@ -139,7 +140,7 @@ def _smoothed(vertices: Floats, edges: _Edges, at_limit: bool = False) -> Floats
     weight = 1.0 / (n + 3.0 / (8.0 * beta)) if at_limit else beta
     result = (1.0 - valence * weight)[:, None] * vertices + weight[:, None] * inside
     border, borders = _neighbours(vertices, edges.ends[edges.on_border], count)
-    share = 0.4 if at_limit else 0.25
+    share = 1.0 / 3.0 if at_limit else 0.25
     # Two neighbours, or more where pieces of surface touch in a point.
     along = (1.0 - share) * vertices + border * (share / np.maximum(borders, 1.0))[:, None]
     result = np.where((borders > 0.0)[:, None], along, result)

@@ -9,6 +9,7 @@ the largest value of a ``blackbody`` to 1.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -18,6 +19,7 @@ from alight.scene.formats.mitsuba.media import METALS
 from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
 from alight.scene.formats.mitsuba.spectra import TO_SRGB, blackbody, to_linear_srgb
 from alight.scene.formats.pbrt.directives import Parameter
+from alight.scene.formats.pbrt.packed import content_of
 from alight.scene.formats.pbrt.report import Report
 
 Color = list[float]
@@ -184,10 +186,9 @@ def _pairs(numbers: np.ndarray) -> Pairs:
     return wavelengths, values
 
 
-def _read_pairs(path: object, name: str) -> Pairs:
+def _read_pairs(path: Path, name: str) -> Pairs:
     """Read a file of lines "wavelength value", ``#`` before remarks."""
-    with open(str(path), "rb") as file:
-        text = file.read(MOST_BYTES).decode("utf-8", "replace")
+    text = content_of(path, MOST_BYTES).decode("utf-8", "replace")
     words = " ".join(line.partition("#")[0] for line in text.splitlines()).split()
     try:
         numbers = np.array(words, np.float64)

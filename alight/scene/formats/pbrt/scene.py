@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gzip
 import re
-import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,6 +16,7 @@ from alight.scene.formats.pbrt import settings
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, directives
 from alight.scene.formats.pbrt.materials_of_3 import OF_3
+from alight.scene.formats.pbrt.packed import content_of
 from alight.scene.formats.pbrt.report import Report
 from alight.scene.formats.pbrt.transforms import inverse
 from alight.scene.formats.pbrt.words import BrokenError, Words
@@ -84,11 +83,13 @@ def parse(text: str, name: str, folder: Path | None = None, lenient: bool = Fals
 
 #: What only pbrt 3 has, and what only pbrt 4 has.
 _OLD = re.compile(
-    r'^\s*(WorldEnd\b|Film\s+"image"|(Material\s+|.*"string type"\s*\[?\s*)"(%s)")' % "|".join(OF_3),
+    r'^[ \t]*(WorldEnd\b|Film\s+"image"|(Material\s+|.*"string type"\s*\[?\s*)"('
+    + "|".join(OF_3)
+    + ')")',
     re.MULTILINE,
 )
 _NEW = re.compile(
-    r'^\s*(Film\s+"(rgb|gbuffer|spectral)"|Attribute\s|ColorSpace\s|Option\s|.*"(point3|point2) '
+    r'^[ \t]*(Film\s+"(rgb|gbuffer|spectral)"|Attribute\s|ColorSpace\s|Option\s|.*"(point3|point2) '
     r'|.*"(coateddiffuse|coatedconductor|diffusetransmission|thindielectric)")',
     re.MULTILINE,
 )
@@ -226,15 +227,7 @@ class _Reader:
 
     def content(self, path: Path) -> str:
         """The text of an included file, unpacked."""
-        left = MOST_BYTES - self.bytes
-        try:
-            with path.open("rb") as file:
-                opened = gzip.GzipFile(fileobj=file) if path.suffix == ".gz" else file
-                data = opened.read(left + 1)
-        except (OSError, EOFError, zlib.error) as error:
-            raise OutOfReachError(f"cannot read {quote(path.name)}: {error}") from None
-        if len(data) > left:
-            raise OutOfReachError(f"all files together must be at most {MOST_BYTES // 2**20} MB")
+        data = content_of(path, MOST_BYTES - self.bytes)
         self.bytes += len(data)
         try:
             return data.decode("utf-8-sig")
@@ -247,7 +240,9 @@ class _Reader:
         context, found = self.context, self.settings
         if not self.in_world:
             place = next(iter(found.values()), Directive("WorldBegin", ""))
-            context.report.issues.append(Issue("", "has no WorldBegin: there is no scene", place.place))
+            context.report.issues.append(
+                Issue("", "has no WorldBegin: there is no scene", place.place)
+            )
             self.apply_film()
         self.world.close()
         self.spp, sampler = settings.sampler(context, found.get("Sampler"))

@@ -24,7 +24,9 @@ SAMPLERS = {
 }  # fmt: skip
 SAME = ("halton", "independent", "sobol", "stratified")
 #: Integrators that find the same light as paths do, within noise.
-PATHS = ("path", "volpath", "bdpt", "mlt", "simplepath", "simplevolpath", "lightpath", "sppm")
+PATHS = ("path", "volpath", "simplepath", "simplevolpath")
+#: Integrators that start at lights too, and so find caustics of lights without a size.
+FROM_LIGHTS = ("bdpt", "lightpath", "mlt", "sppm")
 #: Far away, pbrt's plane of focus without a lens.
 FAR = 1e6
 
@@ -124,7 +126,10 @@ def _crop(p: Parameters, size: list[int]) -> list[int] | None:
     if found is not None:
         shares = np.clip(found.values, 0.0, 1.0)
         (x0, x1), (y0, y1) = sorted(shares[:2]), sorted(shares[2:])
-        ends = [math.ceil(size[0] * x) for x in (x0, x1)], [math.ceil(size[1] * y) for y in (y0, y1)]
+        ends = (
+            [math.ceil(size[0] * x) for x in (x0, x1)],
+            [math.ceil(size[1] * y) for y in (y0, y1)],
+        )
         p.ignore("cropwindow goes before it", "pixelbounds")
     else:
         found = p.values("pixelbounds", "integer", count=4)
@@ -209,10 +214,12 @@ def integrator(context: Context, directive: Directive | None) -> Data:
     if kind in ("directlighting", "whitted"):
         text = "shows direct light and mirrors only: paths of all kinds are taken"
         context.report.approximated(directive, text)
+    elif kind in FROM_LIGHTS:
+        text = "becomes path, which finds no caustics of lights without a size (point, spot, ...)"
+        context.report.approximated(directive, text)
     elif kind not in PATHS:
-        context.report.unknown(directive, "integrator", kind, PATHS, "path is taken")
-    elif kind not in ("path", "volpath"):
-        context.report.note(directive, "becomes path: the same picture, other noise")
+        known = (*PATHS, *FROM_LIGHTS, "directlighting", "whitted")
+        context.report.unknown(directive, "integrator", kind, known, "path is taken")
     depth = p.integer("maxdepth", 5)
     # pbrt counts bounces, alight the edges of a path after the camera.
     data: Data = {"type": "path", "max_depth": min(max(depth, 0) + 1, 2**16)}

@@ -6,7 +6,6 @@ are turned inside out by a mirror, meshes are not; ``ReverseOrientation`` turns 
 
 from __future__ import annotations
 
-import gzip
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -19,6 +18,7 @@ from alight.scene.formats.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldEr
 from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.pbrt import surfaces
 from alight.scene.formats.pbrt.context import Context, Data
+from alight.scene.formats.pbrt.packed import content_of
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.meshes import mesh_problem
@@ -165,7 +165,7 @@ def _ply_mesh(placed: Placed) -> Mesh | None:
         path = context.reach.find(found.values[0])
         key = (path, placed.reverse, placed.textured)
         if key not in context.loaded:
-            arrays = ply.read(_content(path))._replace(colors=None)
+            arrays = ply.read(content_of(path, MOST_BYTES))._replace(colors=None)
             problem = mesh_problem(arrays)
             if problem:
                 raise SceneError([Issue(*problem)])
@@ -177,23 +177,6 @@ def _ply_mesh(placed: Placed) -> Mesh | None:
         for issue in error.issues:
             p.report.error(found, f"{quote(found.values[0])}: {issue.path} {issue.message}")
     return None
-
-
-def _content(path: object) -> bytes:
-    """The bytes of a file, unpacked; not more than `MOST_BYTES`."""
-    try:
-        with open(str(path), "rb") as file:
-            if str(path).endswith(".gz"):
-                file = gzip.GzipFile(fileobj=file)
-            data = file.read(MOST_BYTES + 1)
-    except (OSError, EOFError) as error:
-        raise SceneError([Issue("", f"cannot be read: {error}")]) from None
-    except Exception as error:
-        # zlib's own kind of error, which is no OSError.
-        raise SceneError([Issue("", f"cannot be unpacked: {error}")]) from None
-    if len(data) > MOST_BYTES:
-        raise SceneError([Issue("", f"must be at most {MOST_BYTES // 2**20} MB")])
-    return data
 
 
 def _loop(placed: Placed) -> Mesh | None:

@@ -126,7 +126,9 @@ def bind(
             context.report.error(parameter, text)
             continue
         name = parameter.values[0]
-        found = [textures[key] for kind in ("spectrum", "float") if (key := (kind, name)) in textures]
+        found = [
+            textures[key] for kind in ("spectrum", "float") if (key := (kind, name)) in textures
+        ]
         if numbers:
             found = found[::-1]
         if found:

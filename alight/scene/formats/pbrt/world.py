@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
-from alight.scene.formats.normals import vertex_normals
 from alight.scene.formats.pbrt import lights, materials, textures
 from alight.scene.formats.pbrt.colors import SPACES
 from alight.scene.formats.pbrt.context import Context, Data
@@ -16,6 +15,7 @@ from alight.scene.formats.pbrt.materials import MaterialItem
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.shapes import Placed
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
+from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.scene.formats.pbrt.state import State
 from alight.scene.formats.pbrt.textures import Source
 from alight.scene.formats.pbrt.transforms import (
@@ -26,12 +26,8 @@ from alight.scene.formats.pbrt.transforms import (
     swaps_handedness,
     translation,
 )
-from alight.shapes.mesh import Mesh
-from alight.shapes.sphere import ellipsoid_area
 
 MOST_LEVELS = 1000
-#: Distance between the two surfaces of a light with two sides, of its size.
-GAP = 1e-5
 _TIMES = {"StartTime": (True, False), "EndTime": (False, True), "All": (True, True)}
 _TARGETS = ("shape", "light", "material", "medium", "texture")
 
@@ -253,7 +249,9 @@ class World:
         if directive.type in self.named:
             self.state.material = self.named[directive.type]
         else:
-            known = unknown_name("material", directive.type, self.named, listed_as="named materials")
+            known = unknown_name(
+                "material", directive.type, self.named, listed_as="named materials"
+            )
             self.context.report.error(directive, known)
 
     def medium(self, directive: Directive) -> None:
@@ -366,18 +364,14 @@ class World:
         shape = node["shape"]
         power = light.pop("power")
         if power > 0.0:
-            whole = np.pi * _area(shape, matrix) * (2.0 if sides else 1.0)
+            whole = np.pi * area_of(shape, matrix) * (2.0 if sides else 1.0)
             light["radiance"] = [c * power / whole if whole else c for c in light["radiance"]]
         node["light"] = light
         self.add(self.nodes, "nodes", directive, node)
-        is_closed = isinstance(shape, dict) and shape["type"] == "sphere"
-        if sides and not is_closed:
+        if sides and not has_one_side(shape):
             text = f"shines from two sides: two surfaces, {GAP:g} of its size apart, are taken"
             self.context.report.approximated(directive, text)
-            back = {**node, "shape": _behind(shape)}
-            if isinstance(shape, dict) and shape["type"] == "disk":
-                back["transform"] = steps(matrix @ translation(0.0, 0.0, _sign(shape) * -GAP))
-            self.add(self.nodes, "nodes", directive, back)
+            self.add(self.nodes, "nodes", directive, back_of(node, matrix))
 
     def begin_object(self, directive: Directive) -> None:
         """Follow ObjectBegin."""
@@ -440,49 +434,6 @@ def _sees_coordinates(context: Context, value: object) -> bool:
         elif isinstance(value, list):
             stack.extend(value)
     return False
-
-
-def _area(shape: Data | Mesh, matrix: np.ndarray) -> float:
-    """Area in m^2 of a shape that a matrix moves."""
-    linear = matrix[:3, :3]
-    if isinstance(shape, Mesh):
-        assert shape.vertices is not None
-        assert shape.faces is not None
-        a, b, c = ((shape.vertices.astype(float) @ linear.T)[shape.faces[:, i]] for i in range(3))
-        return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
-    if shape["type"] == "sphere":
-        return ellipsoid_area(linear * shape["radius"])
-    if shape["type"] == "disk":
-        return float(np.pi * np.linalg.norm(np.cross(linear[:, 0], linear[:, 1])))
-    turn = np.linspace(0.0, 2.0 * np.pi, 1025)
-    circle = shape["radius"] * np.stack([np.cos(turn), np.sin(turn), 0.0 * turn])
-    height = shape["p1"][2] - shape["p0"][2]
-    along = np.cross(np.diff(linear @ circle).T, linear[:, 2] * height)
-    return float(np.linalg.norm(along, axis=1).sum())
-
-
-def _sign(shape: Data) -> float:
-    return -1.0 if shape.get("flip_normals") else 1.0
-
-
-def _behind(shape: Data | Mesh) -> Data | Mesh:
-    """The same surface, just behind itself and turned around."""
-    if isinstance(shape, dict):
-        turned = {k: v for k, v in shape.items() if k != "flip_normals"}
-        if "flip_normals" not in shape:
-            turned["flip_normals"] = True
-        if shape["type"] == "cylinder":
-            turned["radius"] = shape["radius"] * (1.0 - _sign(shape) * GAP)
-        return turned
-    assert shape.vertices is not None
-    assert shape.faces is not None
-    normals = shape.normals
-    if normals is None:
-        normals = vertex_normals(shape.vertices, shape.faces)
-    size = float(np.ptp(shape.vertices, axis=0).max())
-    sign = -1.0 if shape.flip_normals else 1.0
-    moved = shape.vertices - np.float32(sign * GAP * size) * normals
-    return shape.replaced(vertices=moved, flip_normals=not shape.flip_normals)
 
 
 _FOLLOW: dict[str, Callable[[World, Directive], None]] = {
