@@ -31,12 +31,31 @@ Layers = Annotated[
     ),
 ]
 Exposure = Annotated[
-    float, typer.Option(help="Stops, for display formats.", rich_help_panel=_IMAGE)
+    str,
+    typer.Option(
+        metavar="STOPS", help="Stops, or auto, for display formats.", rich_help_panel=_IMAGE
+    ),
+]
+WhiteBalance = Annotated[
+    str,
+    typer.Option(
+        metavar="LIGHT",
+        help="Light that looks white: none, auto, a temperature as 3200K, or its colour as R,G,B.",
+        rich_help_panel=_IMAGE,
+    ),
 ]
 ToneMap = Annotated[
-    str, typer.Option(help="none, reinhard, aces or hable.", rich_help_panel=_IMAGE)
+    str, typer.Option(help="none, reinhard, aces, hable or agx.", rich_help_panel=_IMAGE)
 ]
 Bits = Annotated[int, typer.Option(help="8, or 16 (PNG).", rich_help_panel=_IMAGE)]
+Denoise = Annotated[
+    bool,
+    typer.Option(
+        "--denoise",
+        help="Denoise the picture; EXR keeps the noisy one too. Needs the extra denoise.",
+        rich_help_panel=_IMAGE,
+    ),
+]
 Stats = Annotated[
     Path | None, typer.Option(help="JSON file for times and errors.", rich_help_panel=_IMAGE)
 ]

@@ -107,7 +107,9 @@ def test_objects_are_prototypes():
 
 
 def test_attributes_give_parameters_to_all_that_follows():
-    scene = read('Attribute "shape" "float radius" 3 Shape "sphere" Shape "sphere" "float radius" 4')
+    scene = read(
+        'Attribute "shape" "float radius" 3 Shape "sphere" Shape "sphere" "float radius" 4'
+    )
     assert [n.shape.radius for n in scene.nodes.values()] == [3.0, 4.0]
 
 

@@ -248,10 +248,10 @@ def test_parts_of_shapes_with_formulas_are_meshes():
     assert area(ring) == pytest.approx(3 * math.pi, rel=1e-3)
     tube = node(read('Shape "cylinder" "float phimax" 90')).shape
     assert area(tube) == pytest.approx(math.pi, rel=1e-3)
-    for mesh in (mesh, ring, tube):
-        a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    for part in (mesh, ring, tube):
+        a, b, c = (part.vertices[part.faces[:, i]] for i in range(3))
         across = np.cross(b - a, c - a)
-        assert ((across * mesh.normals[mesh.faces[:, 0]]).sum(axis=1) > -1e-9).all()
+        assert ((across * part.normals[part.faces[:, 0]]).sum(axis=1) > -1e-9).all()
 
 
 def area(mesh: Mesh) -> float:
@@ -345,7 +345,7 @@ def test_edge_of_a_spot_is_nearly_pbrts(cone, delta, most):
     ours = np.clip((light.cutoff_angle - np.degrees(angle)) / edge, 0.0, 1.0)
     assert np.abs(ours - theirs).max() < most
     power = np.trapezoid(ours * np.sin(angle), angle) / np.trapezoid(theirs * np.sin(angle), angle)
-    assert power == pytest.approx(1.0, abs=0.02)
+    assert power == pytest.approx(1.0, abs=0.05)
 
 
 def test_lights_of_shapes():

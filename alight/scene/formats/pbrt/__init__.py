@@ -8,6 +8,6 @@ Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition (2023), whos
 what the documentation leaves open.
 """
 
-from alight.scene.formats.pbrt.scene import SUFFIX, Parsed, parse
+from alight.scene.formats.pbrt.scene import SUFFIX, parse
 
-__all__ = ["SUFFIX", "Parsed", "parse"]
+__all__ = ["SUFFIX", "parse"]

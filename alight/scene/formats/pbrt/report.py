@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.scene.formats.report import Report as AnyReport
 
 
 class Item(Protocol):
@@ -21,26 +22,11 @@ class Item(Protocol):
 
 
 @dataclass
-class Report:
-    """Collects problems and remarks.
+class Report(AnyReport):
+    """Collects problems and remarks about directives and parameters."""
 
-    Attributes
-    ----------
-    lenient : bool
-        Whether what is not covered becomes a remark instead of a problem.
-    issues : list of Issue
-        Problems.
-    notes : list of str
-        What is left out without harm, a line each.
-    warnings : list of str
-        What was approximated, replaced or is suspicious, a line each.
-    """
-
-    lenient: bool = False
-    issues: list[Issue] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    _said: set[tuple[str, str]] = field(default_factory=set)
+    # A file may have as many remarks as shapes.
+    _said: set[str] = field(default_factory=set)
 
     def error(self, item: Item, message: str) -> None:
         """Report a problem, which nothing mends but an edit."""
@@ -71,13 +57,13 @@ class Report:
 
     def note(self, item: Item, text: str) -> None:
         """Remark on something that is left out without harm; once for a place."""
-        self._say(self.notes, item, text)
+        self._say(self.notes, f"{item.place}: {item.label} {text}")
 
     def approximated(self, item: Item, text: str) -> None:
         """Remark on something that changes the picture; once for a place."""
-        self._say(self.warnings, item, text)
+        self._say(self.warnings, f"{item.place}: {item.label} {text}")
 
-    def _say(self, lines: list[str], item: Item, text: str) -> None:
-        if (item.place, text) not in self._said:
-            self._said.add((item.place, text))
-            lines.append(f"{item.place}: {item.label} {text}")
+    def _say(self, lines: list[str], line: str) -> None:
+        if line not in self._said:
+            self._said.add(line)
+            lines.append(line)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, quote
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
+from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.pbrt import settings
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, directives
@@ -28,34 +27,6 @@ MOST_BYTES = 2**29
 #: After so many problems the rest of a file is not looked at.
 MOST_ISSUES = 100
 _UNUSED = {"Accelerator": "alight builds its own", "Option": "it is an option of pbrt"}
-
-
-@dataclass
-class Parsed:
-    """What a file says.
-
-    Attributes
-    ----------
-    data : dict
-        Plain data as of a native file.
-    places : dict of str to str
-        Key path -> ``file:line:column``.
-    issues : list of Issue
-        Problems.
-    notes : list of str
-        What plays no part in the picture.
-    warnings : list of str
-        What was approximated, replaced or is suspicious.
-    spp : int or None
-        Samples per pixel that the file asks for.
-    """
-
-    data: dict[str, Any]
-    places: dict[str, str] = field(default_factory=dict)
-    issues: list[Issue] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    spp: int | None = None
 
 
 def parse(text: str, name: str, folder: Path | None = None, lenient: bool = False) -> Parsed:
@@ -76,9 +47,8 @@ def parse(text: str, name: str, folder: Path | None = None, lenient: bool = Fals
     reader = _Reader(context)
     reader.file(text, name)
     data = reader.finish()
-    places = context.places | {"": f"{name}:1:1"}
-    issues = _in_order(report.issues)
-    return Parsed(data, places, issues, report.notes, report.warnings, reader.spp)
+    report.issues[:] = _in_order(report.issues)
+    return Parsed.of(data, context.places | {"": f"{name}:1:1"}, report, reader.spp)
 
 
 #: What only pbrt 3 has, and what only pbrt 4 has.

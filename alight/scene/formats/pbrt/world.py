@@ -28,6 +28,17 @@ from alight.scene.formats.pbrt.transforms import (
 )
 
 MOST_LEVELS = 1000
+#: What `alight info` counts.
+COUNTED = {
+    "AreaLightSource": "area lights",
+    "LightSource": "lights",
+    "MakeNamedMaterial": "materials",
+    "Material": "materials",
+    "ObjectBegin": "objects",
+    "ObjectInstance": "instances",
+    "Shape": "shapes",
+    "Texture": "textures",
+}
 _TIMES = {"StartTime": (True, False), "EndTime": (False, True), "All": (True, True)}
 _TARGETS = ("shape", "light", "material", "medium", "texture")
 
@@ -76,6 +87,8 @@ class World:
     def follow(self, directive: Directive) -> None:
         """Do what a directive says."""
         self.context.colors.space = self.state.space
+        if directive.name in COUNTED:
+            self.context.report.count(COUNTED[directive.name])
         _FOLLOW[directive.name](self, directive)
 
     # ------------------------------------------------------------ transformations
