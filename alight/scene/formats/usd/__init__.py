@@ -1,0 +1,7 @@
+"""Scenes of OpenUSD (.usd, .usda, .usdc, .usdz), read by Pixar's `usd-core`.
+
+A stage becomes plain data of the native format, so that everything that works on native scenes
+works on these. What is covered is listed in docs/usd.md.
+
+Source: Pixar, OpenUSD documentation (openusd.org): UsdGeom, UsdShade, UsdLux, UsdPreviewSurface 2.6.
+"""
