@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from alight.bsdfs import MODELS
 from alight.core.jit import kernel, specialised
 from alight.core.registry import Models, modules
 from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, maximum, where
 from alight.core.vec import Vec3
 
-#: Slots of a material in `materials.data`, see `stride_of`: a power of two.
-STRIDE = 1 << (max(sum(m.SLOTS.values()) for m in MODELS if hasattr(m, "SLOTS")) - 1).bit_length()
+#: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
+STRIDE = 16
 #: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones.
 TWO_SIDED, MIXED = 1, 2
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
@@ -26,7 +25,7 @@ INNER_INDEX = "inner_index"
 
 
 def stride_of(names: Iterable[str]) -> int:
-    """Slots of a material where models of these names occur: more if a registered one needs it."""
+    """Slots of a material where models of these names occur: more than `STRIDE` if one needs it."""
     models = Models("bsdfs")
     widths = [sum(getattr(models[n], "SLOTS", {}).values()) for n in names if n in models]
     return max(STRIDE, 1 << (max(widths, default=1) - 1).bit_length())

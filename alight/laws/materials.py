@@ -90,9 +90,10 @@ class Material:
         """All parts of it say that all light leaves again."""
         return all(_model(leaf.bsdf).is_lossless(leaf.bsdf) for leaf in leaves(self.spec))
 
-    def is_reciprocal(self) -> bool:
-        """All parts of it say that f(wo, wi) = f(wi, wo)."""
-        return all(_model(leaf.bsdf).is_reciprocal(leaf.bsdf) for leaf in leaves(self.spec))
+    def is_reciprocal(self) -> bool | None:
+        """All parts of it say that f(wo, wi) = f(wi, wo); None if one of them leaves it open."""
+        said = [_model(leaf.bsdf).is_reciprocal(leaf.bsdf) for leaf in leaves(self.spec)]
+        return None if None in said else all(said)
 
     def has_back(self) -> bool:
         """Something happens to light that meets the surface from below."""

@@ -202,11 +202,14 @@ class Remarks:
         What was replaced or is suspicious.
     spp : int, optional
         Samples per pixel that the file asks for.
+    read : tuple of (str, int)
+        Kinds of things that were read, and how many.
     """
 
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     spp: int | None = None
+    read: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)

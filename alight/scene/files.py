@@ -15,9 +15,11 @@ import numpy as np
 from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
-from alight.scene.description import Recipe, Remarks, Scene, Source
+from alight.scene.description import Recipe, Scene, Source
 from alight.scene.dump import dump_scene
 from alight.scene.formats import mitsuba, native, ply
+from alight.scene.formats.models import PARSERS, read_model
+from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.manager import SceneManager
 from alight.scene.validation import find_problems
@@ -25,7 +27,7 @@ from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
 # Files of other programs, which are read but not written.
-FOREIGN = (".xml",)
+FOREIGN = (".xml", *PARSERS)
 # Meshes with more vertices, and pictures with more texels, go into files beside a saved scene.
 MOST_INLINE_VERTICES, MOST_INLINE_TEXELS = 100, 64
 
@@ -48,8 +50,8 @@ def load(
     Parameters
     ----------
     scene : str or path
-        A scene file (``.yaml``, ``.yml``, ``.json``, or Mitsuba's ``.xml``) or the name of a
-        built-in scene.
+        A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, ``.gltf`` or ``.glb``), a
+        model (``.obj``, ``.ply``, ``.stl``), or the name of a built-in scene.
     changes : sequence of str, optional
         ``path.to.key=value`` assignments, as for ``--set``.
     definitions : mapping of str to str, optional
@@ -80,14 +82,20 @@ def load(
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
     else:
         path = Path(name)
-        result = loads(
-            _read(path),
-            name,
-            path.parent,
-            check=not changes,
-            definitions=definitions,
-            lenient=lenient,
-        )
+        if path.suffix.lower() in PARSERS and path.is_file():
+            _refuse_definitions(definitions or {}, name)
+            parsed = read_model(path, name)
+            source = Source(name, path.parent, parsed.places, parsed.remarks)
+            result = _built(parsed.data, parsed.issues, source, check=not changes)
+        else:
+            result = loads(
+                _read(path),
+                name,
+                path.parent,
+                check=not changes,
+                definitions=definitions,
+                lenient=lenient,
+            )
     result = _changed(result, changes) if changes else result
     path = name if is_builtin else str(Path(name).absolute())
     recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient)
@@ -124,6 +132,11 @@ def loads(
         With every problem, each with its place.
     """
     data, found, source = _parse(text, name, folder, definitions or {}, lenient)
+    return _built(data, found, source, check)
+
+
+def _built(data: Any, found: list[Issue], source: Source, check: bool) -> Scene:
+    """A scene of plain data, and problems found so far."""
     builder = Builder(found)
     scene = builder.scene(data).from_source(source)
     issues = builder.issues
@@ -141,15 +154,18 @@ def _parse(
 ) -> tuple[Any, list[Issue], Source]:
     """Plain data, problems so far and the origin, whichever format the text has."""
     if mitsuba.is_xml(text):
-        parsed = mitsuba.parse(text, name, folder, definitions, lenient)
-        remarks = Remarks(tuple(parsed.notes), tuple(parsed.warnings), parsed.spp)
-        return parsed.data, parsed.issues, Source(name, folder, parsed.places, remarks)
+        parsed: Parsed = mitsuba.parse(text, name, folder, definitions, lenient)
+        return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
+    _refuse_definitions(definitions, name)
+    data, places, issues = native.parse(text, name)
+    return data, list(issues), Source(name, folder, places)
+
+
+def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
     if definitions:
         first = next(iter(definitions))
         issue = Issue(f"-D {first}", "only XML files have parameters; use --set path=value", name)
         raise SceneError([issue])
-    data, places, issues = native.parse(text, name)
-    return data, list(issues), Source(name, folder, places)
 
 
 def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
@@ -279,7 +295,7 @@ class _FileWriter:
             return spec
         if image not in self.names:
             name = self.names[image] = self.new_name(key_path, ".npy")
-            np.save(self.target.with_name(name), image.texels, allow_pickle=False)
+            np.save(self.target.with_name(name), image.whole, allow_pickle=False)
         return spec.replaced(file=self.names[image], pixels=None)
 
     def new_name(self, key_path: str, suffix: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,37 +14,10 @@ from alight.scene.formats.mitsuba.context import Context
 from alight.scene.formats.mitsuba.document import Document, read_document
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.report import Report
+from alight.scene.formats.parsed import Parsed
 
 #: Kinds of objects at the top level, in the order in which they are converted.
 TOP = ("sensor", "integrator", "texture", "bsdf", "shape", "emitter")
-
-
-@dataclass
-class Parsed:
-    """What a file says.
-
-    Attributes
-    ----------
-    data : dict
-        Plain data as of a native file.
-    places : dict of str to str
-        Key path -> ``file:line:column``.
-    issues : list of Issue
-        Problems.
-    notes : list of str
-        What plays no part in the picture.
-    warnings : list of str
-        What was replaced or is suspicious.
-    spp : int or None
-        Samples per pixel that the file asks for.
-    """
-
-    data: dict[str, Any]
-    places: dict[str, str] = field(default_factory=dict)
-    issues: list[Issue] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    spp: int | None = None
 
 
 def is_xml(text: str) -> bool:
@@ -84,7 +56,8 @@ def parse(
     _collect_ids(context, objects, document)
     data, spp = _convert(context, objects)
     places = context.places | {"": f"{name}:1:1"}
-    return Parsed(data, places, _in_order(report.issues), report.notes, report.warnings, spp)
+    report.issues = _in_order(report.issues)
+    return Parsed.of(data, places, report, spp)
 
 
 def _in_order(issues: list[Issue]) -> list[Issue]:
@@ -124,6 +97,7 @@ def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], 
     for element in objects:
         if element.tag in by_kind:
             by_kind[element.tag].append(element)
+            context.report.count(f"{element.tag}s")
         else:
             text = unknown_name("element", element.tag, TOP, listed_as="covered")
             context.report.not_covered(element, text, "left out")

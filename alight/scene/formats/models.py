@@ -1,0 +1,40 @@
+"""Files of other programs that are read as bytes, by the ending of their names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from alight.core.errors import Issue, SceneError
+from alight.scene.formats import gltf
+from alight.scene.formats.parsed import Parsed
+
+Parser = Callable[[bytes, str, Path | None], Parsed]
+
+PARSERS: dict[str, Parser] = {".gltf": gltf.parse, ".glb": gltf.parse}
+MOST_BYTES = 2**30
+
+
+def read_model(path: Path, name: str) -> Parsed:
+    """Read a file whose ending is one of `PARSERS`.
+
+    Parameters
+    ----------
+    path : Path
+    name : str
+        How messages call it.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read, or is no scene at all.
+    """
+    try:
+        size = path.stat().st_size
+        if size > MOST_BYTES:
+            text = f"must be at most {MOST_BYTES >> 20} MB, got {size >> 20} MB"
+            raise SceneError([Issue("", text, name)])
+        data = path.read_bytes()
+    except OSError as error:
+        raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
+    return PARSERS[path.suffix.lower()](data, name, path.parent)
