@@ -33,7 +33,6 @@ Kelemen and Szirmay-Kalos 2001 for the diffuse part; Walter et al. 2007 for refr
 
 from __future__ import annotations
 
-from collections import namedtuple
 from typing import Annotated, Literal
 
 from alight.bsdfs.absorption import (
@@ -214,6 +213,7 @@ IRIDESCENCE, FILM_IOR, FILM_THICKNESS = (
 ETA, MODES = _AT["eta"], _AT["modes"]
 TABLE, COAT_TABLE, SHEEN_TABLE = _AT["rows"], _AT["coat_rows"], _AT["sheen_rows"]
 ABSORPTION = _AT["absorption"]
+
 
 def pack(spec: Principled, packer) -> None:
     """Fill the row of one material."""

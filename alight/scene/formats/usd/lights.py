@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pxr import UsdLux
 
 from alight.scene.formats.mitsuba.reach import OutOfReachError
+from alight.scene.formats.usd.library import UsdLux
 from alight.scene.formats.usd.stage import Stage
 from alight.scene.formats.usd.textures import picture_of
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pxr import UsdGeom, UsdShade
-
 from alight.core.errors import nearest, quote
+from alight.scene.formats.usd.library import UsdGeom, UsdShade
 from alight.scene.formats.usd.stage import Stage
 from alight.scene.formats.usd.textures import Textures
 

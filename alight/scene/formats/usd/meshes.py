@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
-from pxr import UsdGeom
 
 from alight.scene.formats.polygons import (
     Polygons,
@@ -14,6 +14,7 @@ from alight.scene.formats.polygons import (
     triangulated,
     vertex_normals,
 )
+from alight.scene.formats.usd.library import UsdGeom
 from alight.scene.formats.usd.stage import Stage
 from alight.shapes.mesh import Mesh
 
@@ -99,7 +100,7 @@ def _problem_of(points: Any, counts: Any, corners: Any) -> str | None:
         return f"faceVertexCounts must not be negative, got {int(counts.min())}"
     if int(counts.sum()) != len(corners):
         return f"faceVertexIndices must have {int(counts.sum())} numbers, got {len(corners)}"
-    if len(corners) and not (0 <= corners.min() and corners.max() < len(points)):
+    if len(corners) and (corners.min() < 0 or corners.max() >= len(points)):
         wrong = int(corners.min() if corners.min() < 0 else corners.max())
         return f"faceVertexIndices must be points, 0 to {len(points) - 1}, got {wrong}"
     if not (np.abs(points) <= 1e15).all():
@@ -182,8 +183,11 @@ def _refined(stage: Stage, mesh: Any, polygons: Polygons) -> Polygons:
         creases, sharpness, pinned,
     )  # fmt: skip
     fine = subdivided(start, levels)
-    words = f"subdivided {levels} times" if levels else "too large to be subdivided"
-    stage.report.approximate(f"{mesh.GetPath()}: a subdivision surface, {words}")
+    if levels == LEVELS:
+        text = f"subdivision surfaces are shown after {levels} steps of Catmull and Clark's"
+    else:
+        text = f"{mesh.GetPath()}: so large that it is subdivided {levels} times only"
+    stage.report.approximate(text)
     smooth = not len(creases)
     if smooth:
         fine.values["normals"] = vertex_normals(fine)[fine.corners]
@@ -200,7 +204,7 @@ def _creases(stage: Stage, mesh: Any) -> tuple[Any, Any]:
     for chain, length in enumerate(lengths):
         part = indices[start : start + length]
         start += length
-        for pair in zip(part[:-1], part[1:], strict=True):
+        for pair in itertools.pairwise(part):
             number = len(edges) if by_edge else chain
             edges.append(pair)
             sharpness.append(min(given[number], _INFINITE) if number < len(given) else _INFINITE)
@@ -264,5 +268,6 @@ def _turned(radii: Any, heights: Any) -> Mesh:
     quads = np.stack([a, b, b + _AROUND, a + _AROUND], axis=-1).reshape(-1, 4)
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     corners = points[faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    sides = corners[:, 1:] - corners[:, :1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     return Mesh(vertices=points.astype(np.float32), faces=faces[area > 0.0].astype(np.int32))

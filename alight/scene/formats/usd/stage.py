@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pxr import Tf, Usd, UsdGeom, UsdUtils
+import numpy as np
 
 from alight.core.errors import Issue, SceneError
 from alight.scene.formats.mitsuba.reach import Reach
 from alight.scene.formats.report import Report
+from alight.scene.formats.usd.library import Tf, Usd, UsdGeom, UsdUtils
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,21 @@ def to_world(stage: Any) -> list[dict[str, Any]]:
     return steps
 
 
+def world_matrix(steps: list[dict[str, Any]]) -> np.ndarray:
+    """The (4, 4) matrix of what `to_world` gives."""
+    matrix = np.eye(4)
+    for step in steps:
+        if "scale" in step:
+            matrix[:3] *= step["scale"]
+        else:
+            # -90 degrees about x: y goes to -z, z to y.
+            matrix = matrix[[0, 2, 1, 3]] * np.array([[1.0], [1.0], [-1.0], [1.0]])
+    return matrix
+
+
 def _first_line(error: object) -> str:
+    """The first of OpenUSD's complaints, without where in its own source it was noticed."""
     text = " ".join(str(error).split())
-    return text[:200] + ("..." if len(text) > 200 else "")
+    found = re.search(r"in file \S+ : '(.*?)'(?: Error in |$)", text)
+    text = found[1] if found else text
+    return text[:300] + ("..." if len(text) > 300 else "")

@@ -10,13 +10,13 @@ import zipfile
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from pxr import UsdGeom, UsdShade
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
 from alight.core.spec import invalid
 from alight.outputs.texels import decode_texels
 from alight.scene.formats.mitsuba.reach import OutOfReachError
+from alight.scene.formats.usd.library import UsdGeom, UsdShade
 from alight.scene.formats.usd.stage import Stage
 from alight.textures.images import as_image, size_problem
 
