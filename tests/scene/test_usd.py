@@ -163,7 +163,7 @@ def test_solids_have_their_size(load, prim, extent):
 
 def test_invisible_and_helping_geometry_is_left_out_and_said(load):
     scene = load(f"""
-def Mesh "shown" {{{SQUARE}}}
+def Mesh "shown" {{{SQUARE}; uniform token model:drawMode = "cards" }}
 def Mesh "hidden" {{{SQUARE} token visibility = "invisible" }}
 def Mesh "helper" {{{SQUARE} uniform token purpose = "guide" }}
 def BasisCurves "hair" {{ int[] curveVertexCounts = [4] }}
@@ -172,6 +172,7 @@ def BasisCurves "hair" {{ int[] curveVertexCounts = [4] }}
     notes = "\n".join(scene.source.remarks.notes)
     assert "/hidden: invisible" in notes
     assert "/helper: guide geometry" in notes
+    assert "model:drawMode: models are shown as they are" in scene.warnings
     assert "/hair: BasisCurves is not covered" in notes
 
 

@@ -103,6 +103,9 @@ class Graph:
             if imageable.ComputePurpose() in _HIDDEN:
                 self.stage.report.drop(f"{prim.GetPath()}: {imageable.ComputePurpose()} geometry")
                 return None
+        mode = self.stage.value(prim.GetAttribute("model:drawMode"), "default")
+        if mode not in ("default", "inherited"):
+            self.stage.report.approximate("model:drawMode: models are shown as they are")
         local = np.eye(4)
         if prim.IsA(UsdGeom.Xformable):
             local = self._local(prim, to_world)
