@@ -1,8 +1,10 @@
 """Descriptions of textures and their pictures -> the tables that kernels read.
 
 `texture_info` holds (kind, start in `texture_data`) for each texture; kind is the index of its
-model in `alight.textures.MODELS`. `texture_data` begins with a blank row: lanes that look at no
-texture, or at one of another kind, read zeros there, from which every model finds valid indices.
+model in `alight.textures.MODELS`. For a texture made of others it holds what
+`alight.textures.composed` says; the steps stand behind all textures. `texture_data` begins with a
+blank row: lanes that look at no texture, or at one of another kind, read zeros there, from which
+every model finds valid indices.
 
 `texels` holds the pictures, each once, in words of 32 bits: three bytes RGB, or floats. Before them
 stands a 0 for blank rows.
@@ -11,7 +13,7 @@ stands a 0 for blank rows.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +22,10 @@ from alight.core.errors import Issue, SceneError
 from alight.core.registry import Models, Numbers
 from alight.core.spec import Texture
 from alight.core.view import View
+from alight.textures.composed import COMPOSED
+from alight.textures.constant import Constant
 from alight.textures.images import Image, decoded_levels
+from alight.textures.nesting import Composed, Value, most
 
 #: Kernels count words with 31 bits.
 MOST_WORDS = 2**31 - 1
@@ -90,23 +95,62 @@ class TextureTable:
     def compiled(self) -> CompiledTextures:
         """Make the tables of all textures that have a number."""
         kinds, models = Numbers("textures"), Models("textures")
-        used = {"constant", *(spec.type_name() for spec in self._numbers)}
-        slots = [getattr(models[name], "SLOTS", {}) for name in used]
-        rows = [np.zeros(max(1, *(sum(s.values()) for s in slots)), np.float32)]
-        info, start = [], rows[0].size
-        for spec in self._numbers:
-            model = models[spec.type_name()]
-            packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self)
-            model.pack(spec, packer)
-            info += [kinds[spec.type_name()], start]
-            rows.append(packer.row)
-            start += packer.size
+        lists = [_steps(spec) for spec in self._numbers]
+        every = [spec for steps in lists for spec in steps]
+        used = {"constant", *(spec.type_name() for spec in every)}
+        features = {name for spec in every for name in _features(models[spec.type_name()], spec)}
+        rows = [np.zeros(max(3, *(sum(_slots(models[n]).values()) for n in used)), np.float32)]
+        starts: dict[Texture, int] = {}
+        end = rows[0].size
+        for spec in every:
+            if spec not in starts:
+                starts[spec] = end
+                rows.append(self._row(spec))
+                end += rows[-1].size
+        heads: list[int] = []
+        below: list[int] = []
+        for steps in lists:
+            words = [w for spec in steps for w in (kinds[spec.type_name()], starts[spec])]
+            if len(steps) > 1:
+                heads += [COMPOSED + len(steps), 2 * len(lists) + len(below)]
+                below += words
+            else:
+                heads += words
         return CompiledTextures(
-            View(np.array(info or [0, 0], np.uint32)),
+            View(np.array([*heads, *below] or [0, 0], np.uint32)),
             View(np.concatenate(rows)),
             View(np.concatenate(self._blocks)),
-            tuple(name for name in kinds if name in used),
+            (*(name for name in kinds if name in used), *sorted(features)),
         )
+
+    def _row(self, spec: Texture) -> np.ndarray:
+        """The numbers of one texture."""
+        if isinstance(spec, Constant):
+            return np.array(spec.color, np.float32)
+        model = Models("textures")[spec.type_name()]
+        packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self)
+        model.pack(spec, packer)
+        return packer.row
+
+
+def _slots(model: Any) -> dict[str, int]:
+    return getattr(model, "SLOTS", {})
+
+
+def _features(model: Any, spec: Texture) -> tuple[str, ...]:
+    return model.features(spec) if hasattr(model, "features") else ()
+
+
+def _steps(spec: Value) -> list[Texture]:
+    """The steps that compute a texture, see `alight.textures.nesting`."""
+    if isinstance(spec, str):
+        raise ValueError(f"the texture name {spec!r} must be resolved before compiling")
+    if isinstance(spec, float | int | tuple):
+        # Parts may exceed 1: only their product is a share of light.
+        return [Constant.model_construct(color=most(spec))]
+    if not isinstance(spec, Composed):
+        return [spec]
+    return [*(step for part in spec.ordered for step in _steps(part)), spec]
 
 
 def packed_bytes(texels: np.ndarray) -> np.ndarray:
