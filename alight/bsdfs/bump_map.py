@@ -61,12 +61,7 @@ class BumpMap(Nested):
 EXAMPLES = (
     BumpMap(),
     BumpMap(texture=Checkerboard(), scale=0.01, bsdf=Diffuse(reflectance=1.0)),
-    BumpMap(
-        texture=Checkerboard(),
-        rims="black",
-        fading=False,
-        bsdf=Diffuse(reflectance=(0.9, 0.5, 0.1)),
-    ),
+    BumpMap(texture=Checkerboard(), rims="black", fading=False, bsdf=Diffuse(reflectance=0.5)),
 )
 
 SLOTS = RELIEF_SLOTS | {"texture": 1}

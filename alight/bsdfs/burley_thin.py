@@ -6,9 +6,10 @@ r"""Burley's thin sheet as Mitsuba has it: paper, leaves, panes and cloth that l
     f_t &= t\, \rho \frac{(1 - F) D'\, G'}{4 \cos\theta_o |\cos\theta_i|}
         + (1 - t)\, d\, \tfrac{\rho}{\pi}
 
-with the glass t, the part d of the rest that goes through, and the lobes of `burley`; what passes is mirrored to the other side, by facets whose roughness is
-multiplied by 0.65 eta - 0.35. Both sides are alike. Reciprocal; sheen comes in addition, so bright
-sheets may send out more than they get.
+with the glass t, the part d of the rest that goes through, and the lobes of `burley`; what passes
+is mirrored to the other side, by facets whose roughness is multiplied by 0.65 eta - 0.35. Both
+sides are alike. Reciprocal; sheen comes in addition, so bright sheets may send out more than they
+get.
 
 Source: Burley 2015, Extending the Disney BRDF to a BSDF; the plug-in ``principledthin`` of
 Mitsuba 3 (https://mitsuba.readthedocs.io).

@@ -61,9 +61,7 @@ class NormalMap(Nested):
 EXAMPLES = (
     NormalMap(texture=(0.65, 0.4, 0.9), bsdf=Diffuse(reflectance=1.0)),
     NormalMap(texture=(0.8, 0.5, 0.7), rims="black", bsdf=Diffuse(reflectance=(0.9, 0.5, 0.1))),
-    NormalMap(
-        texture=(0.3, 0.6, 0.9), rims="folded", bsdf=RoughConductor(alpha_u=0.2, alpha_v=0.5)
-    ),
+    NormalMap(texture=(0.3, 0.6, 0.9), rims="folded", bsdf=RoughConductor(alpha=0.3)),
     NormalMap(texture=(0.6, 0.6, 0.9), scale=0.5, bsdf=Plastic(diffuse_reflectance=1.0)),
 )
 
