@@ -3,6 +3,8 @@
 from alight.bsdfs import (
     blend,
     bump_map,
+    burley,
+    burley_thin,
     conductor,
     dielectric,
     diffuse,
@@ -38,6 +40,8 @@ MODELS = (
     oren_nayar,
     eon,
     principled,
+    burley,
+    burley_thin,
     two_sided,
     null,
     blend,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from alight.core.errors import unknown_name
@@ -189,7 +190,9 @@ def _normal_map(draft: Draft) -> None:
 
 def _bump_map(draft: Draft) -> None:
     p = draft.properties
-    textures = p.take("texture")
+    # Its texture may have any name.
+    names = [name for name, child in p.named.items() if child.tag == "texture"]
+    textures = [*p.take("texture"), *filter(None, (p.find(name) for name in names))]
     if len(textures) != 1:
         draft.context.report.error(draft.element, f"must hold one texture, got {len(textures)}")
     else:
@@ -203,6 +206,43 @@ def _bump_map(draft: Draft) -> None:
 def _as_mitsuba_bends(draft: Draft) -> None:
     """Mitsuba neither moves bent normals towards the viewer nor fades light out."""
     draft.put("rims", "black")
+
+
+def _principled(draft: Draft) -> None:
+    p = draft.properties
+    color_or_texture(draft, "base_color", 0.5)
+    for name in ("metallic", "clearcoat", "clearcoat_gloss"):
+        number_or_texture(draft, name)
+    _burley_lobes(draft)
+    if p.has("eta"):
+        draft.number("ior", 1.5, "eta")
+        if p.has("specular"):
+            draft.context.report.error(draft.element, "takes either eta or specular, got both")
+    else:
+        specular = p.number("specular", 0.5) or 0.0
+        draft.put("ior", 2.0 / (1.0 - math.sqrt(0.08 * max(specular, 0.0))) - 1.0, "specular")
+    rates = "main_specular_sampling_rate", "clearcoat_sampling_rate"
+    p.ignore(_RATES, *rates, "diffuse_reflectance_sampling_rate")
+
+
+def _principled_thin(draft: Draft) -> None:
+    color_or_texture(draft, "base_color", 0.5)
+    number_or_texture(draft, "diff_trans")
+    _burley_lobes(draft)
+    draft.number("ior", 1.5, "eta")
+    kinds = [f"{a}_{b}" for a in ("specular", "diffuse") for b in ("reflectance", "transmittance")]
+    draft.properties.ignore(_RATES, *(f"{kind}_sampling_rate" for kind in kinds))
+
+
+#: Why sampling rates play no part.
+_RATES = "how often a lobe is sampled does not change the picture"
+
+
+def _burley_lobes(draft: Draft) -> None:
+    number_or_texture(draft, "roughness", 0.5)
+    names = "anisotropic", "spec_trans", "spec_tint", "sheen", "sheen_tint", "flatness"
+    for name in names:
+        number_or_texture(draft, name)
 
 
 def _two_sided(draft: Draft) -> None:
@@ -237,6 +277,8 @@ COVERED: dict[str, tuple[str, Callable[[Draft], None]]] = {
     "null": ("null", _nothing),
     "phong": ("phong", _phong),
     "plastic": ("plastic", _plastic),
+    "principled": ("burley", _principled),
+    "principledthin": ("burley_thin", _principled_thin),
     "roughconductor": ("rough_conductor", _rough_conductor),
     "roughdielectric": ("rough_dielectric", _rough_dielectric),
     "roughplastic": ("rough_plastic", _rough_plastic),
