@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.media.volumes import holds_volume
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Recipe, Scene, Source
 from alight.scene.dump import dump_scene
-from alight.scene.formats import mitsuba, native, ply
+from alight.scene.formats import mitsuba, native, pbrt, ply
 from alight.scene.formats.models import PARSERS, read_model
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.triangles import MeshArrays
@@ -27,7 +28,7 @@ from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
 # Files of other programs, which are read but not written.
-FOREIGN = (".xml", *PARSERS)
+FOREIGN = (".xml", pbrt.SUFFIX, *PARSERS)
 # Meshes with more vertices, and pictures with more texels, go into files beside a saved scene.
 MOST_INLINE_VERTICES, MOST_INLINE_TEXELS = 100, 64
 
@@ -50,14 +51,15 @@ def load(
     Parameters
     ----------
     scene : str or path
-        A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, ``.gltf`` or ``.glb``), a
-        model (``.obj``, ``.ply``, ``.stl``), or the name of a built-in scene.
+        A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, pbrt's ``.pbrt``,
+        ``.gltf`` or ``.glb``), a model (``.obj``, ``.ply``, ``.stl``), or the name of a built-in
+        scene.
     changes : sequence of str, optional
         ``path.to.key=value`` assignments, as for ``--set``.
     definitions : mapping of str to str, optional
         Values of the ``$names`` of an XML file, as for ``-D``.
     lenient : bool, default False
-        Replace what an XML file asks for and alight lacks, instead of refusing the file;
+        Replace what a foreign file asks for and alight lacks, instead of refusing it;
         `Scene.warnings` lists it.
 
     Returns
@@ -111,7 +113,7 @@ def loads(
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
 ) -> Scene:
-    """Load a scene from text, in the native format or in Mitsuba's.
+    """Load a scene from text, in the native format, in Mitsuba's, or, by its name, in pbrt's.
 
     Parameters
     ----------
@@ -157,6 +159,9 @@ def _parse(
         parsed: Parsed = mitsuba.parse(text, name, folder, definitions, lenient)
         return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
     _refuse_definitions(definitions, name)
+    if name.lower().endswith(pbrt.SUFFIX):
+        parsed = pbrt.parse(text, name, folder, lenient)
+        return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
     data, places, issues = native.parse(text, name)
     return data, list(issues), Source(name, folder, places)
 
@@ -292,7 +297,18 @@ class _FileWriter:
                 return spec
             absolute = (self.folder / spec.file).resolve()
             return spec.replaced(file=_relative(absolute, self.target.parent.resolve()))
-        return self.mesh(spec, key_path) if isinstance(spec, Mesh) else self.picture(spec, key_path)
+        if isinstance(spec, Mesh):
+            return self.mesh(spec, key_path)
+        return self.volume(spec, key_path) if holds_volume(spec) else self.picture(spec, key_path)
+
+    def volume(self, spec: Any, key_path: str) -> Any:
+        volume = spec.values
+        if volume is None or volume.cells <= MOST_INLINE_TEXELS:
+            return spec
+        if volume not in self.names:
+            name = self.names[volume] = self.new_name(key_path, ".npy")
+            np.save(self.target.with_name(name), volume.values[..., 0], allow_pickle=False)
+        return spec.replaced(file=self.names[volume], values=None)
 
     def mesh(self, mesh: Mesh, key_path: str) -> Mesh:
         assert mesh.vertices is not None
