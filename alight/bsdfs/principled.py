@@ -215,7 +215,6 @@ ETA, MODES = _AT["eta"], _AT["modes"]
 TABLE, COAT_TABLE, SHEEN_TABLE = _AT["rows"], _AT["coat_rows"], _AT["sheen_rows"]
 ABSORPTION = _AT["absorption"]
 
-
 def pack(spec: Principled, packer) -> None:
     """Fill the row of one material."""
     for name in ("base_color", "specular_color", "sheen_color"):

@@ -1,4 +1,4 @@
-"""Pictures with media: the same bits at any scale, machine code as the twin, without media `path`."""
+"""Pictures with media: the same bits at any scale, as the twin has them; without media `path`."""
 
 import numpy as np
 import pytest
