@@ -18,7 +18,7 @@ from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Recipe, Scene, Source
 from alight.scene.dump import dump_scene
-from alight.scene.formats import mitsuba, native, ply
+from alight.scene.formats import mitsuba, native, pbrt, ply
 from alight.scene.formats.models import PARSERS, read_model
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.triangles import MeshArrays
@@ -28,7 +28,7 @@ from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
 # Files of other programs, which are read but not written.
-FOREIGN = (".xml", *PARSERS)
+FOREIGN = (".xml", pbrt.SUFFIX, *PARSERS)
 # Meshes with more vertices, and pictures with more texels, go into files beside a saved scene.
 MOST_INLINE_VERTICES, MOST_INLINE_TEXELS = 100, 64
 
@@ -51,14 +51,15 @@ def load(
     Parameters
     ----------
     scene : str or path
-        A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, ``.gltf`` or ``.glb``), a
-        model (``.obj``, ``.ply``, ``.stl``), or the name of a built-in scene.
+        A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, pbrt's ``.pbrt``,
+        ``.gltf`` or ``.glb``), a model (``.obj``, ``.ply``, ``.stl``), or the name of a built-in
+        scene.
     changes : sequence of str, optional
         ``path.to.key=value`` assignments, as for ``--set``.
     definitions : mapping of str to str, optional
         Values of the ``$names`` of an XML file, as for ``-D``.
     lenient : bool, default False
-        Replace what an XML file asks for and alight lacks, instead of refusing the file;
+        Replace what a foreign file asks for and alight lacks, instead of refusing it;
         `Scene.warnings` lists it.
 
     Returns
@@ -112,7 +113,7 @@ def loads(
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
 ) -> Scene:
-    """Load a scene from text, in the native format or in Mitsuba's.
+    """Load a scene from text, in the native format, in Mitsuba's, or, by its name, in pbrt's.
 
     Parameters
     ----------
@@ -158,6 +159,9 @@ def _parse(
         parsed: Parsed = mitsuba.parse(text, name, folder, definitions, lenient)
         return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
     _refuse_definitions(definitions, name)
+    if name.lower().endswith(pbrt.SUFFIX):
+        parsed = pbrt.parse(text, name, folder, lenient)
+        return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
     data, places, issues = native.parse(text, name)
     return data, list(issues), Source(name, folder, places)
 
@@ -172,11 +176,28 @@ def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
 def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
     manager = SceneManager(scene)
     for assignment in changes:
-        manager.set_value(assignment)
+        manager.set_value(_with_camera_path(manager.scene, assignment))
     issues = find_problems(manager.scene)
     if issues:
         raise SceneError([manager.scene.source.located(issue) for issue in issues])
     return manager.scene
+
+
+def _with_camera_path(scene: Scene, assignment: str) -> str:
+    """Put the path of a camera's node into the place of its number or its last name."""
+    key, _, wanted = assignment.partition("=")
+    if key.strip() != "camera":
+        return assignment
+    wanted = wanted.strip()
+    paths = [path for path, _, node in scene.walk() if node.camera is not None]
+    named = [path for path in paths if path.rpartition("/")[2] == wanted]
+    if wanted.isdigit() and wanted not in paths:
+        if int(wanted[:9]) >= len(paths):
+            held = ", ".join(paths) or "none"
+            text = f"must be below the number of camera nodes, {len(paths)}, got {wanted}"
+            raise SceneError([Issue("camera", f"{text}  (cameras: {held})")])
+        named = [paths[int(wanted)]]
+    return f'camera="{named[0]}"' if len(named) == 1 and wanted not in paths else assignment
 
 
 def _read(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Pictures with media: the same bits at any scale, as the twin has them; without media `path`."""
+"""Pictures with media: bits at any scale and in the twin; without media those of `path`."""
 
 import numpy as np
 import pytest
