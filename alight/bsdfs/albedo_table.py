@@ -41,12 +41,13 @@ ROW = 7 * STEPS + 2
 #: Numbers of the curves, and where the means stand.
 WHITE, REFLECTED, REFRACTED, PASSED, INNER = 0, 1, 2, 3, 3
 MEANS = 7 * STEPS
-#: Rows where the roughness is textured.
+#: Rows where the roughness varies, and points and generator of the lattice for each of them.
 ROWS = 48
+FEWER = 987, 610
 #: Smoother facets are mirrors to float32.
 LEAST_ALPHA = 1e-3
 #: What programs call it that a table has more than one row.
-MANY_ROWS = "albedo:textured"
+MANY_ROWS = "albedo:rows"
 
 
 # ---------------------------------------------------------------- on the host
@@ -64,10 +65,10 @@ def _cosines() -> Array:
     return np.maximum(np.linspace(0.0, 1.0, STEPS) ** 4, 1e-7)
 
 
-def _curves(alpha: float, eta: float, refracts: bool) -> list[Array]:
+def _curves(alpha: float, eta: float, refracts: bool, lattice: tuple[int, ...]) -> list[Array]:
     """W, R, T and V seen from the side against which the other one has the index eta."""
     mu = _cosines()
-    seen = ggx_facets(mu, alpha)
+    seen = ggx_facets(mu, alpha, *lattice)
     c, weight = seen.cosine, seen.weight
     fresnel, cos_t = fresnel_dielectric(c, eta)
     back = weight * _visible(2.0 * c * seen.z - mu[:, None], alpha)
@@ -88,7 +89,9 @@ def _mean(curve: Array) -> float:
 
 
 @lru_cache(maxsize=256)
-def albedo_row(alpha: float, eta: float, refracts: bool) -> NDArray[np.float32]:
+def albedo_row(
+    alpha: float, eta: float, refracts: bool, lattice: tuple[int, ...] = ()
+) -> NDArray[np.float32]:
     """Numbers of GGX facets.
 
     Parameters
@@ -99,21 +102,23 @@ def albedo_row(alpha: float, eta: float, refracts: bool) -> NDArray[np.float32]:
         Index inside over that outside.
     refracts : bool
         Whether the curves of light that passes are needed; else they are 0.
+    lattice : (points, generator), optional
+        Of the facets; (4181, 2584) by default.
 
     Returns
     -------
     (ROW,) float32
         Within 1e-4.
     """
-    curves = _curves(alpha, eta, refracts)
-    inside = _curves(alpha, 1.0 / eta, True)[1:] if refracts else [np.zeros(STEPS)] * 3
+    curves = _curves(alpha, eta, refracts, lattice)
+    inside = _curves(alpha, 1.0 / eta, True, lattice)[1:] if refracts else [np.zeros(STEPS)] * 3
     row = [*curves, *inside, [_mean(curves[0]), _mean(curves[1])]]
     return np.concatenate(row).astype(np.float32)
 
 
 @lru_cache(maxsize=16)
 def albedo_rows(alpha: float | None, eta: float, refracts: bool) -> NDArray[np.float32]:
-    """Rows of facets: one, or where their roughness is textured `ROWS`.
+    """Rows of facets: one, or where their roughness varies (None) `ROWS`.
 
     Row i of many holds alpha = (i / (ROWS - 1))^2, at least `LEAST_ALPHA`.
     """
@@ -121,21 +126,30 @@ def albedo_rows(alpha: float | None, eta: float, refracts: bool) -> NDArray[np.f
         return albedo_row(alpha, eta, refracts)
     roots = np.linspace(0.0, 1.0, ROWS)
     return np.concatenate(
-        [albedo_row(max(float(r * r), LEAST_ALPHA), eta, refracts) for r in roots]
+        [albedo_row(max(float(r * r), LEAST_ALPHA), eta, refracts, FEWER) for r in roots]
     )
 
 
 # ---------------------------------------------------------------- in kernels
 
-#: Where the rows of some facets are: table, start of a row, distance to the next row, part of that.
+#: Rows of a table: where the first one starts, and the number of the last one (a float).
+Table = namedtuple("Table", "curves start last")
+#: One place between two rows: start of the first, distance to the second, part of that.
 Rows = namedtuple("Rows", "curves row step part")
 #: A cosine's place in a row: number of the point before it, and the part of the next one.
 Place = namedtuple("Place", "index part")
 
 
+@kernel
+def load_table(scene, slot):
+    """The `Table` whose start and last row stand in two slots."""
+    data = scene.materials.data
+    return Table(scene.materials.curves, to_uint(gather(data, slot)), gather(data, slot + 1))
+
+
 @specialised
-def load_rows(program):
-    """``(scene, slot, root, size) -> Rows``: slots hold the start of a table and its last row.
+def rows_at(program):
+    """``(table, root, size) -> Rows``.
 
     `root` is the coordinate in [0, 1] along which rows stand, `size` their length.
     """
@@ -143,20 +157,17 @@ def load_rows(program):
 
 
 @kernel
-def _one_row(scene, slot, root, size):
-    row = to_uint(gather(scene.materials.data, slot))
-    return Rows(scene.materials.curves, row, lanes_u32(0), lanes(0.0))
+def _one_row(table, root, size):
+    return Rows(table.curves, table.start, lanes_u32(0), lanes(0.0))
 
 
 @kernel
-def _many_rows(scene, slot, root, size):
-    last = gather(scene.materials.data, slot + 1)
-    x = minimum(maximum(root, 0.0), 1.0) * last
-    i = to_uint(minimum(x, maximum(last - 1.0, 0.0)))
-    row = to_uint(gather(scene.materials.data, slot)) + i * size
+def _many_rows(table, root, size):
+    x = minimum(maximum(root, 0.0), 1.0) * table.last
+    i = to_uint(minimum(x, maximum(table.last - 1.0, 0.0)))
     # A table of one row has no next one.
-    step = to_uint(minimum(last, 1.0)) * size
-    return Rows(scene.materials.curves, row, step, x - to_float(i))
+    step = to_uint(minimum(table.last, 1.0)) * size
+    return Rows(table.curves, table.start + i * size, step, x - to_float(i))
 
 
 @specialised

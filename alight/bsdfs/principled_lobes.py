@@ -14,10 +14,12 @@ from alight.bsdfs.albedo_table import (
     PASSED,
     REFLECTED,
     REFRACTED,
+    ROW,
     WHITE,
     place_of,
     read_curve,
     read_row,
+    rows_at,
 )
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
@@ -35,6 +37,7 @@ from alight.core.simd import (
     lanes_vec3,
     maximum,
     minimum,
+    sqrt,
     where,
 )
 from alight.core.vec import (
@@ -57,11 +60,11 @@ COAT_IOR = 1.5
 #: Least probability of the facets, before all are scaled to add up to 1.
 LEAST_SHARE = 0.02
 
-#: Parameters at a point: base and specular_color are colours, facets and rows those of the base,
+#: Parameters at a point: base and specular_color are colours, facets and table those of the base,
 #: thin and compensated masks; the last three are lobes or nothing.
 Params = namedtuple(
     "PrincipledParams",
-    "base metallic facets turn rows eta specular specular_color transmission thin compensated "
+    "base metallic facets turn table eta specular specular_color transmission thin compensated "
     "coat sheen film",
 )
 #: Where the facets' long axis lies: sine and cosine of its angle from the tangent.
@@ -71,14 +74,15 @@ Coat = namedtuple("Coat", "strength facets rows")
 Sheen = namedtuple("Sheen", "color roughness rows")
 Film = namedtuple("Film", "share ior thickness")
 
-#: What follows from the viewer's direction `wo`, which is above the surface. seen: from `wo`, which
-#: is the normal where not; below: wo was mirrored; inside: and the surface bounds a body; eta: index
-#: beyond the surface over that before it; a, b: Fresnel's term of plastic and glass is a + b F;
-#: metal, glass, diffuse: their factors; coat, sheen, base: what each layer gets of the light;
-#: to_coat, to_sheen, to_facets, to_diffuse: probabilities.
+#: What follows from the viewer's direction `wo`, which is above the surface. rows: of the
+#: albedos from there; seen: from `wo`, which is the normal where not; below: wo was mirrored;
+#: inside: and the surface bounds a body; eta: index beyond the surface over that before it; a, b:
+#: Fresnel's term of plastic and glass is a + b F; metal, glass, diffuse: their factors; coat,
+#: sheen, base: what each layer gets of the light; to_coat, to_sheen, to_facets, to_diffuse:
+#: probabilities.
 View = namedtuple(
     "View",
-    "wo seen below inside eta a b metal glass diffuse coat sheen base "
+    "wo rows seen below inside eta a b metal glass diffuse coat sheen base "
     "to_coat to_sheen to_facets to_diffuse",
 )
 
@@ -195,17 +199,40 @@ def _one_side(params, wo):
 
 
 @specialised
+def _rows_from(program):
+    """``(params, w) -> Rows`` of the base's albedos, seen from w."""
+    return _rows_of_anisotropic if ANISOTROPIC in program.bsdfs else _rows_of_isotropic
+
+
+@kernel
+def _rows_of_isotropic(params, w):
+    return rows_at(params.table, sqrt(params.facets.alpha_x), ROW)
+
+
+@kernel
+def _rows_of_anisotropic(params, w):
+    # Isotropic facets that lose less than these do, from any side: a fit from below.
+    ax, ay = params.facets.alpha_x, params.facets.alpha_y
+    part = 0.4 * w.z * minimum(4.0 * w.z, 1.0)
+    squared = ay * ay + part * (ax * ax - ay * ay)
+    # Seen edge-on they lose even less than the smoother ones.
+    edge = 1.0 - 0.75 * (1.0 - ay / ax) * maximum(1.0 - 8.0 * w.z, 0.0)
+    squared = squared * (edge * edge)
+    return rows_at(params.table, sqrt(sqrt(maximum(squared, 0.0))), ROW)
+
+
+@specialised
 def _glass_scale(program):
-    """``(params, place, inside, a, b, W, share) -> Vec3``: what makes glass lossless."""
+    """``(params, rows, place, inside, a, b, W, share) -> Vec3``: what makes glass lossless."""
     if GLASS not in program.bsdfs:
         return _no_glass
 
     @kernel
-    def scale(params, place, inside, a, b, white, share):
+    def scale(params, rows, place, inside, a, b, white, share):
         side = where(inside, lanes_u32(3), lanes_u32(0))
-        reflected = read_curve(params.rows, side + REFLECTED, place)
-        refracted = read_curve(params.rows, side + REFRACTED, place)
-        passed = read_curve(params.rows, side + PASSED, place)
+        reflected = read_curve(rows, side + REFLECTED, place)
+        refracted = read_curve(rows, side + REFRACTED, place)
+        passed = read_curve(rows, side + PASSED, place)
         total = passed + a * (white - passed) + b * (reflected + refracted - passed)
         # A film's share of the light is not known here; neither way loses less than this.
         total = _mixed(share, total, lanes_vec3(1.0) * maximum(white, passed))
@@ -217,7 +244,7 @@ def _glass_scale(program):
 
 
 @kernel
-def _no_glass(params, place, inside, a, b, white, share):
+def _no_glass(params, rows, place, inside, a, b, white, share):
     return lanes_vec3(1.0)
 
 
@@ -267,12 +294,12 @@ def _view(params, wo):
     seen = wo.z > 0.0
     wo = where(seen, wo, Vec3(0.0, 0.0, 1.0))
     eta = where(inside, 1.0 / params.eta, params.eta)
-    place = place_of(wo.z)
-    white = maximum(read_curve(params.rows, lanes_u32(WHITE), place), 1e-3)
-    reflected = read_curve(params.rows, lanes_u32(REFLECTED), place)
+    place, rows = place_of(wo.z), _rows_from(params, wo)
+    white = maximum(read_curve(rows, lanes_u32(WHITE), place), 1e-3)
+    reflected = read_curve(rows, lanes_u32(REFLECTED), place)
     a, b = _plain_terms(params, inside)
     share, film = _film_reflectance(params, inside, a, b, wo.z)
-    glass = _glass_scale(params, place, inside, a, b, white, share)
+    glass = _glass_scale(params, rows, place, inside, a, b, white, share)
     # Rough facets see a film at other angles too: a margin, so that no light is made.
     margin = 0.1 * maximum(params.facets.alpha_x, params.facets.alpha_y)
     bright = film + margin
@@ -288,8 +315,8 @@ def _view(params, wo):
     base = under_coat * (1.0 - max_component(sheen) * sheen_own)
     rest = 1.0 - params.metallic
     matte = where(inside, 0.0, rest * (1.0 - params.transmission))
-    mean = a * read_row(params.rows, lanes_u32(MEANS))
-    mean = mean + b * read_row(params.rows, lanes_u32(MEANS + 1))
+    mean = a * read_row(rows, lanes_u32(MEANS))
+    mean = mean + b * read_row(rows, lanes_u32(MEANS + 1))
     # What a film takes is not split between both directions.
     split = _mixed(share, lanes_vec3(1.0) - mean, lanes_vec3(1.0))
     diffuse = params.base * (lanes_vec3(1.0) - taken) * matte / split
@@ -302,7 +329,8 @@ def _view(params, wo):
     matte_light = base * matte * luminance(params.base) * (1.0 - luminance(taken))
     per_total = 1.0 / (to_coat + to_sheen + facets + maximum(matte_light, 0.0))
     return View(
-        wo, seen, below, inside, eta, a, b, metal, glass, diffuse, coat, sheen * under_coat, base,
+        wo, rows, seen, below, inside, eta, a, b, metal, glass, diffuse,
+        coat, sheen * under_coat, base,
         to_coat * per_total, to_sheen * per_total, facets * per_total,
         maximum(matte_light, 0.0) * per_total,
     )  # fmt: skip
@@ -441,9 +469,9 @@ def _nothing(params, view, wi):
 @kernel
 def _diffuse_factor(params, view, wi):
     """f / (diffuse / pi): what enters the plastic on the way of wi."""
-    place = place_of(wi.z)
-    white = read_curve(params.rows, lanes_u32(WHITE), place)
-    reflected = read_curve(params.rows, lanes_u32(REFLECTED), place)
+    place, rows = place_of(wi.z), _rows_from(params, wi)
+    white = read_curve(rows, lanes_u32(WHITE), place)
+    reflected = read_curve(rows, lanes_u32(REFLECTED), place)
     left = lanes_vec3(1.0) - (view.a * white + view.b * reflected)
     return _without_film(params, left)
 

@@ -25,6 +25,7 @@ from alight.core.maths import exp, sincos
 from alight.core.simd import maximum, minimum, sqrt, where
 from alight.core.vec import Vec3
 
+
 @kernel
 def _gaussian(height, place, width, phase, shift):
     # Beyond 1e4 radians the envelope has long vanished.
@@ -88,9 +89,7 @@ def film_fresnel(cos_1, eta2, thickness, f0):
     difference = 2e-9 * eta2 * thickness * cos_2
     both = minimum(r12, 0.9999) * r23
     inner = Vec3(_root(both.x), _root(both.y), _root(both.z))
-    rs = Vec3(
-        t * t * x / (1.0 - both.x), t * t * y / (1.0 - both.y), t * t * z / (1.0 - both.z)
-    )
+    rs = Vec3(t * t * x / (1.0 - both.x), t * t * y / (1.0 - both.y), t * t * z / (1.0 - both.z))
     total = r12 + rs
     order = (rs - t) * inner
     total = total + 2.0 * (order * _response(difference, shift))

@@ -18,7 +18,7 @@ from pydantic import model_validator
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA
-from alight.bsdfs.switch import concentration, refracts
+from alight.bsdfs.switch import absorbs, concentration, refracts, transmittance
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
@@ -139,6 +139,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     add_direct_light = _write_add_direct_light(light_weight, by_light, listeners)
     play_roulette = _write_play_roulette(refracts(program))
     recorded, meet = record is not None, listeners.meet
+    through = _write_through(absorbs(program))
 
     @kernel
     def path_step(scene, settings, path):
@@ -157,6 +158,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
 
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
+        path = through(scene, surface, wo, hit.t, active, path)
         if recorded:
             meet(scene, surface, depth)
 
@@ -197,6 +199,27 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         )  # fmt: skip
 
     return path_step
+
+
+def _write_through(absorbing):
+    """``(scene, surface, wo, t, active, path) -> path``: dimmed by what it came through."""
+    if not absorbing:
+        return _unchanged
+
+    @kernel
+    def through(scene, surface, wo, t, active, path):
+        dimmed = path.beta * transmittance(scene, surface, wo, where(active, t, 0.0))
+        return WalkPath(
+            path.o, path.d, path.p, path.L, path.L_direct, where(active, dimmed, path.beta),
+            path.pdf, path.delta, path.depth, path.sampler, path.active, path.rays,
+        )  # fmt: skip
+
+    return through
+
+
+@kernel
+def _unchanged(scene, surface, wo, t, active, path):
+    return path
 
 
 #: The kernels of `alight.integrators.contributions`, or nothing in the place of each.

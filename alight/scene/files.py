@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.media.volumes import holds_volume
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Recipe, Scene, Source
@@ -175,11 +176,28 @@ def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
 def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
     manager = SceneManager(scene)
     for assignment in changes:
-        manager.set_value(assignment)
+        manager.set_value(_with_camera_path(manager.scene, assignment))
     issues = find_problems(manager.scene)
     if issues:
         raise SceneError([manager.scene.source.located(issue) for issue in issues])
     return manager.scene
+
+
+def _with_camera_path(scene: Scene, assignment: str) -> str:
+    """Put the path of a camera's node into the place of its number or its last name."""
+    key, _, wanted = assignment.partition("=")
+    if key.strip() != "camera":
+        return assignment
+    wanted = wanted.strip()
+    paths = [path for path, _, node in scene.walk() if node.camera is not None]
+    named = [path for path in paths if path.rpartition("/")[2] == wanted]
+    if wanted.isdigit() and wanted not in paths:
+        if int(wanted[:9]) >= len(paths):
+            held = ", ".join(paths) or "none"
+            text = f"must be below the number of camera nodes, {len(paths)}, got {wanted}"
+            raise SceneError([Issue("camera", f"{text}  (cameras: {held})")])
+        named = [paths[int(wanted)]]
+    return f'camera="{named[0]}"' if len(named) == 1 and wanted not in paths else assignment
 
 
 def _read(path: Path) -> str:
@@ -279,7 +297,18 @@ class _FileWriter:
                 return spec
             absolute = (self.folder / spec.file).resolve()
             return spec.replaced(file=_relative(absolute, self.target.parent.resolve()))
-        return self.mesh(spec, key_path) if isinstance(spec, Mesh) else self.picture(spec, key_path)
+        if isinstance(spec, Mesh):
+            return self.mesh(spec, key_path)
+        return self.volume(spec, key_path) if holds_volume(spec) else self.picture(spec, key_path)
+
+    def volume(self, spec: Any, key_path: str) -> Any:
+        volume = spec.values
+        if volume is None or volume.cells <= MOST_INLINE_TEXELS:
+            return spec
+        if volume not in self.names:
+            name = self.names[volume] = self.new_name(key_path, ".npy")
+            np.save(self.target.with_name(name), volume.values[..., 0], allow_pickle=False)
+        return spec.replaced(file=self.names[volume], values=None)
 
     def mesh(self, mesh: Mesh, key_path: str) -> Mesh:
         assert mesh.vertices is not None

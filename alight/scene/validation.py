@@ -14,8 +14,10 @@ from alight.core.errors import Issue, SceneError, join_path, show_value, unknown
 from alight.core.spec import Bsdf, Light, Spec, Texture, energy_problem, texture_interval
 from alight.scene.description import Node, Scene
 from alight.scene.images import ImageStore
+from alight.scene.media import media_problems
 from alight.scene.meshes import MeshStore, surface_area
 from alight.scene.transform import Matrix, is_singular
+from alight.scene.volumes import VolumeStore
 from alight.shapes.mesh import Mesh
 from alight.textures import nesting as textures
 
@@ -24,7 +26,10 @@ MOST_LEVELS = 24
 
 
 def find_problems(
-    scene: Scene, store: MeshStore | None = None, images: ImageStore | None = None
+    scene: Scene,
+    store: MeshStore | None = None,
+    images: ImageStore | None = None,
+    volumes: VolumeStore | None = None,
 ) -> list[Issue]:
     """List everything that keeps a scene from being rendered.
 
@@ -36,6 +41,8 @@ def find_problems(
         Reads the meshes; an own one by default.
     images : ImageStore, optional
         Reads the pictures; an own one by default.
+    volumes : VolumeStore, optional
+        Reads the grids; an own one by default.
 
     Returns
     -------
@@ -50,7 +57,7 @@ def find_problems(
     checker.check_environment()
     checker.check_nodes()
     checker.check_camera()
-    return checker.issues
+    return checker.issues + media_problems(scene, volumes or VolumeStore(folder))
 
 
 @dataclass

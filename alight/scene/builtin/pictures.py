@@ -13,7 +13,7 @@ than it. Its irradiance is about three times that of the sky.
 
 ``builtin:studio`` is a room for a single object: a wide soft box overhead and to the left of the
 front (+z), a weaker one to the right, a strip behind, soft grey walls that grow darker downwards.
-Its mean radiance is 1 upwards, so that white paper looks white.
+White paper shows 0.9 where it faces the light, 0.6 in front.
 
 ``builtin:zone-plate`` is a test picture of rings that grow finer with the distance from a corner.
 
@@ -41,9 +41,9 @@ WIDTH, HEIGHT = 1024, 512
 STUDIO_ROWS, WALLS = 128, (0.94, 0.97, 1.0)
 #: Direction (+x right, +y up, +z front), angle to the edge (degrees), radiance, colour.
 SOFT_BOXES = (
-    ((-0.8, 1.0, 0.7), 34.0, 6.0, (1.0, 0.96, 0.9)),
-    ((1.0, 0.45, 0.5), 24.0, 2.0, (0.9, 0.95, 1.0)),
-    ((0.3, 0.6, -1.0), 20.0, 3.0, (1.0, 1.0, 1.0)),
+    ((-0.8, 1.0, 0.7), 34.0, 3.4, (1.0, 0.96, 0.9)),
+    ((1.0, 0.45, 0.5), 24.0, 1.2, (0.9, 0.95, 1.0)),
+    ((0.3, 0.6, -1.0), 20.0, 1.8, (1.0, 1.0, 1.0)),
 )
 RINGS = 1024  # texels on the side of the zone plate
 SUN_HEIGHT, SUN_AZIMUTH, SUN_RADIUS = 38.0, 140.0, 0.6  # degrees
@@ -84,7 +84,7 @@ def studio() -> NDArray[np.float32]:
     azimuth = (np.arange(2 * STUDIO_ROWS) + 0.5) * (np.pi / STUDIO_ROWS)
     theta = (np.arange(STUDIO_ROWS) * (np.pi / (STUDIO_ROWS - 1)))[:, None]
     x, y, z = np.sin(theta) * np.sin(azimuth), np.cos(theta), -np.sin(theta) * np.cos(azimuth)
-    walls = 0.25 + 0.35 * _smoothstep(y, -0.6, 1.0)
+    walls = 0.15 + 0.2 * _smoothstep(y, -0.6, 1.0)
     picture = _spread(walls * np.ones_like(x), WALLS)
     for (right, up, front), width, strength, color in SOFT_BOXES:
         size = np.sqrt(right * right + up * up + front * front)

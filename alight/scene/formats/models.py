@@ -6,12 +6,32 @@ from collections.abc import Callable
 from pathlib import Path
 
 from alight.core.errors import Issue, SceneError
-from alight.scene.formats import gltf
+from alight.scene.formats import gltf, mesh_scene, obj_scene
 from alight.scene.formats.parsed import Parsed
 
 Parser = Callable[[bytes, str, Path | None], Parsed]
 
-PARSERS: dict[str, Parser] = {".gltf": gltf.parse, ".glb": gltf.parse}
+
+def _read_usd(data: bytes, name: str, folder: Path | None) -> Parsed:
+    """Read a file of OpenUSD, if the package for it is there."""
+    import importlib.util
+
+    if importlib.util.find_spec("pxr") is None:
+        text = "OpenUSD needs the package usd-core: pip install 'alight[usd]'"
+        raise SceneError([Issue("", text, name)])
+    from alight.scene.formats.usd.scene import parse
+
+    return parse(data, name, folder)
+
+
+PARSERS: dict[str, Parser] = {
+    ".gltf": gltf.parse,
+    ".glb": gltf.parse,
+    ".obj": obj_scene.parse,
+    ".ply": mesh_scene.parse_ply,
+    ".stl": mesh_scene.parse_stl,
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _read_usd),
+}
 MOST_BYTES = 2**30
 
 

@@ -214,11 +214,11 @@ def test_lenient_replaces_and_lists_everything():
     <shape type="bspline"/><emitter type="sunsky"/><sensor type="fisheye"/>
     <integrator type="vcm"/>
     <shape type="sphere"><ref id="a"/><float name="wobble" value="1"/>
-        <medium type="homogeneous" name="interior"/></shape>"""
+        <medium type="homogeneous" name="interior"/><subsurface type="dipole"/></shape>"""
     scene = read(body, lenient=True)
     assert scene.bsdfs["a"] == scene.bsdfs["b"] == native("bsdfs", "{type: diffuse}")
     warned = "\n".join(scene.warnings)
-    for word in ("hair", "wood", "bspline", "sunsky", "fisheye", "vcm", "wobble", "homogeneous"):
+    for word in ("hair", "wood", "bspline", "sunsky", "fisheye", "vcm", "wobble", "dipole"):
         assert word in warned
     # The same file is refused as a whole otherwise, each of them with its line.
     assert len(issues(body)) == 8

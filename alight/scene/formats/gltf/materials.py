@@ -95,7 +95,7 @@ class Materials:
             bsdf = {"type": "principled", "base_color": base, **self._metal(pbr)}
             self._extend(item, bsdf)
             bsdf = self._bumpy(item, bsdf)
-            if not (bsdf_core(bsdf).get("transmission") or bsdf_core(bsdf).get("thin")):
+            if "transmission" not in bsdf_core(bsdf):
                 bsdf = {"type": "two_sided", "bsdf": bsdf}
         bsdf = self._cut_out(item, bsdf, opacity, picture)
         emission = base if unlit else self._emission(item)
@@ -217,7 +217,10 @@ class _Extensions:
         transmission = self.item.extension("KHR_materials_transmission")
         if transmission is None:
             return
-        self.bsdf["transmission"] = self._number(transmission, "transmission", 0.0, "r")
+        share = self._number(transmission, "transmission", 0.0, "r")
+        if share == 0.0:
+            return
+        self.bsdf["transmission"] = share
         volume = self.item.extension("KHR_materials_volume")
         thickness = 0.0 if volume is None else volume.number("thicknessFactor", 0.0, 0.0)
         if volume is None or thickness == 0.0:

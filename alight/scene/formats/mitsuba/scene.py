@@ -9,7 +9,15 @@ from typing import Any
 
 from alight.core.errors import Issue, join_path, unknown_name
 from alight.scene.build import FORMAT_VERSION
-from alight.scene.formats.mitsuba import bsdfs, emitters, integrators, sensors, shapes, textures
+from alight.scene.formats.mitsuba import (
+    bsdfs,
+    emitters,
+    integrators,
+    interiors,
+    sensors,
+    shapes,
+    textures,
+)
 from alight.scene.formats.mitsuba.context import Context
 from alight.scene.formats.mitsuba.document import Document, read_document
 from alight.scene.formats.mitsuba.elements import Element
@@ -17,7 +25,7 @@ from alight.scene.formats.mitsuba.report import Report
 from alight.scene.formats.parsed import Parsed
 
 #: Kinds of objects at the top level, in the order in which they are converted.
-TOP = ("sensor", "integrator", "texture", "bsdf", "shape", "emitter")
+TOP = ("sensor", "integrator", "texture", "bsdf", "medium", "shape", "emitter")
 
 
 def is_xml(text: str) -> bool:
@@ -103,6 +111,7 @@ def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], 
             context.report.not_covered(element, text, "left out")
     data: dict[str, Any] = {"alight": FORMAT_VERSION}
     spp = None
+    context.sees_media = integrators.sees_media(by_kind["integrator"])
     for surplus in by_kind["sensor"][1:]:
         context.report.warn(surplus, "is not used: the picture is that of the first sensor")
     for sensor in by_kind["sensor"][:1]:
@@ -115,8 +124,12 @@ def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], 
         textures.texture_value(context, texture, "textures")
     for bsdf in by_kind["bsdf"]:
         bsdfs.convert(context, bsdf, "bsdfs")
+    for medium in by_kind["medium"]:
+        interiors.medium(context, medium, "media")
     nodes = shapes.convert_all(context, by_kind["shape"], "nodes")
     _emitters(context, by_kind["emitter"], data, nodes)
+    if context.uses_media:
+        data["integrator"] = integrators.for_media(data.get("integrator"))
     return {**data, **context.tables, "nodes": nodes}, spp
 
 

@@ -141,6 +141,17 @@ def _checkerboard(context: Context, element: Element, path: str) -> Data:
     return draft.data
 
 
+def _raw_constant(context: Context, element: Element, path: str) -> Data:
+    draft = Draft(context, element, path, "constant")
+    p = draft.properties
+    if p.has("value") and p.named["value"].tag == "vector":
+        draft.put("color", p.triple("value"), "value")
+    else:
+        draft.put("color", [p.number("value", 0.0) or 0.0] * 3, "value")
+    p.finish()
+    return draft.data
+
+
 def _mesh_attribute(context: Context, element: Element, path: str) -> Data:
     draft = Draft(context, element, path, "vertex_color")
     p = draft.properties
@@ -182,4 +193,5 @@ COVERED: dict[str, Callable[[Context, Element, str], Data]] = {
     "bitmap": _bitmap,
     "checkerboard": _checkerboard,
     "mesh_attribute": _mesh_attribute,
+    "rawconstant": _raw_constant,
 }
