@@ -408,7 +408,7 @@ class Film:
             ``.exr .png .jpg .npy .hdr .pfm``; EXR also keeps the error, the AOVs and provenance.
             ``.alight`` keeps all sums, exactly: see `load`.
         **display
-            `exposure` (stops), `tone_map`, `bits`: see `alight.outputs.write_image`.
+            `exposure`, `white_balance`, `tone_map`, `bits`: see `alight.outputs.write_image`.
 
         Raises
         ------

@@ -11,13 +11,16 @@ import alight
 
 SCENES = (
     "blurred-foreground",
+    "cloud",
     "coated-plastics",
     "depth-of-field",
     "environment-map",
+    "fog",
     "infinite-plane",
     "instances",
     "lambert-and-uniform-scatter",
     "lamp-and-glass",
+    "milk",
     "mirror-and-glass",
     "phong-exponents",
     "rough-glass",
@@ -31,8 +34,11 @@ WIDTH = 400
 #: Samples per pixel, more for scenes with caustics and blurred highlights.
 SPP = 96
 MORE = {
+    "cloud": 128,
     "environment-map": 256,
+    "fog": 160,
     "lamp-and-glass": 256,
+    "milk": 256,
     "mirror-and-glass": 256,
     "rough-glass": 256,
     "veach-plates": 192,

@@ -41,6 +41,10 @@ SHOWN = {
     "rough_plastic": (
         "{type: rough_plastic, diffuse_reflectance: [0.05, 0.35, 0.12], nonlinear: true}"
     ),
+    "diffuse_transmission": (
+        "{type: diffuse_transmission, reflectance: [0.1, 0.25, 0.04], "
+        "transmittance: [0.35, 0.5, 0.1]}"
+    ),
     "two_sided": f"{{type: two_sided, bsdf: {_CLOTH}}}",
     "mask": _CLOTH,
     "null": '{type: "null"}',
