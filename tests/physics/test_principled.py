@@ -103,7 +103,8 @@ def test_film_is_the_sum_of_all_wavelengths():
             f0 = Vec3(f(0.2), f(0.2), f(0.2))
             found = film_fresnel(f(cosine), f(1.4), f(thickness), f0)
             airy = _airy(cosine, 1.4, (1.0 + 0.2**0.5) / (1.0 - 0.2**0.5), thickness)
-            np.testing.assert_allclose([found.x, found.y, found.z], airy, atol=0.02)
+            # The sum ends with the second order.
+            np.testing.assert_allclose([found.x, found.y, found.z], airy, atol=0.03)
 
 
 def _airy(cosine, film, base, thickness):
