@@ -75,7 +75,7 @@ def outcome(case, folder: Path) -> Outcome:
     text, invalid = "", 0
     try:
         is_name = case.text.endswith(MODELS)
-        scene = load(folder / case.text) if is_name else loads(case.text, "scene.yaml", folder)
+        scene = load(folder / case.text) if is_name else loads(case.text, case.name, folder)
         invalid = picture(flatten(scene))
         kind = "rendered"
     except AlightError as error:
@@ -92,8 +92,7 @@ def picture(flat: FlatScene) -> int:
     flat = replace(flat, film=film)
     scene = compile_scene(flat, structure="list")
     if scene.stats["listed"] > MOST_PRIMITIVES:
-        stride = -(-scene.stats["listed"] // MOST_PRIMITIVES)
-        scene = compile_scene(replace(flat, shapes=flat.shapes[::stride]), structure="list")
+        scene = compile_scene(thinned(flat, scene.stats["listed"]), structure="list")
     settings = make_settings(scene.integrator, seed=0, replicates=film.replicates)
     settings = settings._replace(max_depth=min(settings.max_depth, MOST_EDGES))
     kernels = make_kernels(scene, compiled=False)
@@ -103,3 +102,15 @@ def picture(flat: FlatScene) -> int:
     fixed_point.carry(partial.sums)
     assert np.isfinite(fixed_point.to_float(partial.sums)).all()
     return partial.invalid
+
+
+def thinned(flat: FlatScene, listed: int) -> FlatScene:
+    """Leave out shapes evenly, and triangles of those meshes that are left."""
+    stride = -(-listed // MOST_PRIMITIVES)
+    if len(flat.shapes) >= MOST_PRIMITIVES:
+        return replace(flat, shapes=flat.shapes[::stride])
+    geometries = [
+        replace(geometry, faces=np.ascontiguousarray(geometry.faces[::stride]))
+        for geometry in flat.geometries
+    ]
+    return replace(flat, geometries=geometries)

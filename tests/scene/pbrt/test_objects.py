@@ -176,6 +176,48 @@ def test_opacity_of_a_shape_is_a_mask():
     assert node(read(body)).bsdf.opacity == "t"
 
 
+def test_bumps_lie_around_a_material():
+    height = f'Texture "h" "float" "imagemap" {PICTURE}\n'
+    meant = "{type: bump_map, texture: h, bsdf: {type: two_sided, bsdf: {type: diffuse}}}"
+    tables = {"textures": "{h: {type: bitmap, file: letters.png}}"}
+    body = f'{height}Material "diffuse" "texture displacement" "h" Shape "sphere"'
+    [found] = read(body).bsdfs.values()
+    assert found == native("bsdfs", meant, **tables)
+    old = f'{height}Material "matte" "texture bumpmap" "h" Shape "sphere"'
+    assert [*read_old(old).bsdfs.values()] == [found]
+    meant = (
+        "{type: normal_map, texture: {type: bitmap, file: letters.png, color_space: linear}, "
+        "bsdf: {type: thin_dielectric, int_ior: 1.5, ext_ior: 1}}"
+    )
+    assert read_bsdf('"thindielectric" "string normalmap" "letters.png"') == native("bsdfs", meant)
+
+
+def test_products_and_inverses_of_pictures_are_nodes():
+    body = f"""Texture "a" "spectrum" "imagemap" {PICTURE} "float scale" 0.5 "bool invert" true
+    Material "diffuse" "texture reflectance" "a" Shape "sphere" """
+    scene = read(body)
+    [bsdf] = scene.bsdfs.values()
+    mix = scene.textures[bsdf.bsdf.reflectance]
+    product = scene.textures[mix.weight]
+    assert (mix.type_name(), mix.a, mix.b) == ("mix", (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
+    assert (product.type_name(), product.b) == ("multiply", (0.5, 0.5, 0.5))
+    assert scene.textures[product.a].file == "letters.png"
+
+
+def test_layers_and_disney_become_the_principled_material():
+    given = '"coatedconductor" "float conductor.roughness" .0625 "float interface.roughness" .0001'
+    scene = read(f'Material {given} "rgb reflectance" [.2 .5 .9]\nShape "sphere"')
+    [bsdf] = scene.bsdfs.values()
+    found = bsdf.bsdf
+    # alpha = 1/4, of which the principled roughness is the root.
+    assert (found.metallic, found.roughness, found.clearcoat) == (1.0, 0.5, 1.0)
+    assert found.clearcoat_roughness == pytest.approx(0.1)
+    np.testing.assert_allclose(found.base_color, [0.2, 0.5, 0.9])
+    assert any("principled metal" in warning for warning in scene.warnings)
+    found = read_bsdf('"disney" "float metallic" 1 "float roughness" 0.3', old=True).bsdf
+    assert (found.type_name(), found.metallic, found.roughness) == ("principled", 1.0, 0.3)
+
+
 # ---------------------------------------------------------------- shapes
 
 TENT = '"point3 P" [0 0 0  1 0 0  1 1 0  0 1 1] "integer indices" [0 1 2  0 2 3]'
