@@ -31,10 +31,10 @@ WIDTH = 400
 #: Samples per pixel, more for scenes with caustics and blurred highlights.
 SPP = 96
 MORE = {
-    "cloud": 128,
+    "cloud": 384,
     "environment-map": 256,
-    "fog": 160,
-    "milk": 256,
+    "fog": 512,
+    "milk": 512,
     "mirror-and-glass": 256,
     "rough-glass": 256,
     "veach-plates": 192,
