@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from alight.cameras.basis import perspective_half_extents
 from alight.core.errors import Issue, SceneError
 from alight.scene import Scene, loads
 from tests.scene.mitsuba.reading import FILES, native
@@ -56,8 +57,8 @@ def ray(scene: Scene, x: float, y: float) -> np.ndarray:
     """Direction of the camera's ray through a place of the film, in pixels."""
     camera = scene.camera.camera
     width, height = scene.film.size
-    tangent = np.tan(np.radians(camera.fov) / 2.0)
-    local = [(2 * x / width - 1) * tangent * width / height, (1 - 2 * y / height) * tangent, -1.0]
+    wide, high = perspective_half_extents(camera.fov, camera.fov_axis, width, height)
+    local = [(2 * x / width - 1) * wide, (1 - 2 * y / height) * high, -1.0]
     direction = scene.camera.transform.apply_vector(local)
     return direction / np.linalg.norm(direction)
 
