@@ -10,12 +10,15 @@ from pictures import IMAGES
 import alight
 
 SCENES = (
+    "cloud",
     "coated-plastics",
     "depth-of-field",
     "environment-map",
+    "fog",
     "infinite-plane",
     "instances",
     "lambert-and-uniform-scatter",
+    "milk",
     "mirror-and-glass",
     "phong-exponents",
     "rough-glass",
@@ -27,7 +30,15 @@ SCENES = (
 WIDTH = 400
 #: Samples per pixel, more for scenes with caustics and blurred highlights.
 SPP = 96
-MORE = {"environment-map": 256, "mirror-and-glass": 256, "rough-glass": 256, "veach-plates": 192}
+MORE = {
+    "cloud": 128,
+    "environment-map": 256,
+    "fog": 160,
+    "milk": 256,
+    "mirror-and-glass": 256,
+    "rough-glass": 256,
+    "veach-plates": 192,
+}
 #: Its noise is what it shows: that of 16 samples in the scene's own size, four pixels as one.
 FEW = {"uniform-and-cosine-sampling": 64}
 

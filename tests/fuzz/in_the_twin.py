@@ -22,7 +22,7 @@ from alight.films import fixed_point
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
-from alight.scene import FlatScene, flatten, loads
+from alight.scene import FlatScene, flatten, load, loads
 
 SIDE = 8
 #: Paths of the twin end here. A million edges between white walls are legal, and would be as right
@@ -33,6 +33,8 @@ MOST_EDGES = 8
 #: question to the acceleration structure, which has tests of its own.
 MOST_PRIMITIVES = 100
 MOST_BYTES = 2 << 30
+#: Texts that are names of files.
+MODELS = (".gltf", ".glb", ".obj")
 
 
 class Outcome(NamedTuple):
@@ -72,7 +74,9 @@ def outcome(case, folder: Path) -> Outcome:
     start = time.process_time()
     text, invalid = "", 0
     try:
-        invalid = picture(flatten(loads(case.text, case.name, folder)))
+        is_name = case.text.endswith(MODELS)
+        scene = load(folder / case.text) if is_name else loads(case.text, case.name, folder)
+        invalid = picture(flatten(scene))
         kind = "rendered"
     except AlightError as error:
         text = str(error)

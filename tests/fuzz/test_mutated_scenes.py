@@ -12,6 +12,7 @@ from tests.fuzz.extremes import extremes
 from tests.fuzz.in_the_twin import Outcome, serve
 from tests.fuzz.mesh_files import meshes
 from tests.fuzz.mitsuba_files import copy_files, mitsuba_files
+from tests.fuzz.model_files import copy_models, models
 from tests.fuzz.pbrt_files import pbrt_files, write_files
 from tests.fuzz.pictures import pictures
 from tests.scene.mutate import Mutation, mutations
@@ -92,6 +93,17 @@ def test_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
 def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
     copy_files(tmp_path)
     check(mitsuba_files(seed=3, n=200), tmp_path)
+
+
+def test_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
+    copy_models(tmp_path)
+    check(models(seed=3, n=100), tmp_path)
+
+
+@pytest.mark.proofs
+def test_three_thousand_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
+    copy_models(tmp_path)
+    check(models(seed=4, n=3000), tmp_path)
 
 
 def test_mutated_files_of_pbrt_render_or_are_refused(tmp_path):

@@ -22,15 +22,15 @@ from alight.scene.builtin.pictures import PREFIX
 SIZE = (96, 56, 72)
 #: Centre in the unit cube, and radius over its width.
 _BALLS = (
-    (0.5, 0.38, 0.5, 0.22),
-    (0.3, 0.3, 0.48, 0.17),
-    (0.7, 0.32, 0.55, 0.18),
-    (0.42, 0.55, 0.46, 0.16),
-    (0.6, 0.58, 0.53, 0.14),
-    (0.18, 0.25, 0.52, 0.11),
-    (0.84, 0.26, 0.48, 0.11),
-    (0.5, 0.3, 0.7, 0.15),
-    (0.45, 0.28, 0.28, 0.15),
+    (0.5, 0.38, 0.5, 0.27),
+    (0.31, 0.3, 0.48, 0.22),
+    (0.7, 0.32, 0.55, 0.23),
+    (0.42, 0.58, 0.46, 0.2),
+    (0.61, 0.6, 0.53, 0.18),
+    (0.19, 0.22, 0.52, 0.15),
+    (0.83, 0.23, 0.48, 0.15),
+    (0.5, 0.3, 0.7, 0.2),
+    (0.45, 0.28, 0.28, 0.2),
 )
 
 
@@ -54,9 +54,11 @@ def builtin_values(name: str) -> NDArray[np.float32]:
     for bx, by, bz, radius in _BALLS:
         squared = (x - bx) ** 2 + ((y - by) * tall) ** 2 + ((z - bz) * deep) ** 2
         soft = np.maximum(soft, 1.0 - np.sqrt(squared) / radius)
-    rough = sum(0.5**k * _noise(6.0 * 2**k, x, tall * y, deep * z) for k in range(4)) / 1.875
-    edge = np.clip((soft + 0.55 * (rough - 0.5)) / 0.22, 0.0, 1.0)
-    floor = np.clip((y - 0.12) / 0.08, 0.0, 1.0)
+    rough = sum(0.5**k * _noise(7.0 * 2**k, x, tall * y, deep * z) for k in range(4)) / 1.875
+    # The noise takes away from the balls only, so that nothing is left outside of them.
+    eaten = np.maximum(0.03, 0.25 + 1.1 * (rough - 0.5))
+    edge = np.clip((soft - eaten) / 0.1, 0.0, 1.0)
+    floor = np.clip((y - 0.1) / 0.06, 0.0, 1.0)
     return (edge * edge * (3.0 - 2.0 * edge) * floor).astype(np.float32)
 
 
