@@ -25,14 +25,14 @@ class Direct(Integrator):
         As for `path`.
     heuristic : {"power", "balance"}, default "power"
         As for `path`.
-    light_choice : {"power", "uniform"}, default "power"
-        Probability of each light.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        As for `path`.
     """
 
     type: Literal["direct"] = "direct"
     light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
     heuristic: Literal["power", "balance"] = "power"
-    light_choice: Literal["power", "uniform"] = "power"
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
 
 
 EXAMPLES = (
