@@ -46,6 +46,8 @@ class LightRow(NamedTuple):
         Of its triangles, or of its shape.
     cone : ((3,) float64, float, float) or None
         Of a lamp at a point: its axis, and the angles of `Leaves` in radians.
+    table : (n,) float32 or None
+        Further numbers of it, such as a picture: they start where its `LightTables.info` says.
     """
 
     kind: str
@@ -56,6 +58,7 @@ class LightRow(NamedTuple):
     shape: int = -1
     areas: NDArray[np.float64] = np.zeros(0)
     cone: tuple[NDArray[np.float64], float, float] | None = None
+    table: NDArray[np.float32] | None = None
 
     @property
     def brightness(self) -> float:

@@ -98,6 +98,10 @@ def compile_lights(
         if row.shape >= 0:
             shapes.tables.info.array[row.shape * SHAPE_INFO + 2] = i + 1
     tables, map_table = choice.tables, EMPTY
+    for i, row in enumerate(rows):
+        if row.table is not None:
+            info[i, 3] = sum(table.size for table in tables)
+            tables.append(row.table)
     if environment is not None and environment[1] is not None:
         info[-1, 3], map_table = sum(table.size for table in tables), environment[1].table
         tables.append(environment[1].cdf)
@@ -155,11 +159,16 @@ def _environment(flat: FlatScene, compensated: bool) -> tuple[LightRow, Environm
     if flat.environment is None:
         return None
     light, to_world = flat.environment.light, flat.environment.to_world
-    row = _row(light, to_world)
-    if not isinstance(light, Environment):
+    row, model = _row(light, to_world), LIGHTS[light.type_name()]
+    # Such as a sky's, which is made here.
+    drawn = model.as_environment(light) if hasattr(model, "as_environment") else light
+    if not isinstance(drawn, Environment):
         return row, None
-    made = make_map(light, to_world, compensated)
-    red, green, blue = (a * b for a, b in zip(row.color, made.mean, strict=True))
+    if model.sample is LIGHTS["environment"].sample:
+        row = row._replace(kind="environment")
+    made = make_map(drawn, to_world, compensated)
+    aside = model.beside_the_map(light) if hasattr(model, "beside_the_map") else (0.0, 0.0, 0.0)
+    red, green, blue = (a * (b + c) for a, b, c in zip(row.color, made.mean, aside, strict=True))
     return row._replace(mean=(red, green, blue)), made
 
 
@@ -172,7 +181,8 @@ def _row(light: Light, to_world: np.ndarray) -> LightRow:
     if hasattr(model, "cone"):
         axis = to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])
         cone = (axis, *model.cone(light))
-    return LightRow(kind, color, numbers, mean, cone=cone)
+    table = model.table(light) if hasattr(model, "table") else None
+    return LightRow(kind, color, numbers, mean, cone=cone, table=table)
 
 
 def _texture_of(light: Light) -> Texture | None:

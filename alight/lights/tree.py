@@ -18,6 +18,10 @@ normal out: paths do not keep the normals of the vertices that they come from. B
 importance sampling use that one (`Choice.plain`), so that the weights add up to 1; light sampling
 divides by the probability that it really had.
 
+Once the sphere of a child is small from where it is seen, and its lights face much the same way,
+they only differ by their intensity, and below it that alone decides: four numbers a node, not
+twenty-four.
+
 Lights without a place (environments, directional ones) are chosen beside the tree, by their power.
 
 Source: Conty Estevez and Kulla, Importance sampling of many lights with adaptive tree splitting,
@@ -56,10 +60,13 @@ from alight.lights.tables import INFO
 OUTER, ROWS, START, OUTER_CDF = 0, 1, 2, 4
 
 #: Numbers of a child: centre, radius squared; axis, intensity; cosines of the cone's half angle and
-#: of the angle beyond it where it is dark; where to go on (bits); triangle (bits). Two children are
-#: a node.
+#: of the angle beyond it where it is dark; where to go on (bits); triangle (bits) of a light, and of
+#: others the squared distance from which only intensity counts. Two children are a node.
 CHILD = 12
-COS_SPREAD, COS_DARK, NEXT, PRIM = 8, 9, 10, 11
+INTENSITY, COS_SPREAD, COS_DARK, NEXT, PRIM, FAR = 7, 8, 9, 10, 11, 11
+
+#: `FAR` over the squared radius; infinite where directions differ by more than `ALIKE`, radians.
+FAR_AWAY, ALIKE = 36.0, 0.5
 
 #: In NEXT: the rest of the word is the row of a light, not the offset of a node.
 LEAF = 0x80000000
@@ -99,13 +106,16 @@ ONE_SIDED = frozenset(
 #: rest: number of its triangle (exact; 0 for others than meshes).
 Choice = namedtuple("Choice", "index pmf plain rest")
 
+#: After so many levels u has few digits left.
+SPENT = 10
+
 # Bounds are rounded; a light must not be dark where it shines a little.
 _GRAZING, _LEAST = 1e-3, 1e-3
 
 
 @kernel
 def importance(cdf, k, p, n, everywhere, behind):
-    """What a child may send to a point: (without, with) the cosine there.
+    """What a child may send to a point, and the squared distance of its centre.
 
     Parameters
     ----------
@@ -118,6 +128,11 @@ def importance(cdf, k, p, n, everywhere, behind):
         The point has no normal.
     behind : float
         Least cosine at the point.
+
+    Returns
+    -------
+    plain, importance, squared : float
+        Without and with the cosine at the point; m^2.
     """
     to_center = gather_vec3(cdf, k) - p
     squared, axis = gather(cdf, k + 3), gather_vec3(cdf, k + 4)
@@ -135,7 +150,7 @@ def importance(cdf, k, p, n, everywhere, behind):
     sin_x = where(within, 0.0, sin_w * cos_o - cos_w * sin_o)
     cos_l = where(inside | (cos_x >= cos_u), 1.0, cos_x * cos_u + sin_x * sin_u)
     shines = inside | (cos_l > gather(cdf, k + COS_DARK) - _GRAZING)
-    plain = gather(cdf, k + 7) * maximum(cos_l, _LEAST) / maximum(far, CLOSEST * squared)
+    plain = gather(cdf, k + INTENSITY) * maximum(cos_l, _LEAST) / maximum(far, CLOSEST * squared)
     plain = where(shines, plain, 0.0)
     # At the lit point likewise.
     cos_i = maximum(minimum(dot(n, to_center) * inverse, 1.0), -1.0)
@@ -143,7 +158,22 @@ def importance(cdf, k, p, n, everywhere, behind):
     near = inside | everywhere | (cos_i >= cos_u)
     cos_r = where(near, 1.0, cos_i * cos_u + sin_i * sin_u)
     cos_r = where(cos_r > -_GRAZING, maximum(cos_r, _LEAST), 0.0)
-    return plain, plain * maximum(cos_r, behind)
+    return plain, plain * maximum(cos_r, behind), far
+
+
+@kernel
+def divide(u, share):
+    """Choose the first of two with probability `share`: (is it, its probability, rest of u)."""
+    first = u < share
+    mine = where(first, share, 1.0 - share)
+    rest = where(first, u, u - share) / where(mine > 0.0, mine, 1.0)
+    return first, mine, minimum(maximum(rest, 0.0), ONE_MINUS_EPSILON)
+
+
+@kernel
+def more_digits(u, extra, pmf):
+    """What is left of u after choices of probability `pmf`, with digits below its last."""
+    return minimum(u + extra * (UNIT / maximum(pmf, UNIT)), ONE_MINUS_EPSILON)
 
 
 def least_cosine(program) -> float:
@@ -166,18 +196,16 @@ def choose_leaf(program):
         everywhere = dot(n, n) < 0.5
         k, chosen = lanes_u32(root), lanes_u32(root)
         pmf, plain = lanes(1.0), lanes(1.0)
-        walking = active & (pmf > 0.0)
+        walking, coasting = active & (pmf > 0.0), active & (pmf > 1.0)
         level = 0
         while any_lane(walking):
-            plain_a, a = importance(cdf, k, p, n, everywhere, behind)
-            plain_b, b = importance(cdf, k + CHILD, p, n, everywhere, behind)
+            plain_a, a, far_a = importance(cdf, k, p, n, everywhere, behind)
+            plain_b, b, far_b = importance(cdf, k + CHILD, p, n, everywhere, behind)
             total, plain_total = a + b, plain_a + plain_b
             alive = total > 0.0
             share = where(alive, a / where(alive, total, 1.0), 0.0)
-            first = u < share
-            mine = where(first, share, 1.0 - share)
-            rest = where(first, u, u - share) / where(mine > 0.0, mine, 1.0)
-            u = where(walking, minimum(maximum(rest, 0.0), ONE_MINUS_EPSILON), u)
+            first, mine, rest = divide(u, share)
+            u = where(walking, rest, u)
             pmf = where(walking, where(alive, pmf * mine, 0.0), pmf)
             weight = where(first, plain_a, plain_b) / where(alive, plain_total, 1.0)
             plain = where(walking, plain * weight, plain)
@@ -185,10 +213,24 @@ def choose_leaf(program):
             onward = float_bits(gather(cdf, chosen + NEXT))
             walking = walking & alive & (onward < LEAF)
             k = where(walking, onward, k)
+            apart = walking & (where(first, far_a, far_b) > gather(cdf, chosen + FAR))
+            coasting = coasting | apart
+            walking = walking & ~apart
             level += 1
-            if level == 10:
-                # Ten bits of u are spent about now: the digits below its last.
-                u = minimum(u + extra * (UNIT / maximum(pmf, UNIT)), ONE_MINUS_EPSILON)
+            if level == SPENT:
+                u = where(walking, more_digits(u, extra, pmf), u)
+                extra = where(walking, 0.0, extra)
+        if any_lane(coasting):
+            u = where(coasting, more_digits(u, extra, pmf), u)
+        while any_lane(coasting):
+            a, b = gather(cdf, k + INTENSITY), gather(cdf, k + (CHILD + INTENSITY))
+            first, mine, rest = divide(u, a / (a + b))
+            u = where(coasting, rest, u)
+            pmf, plain = where(coasting, pmf * mine, pmf), where(coasting, plain * mine, plain)
+            chosen = where(coasting, where(first, k, k + CHILD), chosen)
+            onward = float_bits(gather(cdf, chosen + NEXT))
+            coasting = coasting & (onward < LEAF)
+            k = where(coasting, onward, k)
         word = float_bits(gather(cdf, chosen + NEXT))
         ended = active & (pmf > 0.0) & (word >= LEAF)
         index = where(ended, word & (LEAF - 1), 0)
@@ -233,16 +275,28 @@ def plain_probability(scene, index, prim, p, active):
     way = float_bits(gather(cdf, where(active, start + prim, 0)))
     k, plain = lanes_u32(as_int(cdf[START])), lanes(1.0)
     none = p * 0.0
-    walking = active & (plain > 0.0)
+    walking, coasting = active & (plain > 0.0), active & (plain > 1.0)
     while any_lane(walking):
-        a, _ = importance(cdf, k, p, none, walking, 0.0)
-        b, _ = importance(cdf, k + CHILD, p, none, walking, 0.0)
+        a, _, far_a = importance(cdf, k, p, none, walking, 0.0)
+        b, _, far_b = importance(cdf, k + CHILD, p, none, walking, 0.0)
         second = (way & 1) != 0
         total = a + b
         share = where(second, b, a) / where(total > 0.0, total, 1.0)
         plain = where(walking, plain * share, plain)
-        onward = float_bits(gather(cdf, where(second, k + CHILD, k) + NEXT))
+        way = where(walking, way >> 1, way)
+        chosen = where(second, k + CHILD, k)
+        onward = float_bits(gather(cdf, chosen + NEXT))
         walking = walking & (onward < LEAF) & (plain > 0.0)
+        apart = walking & (where(second, far_b, far_a) > gather(cdf, chosen + FAR))
         k = where(walking, onward, k)
+        coasting = coasting | apart
+        walking = walking & ~apart
+    while any_lane(coasting):
+        second = (way & 1) != 0
+        a, b = gather(cdf, k + INTENSITY), gather(cdf, k + (CHILD + INTENSITY))
+        plain = where(coasting, plain * (where(second, b, a) / (a + b)), plain)
         way = way >> 1
+        onward = float_bits(gather(cdf, where(second, k + CHILD, k) + NEXT))
+        coasting = coasting & (onward < LEAF)
+        k = where(coasting, onward, k)
     return plain * (1.0 - cdf[OUTER])

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.lights.tree import CHILD, LEAF, MOST_LEVELS
+from alight.lights.tree import ALIKE, CHILD, FAR_AWAY, LEAF, MOST_LEVELS
 
 BINS = 12
 
@@ -89,7 +89,6 @@ def build_tree(leaves: Leaves, start: int) -> LightTree:
         number = made + np.cumsum(inner) - 1
         words = rows.view(np.uint32)
         words[inner, 10] = start + 2 * CHILD * number[inner]
-        words[inner, 11] = 0
         levels.append(rows.reshape(-1, 2 * CHILD))
         made += int(inner.sum())
         items, sizes = items[np.repeat(inner, sizes)], sizes[inner]
@@ -116,8 +115,12 @@ def _children(
     length = np.linalg.norm(mean, axis=1)
     axis = mean / np.where(length > 1e-9, length, 1.0)[:, None]
     cosine = np.sum(np.repeat(axis, sizes, axis=0) * leaves.axis[items], axis=1)
-    angle = np.arccos(np.clip(cosine, -1.0, 1.0)) + leaves.spread[items]
-    spread = np.maximum.reduceat(angle, starts)
+    turn, own = np.arccos(np.clip(cosine, -1.0, 1.0)), leaves.spread[items]
+    spread = np.maximum.reduceat(turn + own, starts)
+    # What shines everywhere may be turned as it likes.
+    differ = np.maximum.reduceat(np.where(own < np.pi, turn, 0.0), starts)
+    differ += np.maximum.reduceat(own, starts) - np.minimum.reduceat(own, starts)
+    differ = np.where((length > 1e-9) | (np.minimum.reduceat(own, starts) >= np.pi), differ, np.pi)
     spread = np.where(length > 1e-9, np.minimum(spread + 1e-3, np.pi), np.pi)
     # A lone light's cone is not widened: that it faces one way is known.
     spread = np.where(sizes == 1, leaves.spread[items[starts]], spread)
@@ -126,8 +129,10 @@ def _children(
     table[:, 4:7], table[:, 7] = axis, np.add.reduceat(leaves.intensity[items], starts)
     table[:, 8], table[:, 9] = np.cos(spread), np.cos(np.minimum(dark, np.pi))
     words = table.view(np.uint32)
-    first = items[starts]
-    words[:, 10], words[:, 11] = leaves.row[first] | np.uint32(LEAF), leaves.prim[first]
+    first, alone = items[starts], sizes == 1
+    table[:, 11] = np.where(differ < ALIKE, FAR_AWAY * squared, np.inf)
+    words[:, 10] = leaves.row[first] | np.uint32(LEAF)
+    words[alone, 11] = leaves.prim[first[alone]]
     return table
 
 
