@@ -111,6 +111,15 @@ Crop = Annotated[
     str | None,
     typer.Option(metavar="X,Y,W,H", help="Part to render, in pixels.", rich_help_panel=_SCENE),
 ]
+CameraName = Annotated[
+    str | None,
+    typer.Option(
+        "--camera",
+        metavar="NAME|NUMBER",
+        help="Camera node of the scene: its path, its name, or its place among them from 0.",
+        rich_help_panel=_SCENE,
+    ),
+]
 IntegratorName = Annotated[
     str | None, typer.Option(help="Algorithm, as path or direct.", rich_help_panel=_SCENE)
 ]

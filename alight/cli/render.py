@@ -35,6 +35,7 @@ def render(
     every: arguments.Every = "60s",
     size: arguments.Size = None,
     crop: arguments.Crop = None,
+    camera: arguments.CameraName = None,
     integrator: arguments.IntegratorName = None,
     sampler: arguments.SamplerName = None,
     filter_name: arguments.FilterName = None,
@@ -70,7 +71,7 @@ def render(
     results.check()
     load_plugins(plugin)
     options = {
-        "size": size, "crop": crop, "integrator": integrator, "sampler": sampler,
+        "size": size, "crop": crop, "camera": camera, "integrator": integrator, "sampler": sampler,
         "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
         "replicates": replicates,
     }  # fmt: skip

@@ -34,6 +34,8 @@ class Program(NamedTuple):
         Choices of the sampler and the integrator that are made at compile time, sorted by name.
     aovs : tuple of str
         Further channels.
+    media, phases : tuple of str
+        Media and phase functions that occur; the former with features, see `alight.media.tables`.
     registered : tuple of (str, str, str)
         Family, name and version of the users' own models in it, see `alight.core.registration`.
     """
@@ -52,6 +54,8 @@ class Program(NamedTuple):
     integrator: str = "path"
     options: tuple[tuple[str, Any], ...] = ()
     aovs: tuple[str, ...] = ()
+    media: tuple[str, ...] = ()
+    phases: tuple[str, ...] = ()
     registered: tuple[tuple[str, str, str], ...] = ()
 
     def option(self, name: str, default=None):

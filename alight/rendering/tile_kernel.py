@@ -19,7 +19,6 @@ from alight.core.simd import (
     count_bits,
     expand_lanes,
     is_finite,
-    lanes,
     lanes_u32,
     lanes_vec3,
     load_lanes,
@@ -34,7 +33,7 @@ from alight.core.simd import (
 from alight.core.vec import Vec3
 from alight.films.fixed_point import split
 from alight.filters.importance import sample_filter
-from alight.integrators.walk import FILTER, LENS, Path, count_lanes, empty_paths, step
+from alight.integrators.walk import FILTER, LENS, count_lanes, empty_paths, start_paths, step
 from alight.samplers.sampling import get_2d, sampler_state
 from alight.samplers.state import SamplerState
 
@@ -177,21 +176,7 @@ def deal(settings, queue, at, new, path):
         expand_lanes(floats, 5 * ROOM + at, new, path.d.z),
     )
     weight = expand_lanes(floats, 6 * ROOM + at, new, 0.0)
-    black = lanes_vec3(0.0)
-    return Path(
-        o,
-        d,
-        where(new, o, path.p),
-        where(new, black, path.L),
-        where(new, black, path.L_direct),
-        where(new, lanes_vec3(1.0) * weight, path.beta),
-        where(new, lanes(0.0), path.pdf),
-        path.delta | new,
-        where(new, lanes_u32(0), path.depth),
-        sampler,
-        path.active | new,
-        path.rays,
-    )
+    return start_paths(new, o, d, weight, sampler, path)
 
 
 @specialised

@@ -71,12 +71,16 @@ class ImageStore:
         )
 
     def resolved(self, spec: AnySpec, textures: Mapping[str, Texture]) -> AnySpec:
-        """Put textures into the places of their names, and pictures into those of files."""
+        """Put textures into the places of their names, and pictures into those of files.
+
+        Textures inside textures are resolved too; names must not go in circles.
+        """
         spec = self.loaded(spec)
         changes: dict[str, Any] = {}
         for name, value in spec:
             if isinstance(value, str | Texture) and texture_interval(type(spec), name):
-                texture = self.loaded(textures[value] if isinstance(value, str) else value)
+                found = textures[value] if isinstance(value, str) else value
+                texture = self.resolved(found, textures)
                 if texture is not value:
                     changes[name] = texture
         return spec.replaced(**changes) if changes else spec

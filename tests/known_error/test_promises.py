@@ -235,12 +235,31 @@ def test_cycles_needs_two_halves():
 
 def test_a_plan_follows_the_slope_of_the_pilot():
     pilot = Pilot(Promise(0.01), seen=[(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)],
-                  seconds=[0.0, 0.1, 0.2, 0.4], need=4.2)  # fmt: skip
+                  passes=[0.2, 0.1, 0.2], looks=[0.03, 0.02, 0.02], need=4.2)  # fmt: skip
     plan = plan_of(pilot, 4)
     assert plan.slope.value == pytest.approx(-1.0)
     assert plan.spp.low <= 4.0 * 64 <= plan.spp.high
     assert plan.spp.high / plan.spp.low < 2.5
-    assert plan.seconds.value == pytest.approx(plan.spp.value * 0.4 / 64)
+    # A start of 0.1 s, 6.25 ms for a sample per pixel, and 14 looks.
+    looks = 1
+    spp = first_look(4)
+    while spp < plan.spp.value:
+        looks, spp = looks + 1, next_look(spp, 4)
+    assert looks == 14
+    expected = 0.1 + plan.spp.value * 0.00625 + looks * 0.02
+    assert plan.seconds.value == pytest.approx(expected)
+    assert plan.seconds.low < expected / 1.25
+    assert plan.seconds.high > expected * 1.25
+
+
+def test_a_plan_doubts_its_seconds_as_much_as_the_pilots_passes_differ():
+    seen = [(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)]
+    steady, restless = (
+        plan_of(Pilot(Promise(0.01), seen, [0.1, second, 0.2], [0.01] * 3, 4.2), 4).seconds
+        for second in (0.1, 0.2)
+    )
+    assert steady.high / steady.low < 5.0
+    assert restless.high / restless.low > 2.0 * steady.high / steady.low
 
 
 @pytest.mark.parametrize("wrong", [{"error": 0.0}, {"error": 11.0}, {"error": 0.1, "share": 1.0},

@@ -214,11 +214,11 @@ def test_lenient_replaces_and_lists_everything():
     <shape type="bspline"/><emitter type="sunsky"/><sensor type="fisheye"/>
     <integrator type="vcm"/>
     <shape type="sphere"><ref id="a"/><float name="wobble" value="1"/>
-        <medium type="homogeneous" name="interior"/></shape>"""
+        <medium type="homogeneous" name="interior"/><subsurface type="dipole"/></shape>"""
     scene = read(body, lenient=True)
     assert scene.bsdfs["a"] == scene.bsdfs["b"] == native("bsdfs", "{type: diffuse}")
     warned = "\n".join(scene.warnings)
-    for word in ("hair", "wood", "bspline", "sunsky", "fisheye", "vcm", "wobble", "homogeneous"):
+    for word in ("hair", "wood", "bspline", "sunsky", "fisheye", "vcm", "wobble", "dipole"):
         assert word in warned
     # The same file is refused as a whole otherwise, each of them with its line.
     assert len(issues(body)) == 8
@@ -229,7 +229,9 @@ def test_nothing_is_dropped_silently():
     assert "optimize" in messages(body)[0]
     body = '<shape type="sphere"><bsdf type="diffuse"><float name="eta" value="1"/></bsdf></shape>'
     assert "eta" in messages(body)[0]
-    body = '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>'
-    assert "not covered" in messages(body)[0]
+    inner = '<boolean name="hide_emitters" value="true"/><integrator type="path"/>'
+    assert "not covered" in messages(f'<integrator type="moment">{inner}</integrator>')[0]
+    hidden = '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>'
+    assert read(hidden).integrator.hide_emitters
     scene = read('<integrator type="moment"><integrator type="path"/></integrator>')
     assert "taken off" in scene.source.remarks.notes[0]

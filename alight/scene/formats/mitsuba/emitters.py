@@ -20,6 +20,8 @@ from alight.scene.formats.mitsuba.transforms import Step, steps_of
 
 #: How lights are chosen is not the file's business; the picture is the same.
 _UNUSED = ("sampling_weight",)
+#: Why a light need not know where it stands.
+LIT_MEDIUM = "shadow rays find the media on their way by the borders that they cross"
 
 
 def area_light(context: Context, element: Element, path: str) -> Data | None:
@@ -48,6 +50,9 @@ def node_light(context: Context, element: Element, path: str) -> Data | None:
     light = Draft(context, element, join_path(path, "light"), element.type)
     light.properties = p
     steps = NODES[element.type](light)
+    for medium in p.take("medium"):
+        context.report.note(medium, LIT_MEDIUM)
+    p.ignore(LIT_MEDIUM, "medium")
     p.finish()
     draft.put("transform", steps or None, "to_world")
     draft.put("light", light.data)
