@@ -154,7 +154,9 @@ def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
     return rows + [_row(placed.light, placed.to_world) for placed in flat.lights]
 
 
-def _environment(flat: FlatScene, compensated: bool) -> tuple[LightRow, EnvironmentMap | None] | None:
+def _environment(
+    flat: FlatScene, compensated: bool
+) -> tuple[LightRow, EnvironmentMap | None] | None:
     """The row of the environment, and its map where it has one."""
     if flat.environment is None:
         return None

@@ -14,8 +14,8 @@ little of the visible light, are left out.
 Radiances are linear sRGB in W/(m^2 sr), one watt being 683 lumens: Y is the luminance in cd/m^2
 over 683.
 
-Sources: Preetham, Shirley and Smits, A practical analytic model for daylight, SIGGRAPH 1999 (appendix
-for the coefficients; Iqbal 1983 for the ozone); Wyman, Sloan and Shirley, Simple analytic
+Sources: Preetham, Shirley and Smits, A practical analytic model for daylight, SIGGRAPH 1999
+(appendix for the coefficients; Iqbal 1983 for the ozone); Wyman, Sloan and Shirley, Simple analytic
 approximations to the CIE XYZ color matching functions, JCGT 2(2), 2013.
 """
 

@@ -127,7 +127,7 @@ def picture(light: Daylight, sky: Triple, sun: Triple, ground: Triple) -> NDArra
     to_sun = light.to_sun
     # The horizon's row, in the middle, is sky.
     above = rows // 2 + 1
-    pixels = np.empty((rows, columns, 3))
+    pixels = np.zeros((rows, columns, 3))
     pixels[:above] = sky_radiance(directions[:above], to_sun, light.turbidity) * sky
     weights = (np.cos(theta) * sine)[:above] * (np.pi / (rows - 1)) * (2.0 * np.pi / columns)
     irradiance = (pixels[:above] * weights[..., None]).sum(axis=(0, 1))

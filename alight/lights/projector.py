@@ -34,15 +34,15 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.spec import Color, Interval, Light, Triple, invalid
+from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
 from alight.core.vec import dot, gather_vec3, length_squared
 from alight.lights.ies import axes_of
 from alight.lights.tables import INFO, STRIDE, LightSample
 from alight.textures.images import Image, Pixels, source_problem
 
-#: Of its table: width and height of the picture; cutoff and 1 / (cutoff - beam), radians; then the
-#: picture, row by row.
-WIDTH, HEIGHT, CUTOFF, FADE, FIRST = range(5)
+#: Of its table: width and height of the picture; cutoff and 1 / (cutoff - beam), radians; 1 if
+#: it is even on a screen, else 0; then the picture, row by row.
+WIDTH, HEIGHT, CUTOFF, FADE, SCREEN, FIRST = range(6)
 
 # A hard edge: so narrow in radians that no float32 angle falls into it; and none at all.
 _NARROWEST, _NO_CUTOFF = 1e-9, 4.0
@@ -52,7 +52,7 @@ Angle = Annotated[float, Interval(0.0, 90.0)]
 
 
 class Projector(Light):
-    """Projector of a picture.
+    r"""Projector of a picture.
 
     Parameters
     ----------
@@ -64,6 +64,11 @@ class Projector(Light):
         Factor of the picture; not changed by a scale of the node.
     fov : float in [0.1, 179], degrees, default 45
         Angle across the width of the picture.
+    aspect : float > 0, optional
+        Width over height of what is thrown; that of the picture by default.
+    evenness : {"screen", "intensity"}, default "screen"
+        A white picture is even on a screen at right angles to the axis, or in its intensity, as a
+        spot light is (without the :math:`\cos^3\theta` above).
     cutoff_angle : float in [0, 90], degrees, optional
         Angle from the axis beyond which it is dark; no limit but the picture's edges by default.
     beam_width : float in [0, cutoff_angle], degrees, optional
@@ -75,6 +80,8 @@ class Projector(Light):
     pixels: Pixels | None = None
     scale: Color = (1.0, 1.0, 1.0)
     fov: Fov = 45.0
+    aspect: Positive | None = None
+    evenness: Literal["screen", "intensity"] = "screen"
     cutoff_angle: Angle | None = None
     beam_width: Angle | None = None
 
@@ -99,7 +106,7 @@ _FLAG = (((1.0, 0.2, 0.1), 0.5, 3.0), (0.3, (0.1, 1.0, 0.2), 0.0))
 
 EXAMPLES = (
     Projector(pixels=_FLAG),
-    Projector(pixels=_FLAG, fov=110.0, scale=(2.0, 1.0, 0.5)),
+    Projector(pixels=_FLAG, fov=110.0, scale=(2.0, 1.0, 0.5), evenness="intensity", aspect=1.0),
     Projector(pixels=((1.0,),), fov=60.0, cutoff_angle=25.0, beam_width=10.0),
     Projector(pixels=_FLAG, scale=0.0),
 )
@@ -112,7 +119,7 @@ def tangents(spec: Projector) -> tuple[float, float]:
     """Half width and half height of the picture at distance 1."""
     height, width = _texels(spec).shape[:2]
     half = float(np.tan(np.radians(0.5 * spec.fov)))
-    return half, half * height / width
+    return half, half / (spec.aspect or width / height)
 
 
 def _texels(spec: Projector) -> NDArray[np.float32]:
@@ -136,16 +143,40 @@ def table(spec: Projector) -> NDArray[np.float32]:
         beam = spec.cutoff_angle if spec.beam_width is None else spec.beam_width
         cutoff = np.radians(spec.cutoff_angle)
         fade = 1.0 / max(cutoff - np.radians(beam), _NARROWEST)
-    return np.append([width, height, cutoff, fade], texels.ravel()).astype(np.float32)
+    screen = spec.evenness == "screen"
+    return np.append([width, height, cutoff, fade, screen], texels.ravel()).astype(np.float32)
 
 
 def mean_color(spec: Projector) -> Triple:
-    """Mean intensity over the sphere, as if nothing were cut off."""
-    # P / cos^3 over solid angles is P over the plane at distance 1.
-    x, y = tangents(spec)
-    mean = _texels(spec).reshape(-1, 3).mean(axis=0, dtype=float) * (4.0 * x * y / (4.0 * PI))
+    """Mean intensity over the sphere, by the middle of each texel."""
+    texels, (half_x, half_y) = _texels(spec), tangents(spec)
+    height, width = texels.shape[:2]
+    # Finer than the picture where that is coarse: a cutoff is round, a falloff smooth.
+    rows, columns = max(height, 256), max(width, 256)
+    x = half_x * (1.0 - 2.0 * (np.arange(columns) + 0.5) / columns)
+    y = half_y * (1.0 - 2.0 * (np.arange(rows) + 0.5) / rows)
+    cosine = 1.0 / np.sqrt(1.0 + x * x + (y * y)[:, None])
+    # On the plane at distance 1 a solid angle is cos^3 times an area.
+    weight = cosine**3 if spec.evenness == "intensity" else np.ones_like(cosine)
+    if spec.cutoff_angle is not None:
+        header = table(spec)
+        weight *= np.clip((header[CUTOFF] - np.arccos(cosine)) * header[FADE], 0.0, 1.0)
+    # As the kernel interpolates.
+    v = np.clip((np.arange(rows) + 0.5) * height / rows - 0.5, 0.0, height - 1.0)
+    u = np.clip((np.arange(columns) + 0.5) * width / columns - 0.5, 0.0, width - 1.0)
+    seen = _between(_between(texels.astype(float), v).swapaxes(0, 1), u).swapaxes(0, 1)
+    solid_angle = 4.0 * half_x * half_y / (rows * columns)
+    mean = (seen * weight[..., None]).sum(axis=(0, 1)) * solid_angle / (4.0 * PI)
     r, g, b = (float(a) * c for a, c in zip(mean, spec.scale, strict=True))
     return r, g, b
+
+
+def _between(rows: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Rows of an array interpolated between whole numbers."""
+    low = np.minimum(places.astype(int), max(len(rows) - 2, 0))
+    high = np.minimum(low + 1, len(rows) - 1)
+    part = (places - low)[:, None, None]
+    return rows[low] * (1.0 - part) + rows[high] * part
 
 
 def power(luminance: float, area: float, radius: float) -> float:
@@ -197,7 +228,8 @@ def sample(scene, index, p, u, u2):
     cutoff, fade = gather(cdf, start + CUTOFF), gather(cdf, start + FADE)
     falloff = minimum(maximum((cutoff - theta) * fade, 0.0), 1.0)
     u, v = where(there, 0.5 - 0.5 * x, 0.5), where(there, 0.5 - 0.5 * y, 0.5)
-    bright = where(there, falloff / (z * z * z * squared), 0.0)
+    spread = where(gather(cdf, start + SCREEN) > 0.0, z * z * z, 1.0)
+    bright = where(there, falloff / (spread * squared), 0.0)
     one = lanes(1.0)
     return LightSample(
         wi,

@@ -1,9 +1,10 @@
 r"""Where the sun stands, by time and place.
 
 With n days since noon (UT) of 1 January 2000, the sun's mean longitude L and anomaly g give its
-ecliptic longitude :math:`\lambda = L + 1.915° \sin g + 0.020° \sin 2g`, the obliquity of the ecliptic
-its right ascension and declination, and sidereal time the hour angle. Between 1950 and 2050 it is
-right to 0.01 degrees, but for refraction, which is left out: it lifts a sun on the horizon by 0.5.
+ecliptic longitude :math:`\lambda = L + 1.915° \sin g + 0.020° \sin 2g`; the obliquity of the
+ecliptic gives its right ascension and declination, sidereal time the hour angle. Between 1950 and
+2050 it is right to 0.01 degrees, but for refraction, which is left out: it lifts a sun on the
+horizon by 0.5.
 
 Source: Michalsky, The Astronomical Almanac's algorithm for approximate solar position (1950-2050),
 Solar Energy 40(3), 1988.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import namedtuple
 
 #: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
-#: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that of
-#: the environment's map (see `alight.core.distributions`); map: the environment's, see
+#: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that
+#: of the environment's map (see `alight.core.distributions`); map: the environment's, see
 #: `alight.lights.environment_map`.
 #: The environment, where there is one, is the last light.
 LightTables = namedtuple("LightTables", "info data cdf map")

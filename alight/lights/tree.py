@@ -14,9 +14,9 @@ negative differences count as 0, and a child whose lights cannot shine there get
 than the sphere's radius its lights can be anywhere, and no angle counts.
 
 A path that comes upon a lamp weighs itself against light sampling by a density that leaves the
-normal out: paths do not keep the normals of the vertices that they come from. Both sides of multiple
-importance sampling use that one (`Choice.plain`), so that the weights add up to 1; light sampling
-divides by the probability that it really had.
+normal out: paths do not keep the normals of the vertices that they come from. Both sides of
+multiple importance sampling use that one (`Choice.plain`), so that the weights add up to 1; light
+sampling divides by the probability that it really had.
 
 Once the sphere of a child is small from where it is seen, and its lights face much the same way,
 they only differ by their intensity, and below it that alone decides: four numbers a node, not
@@ -60,8 +60,8 @@ from alight.lights.tables import INFO
 OUTER, ROWS, START, OUTER_CDF = 0, 1, 2, 4
 
 #: Numbers of a child: centre, radius squared; axis, intensity; cosines of the cone's half angle and
-#: of the angle beyond it where it is dark; where to go on (bits); triangle (bits) of a light, and of
-#: others the squared distance from which only intensity counts. Two children are a node.
+#: of the angle beyond it where it is dark; where to go on (bits); triangle (bits) of a light, and
+#: of others the squared distance from which only intensity counts. Two children are a node.
 CHILD = 12
 INTENSITY, COS_SPREAD, COS_DARK, NEXT, PRIM, FAR = 7, 8, 9, 10, 11, 11
 

@@ -148,14 +148,15 @@ def _split(
     extent = high - low
     best = np.full(groups, np.inf)
     axis, at = np.argmax(extent, axis=1), np.zeros(groups, int)
-    bins = np.empty((3, len(items)), np.int64)
+    bins = np.zeros((3, len(items)), np.int64)
     for k in range(3):
         scale = BINS / np.where(extent[:, k] > 0.0, extent[:, k], 1.0)
         bins[k] = np.minimum((center[:, k] - low[group, k]) * scale[group], BINS - 1)
         costs = _costs(leaves, items, group * BINS + bins[k], groups)
         # Thin slices of long groups are no gain: the other extents stay as they are.
         flat = extent[:, k] <= 0.0
-        costs *= (extent.max(axis=1) / np.where(flat, 1.0, extent[:, k]))[:, None]
+        longer = extent.max(axis=1) / np.where(flat, 1.0, extent[:, k])
+        costs *= np.where(flat, 1.0, longer)[:, None]
         costs[flat] = np.inf
         found = np.argmin(costs, axis=1)
         cost = costs[np.arange(groups), found]
@@ -168,7 +169,7 @@ def _split(
     halve = deep | ~np.isfinite(best)
     if halve.any():
         along = center[np.arange(len(items)), axis[group]]
-        rank = np.empty(len(items), np.int64)
+        rank = np.zeros(len(items), np.int64)
         rank[np.lexsort((along, group))] = np.arange(len(items)) - starts[group]
         side = np.where(halve[group], rank >= (sizes // 2)[group], side)
     halves = np.bincount(2 * group + side, minlength=2 * groups)
@@ -180,7 +181,7 @@ def _costs(leaves: Leaves, items: np.ndarray, cell: np.ndarray, groups: int) -> 
     cells = groups * BINS
     ones = np.bincount(cell, minlength=cells).reshape(groups, BINS)
     low, high = np.full((cells, 3), np.inf), np.full((cells, 3), -np.inf)
-    sums = np.empty((cells, 6))
+    sums = np.zeros((cells, 6))
     weights = (*leaves.axis.T, leaves.intensity, leaves.spread, leaves.dark)
     for k in range(3):
         np.minimum.at(low[:, k], cell, leaves.low[items, k])
