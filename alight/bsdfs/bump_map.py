@@ -18,9 +18,9 @@ from typing import Annotated, ClassVar, Literal
 
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
-from alight.bsdfs.relief import BENT, HEIGHTS, IS_HEIGHT, IS_LIT
+from alight.bsdfs.relief import BENT, HEIGHTS, IS_HEIGHT, packed_modes
 from alight.bsdfs.relief import SLOTS as RELIEF_SLOTS
-from alight.core.spec import Interval, NestedBsdf, NumberOrTexture, Texture
+from alight.core.spec import Interval, NestedBsdf, NumberOrTexture, Texture, Truth
 from alight.textures.checkerboard import Checkerboard
 
 Height = Annotated[float | Texture | str, NumberOrTexture(Interval(), other=(str, Texture))]
@@ -36,8 +36,10 @@ class BumpMap(Nested):
         The height; a bitmap needs ``color_space: linear`` if it has 8 or 16 bits.
     scale : float, metres, default 1
         Factor of the height; below 0 hills become hollows.
-    rims : {"lit", "black"}, default "lit"
-        What becomes of directions between the true surface and the bent one.
+    rims : {"lit", "folded", "black"}, default "lit"
+        What becomes of normals that turn away from the viewer.
+    fading : bool, default True
+        Whether light fades out towards the line where the true surface turns away from it.
     bsdf : Bsdf or str, default Diffuse()
         The material, or its name.
     """
@@ -46,7 +48,8 @@ class BumpMap(Nested):
     type: Literal["bump_map"] = "bump_map"
     texture: Height = 0.0
     scale: Number = 1.0
-    rims: Literal["lit", "black"] = "lit"
+    rims: Literal["lit", "folded", "black"] = "lit"
+    fading: Truth = True
     bsdf: NestedBsdf = Diffuse()
 
     @property
@@ -58,7 +61,7 @@ class BumpMap(Nested):
 EXAMPLES = (
     BumpMap(),
     BumpMap(texture=Checkerboard(), scale=0.01, bsdf=Diffuse(reflectance=1.0)),
-    BumpMap(texture=Checkerboard(), rims="black", bsdf=Diffuse(reflectance=(0.9, 0.5, 0.1))),
+    BumpMap(texture=Checkerboard(), rims="black", fading=False, bsdf=Diffuse(reflectance=0.5)),
 )
 
 SLOTS = RELIEF_SLOTS | {"texture": 1}
@@ -68,7 +71,7 @@ def pack(spec: BumpMap, packer) -> None:
     """Fill the row of the map."""
     packer.scalar("texture", spec.texture)
     packer.numbers("scale", spec.scale)
-    packer.numbers("modes", IS_HEIGHT + IS_LIT * (spec.rims == "lit"))
+    packer.numbers("modes", packed_modes(spec.rims, spec.fading) + IS_HEIGHT)
 
 
 def features(spec: BumpMap) -> tuple[str, ...]:

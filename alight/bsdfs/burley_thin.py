@@ -4,11 +4,12 @@ r"""Burley's thin sheet as Mitsuba has it: paper, leaves, panes and cloth that l
     f_r &= t \frac{F D\, G}{4 \cos\theta_o \cos\theta_i}
         + (1 - t)(1 - d) \left[ \tfrac{\rho}{\pi} f_d + s\, c_s F_d \right], \\
     f_t &= t\, \rho \frac{(1 - F) D'\, G'}{4 \cos\theta_o |\cos\theta_i|}
-        + (1 - t)\, d\, \tfrac{\rho}{\pi}, \qquad d = \text{diff\_trans} / 2
+        + (1 - t)\, d\, \tfrac{\rho}{\pi}
 
-with the lobes of `burley`; what passes is mirrored to the other side, by facets whose roughness is
-multiplied by 0.65 eta - 0.35. Both sides are alike. Reciprocal; sheen comes in addition, so bright
-sheets may send out more than they get.
+with the glass t, the part d of the rest that goes through, and the lobes of `burley`; what passes
+is mirrored to the other side, by facets whose roughness is multiplied by 0.65 eta - 0.35. Both
+sides are alike. Reciprocal; sheen comes in addition, so bright sheets may send out more than they
+get.
 
 Source: Burley 2015, Extending the Disney BRDF to a BSDF; the plug-in ``principledthin`` of
 Mitsuba 3 (https://mitsuba.readthedocs.io).
@@ -17,7 +18,7 @@ Mitsuba 3 (https://mitsuba.readthedocs.io).
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, Literal
+from typing import Literal
 
 from alight.bsdfs.burley import (
     burley_diffuse,
@@ -32,20 +33,10 @@ from alight.core.fresnel import fresnel_dielectric
 from alight.core.jit import kernel
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
 from alight.core.simd import lanes, lanes_u32, lanes_vec3, maximum, minimum, where
-from alight.core.spec import (
-    Bsdf,
-    ColorTexture,
-    IndexOfRefraction,
-    Interval,
-    NumberOrTexture,
-    Texture,
-    UnitTexture,
-)
+from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.vec import Vec3, dot, lerp, normalize, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar, textured_scalar
-
-Double = Annotated[float | Texture | str, NumberOrTexture(Interval(0.0, 2.0), other=(str, Texture))]
 
 
 class BurleyThin(Bsdf):
@@ -59,8 +50,8 @@ class BurleyThin(Bsdf):
         Root of alpha, and how far it differs by direction.
     spec_trans : UnitTexture, default 0
         Share of clear glass.
-    diff_trans : float in [0, 2] or texture, default 0
-        Twice the part of the diffuse light that goes through.
+    through : UnitTexture, default 0
+        The part of the diffuse light that goes through; half of Mitsuba's ``diff_trans``.
     spec_tint, sheen, sheen_tint, flatness : UnitTexture, defaults 0
         As in `burley`.
     ior : float in [1, 5], default 1.5
@@ -73,7 +64,7 @@ class BurleyThin(Bsdf):
     roughness: UnitTexture = 0.5
     anisotropic: UnitTexture = 0.0
     spec_trans: UnitTexture = 0.0
-    diff_trans: Double = 0.0
+    through: UnitTexture = 0.0
     spec_tint: UnitTexture = 0.0
     sheen: UnitTexture = 0.0
     sheen_tint: UnitTexture = 0.0
@@ -82,9 +73,9 @@ class BurleyThin(Bsdf):
 
 
 EXAMPLES = (
-    BurleyThin(diff_trans=0.6),
+    BurleyThin(through=0.3),
     BurleyThin(base_color=(0.9, 0.5, 0.1), spec_trans=0.7, anisotropic=0.5, ior=1.33),
-    BurleyThin(base_color=0.4, diff_trans=1.4, sheen=0.4, sheen_tint=0.5, flatness=0.5),
+    BurleyThin(base_color=0.4, through=0.7, sheen=0.4, sheen_tint=0.5, flatness=0.5),
     BurleyThin(base_color=0.6, spec_trans=1.0, spec_tint=0.5, roughness=0.7),
 )
 
@@ -110,7 +101,7 @@ def relative_ior(spec: BurleyThin) -> float:
 # ---------------------------------------------------------------- tables
 
 _NUMBERS = (
-    "roughness", "anisotropic", "spec_trans", "diff_trans", "spec_tint", "sheen", "sheen_tint",
+    "roughness", "anisotropic", "spec_trans", "through", "spec_tint", "sheen", "sheen_tint",
     "flatness",
 )  # fmt: skip
 SLOTS = {"base_color": 3} | dict.fromkeys(_NUMBERS, 1) | {"eta": 1}
@@ -145,7 +136,7 @@ def load(scene, base, surface):
         burley_facets(roughness, anisotropic),
         burley_facets((0.65 * eta - 0.35) * roughness, anisotropic),
         textured_scalar(scene, base + 5, surface),
-        0.5 * textured_scalar(scene, base + 6, surface),
+        textured_scalar(scene, base + 6, surface),
         textured_scalar(scene, base + 7, surface),
         textured_scalar(scene, base + 8, surface),
         textured_scalar(scene, base + 9, surface),

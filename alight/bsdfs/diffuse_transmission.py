@@ -121,7 +121,8 @@ def sample(params, wo, u, u2):
     # (rho / pi) cos / (share cos / pi): the cosine cancels.
     weight = where(goes_back, params.reflectance, params.transmittance) / maximum(chance, 1e-20)
     # Above the surface if wo is above and goes back, or is below and goes on.
-    turned = (wo.z > 0.0) != goes_back
+    above = wo.z > 0.0
+    turned = (above & ~goes_back) | (~above & goes_back)
     wi = Vec3(wi.x, wi.y, where(turned, -wi.z, wi.z))
     right = wo.z != 0.0
     flags = where(goes_back, lanes_u32(REFLECTION), lanes_u32(TRANSMISSION))

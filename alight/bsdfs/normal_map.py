@@ -18,7 +18,7 @@ from typing import ClassVar, Literal
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.relief import BENT, FOLLOWS_UV, IS_LIT, NORMALS
+from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, packed_modes
 from alight.bsdfs.relief import SLOTS as RELIEF_SLOTS
 from alight.bsdfs.rough_conductor import RoughConductor
 from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Truth
@@ -33,8 +33,10 @@ class NormalMap(Nested):
         The normals; a bitmap needs ``color_space: linear`` if it has 8 or 16 bits.
     scale : float >= 0, default 1
         Factor of the slopes.
-    rims : {"lit", "black"}, default "lit"
-        What becomes of directions between the true surface and the bent one.
+    rims : {"lit", "folded", "black"}, default "lit"
+        What becomes of normals that turn away from the viewer.
+    fading : bool, default True
+        Whether light fades out towards the line where the true surface turns away from it.
     follow_uv : bool, default True
         Whether y runs along growing v; else it is at right angles to x by the right hand.
     bsdf : Bsdf or str, default Diffuse()
@@ -45,7 +47,8 @@ class NormalMap(Nested):
     type: Literal["normal_map"] = "normal_map"
     texture: ColorTexture = (0.5, 0.5, 1.0)
     scale: NonNegative = 1.0
-    rims: Literal["lit", "black"] = "lit"
+    rims: Literal["lit", "folded", "black"] = "lit"
+    fading: Truth = True
     follow_uv: Truth = True
     bsdf: NestedBsdf = Diffuse()
 
@@ -58,7 +61,7 @@ class NormalMap(Nested):
 EXAMPLES = (
     NormalMap(texture=(0.65, 0.4, 0.9), bsdf=Diffuse(reflectance=1.0)),
     NormalMap(texture=(0.8, 0.5, 0.7), rims="black", bsdf=Diffuse(reflectance=(0.9, 0.5, 0.1))),
-    NormalMap(texture=(0.3, 0.6, 0.9), bsdf=RoughConductor(alpha_u=0.2, alpha_v=0.5)),
+    NormalMap(texture=(0.3, 0.6, 0.9), rims="folded", bsdf=RoughConductor(alpha=0.3)),
     NormalMap(texture=(0.6, 0.6, 0.9), scale=0.5, bsdf=Plastic(diffuse_reflectance=1.0)),
 )
 
@@ -69,7 +72,7 @@ def pack(spec: NormalMap, packer) -> None:
     """Fill the row of the map."""
     packer.color("texture", spec.texture)
     packer.numbers("scale", spec.scale)
-    packer.numbers("modes", IS_LIT * (spec.rims == "lit") + FOLLOWS_UV * spec.follow_uv)
+    packer.numbers("modes", packed_modes(spec.rims, spec.fading) + FOLLOWS_UV * spec.follow_uv)
 
 
 def features(spec: NormalMap) -> tuple[str, ...]:

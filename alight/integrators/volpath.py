@@ -34,7 +34,7 @@ from alight.core.simd import (
     minimum,
     where,
 )
-from alight.core.spec import Depth, Integrator, invalid
+from alight.core.spec import Depth, Integrator, Truth, invalid
 from alight.core.vec import length, max_component
 from alight.integrators.path import BY_BSDF, BY_LIGHT, MAX_SURVIVAL, MIS, STRATEGIES
 from alight.integrators.volume_walk import (
@@ -93,6 +93,9 @@ class VolPath(Integrator):
         passing a `null` surface does not. Unlimited by default, which needs roulette.
     light_choice : {"power", "uniform"}, default "power"
         Probability of each light.
+    hide_emitters : bool, default False
+        Whether the camera sees through lights: surfaces that shine, and the environment. They
+        light the scene as ever.
     """
 
     sees_media: ClassVar[bool] = True
@@ -102,6 +105,7 @@ class VolPath(Integrator):
     rr_depth: Depth = 5
     max_depth: Depth | None = None
     light_choice: Literal["power", "uniform"] = "power"
+    hide_emitters: Truth = False
 
     @model_validator(mode="after")
     def _paths_end(self) -> Self:
@@ -115,6 +119,7 @@ EXAMPLES = (
     VolPath(max_depth=8, rr_depth=5),
     VolPath(light_sampling="bsdf", russian_roulette="none", max_depth=4),
     VolPath(light_sampling="emitter", light_choice="uniform"),
+    VolPath(hide_emitters=True),
 )
 
 
@@ -131,6 +136,7 @@ def step(program):
     reach_lamp = _write_reach_lamp(found_weight, nulls)
     add_direct_light = _write_add_direct_light(chosen_weight, by_light)
     play_roulette = _write_play_roulette(refracts(program))
+    hides = program.option("hide_emitters", False)
 
     @kernel
     def volpath_step(scene, settings, path):
@@ -143,16 +149,21 @@ def step(program):
         missed = path.active & ~scattered & (hit.t == INFINITY)
         met = path.active & ~scattered & (hit.t < INFINITY)
         L, L_direct = path.L, path.L_direct
+        if hides:
+            missed = missed & (path.depth > 0)
         if environment:
             L, L_direct = reach_environment(scene, path, depth, missed, L, L_direct)
         surface = make_surface(scene, hit, path.o, path.d, met)
-        if area_lights:
-            L, L_direct = reach_lamp(scene, path, hit, surface, depth, met, L, L_direct)
 
-        # Surfaces that are not there are no vertices.
-        passing = lanes_mask(False)
+        # Surfaces that are not there are no vertices, nor lights that the camera looks through.
+        passing, shining = lanes_mask(False), met
         if nulls:
             passing = met & is_null(scene, surface)
+        if hides:
+            hidden = met & (path.depth == 0) & (surface.light != 0)
+            passing, shining = passing | hidden, met & ~hidden
+        if area_lights:
+            L, L_direct = reach_lamp(scene, path, hit, surface, depth, shining, L, L_direct)
         active = (met | scattered) & ~passing & (depth < settings.max_depth)
         p = where(scattered, path.o + t * path.d, surface.p)
         wo = to_local(surface, -path.d)

@@ -110,7 +110,8 @@ def _pixels_of(image: Any, again: Callable[[], Any]) -> np.ndarray:
         return np.asarray(image.convert("L") if image.mode == "1" else image)
     if image.mode in ("LA", "RGBA"):
         return np.asarray(image)
-    return np.asarray(image.convert("RGBA" if "transparency" in image.info else "RGB"))
+    wanted = "RGBA" if "transparency" in image.info else "RGB"
+    return np.asarray(image if image.mode == wanted else image.convert(wanted))
 
 
 def _sixteen_bits(image: Any, again: Callable[[], Any]) -> np.ndarray:

@@ -119,7 +119,10 @@ class Image:
 
     @cached_property
     def _largest(self) -> NDArray[Any]:
-        return self.texels.max(axis=(0, 1), keepdims=True)
+        # Along whole rows first: numbers side by side are compared many at a time.
+        width, channels = self.texels.shape[1:]
+        rows = self.texels.reshape(-1, width * channels).max(axis=0)
+        return rows.reshape(1, width, channels).max(axis=1, keepdims=True)
 
     def maximum(self, color_space: str = "auto") -> Triple:
         """Largest linear value of each channel."""

@@ -10,6 +10,7 @@ from pictures import IMAGES
 import alight
 
 SCENES = (
+    "blurred-foreground",
     "cloud",
     "coated-plastics",
     "depth-of-field",
@@ -18,11 +19,13 @@ SCENES = (
     "infinite-plane",
     "instances",
     "lambert-and-uniform-scatter",
+    "lamp-and-glass",
     "milk",
     "mirror-and-glass",
     "phong-exponents",
     "rough-glass",
     "rough-metals",
+    "soft-shadows",
     "transform-tree",
     "uniform-and-cosine-sampling",
     "veach-plates",
@@ -34,6 +37,7 @@ MORE = {
     "cloud": 384,
     "environment-map": 256,
     "fog": 512,
+    "lamp-and-glass": 256,
     "milk": 512,
     "mirror-and-glass": 256,
     "rough-glass": 256,

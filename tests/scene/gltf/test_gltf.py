@@ -11,6 +11,7 @@ from alight.scene import content_hash, flatten, load, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
 from alight.scene.formats.gltf.scene import parse
+from alight.scene.formats.gltf.write import write
 from alight.scene.formats.report import Report
 from tests.scene.gltf.maker import FACES, POINTS, UVS, Maker, everything
 
@@ -95,6 +96,42 @@ def test_converted_scenes_are_the_same(tmp_path):
     (tmp_path / "out").mkdir()
     save(scene, tmp_path / "out" / "a.yaml")
     assert content_hash(load(tmp_path / "out" / "a.yaml")) == content_hash(scene)
+
+
+def test_written_files_come_back(tmp_path):
+    m = Maker()
+    pixels = np.random.default_rng(1).integers(0, 256, (4, 4, 3)).astype(np.uint8)
+    pbr = {
+        "baseColorTexture": {"index": m.picture(pixels, wrapS=33071, wrapT=33648)},
+        "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0.25, "roughnessFactor": 0.75,
+    }  # fmt: skip
+    coat = {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25}}
+    square = m.square(m.material(pbrMetallicRoughness=pbr, doubleSided=True, extensions=coat))
+    m.node(mesh=square, translation=[1, 2, 3], scale=[2, 1, 1])
+    m.node(mesh=m.square(m.material(emissiveFactor=[1, 0.5, 0.25])))
+    m.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 7}]}}
+    m.node(extensions={"KHR_lights_punctual": {"light": 0}}, rotation=[0.6, 0, 0, 0.8])
+    m.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 1.5}}]
+    m.node(camera=0, translation=[0, 0, 9])
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    first = flatten(load(tmp_path / "a.glb"))
+    assert write(first, tmp_path / "b.glb") == []
+    second = flatten(load(tmp_path / "b.glb"))
+    assert [g.digest for g in first.geometries] == [g.digest for g in second.geometries]
+    assert first.bsdfs == second.bsdfs
+    assert [s.light for s in first.shapes] == [s.light for s in second.shapes]
+    for one, other in zip(first.shapes + first.lights, second.shapes + second.lights, strict=True):
+        np.testing.assert_allclose(one.to_world, other.to_world, atol=1e-12)
+    np.testing.assert_allclose(first.camera.to_world, second.camera.to_world)
+    assert second.camera.camera.fov == pytest.approx(first.camera.camera.fov)
+    assert first.lights[0].light.intensity == pytest.approx(second.lights[0].light.intensity)
+
+
+def test_what_gltf_cannot_hold_is_listed(tmp_path):
+    lost = write(flatten(load("cornell-box")), tmp_path / "a.glb")
+    assert any("is no mesh" in line for line in lost)
+    lost = write(flatten(load("material-ball")), tmp_path / "b.glb")
+    assert any("environment" in line for line in lost)
 
 
 def test_texture_coordinates_are_turned_over():

@@ -229,7 +229,9 @@ def test_nothing_is_dropped_silently():
     assert "optimize" in messages(body)[0]
     body = '<shape type="sphere"><bsdf type="diffuse"><float name="eta" value="1"/></bsdf></shape>'
     assert "eta" in messages(body)[0]
-    body = '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>'
-    assert "not covered" in messages(body)[0]
+    inner = '<boolean name="hide_emitters" value="true"/><integrator type="path"/>'
+    assert "not covered" in messages(f'<integrator type="moment">{inner}</integrator>')[0]
+    hidden = '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>'
+    assert read(hidden).integrator.hide_emitters
     scene = read('<integrator type="moment"><integrator type="path"/></integrator>')
     assert "taken off" in scene.source.remarks.notes[0]

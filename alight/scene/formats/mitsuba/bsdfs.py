@@ -204,8 +204,11 @@ def _bump_map(draft: Draft) -> None:
 
 
 def _as_mitsuba_bends(draft: Draft) -> None:
-    """Mitsuba neither moves bent normals towards the viewer nor fades light out."""
-    draft.put("rims", "black")
+    """Fold normals that turn away from the viewer, and fade light out, unless told not to."""
+    folded = draft.properties.flag("flip_invalid_normals", True)
+    draft.put("rims", "folded" if folded else "black", "flip_invalid_normals")
+    fading = draft.properties.flag("use_shadowing_function", True)
+    draft.put("fading", None if fading else False, "use_shadowing_function")
 
 
 def _principled(draft: Draft) -> None:
@@ -227,7 +230,8 @@ def _principled(draft: Draft) -> None:
 
 def _principled_thin(draft: Draft) -> None:
     color_or_texture(draft, "base_color", 0.5)
-    number_or_texture(draft, "diff_trans")
+    # Ours is the share itself.
+    number_or_texture(draft, "through", name="diff_trans", scale=0.5)
     _burley_lobes(draft)
     draft.number("ior", 1.5, "eta")
     kinds = [f"{a}_{b}" for a in ("specular", "diffuse") for b in ("reflectance", "transmittance")]

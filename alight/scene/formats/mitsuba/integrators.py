@@ -27,7 +27,8 @@ def convert(context: Context, element: Element) -> Data | None:
         return {"type": "path"}
     draft = Draft(context, element, "integrator", "direct" if kind == "direct" else "path")
     p = draft.properties
-    p.only("hide_emitters", False, "lights are seen")
+    if p.flag("hide_emitters"):
+        draft.put("hide_emitters", True)
     p.ignore("it is an option of the command line", "block_size", "samples_per_pass", "timeout")
     if kind == "direct":
         _direct(draft)

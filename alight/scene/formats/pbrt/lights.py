@@ -41,6 +41,7 @@ def light_node(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
     kind = p.directive.type
     if kind not in COVERED:
         p.report.unknown(p.directive, "light", kind, (*COVERED, "infinite"), "left out")
+        p.forget()
         return None
     p.ignore("lights are chosen by their power", *_UNUSED)
     return COVERED[kind](context, p, matrix)

@@ -149,6 +149,10 @@ class Parameters:
             if found is not None:
                 self.report.approximated(found, f"is left out: {why}")
 
+    def forget(self) -> None:
+        """Ask for all: what is unknown itself has no unknown parameters."""
+        self.asked.update(dict.fromkeys(self.named))
+
     def finish(self) -> None:
         """Report whatever has not been asked for."""
         for name, parameter in self.named.items():

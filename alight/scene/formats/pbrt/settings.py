@@ -38,6 +38,7 @@ def camera(context: Context, directive: Directive | None, to_world: np.ndarray, 
     kind = directive.type
     if kind not in CAMERAS:
         context.report.unknown(directive, "camera", kind, CAMERAS, "a perspective one is taken")
+        p.forget()
         kind = "perspective"
     width, height = film["size"]
     _shutter(context, p)
@@ -96,9 +97,10 @@ def film(context: Context, directive: Directive | None, pixel_filter: Directive 
     """Convert the film and its filter; sets the context's exposure."""
     known = directive is not None
     directive = directive or Directive("Film", "", ["image" if context.old else "rgb"])
+    p = Parameters(directive, context.report)
     if directive.type not in FILMS:
         context.report.unknown(directive, "film", directive.type, FILMS, "rgb is taken")
-    p = Parameters(directive, context.report)
+        p.forget()
     default = (640, 480) if context.old else (1280, 720)
     size = [p.integer("xresolution", default[0]), p.integer("yresolution", default[1])]
     p.ignore("it is about files, see the options of the command line", "filename", "savefp16")
@@ -172,6 +174,7 @@ def _filter(context: Context, directive: Directive | None) -> Data:
         data = {"type": "mitchell", "b": 0.0, "c": 0.5}
     else:
         context.report.unknown(directive, "filter", kind, FILTERS, "gaussian is taken")
+        p.forget()
     p.finish()
     return data
 
@@ -185,6 +188,7 @@ def sampler(context: Context, directive: Directive | None) -> tuple[int, Data]:
     context.places["sampler"] = directive.place
     if kind not in SAMPLERS:
         context.report.unknown(directive, "sampler", kind, SAMPLERS, "sobol is taken")
+        p.forget()
     elif kind not in SAME:
         context.report.note(directive, f"becomes {SAMPLERS[kind]}: the same picture, other noise")
     p.ignore("it is an option of the command line", "seed")
@@ -220,6 +224,7 @@ def integrator(context: Context, directive: Directive | None) -> Data:
     elif kind not in PATHS:
         known = (*PATHS, *FROM_LIGHTS, "directlighting", "whitted")
         context.report.unknown(directive, "integrator", kind, known, "path is taken")
+        p.forget()
     depth = p.integer("maxdepth", 5)
     # pbrt counts bounces, alight the edges of a path after the camera.
     data: Data = {"type": "path", "max_depth": min(max(depth, 0) + 1, 2**16)}

@@ -70,6 +70,7 @@ def convert(placed: Placed) -> Data | Mesh | None:
     kind = placed.p.directive.type
     if kind not in COVERED:
         placed.p.report.unknown(placed.p.directive, "shape", kind, COVERED, "left out")
+        placed.p.forget()
         return None
     placed.p.ignore("hits do not depend on it", "shadowalpha")
     try:

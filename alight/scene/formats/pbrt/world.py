@@ -277,7 +277,7 @@ class World:
         for name in self.state.media:
             self.media.pop(name, None)
         if self.state.media:
-            text = "is not covered: there is nothing between surfaces"
+            text = "is not covered: media of pbrt are not read"
             self.context.report.not_covered(directive, text, "left out")
 
     # ------------------------------------------------------------ lights
