@@ -201,7 +201,7 @@ def test_nodes_bound_their_lights(kind):
     rows = tree.nodes.reshape(-1, CHILD)
     words = rows.view(np.uint32)
     for item in range(n):
-        at, way = 0, int(tree.ways[item])
+        at, way, child = 0, int(tree.ways[item]), 0
         for _ in range(MOST_LEVELS):
             child = 2 * at + (way & 1)
             way >>= 1
