@@ -16,9 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
-
-from pydantic_core import core_schema
+from typing import Annotated
 
 from alight.core.jit import kernel
 from alight.core.spec import Bsdf, Interval, Reflectance
@@ -31,20 +29,22 @@ ABSORPTION_SLOTS = {"absorption": 3}
 #: Colours count as at least this: nothing real is blacker after a finite way.
 DARKEST = 1e-6
 
-_FINITE = Interval(0.0, open_ends=True)
-
 
 @dataclass(frozen=True)
-class Distance:
+class Distance(Interval):
     """Metadata of a field that holds a length in metres > 0, infinity allowed."""
 
-    def check(self, value: object) -> float:
-        """Return a Python number."""
-        return math.inf if value == math.inf else float(_FINITE.check(value))
+    low: float = 0.0
+    open_ends: bool = True
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        """Build pydantic's schema from `check`."""
-        return core_schema.no_info_plain_validator_function(self.check)
+    def check(self, value: object) -> float:
+        """Return `value` as a Python number, or raise an error that states the allowed range."""
+        # As text, because the YAML of scene files knows no number without digits.
+        return math.inf if value in (math.inf, ".inf", "inf") else super().check(value)
+
+    def describe(self) -> str:
+        """Put the range in words."""
+        return "> 0, or .inf"
 
 
 class Absorbing(Bsdf):

@@ -53,7 +53,10 @@ from alight.bsdfs.albedo_table import (
     rows_at,
 )
 from alight.bsdfs.facets import ANISOTROPIC
-from alight.bsdfs.principled_lobes import (
+from alight.bsdfs.principled_lobes import albedo as albedo
+from alight.bsdfs.principled_lobes import evaluate as evaluate
+from alight.bsdfs.principled_lobes import sample as sample
+from alight.bsdfs.principled_view import (
     COAT,
     COAT_IOR,
     FILM,
@@ -66,9 +69,6 @@ from alight.bsdfs.principled_lobes import (
     Sheen,
     Turn,
 )
-from alight.bsdfs.principled_lobes import albedo as albedo
-from alight.bsdfs.principled_lobes import evaluate as evaluate
-from alight.bsdfs.principled_lobes import sample as sample
 from alight.bsdfs.sheen import ROW as SHEEN_ROW
 from alight.bsdfs.sheen import ROWS as SHEEN_ROWS
 from alight.bsdfs.sheen import sheen_rows

@@ -76,11 +76,12 @@ def _from_normals(scene, base, surface, height, follows):
 
 
 @kernel
-def _moved(surface, du, dv):
-    """The surface with its texture coordinates moved."""
+def _moved(surface, du, dv, shift):
+    """The surface with its texture coordinates moved, and its point with them."""
     return Surface(
-        surface.p, surface.error, surface.ng, surface.ns, surface.s, surface.t, surface.u + du,
-        surface.v + dv, surface.shape, surface.prim, surface.bsdf, surface.light, surface.color,
+        surface.p + shift, surface.error, surface.ng, surface.ns, surface.s, surface.t,
+        surface.u + du, surface.v + dv, surface.shape, surface.prim, surface.bsdf, surface.light,
+        surface.color,
     )  # fmt: skip
 
 
@@ -88,9 +89,9 @@ def _moved(surface, du, dv):
 def _from_heights(scene, base, surface, height, follows):
     scale = scalar(scene, base, surface)
     here = textured_scalar(scene, base + 2, surface)
-    right = textured_scalar(scene, base + 2, _moved(surface, STEP, 0.0))
-    above = textured_scalar(scene, base + 2, _moved(surface, 0.0, STEP))
     along, across = uv_derivatives(scene, surface)
+    right = textured_scalar(scene, base + 2, _moved(surface, STEP, 0.0, STEP * along))
+    above = textured_scalar(scene, base + 2, _moved(surface, 0.0, STEP, STEP * across))
     a = _risen(surface, along, scale * (right - here) * (1.0 / STEP))
     b = _risen(surface, across, scale * (above - here) * (1.0 / STEP))
     n = cross(a, b)

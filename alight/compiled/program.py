@@ -22,6 +22,8 @@ class Program(NamedTuple):
         Kinds of shape that carry an area light.
     single_light : bool
         There is one light: nothing has to be chosen, and its rows are the same for all lanes.
+    light_tree : bool
+        Lights are chosen by a tree, see `alight.lights.tree`.
     accel : tuple of str
         Parts of the acceleration structure, see `alight.accel`.
     camera, filter, integrator : str
@@ -44,6 +46,7 @@ class Program(NamedTuple):
     lights: tuple[str, ...] = ()
     light_shapes: tuple[str, ...] = ()
     single_light: bool = False
+    light_tree: bool = False
     accel: tuple[str, ...] = ()
     camera: str = "pinhole"
     sampler: tuple = ("sobol",)

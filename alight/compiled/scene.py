@@ -98,7 +98,7 @@ def compile_scene(
         threads=threads,
     )
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
-    light_choice = getattr(flat.integrator, "light_choice", "power")
+    light_choice = getattr(flat.integrator, "light_choice", "auto")
     combined = getattr(flat.integrator, "light_sampling", None) == "mis"
     lights = compile_lights(flat, shapes, light_choice, compensated=combined)
     tables = SceneTables(
@@ -119,7 +119,8 @@ def compile_scene(
         textures=textures,
         lights=lights.kinds,
         light_shapes=lights.shapes,
-        single_light=lights.tables.info.size == LIGHT_INFO,
+        single_light=lights.tables.info.size == LIGHT_INFO and not lights.has_tree,
+        light_tree=lights.has_tree,
         accel=plan,
         camera=flat.camera.camera.type_name(),
         sampler=sampler_key(flat.sampler),
@@ -150,8 +151,9 @@ def _darkness(flat: FlatScene, is_dark: bool) -> tuple[str, ...]:
     return ()
 
 
-#: Numbers of integrators that kernels are given while they run (`alight.integrators.walk`).
-RUN_TIME = {"max_depth", "rr_depth", "distance"}
+#: Numbers of integrators that kernels are given while they run (`alight.integrators.walk`), and
+#: what the tables and `Program.light_tree` say.
+RUN_TIME = {"max_depth", "rr_depth", "distance", "light_choice"}
 
 
 def compile_time_options(integrator: Integrator) -> tuple[tuple[str, Any], ...]:

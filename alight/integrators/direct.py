@@ -25,8 +25,8 @@ class Direct(Integrator):
         As for `path`.
     heuristic : {"power", "balance"}, default "power"
         As for `path`.
-    light_choice : {"power", "uniform"}, default "power"
-        Probability of each light.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        As for `path`.
     hide_emitters : bool, default False
         As for `path`.
     """
@@ -34,7 +34,7 @@ class Direct(Integrator):
     type: Literal["direct"] = "direct"
     light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
     heuristic: Literal["power", "balance"] = "power"
-    light_choice: Literal["power", "uniform"] = "power"
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
     hide_emitters: Truth = False
 
 

@@ -46,6 +46,7 @@ from alight.lights.sampling import (
     environment_radiance,
     has_delta_lights,
     light_pdf,
+    lit_normal,
     sample_light,
     shadow_ray,
 )
@@ -78,8 +79,9 @@ class Path(Integrator):
     max_depth : int >= 1, optional
         Longest path, counted in edges after the camera: 1 shows lights only, 2 adds direct light.
         Unlimited by default, which needs roulette.
-    light_choice : {"power", "uniform"}, default "power"
-        Probability of each light.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        Probability of each light: by its power, the same for all, or by a tree that knows where
+        lights are and where they face; "auto" takes the tree for many lights, else the power.
     hide_emitters : bool, default False
         Whether the camera sees through lights: surfaces that shine, and the environment. They
         light the scene as ever.
@@ -91,7 +93,7 @@ class Path(Integrator):
     russian_roulette: Literal["throughput", "none"] = "throughput"
     rr_depth: Depth = 5
     max_depth: Depth | None = None
-    light_choice: Literal["power", "uniform"] = "power"
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
     hide_emitters: Truth = False
 
     @model_validator(mode="after")
@@ -293,8 +295,9 @@ def _write_add_direct_light(light_weight, by_light, listeners):
     @kernel
     def add_direct_light(scene, path, surface, wo, depth, active, L, L_direct, rays):
         dimension = vertex_dimension(depth)
+        n = lit_normal(surface.ns, wo)
         light = sample_light(
-            scene, surface.p, surface.ns, get_1d(path.sampler, dimension + LIGHT_CHOICE),
+            scene, surface.p, n, get_1d(path.sampler, dimension + LIGHT_CHOICE),
             get_2d(path.sampler, dimension + LIGHT_POINT), active,
         )  # fmt: skip
         lit = active & (light.pdf > 0.0)
@@ -312,7 +315,7 @@ def _write_add_direct_light(light_weight, by_light, listeners):
             L = where(lit, L + Ld, L)
             L_direct = where(lit & (depth <= 1), L, L_direct)
             if recorded:
-                sample(scene, path, depth, lit, Ld)
+                sample(scene, path, surface.p, n, depth, lit, Ld)
         return L, L_direct, rays
 
     return add_direct_light

@@ -7,10 +7,11 @@ from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
 from alight.core.simd import any_lane, gather, lanes, sqrt, where
 from alight.core.vec import Vec3, gather_vec3
-from alight.shapes import cylinder, sphere
+from alight.shapes.cylinder import MATRIX as CYLINDER_MATRIX
 from alight.shapes.flat import E1, E2, local_coordinates
 from alight.shapes.hit import INFO, INSTANCED, UVS
 from alight.shapes.mesh import along_rows, corners_of, rows_if
+from alight.shapes.sphere import MATRIX as SPHERE_MATRIX
 from alight.shapes.sphere import times
 from alight.shapes.surfaces import KINDS
 
@@ -88,7 +89,7 @@ def _of_sphere(tables, k, surface):
     sine, cosine = sincos(PI * surface.v)
     around = Vec3(-TWO_PI * sine * s, TWO_PI * sine * c, lanes(0.0))
     down = Vec3(PI * cosine * c, PI * cosine * s, -PI * sine)
-    k = k + sphere.MATRIX
+    k = k + SPHERE_MATRIX
     return times(tables.data, k, around), times(tables.data, k, down)
 
 
@@ -96,7 +97,7 @@ def _of_sphere(tables, k, surface):
 def _of_cylinder(tables, k, surface):
     s, c = sincos(TWO_PI * surface.u)
     around, up = Vec3(-TWO_PI * s, TWO_PI * c, lanes(0.0)), Vec3(0.0 * s, 0.0 * s, lanes(1.0))
-    k = k + cylinder.MATRIX
+    k = k + CYLINDER_MATRIX
     return times(tables.data, k, around), times(tables.data, k, up)
 
 

@@ -12,6 +12,7 @@ import alight
 SCENES = (
     "blurred-foreground",
     "cloud",
+    "clear-day",
     "coated-plastics",
     "depth-of-field",
     "environment-map",
@@ -19,6 +20,7 @@ SCENES = (
     "infinite-plane",
     "instances",
     "lambert-and-uniform-scatter",
+    "lamp-profiles",
     "lamp-and-glass",
     "milk",
     "mirror-and-glass",
@@ -34,11 +36,11 @@ WIDTH = 400
 #: Samples per pixel, more for scenes with caustics and blurred highlights.
 SPP = 96
 MORE = {
-    "cloud": 128,
+    "cloud": 384,
     "environment-map": 256,
-    "fog": 160,
+    "fog": 512,
     "lamp-and-glass": 256,
-    "milk": 256,
+    "milk": 512,
     "mirror-and-glass": 256,
     "rough-glass": 256,
     "veach-plates": 192,

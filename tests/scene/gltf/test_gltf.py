@@ -11,6 +11,7 @@ from alight.scene import content_hash, flatten, load, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
 from alight.scene.formats.gltf.scene import parse
+from alight.scene.formats.gltf.write import write
 from alight.scene.formats.report import Report
 from tests.scene.gltf.maker import FACES, POINTS, UVS, Maker, everything
 
@@ -97,6 +98,42 @@ def test_converted_scenes_are_the_same(tmp_path):
     assert content_hash(load(tmp_path / "out" / "a.yaml")) == content_hash(scene)
 
 
+def test_written_files_come_back(tmp_path):
+    m = Maker()
+    pixels = np.random.default_rng(1).integers(0, 256, (4, 4, 3)).astype(np.uint8)
+    pbr = {
+        "baseColorTexture": {"index": m.picture(pixels, wrapS=33071, wrapT=33648)},
+        "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0.25, "roughnessFactor": 0.75,
+    }  # fmt: skip
+    coat = {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25}}
+    square = m.square(m.material(pbrMetallicRoughness=pbr, doubleSided=True, extensions=coat))
+    m.node(mesh=square, translation=[1, 2, 3], scale=[2, 1, 1])
+    m.node(mesh=m.square(m.material(emissiveFactor=[1, 0.5, 0.25])))
+    m.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 7}]}}
+    m.node(extensions={"KHR_lights_punctual": {"light": 0}}, rotation=[0.6, 0, 0, 0.8])
+    m.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 1.5}}]
+    m.node(camera=0, translation=[0, 0, 9])
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    first = flatten(load(tmp_path / "a.glb"))
+    assert write(first, tmp_path / "b.glb") == []
+    second = flatten(load(tmp_path / "b.glb"))
+    assert [g.digest for g in first.geometries] == [g.digest for g in second.geometries]
+    assert first.bsdfs == second.bsdfs
+    assert [s.light for s in first.shapes] == [s.light for s in second.shapes]
+    for one, other in zip(first.shapes + first.lights, second.shapes + second.lights, strict=True):
+        np.testing.assert_allclose(one.to_world, other.to_world, atol=1e-12)
+    np.testing.assert_allclose(first.camera.to_world, second.camera.to_world)
+    assert second.camera.camera.fov == pytest.approx(first.camera.camera.fov)
+    assert first.lights[0].light.intensity == pytest.approx(second.lights[0].light.intensity)
+
+
+def test_what_gltf_cannot_hold_is_listed(tmp_path):
+    lost = write(flatten(load("cornell-box")), tmp_path / "a.glb")
+    assert any("is no mesh" in line for line in lost)
+    lost = write(flatten(load("material-ball")), tmp_path / "b.glb")
+    assert any("environment" in line for line in lost)
+
+
 def test_texture_coordinates_are_turned_over():
     m = Maker()
     m.node(mesh=m.square())
@@ -114,6 +151,27 @@ def test_the_example_of_texture_transforms_shows_the_lower_left_quarter():
     corners = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]) @ matrix.T
     assert np.allclose(corners.min(axis=0), [0, 0], atol=1e-12)
     assert np.allclose(corners.max(axis=0), [0.5, 0.5], atol=1e-12)
+
+
+def test_texture_transforms_are_seen_from_above():
+    """Half the height, from the top: v runs upwards here."""
+    change = {"offset": [0.25, 0], "scale": [1, 0.5], "texCoord": 1}
+    info = {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": change}}
+    bsdf = core(material_of(pbrMetallicRoughness={"baseColorTexture": info}))
+    assert bsdf["base_color"]["to_uv"]["matrix"] == [[1.0, 0.0, 0.25], [0.0, 0.5, 0.5]]
+    m = Maker()
+    m.picture(np.zeros((2, 2, 3), np.uint8))
+    material = m.material(pbrMetallicRoughness={"baseColorTexture": info})
+    other = np.full((4, 2), 0.25, "<f4")
+    m.node(mesh=m.square(material, TEXCOORD_1=m.accessor(other)))
+    uvs = parsed(m).data["nodes"]["node 0"]["shape"].uvs
+    np.testing.assert_array_equal(uvs, [[0.25, 0.75]] * 4)
+
+
+def test_textures_of_normals_are_numbers():
+    bsdf = material_of(normalTexture={"index": 0, "scale": 0.5})["bsdf"]
+    assert (bsdf["type"], bsdf["scale"]) == ("normal_map", 0.5)
+    assert bsdf["texture"]["color_space"] == "linear"
 
 
 def test_factors_multiply_channels():
@@ -143,6 +201,10 @@ def test_opacity_cuts_or_blends():
     assert cut["opacity"]["texture"]["a"] == 0.5
     assert cut["opacity"]["texture"]["b"]["channel"] == "a"
     faint = {"baseColorFactor": [1, 1, 1, 0.25]}
+    # At the cutoff a surface is there.
+    for cutoff, opacity in ((0.25, None), (0.26, 0.0)):
+        edge = material_of(alphaMode="MASK", alphaCutoff=cutoff, pbrMetallicRoughness=faint)
+        assert edge.get("opacity") == opacity
     blended = material_of(alphaMode="BLEND", pbrMetallicRoughness=faint)
     assert blended["opacity"] == 0.25
     assert material_of(pbrMetallicRoughness=pbr)["type"] == "two_sided"
@@ -189,6 +251,7 @@ def test_lights_keep_their_units_and_directions(tmp_path):
     found = {placed.light.type_name(): placed for placed in flat.lights}
     assert found["spot"].light.intensity == (5.0, 2.5, 1.0)
     assert found["spot"].light.cutoff_angle == pytest.approx(np.degrees(0.5))
+    assert found["spot"].light.beam_width == pytest.approx(np.degrees(0.1))
     # Along -z of its node, which stands upright at x = -2.
     np.testing.assert_allclose(found["spot"].to_world @ [0, 0, 1, 0], [0, 0, -1, 0], atol=1e-12)
     np.testing.assert_allclose(found["spot"].to_world[:3, 3], [-2, 0, 0])
@@ -259,6 +322,47 @@ def test_strips_and_fans_keep_their_sides():
         faces = parsed(m).data["nodes"]["node 0"]["shape"].faces
         a, b, c = (POINTS[faces[:, i]] for i in range(3))
         assert (np.cross(b - a, c - a)[:, 2] > 0).all(), mode
+        wanted = {5: [{0, 1, 3}, {1, 2, 3}], 6: [{0, 1, 2}, {0, 2, 3}]}[mode]
+        assert [set(face) for face in faces.tolist()] == wanted
+
+
+def test_nodes_are_scaled_then_turned_then_moved(tmp_path):
+    m = Maker()
+    # A quarter turn about z: from x to y.
+    turn = [0, 0, np.sin(np.pi / 4), np.cos(np.pi / 4)]
+    m.node(mesh=m.square(), scale=[2, 3, 4], rotation=turn, translation=[5, 6, 7])
+    (tmp_path / "a.gltf").write_bytes(m.gltf())
+    (shape,) = flatten(load(tmp_path / "a.gltf")).shapes
+    np.testing.assert_allclose(shape.to_world @ [1, 0, 0, 1], [5, 8, 7, 1], atol=1e-12)
+    np.testing.assert_allclose(shape.to_world @ [0, 1, 1, 1], [2, 6, 11, 1], atol=1e-12)
+
+
+def test_colors_of_vertices_in_bytes_reach_one():
+    m = Maker()
+    table = np.array([[0, 51, 255]] * 4, "u1")
+    m.node(mesh=m.square(COLOR_0=m.accessor(table, normalized=True)))
+    colors = parsed(m).data["nodes"]["node 0"]["shape"].colors
+    np.testing.assert_allclose(colors, [[0, 0.2, 1]] * 4, atol=1e-7)
+
+
+def test_the_same_mesh_with_other_weights_is_another_one():
+    m = Maker()
+    square = m.square()
+    targets = {
+        "POSITION": m.accessor(np.tile(np.array([[0, 0, 2]], "<f4"), (4, 1))),
+        "NORMAL": m.accessor(np.tile(np.array([[1, 0, 0]], "<f4"), (4, 1))),
+    }
+    primitive = m.json["meshes"][0]["primitives"][0]
+    primitive["targets"] = [targets]
+    upright = np.tile(np.array([[0, 0, 1]], "<f4"), (4, 1))
+    primitive["attributes"]["NORMAL"] = m.accessor(upright)
+    for weight in (0.5, 1.5):
+        m.node(mesh=square, weights=[weight])
+    data = parsed(m).data
+    for node, weight in zip(data["nodes"].values(), (0.5, 1.5), strict=True):
+        [part] = data["prototypes"][node["instance"]]["children"].values()
+        np.testing.assert_array_equal(part["shape"].vertices[:, 2], 2 * weight)
+        np.testing.assert_array_equal(part["shape"].normals, [[weight, 0, 1]] * 4)
 
 
 def test_morph_targets_move_vertices():

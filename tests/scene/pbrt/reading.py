@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from alight.cameras.basis import perspective_half_extents
 from alight.core.errors import Issue, SceneError
-from alight.scene import Scene, loads
+from alight.scene import loads
 from tests.scene.mitsuba.reading import FILES, native
 
 __all__ = ["FILES", "issues", "messages", "native", "node", "ray", "read", "read_bsdf", "world"]
@@ -17,12 +18,12 @@ __all__ = ["FILES", "issues", "messages", "native", "node", "ray", "read", "read
 HEAD = 'Camera "perspective"\nFilm "rgb" "integer xresolution" 8 "integer yresolution" 4\n'
 
 
-def read(body: str, head: str = HEAD, folder: Path | None = FILES, **options: Any) -> Scene:
+def read(body: str, head: str = HEAD, folder: Path | None = FILES, **options: Any) -> Any:
     """Load the world of a scene of pbrt 4; with `head` that of another."""
     return loads(f"{head}WorldBegin\n{body}\n", "scene.pbrt", folder, **options)
 
 
-def read_old(body: str, **options: Any) -> Scene:
+def read_old(body: str, **options: Any) -> Any:
     """Load the world of a scene of pbrt 3."""
     head = 'Camera "perspective"\nFilm "image" "integer xresolution" 8 "integer yresolution" 4\n'
     return read(body + "\nWorldEnd", head, **options)
@@ -41,23 +42,23 @@ def two_sided(text: str, **tables: str) -> Any:
     return native("bsdfs", f"{{type: two_sided, bsdf: {text}}}", **tables)
 
 
-def node(scene: Scene) -> Any:
+def node(scene: Any) -> Any:
     """The only node of a scene."""
     [found] = scene.nodes.values()
     return found
 
 
-def world(scene: Scene, point: tuple[float, float, float]) -> list[float]:
+def world(scene: Any, point: tuple[float, float, float]) -> list[float]:
     """A point of the only node in the world, rounded."""
     return np.round(node(scene).transform.apply_point(point), 6).tolist()
 
 
-def ray(scene: Scene, x: float, y: float) -> np.ndarray:
+def ray(scene: Any, x: float, y: float) -> np.ndarray:
     """Direction of the camera's ray through a place of the film, in pixels."""
     camera = scene.camera.camera
     width, height = scene.film.size
-    tangent = np.tan(np.radians(camera.fov) / 2.0)
-    local = [(2 * x / width - 1) * tangent * width / height, (1 - 2 * y / height) * tangent, -1.0]
+    wide, high = perspective_half_extents(camera.fov, camera.fov_axis, width, height)
+    local = [(2 * x / width - 1) * wide, (1 - 2 * y / height) * high, -1.0]
     direction = scene.camera.transform.apply_vector(local)
     return direction / np.linalg.norm(direction)
 

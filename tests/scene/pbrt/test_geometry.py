@@ -127,7 +127,7 @@ def test_resampled_map_shows_what_the_square_does():
     # The light's x, y and z of our map's directions.
     x, y = sine * np.sin(azimuth), sine * np.cos(azimuth)
     z = np.broadcast_to(np.cos(theta)[:, None], x.shape)
-    assert np.abs(found - 1.0 - np.stack([x, y, z], axis=-1)).max() < 0.02
+    assert np.abs(found - 1.0 - np.stack([x, y, z], axis=-1)).max() < 0.0065
 
 
 def places(light: Environment, matrix: np.ndarray) -> dict[str, np.ndarray]:

@@ -9,8 +9,10 @@ import numpy as np
 
 from alight.core.errors import join_path
 from alight.scene.formats.mitsuba.context import Context, Data
+from alight.scene.formats.mitsuba.daylight import sky_and_sun
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
+from alight.scene.formats.mitsuba.projectors import projector, textured_spot
 from alight.scene.formats.mitsuba.properties import COLORS
 from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.mitsuba.textures import NUMBERS, texture_value
@@ -83,9 +85,7 @@ def _spot(light: Draft) -> list[Step]:
     light.number("cutoff_angle", 20.0)
     light.number("beam_width")
     texture = light.properties.find("texture")
-    if texture is not None:
-        light.context.report.not_covered(texture, "a spot has no texture here", "left out")
-    return steps
+    return steps if texture is None else textured_spot(light, texture, steps)
 
 
 def _steps_or(light: Draft, name: str) -> list[Step]:
@@ -146,6 +146,10 @@ NODES: dict[str, Callable[[Draft], list[Step]]] = {
     "directional": _directional,
     "spot": _spot,
     "envmap": _map,
+    "projector": projector,
+    "sunsky": sky_and_sun,
+    "sky": sky_and_sun,
+    "sun": sky_and_sun,
 }
 #: Emitters that surround the scene.
-ENVIRONMENTS = ("constant", "envmap")
+ENVIRONMENTS = ("constant", "envmap", "sunsky", "sky", "sun")
