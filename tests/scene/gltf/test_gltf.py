@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
-from alight.scene import content_hash, flatten, load, save
+from alight.scene import content_hash, flatten, load, loads, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
 from alight.scene.formats.gltf.scene import parse
@@ -127,11 +127,86 @@ def test_written_files_come_back(tmp_path):
     assert first.lights[0].light.intensity == pytest.approx(second.lights[0].light.intensity)
 
 
+HEAD = """alight: 1
+camera: {type: orthographic, height: 3}
+film: {size: [6, 4]}
+"""
+
+
+def rewritten(text, tmp_path):
+    """A scene, and what comes back of it; meshes have the two triangles of a square."""
+    mesh = "{type: mesh, vertices: [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], faces: [[0,1,2],[0,2,3]]MORE}"
+    for more in ("COLORED", "SQUARE"):
+        extra = ", colors: [[1,0,0],[0,1,0],[0,0,1],[1,1,1]]" if more == "COLORED" else ""
+        text = text.replace(more, mesh.replace("MORE", extra))
+    first = flatten(loads(HEAD + text))
+    lost = write(first, tmp_path / "a.glb")
+    return first, flatten(load(tmp_path / "a.glb")), lost
+
+
+WRITTEN = {
+    "index": "principled, ior: 1.3, base_color: [0.5, 0.25, 1], metallic: 0.25, roughness: 0.75",
+    "liquid": "principled, transmission: 1, attenuation_color: [1, 0.5, 0.25], "
+    "attenuation_distance: 3",
+    "pane": "principled, transmission: 0.5, thin: true",
+    "cloth": "principled, sheen_color: [0.1, 0.2, 0.3], sheen_roughness: 0.6",
+    "varnish": "principled, clearcoat: 0.5, clearcoat_roughness: 0.25, specular: 0.5, "
+    "specular_color: [1, 0.5, 0.25]",
+}
+
+
+@pytest.mark.parametrize("kind", WRITTEN)
+def test_written_materials_come_back(kind, tmp_path):
+    bsdf = f"{{type: {WRITTEN[kind]}}}"
+    if "transmission" not in bsdf:
+        bsdf = f"{{type: two_sided, bsdf: {bsdf}}}"
+    text = f"nodes: {{a: {{shape: SQUARE, bsdf: {bsdf}}}, b: {{light: point}}}}"
+    first, second, lost = rewritten(text, tmp_path)
+    assert lost == []
+    assert first.bsdfs == second.bsdfs
+    assert second.camera.camera.height == pytest.approx(3.0)
+
+
+def test_written_layers_and_colors_come_back(tmp_path):
+    picture = "{type: bitmap, pixels: [[[0.5, 0.5, 1]]], interpolation: nearest}"
+    bump = f"{{type: normal_map, texture: {picture}, scale: 0.5, bsdf: {{type: principled}}}}"
+    text = f"""nodes:
+  a:
+    shape: SQUARE
+    bsdf: {{type: mask, opacity: 0.25, bsdf: {{type: two_sided, bsdf: {bump}}}}}
+  b: {{shape: COLORED, bsdf: {{type: principled}}, light: {{type: area, radiance: [8, 4, 2]}}}}
+  c: {{light: {{type: spot, intensity: [4, 2, 1], cutoff_angle: 40, beam_width: 10}}}}
+  d: {{shape: SQUARE, bsdf: {{type: principled, base_color: 0.125}}}}
+"""
+    first, second, _ = rewritten(text, tmp_path)
+    mask = second.bsdfs[second.shapes[0].bsdf]
+    assert (mask.type, mask.opacity) == ("mask", 0.25)
+    found = mask.bsdf.bsdf
+    assert (found.type, found.scale, found.texture.interpolation) == ("normal_map", 0.5, "nearest")
+    np.testing.assert_allclose(second.shapes[1].light.radiance, (8.0, 4.0, 2.0))
+    colors = [first.geometries[1].colors, second.geometries[second.shapes[1].geometry].colors]
+    np.testing.assert_array_equal(*colors)
+    light = second.lights[0].light
+    assert (light.cutoff_angle, light.beam_width) == (pytest.approx(40.0), pytest.approx(10.0))
+    # The same square with another material is another mesh.
+    assert second.bsdfs[second.shapes[2].bsdf] != mask
+
+
+def test_what_gltf_cannot_hold_of_a_material_is_listed(tmp_path):
+    bsdf = "{type: principled, anisotropy: 0.5, base_color: {type: bitmap, pixels: [[0.5]], "
+    text = f"nodes: {{a: {{shape: SQUARE, bsdf: {bsdf} to_uv: {{scale: 2}}}}}}}}}}"
+    lost = "\n".join(rewritten(text, tmp_path)[2])
+    assert "its anisotropy" in lost
+    assert "to_uv" in lost
+    assert "8 bits" in lost
+
+
 def test_what_gltf_cannot_hold_is_listed(tmp_path):
     lost = write(flatten(load("cornell-box")), tmp_path / "a.glb")
     assert any("is no mesh" in line for line in lost)
     lost = write(flatten(load("material-ball")), tmp_path / "b.glb")
     assert any("environment" in line for line in lost)
+    assert any("media" in line for line in write(flatten(load("fog")), tmp_path / "c.glb"))
 
 
 def test_texture_coordinates_are_turned_over():
@@ -337,10 +412,11 @@ def test_nodes_are_scaled_then_turned_then_moved(tmp_path):
     np.testing.assert_allclose(shape.to_world @ [0, 1, 1, 1], [2, 6, 11, 1], atol=1e-12)
 
 
-def test_colors_of_vertices_in_bytes_reach_one():
+@pytest.mark.parametrize("normalized", [True, False])
+def test_colors_of_vertices_in_bytes_reach_one(normalized):
     m = Maker()
     table = np.array([[0, 51, 255]] * 4, "u1")
-    m.node(mesh=m.square(COLOR_0=m.accessor(table, normalized=True)))
+    m.node(mesh=m.square(COLOR_0=m.accessor(table, normalized=normalized)))
     colors = parsed(m).data["nodes"]["node 0"]["shape"].colors
     np.testing.assert_allclose(colors, [[0, 0.2, 1]] * 4, atol=1e-7)
 
