@@ -218,7 +218,8 @@ def test_lenient_replaces_and_lists_everything():
     scene = read(body, lenient=True)
     assert scene.bsdfs["a"] == scene.bsdfs["b"] == native("bsdfs", "{type: diffuse}")
     warned = "\n".join(scene.warnings)
-    for word in ("hair", "wood", "bspline", "directionalarea", "fisheye", "vcm", "wobble", "dipole"):
+    emitter = "directionalarea"
+    for word in ("hair", "wood", "bspline", emitter, "fisheye", "vcm", "wobble", "dipole"):
         assert word in warned
     # The same file is refused as a whole otherwise, each of them with its line.
     assert len(issues(body)) == 8
