@@ -39,7 +39,8 @@ class Distance(Interval):
 
     def check(self, value: object) -> float:
         """Return `value` as a Python number, or raise an error that states the allowed range."""
-        return math.inf if value == math.inf else super().check(value)
+        # As text, because the YAML of scene files knows no number without digits.
+        return math.inf if value in (math.inf, ".inf", "inf") else super().check(value)
 
     def describe(self) -> str:
         """Put the range in words."""

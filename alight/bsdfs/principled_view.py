@@ -229,8 +229,9 @@ def _glass_scale(program):
         # A film's share of the light is not known here; neither way loses less than this.
         total = mixed(share, total, lanes_vec3(1.0) * maximum(white, passed))
         total = where(params.thin, lanes_vec3(1.0) * white, total)
-        compensated = params.compensated
-        return where(compensated, 1.0 / where(compensated, total, lanes_vec3(1.0)), 1.0)
+        # Without transmission nothing of this is used, and nothing may pass at all.
+        needed = params.compensated & (params.transmission > 0.0)
+        return where(needed, 1.0 / where(needed, total, lanes_vec3(1.0)), 1.0)
 
     return scale
 

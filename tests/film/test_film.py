@@ -384,7 +384,7 @@ def test_machine_code_reads_films_as_numpy_does(monkeypatch, channels):
     np.testing.assert_array_equal(again, means)
     np.testing.assert_array_equal(held, counts)
     # So many samples that their sum could overflow are left to NumPy.
-    film.counts[0, 0, 0] = fixed_point.MAX_SAMPLES
+    film.counts[0, 0], film.sums[0, 0, ..., 0] = fixed_point.MAX_SAMPLES, 2**62
     full = film.image
     monkeypatch.setattr(readout, "_LARGE", 2**40)
     np.testing.assert_array_equal(film.image, full)

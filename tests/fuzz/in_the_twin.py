@@ -34,7 +34,7 @@ MOST_EDGES = 8
 MOST_PRIMITIVES = 100
 MOST_BYTES = 2 << 30
 #: Texts that are names of files.
-MODELS = (".gltf", ".glb", ".obj")
+MODELS = (".gltf", ".glb", ".obj", ".usda")
 
 
 class Outcome(NamedTuple):

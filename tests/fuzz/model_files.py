@@ -64,7 +64,6 @@ Ni 1.5
 Tf 0.9 1 0.9
 d 0.1
 newmtl leaf
-Ks 0.3 0.3 0.3
 d 0.5
 map_d texture.png
 norm texture.png

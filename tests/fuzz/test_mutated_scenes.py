@@ -15,6 +15,7 @@ from tests.fuzz.mitsuba_files import copy_files, mitsuba_files
 from tests.fuzz.model_files import copy_models, models
 from tests.fuzz.pbrt_files import pbrt_files, write_files
 from tests.fuzz.pictures import pictures
+from tests.fuzz.usd_files import copy_pictures, usd_files
 from tests.scene.mutate import Mutation, mutations
 
 #: Processor time that one scene may take; the slowest takes less than a tenth of it.
@@ -109,6 +110,19 @@ def test_three_thousand_mutated_gltf_and_obj_files_render_or_are_refused(tmp_pat
 def test_mutated_files_of_pbrt_render_or_are_refused(tmp_path):
     write_files(tmp_path)
     check(pbrt_files(seed=3, n=60), tmp_path)
+
+
+def test_mutated_files_of_openusd_render_or_are_refused(tmp_path):
+    pytest.importorskip("pxr")
+    copy_pictures(tmp_path)
+    check(usd_files(seed=3, n=60), tmp_path)
+
+
+@pytest.mark.proofs
+def test_three_hundred_mutated_files_of_openusd_render_or_are_refused(tmp_path):
+    pytest.importorskip("pxr")
+    copy_pictures(tmp_path)
+    check(usd_files(seed=4, n=300), tmp_path)
 
 
 @pytest.mark.proofs

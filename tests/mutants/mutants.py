@@ -2,6 +2,7 @@
 
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
+from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
@@ -9,4 +10,15 @@ from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.transport import TRANSPORT
 
-MUTANTS = SCATTERING + LIGHT + TRANSPORT + RAYS + FILM + FACETS + TEXTURES + MATERIALS + MEDIA
+MUTANTS = (
+    SCATTERING
+    + LIGHT
+    + TRANSPORT
+    + RAYS
+    + FILM
+    + FACETS
+    + TEXTURES
+    + MATERIALS
+    + MEDIA
+    + KNOWN_ERROR
+)

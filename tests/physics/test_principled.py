@@ -7,6 +7,8 @@ from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.eon import Eon
 from alight.bsdfs.principled import Principled
 from alight.core.vec3 import Vec3
+from alight.laws.compiled import N as LANES_OF_LAW
+from alight.laws.compiled import scatter
 from alight.laws.materials import Material, direction, random_numbers, refracts
 from alight.textures.checkerboard import Checkerboard
 
@@ -39,6 +41,16 @@ def test_white_loses_less_than_one_percent_and_gains_nothing(name, roughness):
     for cosine in (0.9, 0.3, -0.6) if spec.transmissive else (0.9, 0.3, 0.1):
         mean, error = power(spec, cosine)
         assert abs(mean - 1.0) < 0.004 + 3.5 * min(error, 0.0015), (cosine, mean, error)
+
+
+def test_glass_beside_leaves_matte_materials_as_they_are():
+    """Programs with glass work out its scale for all: what lets nothing pass must not divide."""
+    glass, matte = Principled(transmission=1.0), Principled(specular=0.0, roughness=1.0)
+    alone, ids = scatter([matte], np.zeros(LANES_OF_LAW, np.uint32), False), np.ones(LANES_OF_LAW)
+    beside = scatter([glass, matte], ids.astype(np.uint32), False)
+    assert np.isfinite(beside).all()
+    # Values and densities; a direction that gives nothing may be another one.
+    np.testing.assert_allclose(beside[7:10], alone[7:10], rtol=1e-4, atol=1e-5)
 
 
 def test_textured_roughness_is_compensated_too():

@@ -119,11 +119,63 @@ Ka 1 1 1
     assert bsdf["base_color"]["to_uv"] == steps
     assert found.bsdf["opacity"]["channel"] == "a"
     assert bsdf["roughness"]["type"] == "add"
-    assert bsdf["roughness"]["b"]["b"]["color_space"] == "linear"
+    assert bsdf["roughness"]["b"]["b"]["channel"] == "g"
+    assert bsdf["roughness"]["b"]["b"]["texture"]["color_space"] == "linear"
     assert found.bsdf["bsdf"]["bsdf"]["type"] == "bump_map"
     assert found.bsdf["bsdf"]["bsdf"]["scale"] == 0.3
     assert any("was found as" in w for w in report.warnings)
     assert any('"ka"' in note for note in report.notes)
+
+
+def pictures(folder):
+    Image.new("RGBA", (2, 2), (255, 0, 0, 128)).save(folder / "a.png")
+    Image.new("L", (2, 2), 9).save(folder / "grey.png")
+
+
+def test_maps_of_transparency_are_turned_over_and_channels_chosen(tmp_path):
+    pictures(tmp_path)
+    opacity = material("map_Tr grey.png", tmp_path)[0].bsdf["opacity"]
+    assert (opacity["type"], opacity["a"], opacity["b"]) == ("mix", 1.0, 0.0)
+    assert opacity["weight"]["file"] == "grey.png"
+    for word, channel in (("r", "r"), ("m", "a")):
+        text = f"map_Kd a.png\nmap_d -imfchan {word} a.png\nmap_Pr -imfchan {word} a.png"
+        bsdf = material(text, tmp_path)[0].bsdf
+        assert (bsdf["opacity"]["type"], bsdf["opacity"]["channel"]) == ("channel", channel)
+        assert core(bsdf)["roughness"]["channel"] == channel
+    # A picture of its own is grey, whatever its alpha.
+    assert material("map_d a.png", tmp_path)[0].bsdf["opacity"]["type"] == "bitmap"
+
+
+def test_factors_of_maps(tmp_path):
+    pictures(tmp_path)
+    found, report = material("Kd 0 0 0\nmap_Kd -texres 8 a.png\nKe 0 0 0\nmap_Ke a.png", tmp_path)
+    assert core(found.bsdf)["base_color"]["type"] == "bitmap"
+    assert found.emission["file"] == "a.png"
+    assert any("-texres" in note for note in report.notes)
+    bsdf = core(material("Kd 0.5 1 1\nmap_Kd a.png\nPr 0\nmap_Pr grey.png", tmp_path)[0].bsdf)
+    assert bsdf["roughness"]["type"] == "bitmap"
+    found = material("Ke 4 2 1\nmap_Ke a.png\nmap_Bump -mm 0.25 0.5 grey.png", tmp_path)[0]
+    assert (found.emission["a"], found.emission["b"]["file"]) == ([4.0, 2.0, 1.0], "a.png")
+    bump = found.bsdf["bsdf"]
+    assert bump["type"] == "bump_map"
+    # Base, then gain.
+    assert (bump["texture"]["a"], bump["texture"]["b"]["a"]) == (0.25, 0.5)
+
+
+def test_metals_reflect_more_than_they_scatter():
+    bsdf = core(material("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nillum 3")[0].bsdf)
+    assert "metallic" not in bsdf
+    assert bsdf["specular"] == 0.5
+
+
+def test_parts_that_come_again_keep_all_faces_and_smoothing_ends(tmp_path):
+    again = b"g left\nusemtl red\ns off\nf 1/1 2/2 4/4\n"
+    (tmp_path / "a.obj").write_bytes(OBJ + again)
+    (tmp_path / "a.mtl").write_text(MTL)
+    nodes = load(tmp_path / "a.obj").nodes
+    assert list(nodes) == ["left", "right", "right-2"]
+    assert len(nodes["left"].shape.faces) == 2
+    assert nodes["left"].shape.normals is None
 
 
 @pytest.mark.parametrize(

@@ -40,11 +40,31 @@ def test_operators_are_their_formulas():
         Mix(a=A, b=B, weight=C): (1 - weight) * a + weight * b,
         Mix(a=A, b=B, weight=1.0): b,
         Threshold(texture=A, cutoff=0.4): a >= 0.4,
+        Threshold(texture=(0.5, 0.5, 0.5), cutoff=0.5): np.ones((64, 3)),
         Channel(texture=A, channel="g"): a[:, [1, 1, 1]],
         Channel(texture=A, channel="a"): np.ones((64, 3)),
     }
     for texture, wanted in cases.items():
         np.testing.assert_allclose(value(texture), wanted, atol=2e-6, err_msg=repr(texture))
+
+
+def test_means_and_maxima_are_those_of_the_parts():
+    """Lamps and lobes are chosen by them: wrong ones are noise, too small maxima are errors."""
+    mean = 0.5 * (np.array(C.color0) + C.color1)
+    high = np.maximum(C.color0, C.color1)
+    cases = {
+        Multiply(a=C, b=(2.0, 0.5, 0.0)): (mean * (2.0, 0.5, 0.0), high * (2.0, 0.5, 0.0)),
+        Add(a=C, b=C): (2 * mean, 2 * high),
+        Mix(a=C, b=(1.0, 0.0, 0.5), weight=0.25): (
+            0.75 * mean + 0.25 * np.array((1.0, 0.0, 0.5)),
+            np.maximum(high, (1.0, 0.0, 0.5)),
+        ),
+        Channel(texture=C, channel="g"): (mean[[1] * 3], high[[1] * 3]),
+        Threshold(texture=C, cutoff=0.5): (mean * [1, 1, 0], [1, 1, 0]),
+    }
+    for texture, (average, most) in cases.items():
+        np.testing.assert_allclose(texture.mean(), average, rtol=1e-6, err_msg=repr(texture))
+        np.testing.assert_allclose(texture.maximum(), most, rtol=1e-6, err_msg=repr(texture))
 
 
 def test_deep_trees_come_off_the_stack_in_order():

@@ -58,7 +58,7 @@ _DROPPED = {
 
 @dataclass
 class Map:
-    """A picture with its options: description, multiplier of bumps, and whether alpha is meant."""
+    """A picture with its options: description, multiplier of bumps, and the channel asked for."""
 
     data: Data
     file: str
@@ -190,13 +190,18 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
         report.problem(place, key, str(error))
         return None
     data["file"] = made.file
+    one = made.channel in ("r", "g", "b", "a")
+    if one and _MAPS[key] == "number":
+        made.data = {"type": "channel", "texture": data, "channel": made.channel}
+    elif made.channel not in ("", "l"):
+        report.drop(f"-imfchan {made.channel} of {key}: not covered")
     if [*scale, *shift] != [1.0, 1.0, 0.0, 0.0]:
         data["to_uv"] = [{"scale": scale}, {"translate": shift}]
     if (base, gain) != (0.0, 1.0):
         if base < 0.0 or gain < 0.0:
             report.problem(place, "-mm", f"must be >= 0, got {base:g} {gain:g}")
             return None
-        scaled = {"type": "multiply", "a": gain, "b": data}
+        scaled = {"type": "multiply", "a": gain, "b": made.data}
         made.data = {"type": "add", "a": base, "b": scaled}
     return made
 
@@ -331,11 +336,10 @@ def _opacity(entry: Entry) -> Any:
             return part if opacity in (0.0, 1.0) else {"type": "multiply", "a": opacity, "b": part}
         return opacity
     color = maps.get("map_kd")
-    # The picture of the colours is meant for its alpha; others are grey.
-    channel = found.channel or ("a" if color is not None and color.file == found.file else "")
     part = found.data
-    if channel in ("r", "g", "b", "a"):
-        part = {"type": "channel", "texture": found.data, "channel": channel}
+    # The picture of the colours is meant for its alpha; others are grey.
+    if not found.channel and color is not None and color.file == found.file:
+        part = {"type": "channel", "texture": part, "channel": "a"}
     return part if opacity in (0.0, 1.0) else {"type": "multiply", "a": opacity, "b": part}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
-from alight.scene import content_hash, flatten, load, save
+from alight.scene import content_hash, flatten, load, loads, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
 from alight.scene.formats.gltf.scene import parse
@@ -127,11 +127,86 @@ def test_written_files_come_back(tmp_path):
     assert first.lights[0].light.intensity == pytest.approx(second.lights[0].light.intensity)
 
 
+HEAD = """alight: 1
+camera: {type: orthographic, height: 3}
+film: {size: [6, 4]}
+"""
+
+
+def rewritten(text, tmp_path):
+    """A scene, and what comes back of it; meshes have the two triangles of a square."""
+    mesh = "{type: mesh, vertices: [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], faces: [[0,1,2],[0,2,3]]MORE}"
+    for more in ("COLORED", "SQUARE"):
+        extra = ", colors: [[1,0,0],[0,1,0],[0,0,1],[1,1,1]]" if more == "COLORED" else ""
+        text = text.replace(more, mesh.replace("MORE", extra))
+    first = flatten(loads(HEAD + text))
+    lost = write(first, tmp_path / "a.glb")
+    return first, flatten(load(tmp_path / "a.glb")), lost
+
+
+WRITTEN = {
+    "index": "principled, ior: 1.3, base_color: [0.5, 0.25, 1], metallic: 0.25, roughness: 0.75",
+    "liquid": "principled, transmission: 1, attenuation_color: [1, 0.5, 0.25], "
+    "attenuation_distance: 3",
+    "pane": "principled, transmission: 0.5, thin: true",
+    "cloth": "principled, sheen_color: [0.1, 0.2, 0.3], sheen_roughness: 0.6",
+    "varnish": "principled, clearcoat: 0.5, clearcoat_roughness: 0.25, specular: 0.5, "
+    "specular_color: [1, 0.5, 0.25]",
+}
+
+
+@pytest.mark.parametrize("kind", WRITTEN)
+def test_written_materials_come_back(kind, tmp_path):
+    bsdf = f"{{type: {WRITTEN[kind]}}}"
+    if "transmission" not in bsdf:
+        bsdf = f"{{type: two_sided, bsdf: {bsdf}}}"
+    text = f"nodes: {{a: {{shape: SQUARE, bsdf: {bsdf}}}, b: {{light: point}}}}"
+    first, second, lost = rewritten(text, tmp_path)
+    assert lost == []
+    assert first.bsdfs == second.bsdfs
+    assert second.camera.camera.height == pytest.approx(3.0)
+
+
+def test_written_layers_and_colors_come_back(tmp_path):
+    picture = "{type: bitmap, pixels: [[[0.5, 0.5, 1]]], interpolation: nearest}"
+    bump = f"{{type: normal_map, texture: {picture}, scale: 0.5, bsdf: {{type: principled}}}}"
+    text = f"""nodes:
+  a:
+    shape: SQUARE
+    bsdf: {{type: mask, opacity: 0.25, bsdf: {{type: two_sided, bsdf: {bump}}}}}
+  b: {{shape: COLORED, bsdf: {{type: principled}}, light: {{type: area, radiance: [8, 4, 2]}}}}
+  c: {{light: {{type: spot, intensity: [4, 2, 1], cutoff_angle: 40, beam_width: 10}}}}
+  d: {{shape: SQUARE, bsdf: {{type: principled, base_color: 0.125}}}}
+"""
+    first, second, _ = rewritten(text, tmp_path)
+    mask = second.bsdfs[second.shapes[0].bsdf]
+    assert (mask.type, mask.opacity) == ("mask", 0.25)
+    found = mask.bsdf.bsdf
+    assert (found.type, found.scale, found.texture.interpolation) == ("normal_map", 0.5, "nearest")
+    np.testing.assert_allclose(second.shapes[1].light.radiance, (8.0, 4.0, 2.0))
+    colors = [first.geometries[1].colors, second.geometries[second.shapes[1].geometry].colors]
+    np.testing.assert_array_equal(*colors)
+    light = second.lights[0].light
+    assert (light.cutoff_angle, light.beam_width) == (pytest.approx(40.0), pytest.approx(10.0))
+    # The same square with another material is another mesh.
+    assert second.bsdfs[second.shapes[2].bsdf] != mask
+
+
+def test_what_gltf_cannot_hold_of_a_material_is_listed(tmp_path):
+    bsdf = "{type: principled, anisotropy: 0.5, base_color: {type: bitmap, pixels: [[0.5]], "
+    text = f"nodes: {{a: {{shape: SQUARE, bsdf: {bsdf} to_uv: {{scale: 2}}}}}}}}}}"
+    lost = "\n".join(rewritten(text, tmp_path)[2])
+    assert "its anisotropy" in lost
+    assert "to_uv" in lost
+    assert "8 bits" in lost
+
+
 def test_what_gltf_cannot_hold_is_listed(tmp_path):
     lost = write(flatten(load("cornell-box")), tmp_path / "a.glb")
     assert any("is no mesh" in line for line in lost)
     lost = write(flatten(load("material-ball")), tmp_path / "b.glb")
     assert any("environment" in line for line in lost)
+    assert any("media" in line for line in write(flatten(load("fog")), tmp_path / "c.glb"))
 
 
 def test_texture_coordinates_are_turned_over():
@@ -151,6 +226,27 @@ def test_the_example_of_texture_transforms_shows_the_lower_left_quarter():
     corners = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]) @ matrix.T
     assert np.allclose(corners.min(axis=0), [0, 0], atol=1e-12)
     assert np.allclose(corners.max(axis=0), [0.5, 0.5], atol=1e-12)
+
+
+def test_texture_transforms_are_seen_from_above():
+    """Half the height, from the top: v runs upwards here."""
+    change = {"offset": [0.25, 0], "scale": [1, 0.5], "texCoord": 1}
+    info = {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": change}}
+    bsdf = core(material_of(pbrMetallicRoughness={"baseColorTexture": info}))
+    assert bsdf["base_color"]["to_uv"]["matrix"] == [[1.0, 0.0, 0.25], [0.0, 0.5, 0.5]]
+    m = Maker()
+    m.picture(np.zeros((2, 2, 3), np.uint8))
+    material = m.material(pbrMetallicRoughness={"baseColorTexture": info})
+    other = np.full((4, 2), 0.25, "<f4")
+    m.node(mesh=m.square(material, TEXCOORD_1=m.accessor(other)))
+    uvs = parsed(m).data["nodes"]["node 0"]["shape"].uvs
+    np.testing.assert_array_equal(uvs, [[0.25, 0.75]] * 4)
+
+
+def test_textures_of_normals_are_numbers():
+    bsdf = material_of(normalTexture={"index": 0, "scale": 0.5})["bsdf"]
+    assert (bsdf["type"], bsdf["scale"]) == ("normal_map", 0.5)
+    assert bsdf["texture"]["color_space"] == "linear"
 
 
 def test_factors_multiply_channels():
@@ -180,6 +276,10 @@ def test_opacity_cuts_or_blends():
     assert cut["opacity"]["texture"]["a"] == 0.5
     assert cut["opacity"]["texture"]["b"]["channel"] == "a"
     faint = {"baseColorFactor": [1, 1, 1, 0.25]}
+    # At the cutoff a surface is there.
+    for cutoff, opacity in ((0.25, None), (0.26, 0.0)):
+        edge = material_of(alphaMode="MASK", alphaCutoff=cutoff, pbrMetallicRoughness=faint)
+        assert edge.get("opacity") == opacity
     blended = material_of(alphaMode="BLEND", pbrMetallicRoughness=faint)
     assert blended["opacity"] == 0.25
     assert material_of(pbrMetallicRoughness=pbr)["type"] == "two_sided"
@@ -226,6 +326,7 @@ def test_lights_keep_their_units_and_directions(tmp_path):
     found = {placed.light.type_name(): placed for placed in flat.lights}
     assert found["spot"].light.intensity == (5.0, 2.5, 1.0)
     assert found["spot"].light.cutoff_angle == pytest.approx(np.degrees(0.5))
+    assert found["spot"].light.beam_width == pytest.approx(np.degrees(0.1))
     # Along -z of its node, which stands upright at x = -2.
     np.testing.assert_allclose(found["spot"].to_world @ [0, 0, 1, 0], [0, 0, -1, 0], atol=1e-12)
     np.testing.assert_allclose(found["spot"].to_world[:3, 3], [-2, 0, 0])
@@ -296,6 +397,48 @@ def test_strips_and_fans_keep_their_sides():
         faces = parsed(m).data["nodes"]["node 0"]["shape"].faces
         a, b, c = (POINTS[faces[:, i]] for i in range(3))
         assert (np.cross(b - a, c - a)[:, 2] > 0).all(), mode
+        wanted = {5: [{0, 1, 3}, {1, 2, 3}], 6: [{0, 1, 2}, {0, 2, 3}]}[mode]
+        assert [set(face) for face in faces.tolist()] == wanted
+
+
+def test_nodes_are_scaled_then_turned_then_moved(tmp_path):
+    m = Maker()
+    # A quarter turn about z: from x to y.
+    turn = [0, 0, np.sin(np.pi / 4), np.cos(np.pi / 4)]
+    m.node(mesh=m.square(), scale=[2, 3, 4], rotation=turn, translation=[5, 6, 7])
+    (tmp_path / "a.gltf").write_bytes(m.gltf())
+    (shape,) = flatten(load(tmp_path / "a.gltf")).shapes
+    np.testing.assert_allclose(shape.to_world @ [1, 0, 0, 1], [5, 8, 7, 1], atol=1e-12)
+    np.testing.assert_allclose(shape.to_world @ [0, 1, 1, 1], [2, 6, 11, 1], atol=1e-12)
+
+
+@pytest.mark.parametrize("normalized", [True, False])
+def test_colors_of_vertices_in_bytes_reach_one(normalized):
+    m = Maker()
+    table = np.array([[0, 51, 255]] * 4, "u1")
+    m.node(mesh=m.square(COLOR_0=m.accessor(table, normalized=normalized)))
+    colors = parsed(m).data["nodes"]["node 0"]["shape"].colors
+    np.testing.assert_allclose(colors, [[0, 0.2, 1]] * 4, atol=1e-7)
+
+
+def test_the_same_mesh_with_other_weights_is_another_one():
+    m = Maker()
+    square = m.square()
+    targets = {
+        "POSITION": m.accessor(np.tile(np.array([[0, 0, 2]], "<f4"), (4, 1))),
+        "NORMAL": m.accessor(np.tile(np.array([[1, 0, 0]], "<f4"), (4, 1))),
+    }
+    primitive = m.json["meshes"][0]["primitives"][0]
+    primitive["targets"] = [targets]
+    upright = np.tile(np.array([[0, 0, 1]], "<f4"), (4, 1))
+    primitive["attributes"]["NORMAL"] = m.accessor(upright)
+    for weight in (0.5, 1.5):
+        m.node(mesh=square, weights=[weight])
+    data = parsed(m).data
+    for node, weight in zip(data["nodes"].values(), (0.5, 1.5), strict=True):
+        [part] = data["prototypes"][node["instance"]]["children"].values()
+        np.testing.assert_array_equal(part["shape"].vertices[:, 2], 2 * weight)
+        np.testing.assert_array_equal(part["shape"].normals, [[weight, 0, 1]] * 4)
 
 
 def test_morph_targets_move_vertices():

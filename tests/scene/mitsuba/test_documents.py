@@ -218,8 +218,16 @@ def test_lenient_replaces_and_lists_everything():
     scene = read(body, lenient=True)
     assert scene.bsdfs["a"] == scene.bsdfs["b"] == native("bsdfs", "{type: diffuse}")
     warned = "\n".join(scene.warnings)
-    emitter = "directionalarea"
-    for word in ("hair", "wood", "bspline", emitter, "fisheye", "vcm", "wobble", "dipole"):
+    for word in (
+        "hair",
+        "wood",
+        "bspline",
+        "directionalarea",
+        "fisheye",
+        "vcm",
+        "wobble",
+        "dipole",
+    ):
         assert word in warned
     # The same file is refused as a whole otherwise, each of them with its line.
     assert len(issues(body)) == 8

@@ -4,7 +4,15 @@ import re
 
 from alight.core.errors import SceneError
 from alight.scene import loads
-from alight.scene.formats.pbrt import colors, lights, materials, materials_of_3, settings, shapes
+from alight.scene.formats.pbrt import (
+    colors,
+    lights,
+    materials,
+    materials_of_3,
+    media,
+    settings,
+    shapes,
+)
 from alight.scene.formats.pbrt import textures as textures_of_pbrt
 from tests.docs.pages import ROOT
 
@@ -16,7 +24,7 @@ def test_page_names_everything_that_is_covered():
     covered = {
         *shapes.COVERED, *materials.COVERED, *lights.COVERED, *textures_of_pbrt.COVERED,
         *settings.CAMERAS, *settings.FILMS, *settings.FILTERS, *settings.SAMPLERS,
-        *settings.PATHS, *settings.FROM_LIGHTS, *colors.KINDS, *colors.SPACES,
+        *settings.PATHS, *settings.FROM_LIGHTS, *media.COVERED, *colors.KINDS, *colors.SPACES,
     } - {""}  # fmt: skip
     named = set(re.findall(r"`([\w-]+)`", PAGE.read_text(encoding="utf-8")))
     assert covered - named == set()

@@ -75,6 +75,8 @@ class _Writer:
             self.add_light(placed.light, placed.to_world)
         if self.flat.environment is not None:
             self.lose("the environment: glTF has no light from infinity around a scene")
+        if self.flat.media:
+            self.lose("media: glTF has nothing between surfaces")
         self.add_camera()
 
     def lose(self, text: str) -> None:

@@ -25,6 +25,8 @@ class Context:
         Finds files.
     old : bool
         Whether the scene is one of pbrt 3.
+    sees_media : bool
+        Whether the integrator of the file does.
     exposure : float
         Factor of all light: what the film makes of a radiance of 1.
     places : dict of str to str
@@ -38,6 +40,7 @@ class Context:
     report: Report
     reach: Reach
     old: bool = False
+    sees_media: bool = True
     exposure: float = 1.0
     places: dict[str, str] = field(default_factory=dict)
     tables: dict[str, dict[str, Data]] = field(

@@ -90,6 +90,7 @@ class _Reader:
         self.world = World(context)
         self.settings: dict[str, Directive] = {}
         self.to_camera = np.eye(4)
+        self.around_camera: Directive | None = None
         self.spp: int | None = None
         self.in_world = False
         self.levels = self.includes = self.bytes = 0
@@ -138,6 +139,7 @@ class _Reader:
         self.settings[directive.name] = directive
         if directive.name == "Camera":
             self.to_camera = self.world.state.matrix
+            self.around_camera = self.world.state.media
             self.world.report_motion(directive)
             self.world.systems["camera"] = self.matrix_of_camera(directive)
 
@@ -155,6 +157,7 @@ class _Reader:
             return
         self.in_world = True
         self.apply_film()
+        self.context.sees_media = settings.sees_media(self.context, self.settings.get("Integrator"))
         self.world.begin()
 
     def apply_film(self) -> None:
@@ -214,14 +217,16 @@ class _Reader:
                 Issue("", "has no WorldBegin: there is no scene", place.place)
             )
             self.apply_film()
+        self.camera |= self.world.media.around_camera(self.around_camera)
         self.world.close()
+        in_media = self.world.media.close()
         self.spp, sampler = settings.sampler(context, found.get("Sampler"))
         return {
             "alight": FORMAT_VERSION,
             "camera": self.camera,
             "film": self.film,
             "sampler": sampler,
-            "integrator": settings.integrator(context, found.get("Integrator")),
+            "integrator": settings.integrator(context, found.get("Integrator"), in_media),
             **({"environment": self.world.environment} if self.world.environment else {}),
             **context.tables,
             "nodes": self.world.nodes,

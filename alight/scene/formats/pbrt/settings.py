@@ -8,6 +8,7 @@ import numpy as np
 
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive
+from alight.scene.formats.pbrt.media import SEEING
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.transforms import FACING
 
@@ -208,10 +209,16 @@ def sampler(context: Context, directive: Directive | None) -> tuple[int, Data]:
     return spp, data
 
 
-def integrator(context: Context, directive: Directive | None) -> Data:
+def sees_media(context: Context, directive: Directive | None) -> bool:
+    """Tell whether the integrator sees media; that of pbrt 3 does not by default."""
+    return not context.old if directive is None else directive.type in SEEING
+
+
+def integrator(context: Context, directive: Directive | None, in_media: bool = False) -> Data:
     """Convert the integrator; pbrt's default goes five bounces far."""
+    of_paths = "volpath" if in_media else "path"
     if directive is None:
-        return {"type": "path", "max_depth": 6}
+        return {"type": of_paths, "max_depth": 6}
     kind = directive.type
     p = Parameters(directive, context.report)
     context.places["integrator"] = directive.place
@@ -227,7 +234,7 @@ def integrator(context: Context, directive: Directive | None) -> Data:
         p.forget()
     depth = p.integer("maxdepth", 5)
     # pbrt counts bounces, alight the edges of a path after the camera.
-    data: Data = {"type": "path", "max_depth": min(max(depth, 0) + 1, 2**16)}
+    data: Data = {"type": of_paths, "max_depth": min(max(depth, 0) + 1, 2**16)}
     p.leave_out("roughness is taken as it is", "regularize")
     p.ignore("how lights are chosen is not the picture", "lightsampler", "lightsamplestrategy")
     names = ("rrthreshold", "pixelbounds", "strategy", "sampledirect", "samplelights", "samplebsdf")

@@ -34,8 +34,8 @@ class State:
         Colour space of its RGB values.
     space : str
         Colour space.
-    media : tuple of str
-        Names of the media inside and outside.
+    media : Directive or None
+        ``MediumInterface``: names of the media inside and outside.
     textures : mapping
         By kind and name.
     defaults : mapping of str to list of Parameter
@@ -52,7 +52,7 @@ class State:
     light_defaults: list[Parameter] = field(default_factory=list)
     light_space: str = "srgb"
     space: str = "srgb"
-    media: tuple[str, ...] = ()
+    media: Directive | None = None
     textures: Mapping[tuple[str, str], TextureItem] = field(default_factory=dict)
     defaults: Mapping[str, list[Parameter]] = field(default_factory=dict)
 

@@ -12,6 +12,7 @@ from alight.scene.formats.pbrt.colors import SPACES
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.materials import MaterialItem
+from alight.scene.formats.pbrt.media import Media
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.shapes import Placed
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
@@ -33,6 +34,7 @@ COUNTED = {
     "AreaLightSource": "area lights",
     "LightSource": "lights",
     "MakeNamedMaterial": "materials",
+    "MakeNamedMedium": "media",
     "Material": "materials",
     "ObjectBegin": "objects",
     "ObjectInstance": "instances",
@@ -65,14 +67,17 @@ class World:
         self.objects: dict[str, str] = {}
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
-        self.media: dict[str, Directive] = {}
+        self.media = Media(context)
         self._map: Directive | None = None
         self._target, self._path = self.nodes, "nodes"
 
     def begin(self) -> None:
         """Start the world: its space is that of the world."""
         self.state = State(
-            materials.default_material(), space=self.state.space, textures=self.state.textures
+            materials.default_material(),
+            space=self.state.space,
+            media=self.state.media,
+            textures=self.state.textures,
         )
         self.stack.clear()
         self.systems["world"] = np.eye(4)
@@ -81,8 +86,6 @@ class World:
         """Report what was not closed."""
         for kind, _, directive in self.stack:
             self.context.report.error(directive, f"has no {kind}End")
-        for medium in self.media.values():
-            self.context.report.note(medium, "is not used: no surface has it")
 
     def follow(self, directive: Directive) -> None:
         """Do what a directive says."""
@@ -269,16 +272,11 @@ class World:
 
     def medium(self, directive: Directive) -> None:
         """Follow MakeNamedMedium."""
-        self.media[directive.type] = directive
+        self.media.define(directive, self.defaults("medium"), self.state.matrix)
 
     def set_media(self, directive: Directive) -> None:
         """Follow MediumInterface."""
-        self.state.media = tuple(name for name in directive.texts if name)
-        for name in self.state.media:
-            self.media.pop(name, None)
-        if self.state.media:
-            text = "is not covered: media of pbrt are not read"
-            self.context.report.not_covered(directive, text, "left out")
+        self.state.media = directive
 
     # ------------------------------------------------------------ lights
 
@@ -341,7 +339,9 @@ class World:
         if isinstance(alpha, str) or (alpha is not None and alpha < 1.0):
             opacity = alpha if isinstance(alpha, str) else max(alpha, 0.0)
             bsdf = {"type": "mask", "opacity": opacity, "bsdf": bsdf}
-        node: Data = {"shape": shape, "bsdf": bsdf}
+        node: Data = {"shape": shape, "bsdf": bsdf, **self.media.sides(state.media)}
+        if alpha is not None and "interior" in node:
+            context.report.approximated(directive, "is a border of media in its holes too")
         step = steps(placed.matrix)
         if step is not None:
             node["transform"] = step
@@ -384,7 +384,11 @@ class World:
         if sides and not has_one_side(shape):
             text = f"shines from two sides: two surfaces, {GAP:g} of its size apart, are taken"
             self.context.report.approximated(directive, text)
-            self.add(self.nodes, "nodes", directive, back_of(node, matrix))
+            back = back_of(node, matrix)
+            # The first of both is the border of media.
+            sides_of_media = ("interior", "exterior")
+            back = {key: value for key, value in back.items() if key not in sides_of_media}
+            self.add(self.nodes, "nodes", directive, back)
 
     def begin_object(self, directive: Directive) -> None:
         """Follow ObjectBegin."""
