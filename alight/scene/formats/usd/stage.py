@@ -95,15 +95,15 @@ def open_stage(path: Path, name: str, report: Report) -> Stage:
     try:
         stage = Usd.Stage.Open(str(path.resolve()))
     except Tf.ErrorException as error:
-        raise SceneError([Issue("", f"is no OpenUSD stage: {_first_line(error)}", name)]) from None
+        raise SceneError([Issue("", f"is no OpenUSD stage: {first_line(error)}", name)]) from None
     finally:
         warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
     reach = Reach(path.parent)
     errors = stage.GetCompositionErrors()
-    issues = [Issue("", f"does not fit together: {_first_line(error)}", name) for error in errors]
+    issues = [Issue("", f"does not fit together: {first_line(error)}", name) for error in errors]
     if not issues:
         for text in warnings:
-            report.approximate(f"OpenUSD: {_first_line(text)}")
+            report.approximate(f"OpenUSD: {first_line(text)}")
     for layer in stage.GetUsedLayers():
         real = layer.realPath
         if real and not Path(real.partition("[")[0]).resolve().is_relative_to(reach.root):
@@ -141,7 +141,7 @@ def world_matrix(steps: list[dict[str, Any]]) -> np.ndarray:
     return matrix
 
 
-def _first_line(error: object) -> str:
+def first_line(error: object) -> str:
     """The first of OpenUSD's complaints, without where in its own source it was noticed."""
     text = " ".join(str(error).split())
     found = re.search(r"in file \S+ : '(.*?)'(?: Error in |$)", text)
