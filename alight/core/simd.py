@@ -220,14 +220,20 @@ def load_lanes(buffer, i):
     return buffer[i : i + int(LANES)].copy()
 
 
-def expand_lanes(buffer, i, mask, otherwise):
-    """Deal ``buffer[i], buffer[i + 1], ...`` to the lanes of the mask in turn.
+def packing(mask):
+    """The lanes of the mask, one after another: an order for `permuted`.
 
-    Lanes without it keep `otherwise`. ``buffer[i : i + LANES]`` must exist.
+    Behind them come any lanes, so that the order has as many numbers as a packet.
     """
-    result = np.broadcast_to(otherwise, np.shape(mask)).astype(buffer.dtype)
-    result[mask] = buffer[i : i + np.count_nonzero(mask)]
-    return result
+    order = np.arange(int(LANES), dtype=np.uint32)
+    inside = np.flatnonzero(np.broadcast_to(mask, order.shape))
+    order[: len(inside)] = inside
+    return order
+
+
+def permuted(x, order):
+    """``x[order[0]], x[order[1]], ...``; the order (u32 lanes) may be computed."""
+    return np.broadcast_to(x, np.shape(order))[order]
 
 
 def as_uint(i):

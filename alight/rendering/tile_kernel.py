@@ -15,17 +15,18 @@ from alight.core.simd import (
     any_lane,
     as_int,
     as_uint,
-    bits_mask,
-    count_bits,
-    expand_lanes,
     is_finite,
+    lane_index,
     lanes,
+    lanes_mask,
     lanes_u32,
     lanes_vec3,
     load_lanes,
     local_floats,
     local_uints,
     mask_bits,
+    packing,
+    permuted,
     store_lanes,
     to_float,
     trailing_zeros,
@@ -45,12 +46,12 @@ Tile = namedtuple("Tile", "x0 y0 x1 y1")
 #: of the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
-#: Samples that wait: `floats` holds rows of o, d and the filter's weight, `uints` rows of x, y,
-#: index, scramble and the keys a, b of the sampler. A row has room for two packets, so that a
-#: packet's worth can be read from any place in the first.
+#: Paths that wait for their next step: rows of floats (o, d, p, L, beta, pdf, L_direct) and of u32
+#: (x, y, index, scramble and the keys a, b of the sampler, depth and whether it was a delta lobe).
+#: A row has room for two packets, so that one can be read or written from any place in the first.
 Queue = namedtuple("Queue", "floats uints")
 ROOM = 32
-FLOATS, UINTS = 7 * ROOM, 6 * ROOM
+FLOATS, UINTS, TAKEN = 19 * ROOM, 7 * ROOM, 4 * ROOM
 
 CELL = 8
 INVALID, SATURATED, RAYS = 0, 1, 2
@@ -103,28 +104,28 @@ def next_pixel(settings, tile, ranges, cursor):
 
 
 @kernel
-def fill(scene, settings, tile, ranges, cursor, queue):
-    """Make camera rays for the next packet of samples; returns the cursor and how many there are.
+def start(scene, settings, tile, ranges, cursor, rays):
+    """The next packet of samples as paths that wait for their first step; returns the cursor too.
 
-    Lanes of the packet run empty a few at a time; making the rays for those few would keep the
-    other lanes of the processor idle.
+    All lanes start together, on one pixel or its neighbours, so that their first steps look at
+    the same things.
     """
     _, cells = count_cells(tile)
-    floats, uints = queue.floats, queue.uints
+    taken = local_uints(TAKEN)
     count = 0
     while count < LANES and cursor.cell < cells:
-        uints[count] = as_uint(cursor.x)
-        uints[ROOM + count] = as_uint(cursor.y)
-        uints[2 * ROOM + count] = as_uint(cursor.index)
-        uints[3 * ROOM + count] = as_uint(cursor.scramble)
+        taken[count] = as_uint(cursor.x)
+        taken[ROOM + count] = as_uint(cursor.y)
+        taken[2 * ROOM + count] = as_uint(cursor.index)
+        taken[3 * ROOM + count] = as_uint(cursor.scramble)
         count += 1
         if cursor.left > 1:
             cursor = next_sample(settings, cursor)
         else:
             cursor = next_pixel(settings, tile, ranges, cursor)
-    x, y = load_lanes(uints, 0), load_lanes(uints, ROOM)
+    x, y = load_lanes(taken, 0), load_lanes(taken, ROOM)
     sampler = sampler_state(
-        x, y, load_lanes(uints, 2 * ROOM), load_lanes(uints, 3 * ROOM), lanes_u32(settings.seed)
+        x, y, load_lanes(taken, 2 * ROOM), load_lanes(taken, 3 * ROOM), lanes_u32(settings.seed)
     )
     # Filter importance sampling: the sample belongs to this pixel alone, at an offset that has
     # the filter's density (Ernst, Stamminger and Greiner 2006).
@@ -132,66 +133,95 @@ def fill(scene, settings, tile, ranges, cursor, queue):
     o, d = generate_ray(
         scene, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS)
     )
-    store_lanes(uints, 4 * ROOM, sampler.a)
-    store_lanes(uints, 5 * ROOM, sampler.b)
-    store_lanes(floats, 0, o.x)
-    store_lanes(floats, ROOM, o.y)
-    store_lanes(floats, 2 * ROOM, o.z)
-    store_lanes(floats, 3 * ROOM, d.x)
-    store_lanes(floats, 4 * ROOM, d.y)
-    store_lanes(floats, 5 * ROOM, d.z)
-    store_lanes(floats, 6 * ROOM, weight)
-    return cursor, count
-
-
-@kernel
-def first_bits(bits, count):
-    """The lowest `count` of the bits that are set."""
-    rest = bits
-    for _ in range(count):
-        rest &= rest - 1
-    return bits & ~rest
-
-
-@kernel
-def deal(settings, queue, at, new, path):
-    """Start paths in the lanes of `new` with the samples from number `at` of the queue."""
-    floats, uints, old = queue.floats, queue.uints, path.sampler
-    sampler = SamplerState(
-        expand_lanes(uints, at, new, old.x),
-        expand_lanes(uints, ROOM + at, new, old.y),
-        expand_lanes(uints, 2 * ROOM + at, new, old.index),
-        expand_lanes(uints, 3 * ROOM + at, new, old.scramble),
-        lanes_u32(settings.seed),
-        expand_lanes(uints, 4 * ROOM + at, new, old.a),
-        expand_lanes(uints, 5 * ROOM + at, new, old.b),
-    )
-    o = Vec3(
-        expand_lanes(floats, at, new, path.o.x),
-        expand_lanes(floats, ROOM + at, new, path.o.y),
-        expand_lanes(floats, 2 * ROOM + at, new, path.o.z),
-    )
-    d = Vec3(
-        expand_lanes(floats, 3 * ROOM + at, new, path.d.x),
-        expand_lanes(floats, 4 * ROOM + at, new, path.d.y),
-        expand_lanes(floats, 5 * ROOM + at, new, path.d.z),
-    )
-    weight = expand_lanes(floats, 6 * ROOM + at, new, 0.0)
     black = lanes_vec3(0.0)
-    return Path(
-        o,
-        d,
-        where(new, o, path.p),
-        where(new, black, path.L),
-        where(new, black, path.L_direct),
-        where(new, lanes_vec3(1.0) * weight, path.beta),
-        where(new, lanes(0.0), path.pdf),
-        path.delta | new,
-        where(new, lanes_u32(0), path.depth),
-        sampler,
-        path.active | new,
-        path.rays,
+    return cursor, Path(
+        o, d, o, black, black, lanes_vec3(1.0) * weight, lanes(0.0), lanes_mask(True),
+        lanes_u32(0), sampler, lane_index() < count, rays,
+    )  # fmt: skip
+
+
+@kernel
+def put_row(rows, k, at, order, x):
+    """Write the lanes of x, in that order, to row k from number `at` on."""
+    store_lanes(rows, k * ROOM + at, permuted(x, order))
+
+
+@kernel
+def put_vector(rows, k, at, order, v):
+    """Write three rows, from row k on."""
+    put_row(rows, k, at, order, v.x)
+    put_row(rows, k + 1, at, order, v.y)
+    put_row(rows, k + 2, at, order, v.z)
+
+
+@kernel
+def vector_at(rows, k, at):
+    """Read three rows, from row k on."""
+    return Vec3(
+        load_lanes(rows, k * ROOM + at),
+        load_lanes(rows, (k + 1) * ROOM + at),
+        load_lanes(rows, (k + 2) * ROOM + at),
     )
+
+
+@specialised
+def put(program):
+    """``put(queue, at, path)``: append the active paths from number `at` on; the new length."""
+    split_direct = "direct" in program.aovs
+
+    @kernel
+    def put(queue, at, path):
+        floats, uints, order = queue.floats, queue.uints, packing(path.active)
+        put_vector(floats, 0, at, order, path.o)
+        put_vector(floats, 3, at, order, path.d)
+        put_vector(floats, 6, at, order, path.p)
+        put_vector(floats, 9, at, order, path.L)
+        put_vector(floats, 12, at, order, path.beta)
+        put_row(floats, 15, at, order, path.pdf)
+        if split_direct:
+            put_vector(floats, 16, at, order, path.L_direct)
+        sampler = path.sampler
+        put_row(uints, 0, at, order, sampler.x)
+        put_row(uints, 1, at, order, sampler.y)
+        put_row(uints, 2, at, order, sampler.index)
+        put_row(uints, 3, at, order, sampler.scramble)
+        put_row(uints, 4, at, order, sampler.a)
+        put_row(uints, 5, at, order, sampler.b)
+        put_row(uints, 6, at, order, (path.depth << 1) | where(path.delta, lanes_u32(1), 0))
+        return at + count_lanes(path.active)
+
+    return put
+
+
+@specialised
+def take(program):
+    """``take(settings, queue, at, count, rays)``: the paths from number `at` on."""
+    split_direct = "direct" in program.aovs
+
+    @kernel
+    def take(settings, queue, at, count, rays):
+        floats, uints = queue.floats, queue.uints
+        direct = lanes_vec3(0.0)
+        if split_direct:
+            direct = vector_at(floats, 16, at)
+        sampler = SamplerState(
+            load_lanes(uints, at),
+            load_lanes(uints, ROOM + at),
+            load_lanes(uints, 2 * ROOM + at),
+            load_lanes(uints, 3 * ROOM + at),
+            lanes_u32(settings.seed),
+            load_lanes(uints, 4 * ROOM + at),
+            load_lanes(uints, 5 * ROOM + at),
+        )
+        depth = load_lanes(uints, 6 * ROOM + at)
+        return Path(
+            vector_at(floats, 0, at), vector_at(floats, 3, at), vector_at(floats, 6, at),
+            vector_at(floats, 9, at), direct, vector_at(floats, 12, at),
+            load_lanes(floats, 15 * ROOM + at), (depth & 1) != 0, depth >> 1, sampler,
+            lane_index() < count, rays,
+        )  # fmt: skip
+
+    return take
 
 
 @specialised
@@ -251,23 +281,20 @@ def render_tile_kernel(scene, settings, tile, ranges, film):
     queue = Queue(local_floats(FLOATS), local_uints(UINTS))
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     _, cells = count_cells(tile)
-    taken, waiting = 0, 0
+    waiting = 0
     while True:
-        idle = mask_bits(~path.active)
-        while idle != 0:
-            if waiting == 0:
-                if cursor.cell >= cells:
-                    break
-                cursor, waiting = fill(scene, settings, tile, ranges, cursor, queue)
-                taken = 0
-            count = min(count_bits(idle), waiting)
-            new = first_bits(idle, count)
-            path = deal(settings, queue, taken, bits_mask(new), path)
-            idle &= ~new
-            taken += count
-            waiting -= count
-        if not any_lane(path.active):
-            break
+        if mask_bits(~path.active) != 0:
+            waiting = put(queue, waiting, path)
+            if waiting >= LANES:
+                waiting -= LANES
+                path = take(settings, queue, waiting, LANES, path.rays)
+            elif cursor.cell < cells:
+                cursor, path = start(scene, settings, tile, ranges, cursor, path.rays)
+            elif waiting > 0:
+                path = take(settings, queue, 0, waiting, path.rays)
+                waiting = 0
+            else:
+                break
         before = path.active
         path = step(scene, settings, path)
         finished = before & ~path.active
