@@ -17,7 +17,6 @@ from alight.core.lane_types import (
     I32,
     Floats,
     LaneType,
-    N,
     Uints,
     call,
     convert,

@@ -158,7 +158,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
         if recorded:
-            meet(scene, surface, depth)
+            meet(scene, path, surface, depth, active)
 
         # The ray came upon a light.
         if area_lights:

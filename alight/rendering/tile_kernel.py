@@ -1,7 +1,9 @@
 """The main loop inside a tile: start paths, carry them on, add the finished ones to the film.
 
-Lanes are *persistent*: a lane whose path has ended takes the next sample of the tile at once, so
-that packets stay full although paths differ in length (Aila and Laine 2009 call it dynamic fetch).
+A packet's samples take their first step together. Where some paths end, the others wait in a queue,
+from which the next packet is taken as soon as they fill one; so packets stay full although paths
+differ in length, and hold paths of the same pixel and depth, whose rays go the same way (the
+regeneration and compaction of paths of Wald 2011, Active thread compaction for GPU path tracing).
 """
 
 from __future__ import annotations
