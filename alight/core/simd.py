@@ -221,14 +221,9 @@ def load_lanes(buffer, i):
 
 
 def packing(mask):
-    """The lanes of the mask, one after another: an order for `permuted`.
-
-    Behind them come any lanes, so that the order has as many numbers as a packet.
-    """
-    order = np.arange(int(LANES), dtype=np.uint32)
-    inside = np.flatnonzero(np.broadcast_to(mask, order.shape))
-    order[: len(inside)] = inside
-    return order
+    """The lanes of the mask one after another, then the others: an order for `permuted`."""
+    inside = np.broadcast_to(mask, (int(LANES),))
+    return np.argsort(~inside, kind="stable").astype(np.uint32)
 
 
 def permuted(x, order):

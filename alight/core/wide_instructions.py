@@ -51,10 +51,22 @@ def _packing(typing, mask):
     kind = Uints(mask.n)
 
     def codegen(context, builder, sig, args):
-        numbers = ir.Constant(kind.vector, list(range(mask.n)))
+        n, floats = mask.n, Floats(mask.n).vector
+        numbers = ir.Constant(kind.vector, list(range(n)))
         name = f"llvm.experimental.vector.compress.{suffix(kind.vector)}"
-        # Behind the lanes of the mask any number will do that names a lane.
-        return call(builder, name, kind.vector, [numbers, args[0], numbers])
+        inside = call(builder, name, kind.vector, [numbers, args[0], numbers])
+        outside = call(builder, name, kind.vector, [numbers, builder.not_(args[0]), numbers])
+        bits = builder.zext(builder.bitcast(args[0], ir.IntType(n)), I32)
+        count = builder.insert_element(
+            ir.Constant(kind.vector, ir.Undefined),
+            call(builder, "llvm.ctpop.i32", I32, [bits]),
+            ir.Constant(I32, 0),
+        )
+        count = _shuffle(builder, count, count, [0] * n)
+        behind = builder.and_(builder.sub(numbers, count), ir.Constant(kind.vector, [n - 1] * n))
+        moved = _permute(builder, builder.bitcast(outside, floats), behind, n)
+        first = builder.icmp_unsigned("<", numbers, count)
+        return builder.select(first, inside, builder.bitcast(moved, kind.vector))
 
     return kind(mask), codegen
 

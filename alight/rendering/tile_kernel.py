@@ -125,6 +125,10 @@ def start(scene, settings, tile, ranges, cursor, rays):
             cursor = next_sample(settings, cursor)
         else:
             cursor = next_pixel(settings, tile, ranges, cursor)
+    for i in range(count, LANES):
+        # Nobody sees what lanes without a sample do, but they do it with numbers of their own.
+        taken[i], taken[ROOM + i], taken[3 * ROOM + i] = as_uint(0), as_uint(0), as_uint(0)
+        taken[2 * ROOM + i] = as_uint(-1 - i)
     x, y = load_lanes(taken, 0), load_lanes(taken, ROOM)
     sampler = sampler_state(
         x, y, load_lanes(taken, 2 * ROOM), load_lanes(taken, 3 * ROOM), lanes_u32(settings.seed)
@@ -168,7 +172,10 @@ def vector_at(rows, k, at):
 
 @specialised
 def put(program):
-    """``put(queue, at, path)``: append the active paths from number `at` on; the new length."""
+    """``put(queue, at, path)``: append the active paths from number `at` on; the new length.
+
+    The others stand behind them, where nothing is read but by lanes that are not active.
+    """
     split_direct = "direct" in program.aovs
 
     @kernel
