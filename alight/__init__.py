@@ -16,6 +16,7 @@ __version__ = "0.1.0"
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {
+    "denoise": "alight.films.denoising",
     "merge": "alight.rendering",
     "render": "alight.rendering",
     "resume": "alight.rendering",
@@ -34,6 +35,7 @@ _PUBLIC = {
 if TYPE_CHECKING:
     from alight.core.registration import register
     from alight.films import Film
+    from alight.films.denoising import denoise
     from alight.laws import check_laws
     from alight.rendering import Progress, merge, render, resume
     from alight.rendering.trace import Trace, trace
@@ -47,6 +49,7 @@ __all__ = [
     "Trace",
     "__version__",
     "check_laws",
+    "denoise",
     "load",
     "merge",
     "register",

@@ -100,18 +100,18 @@ class Seen(NamedTuple):
 POINTS, GENERATOR = 4181, 2584
 
 
-def _lattice() -> tuple[Array, Array, Array]:
+def _lattice(points: int = POINTS, generator: int = GENERATOR) -> tuple[Array, Array, Array]:
     """Points (u, phi) of the disk's square and their weights; u is dense near 1."""
-    i = np.arange(POINTS)
-    rest = 1.0 - (i + 0.5) / POINTS
-    phi = 2.0 * np.pi * ((i * GENERATOR + 0.5) % POINTS) / POINTS
+    i = np.arange(points)
+    rest = 1.0 - (i + 0.5) / points
+    phi = 2.0 * np.pi * ((i * generator + 0.5) % points) / points
     # Facets near the horizon (u = 1) change with the root of 1 - u.
-    return 1.0 - rest * rest, phi, 2.0 * rest / POINTS
+    return 1.0 - rest * rest, phi, 2.0 * rest / points
 
 
-def ggx_facets(mu: Array, alpha: float) -> Seen:
+def ggx_facets(mu: Array, alpha: float, points: int = POINTS, generator: int = GENERATOR) -> Seen:
     """Facets of GGX by the map of `alight.core.microfacet.sample_ggx_visible`."""
-    u, phi, weight = _lattice()
+    u, phi, weight = _lattice(points, generator)
     sine = np.sqrt(1.0 - mu * mu)
     length = np.hypot(sine * alpha, mu)
     x0, z0 = (sine * alpha / length)[:, None], (mu / length)[:, None]

@@ -7,6 +7,11 @@ r"""Smooth dielectric (glass, water): reflects and refracts, both without blur.
 Two Dirac lobes. Radiance that is refracted is scaled by 1 / eta^2, because the beam's solid angle
 changes. `int_ior` lies on the side that the normal points away from.
 
+Bodies in each other, as water in a glass: every boundary is one surface, whose `int_ior` and
+`ext_ior` name the media on its two sides. Surfaces that overlap have no priorities; where two
+boundaries coincide only one may be there. What absorbs is told by the side of the surface that
+light arrives at, see `alight.bsdfs.absorption`.
+
 Source: PBR4 section 9.5; Veach, Robust Monte Carlo Methods (1997), section 5.2 for the factor.
 """
 
@@ -14,15 +19,20 @@ from __future__ import annotations
 
 from typing import Literal
 
+from alight.bsdfs import interface
+from alight.bsdfs.absorption import (
+    ABSORPTION_SLOTS,
+    Absorbing,
+    absorption_features,
+    coefficients_at,
+    pack_absorption,
+)
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
-from alight.bsdfs.interface import SLOTS as SLOTS
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
-from alight.bsdfs.interface import features as features
 from alight.bsdfs.interface import is_lossless as is_lossless
 from alight.bsdfs.interface import load as load
-from alight.bsdfs.interface import pack as pack
 from alight.core.fresnel import fresnel_dielectric, refract
 from alight.core.jit import kernel
 from alight.core.simd import absolute, lanes_u32, where
@@ -30,13 +40,15 @@ from alight.core.vec import Vec3
 from alight.textures.fetch import scalar
 
 
-class Dielectric(Interface):
+class Dielectric(Interface, Absorbing):
     """Clear glass, water and the like.
 
     Parameters
     ----------
     int_ior, ext_ior, specular_reflectance, specular_transmittance
         As in `alight.bsdfs.interface.Interface`.
+    attenuation_color, attenuation_distance
+        As in `alight.bsdfs.absorption.Absorbing`.
     """
 
     type: Literal["dielectric"] = "dielectric"
@@ -57,6 +69,28 @@ EXAMPLES = (
 def is_reciprocal(spec: Dielectric) -> bool:
     """f(wo, wi) / eta_o^2 = f(wi, wo) / eta_i^2, with the index on the side of each direction."""
     return True
+
+
+# ---------------------------------------------------------------- tables
+
+SLOTS = interface.SLOTS | ABSORPTION_SLOTS
+
+
+def pack(spec: Dielectric, packer) -> None:
+    """Fill the row of one material."""
+    interface.pack(spec, packer)
+    pack_absorption(spec, packer)
+
+
+def features(spec: Dielectric) -> tuple[str, ...]:
+    """What must be compiled for this material beyond the model's usual path."""
+    return (*interface.features(spec), *absorption_features(spec))
+
+
+@kernel
+def absorption(scene, base, surface):
+    """Absorption coefficients inside, per metre."""
+    return coefficients_at(scene, base + 7)
 
 
 # ---------------------------------------------------------------- scattering

@@ -40,8 +40,11 @@ class Nested(Bsdf):
         Whether the parts look the same from both sides.
     weight_field : str
         Name of the field that holds the weight, or "" without one.
+    bends_normals : bool
+        Whether it puts other normals in the place of the surface's, see `alight.bsdfs.relief`.
     """
 
+    bends_normals: ClassVar[bool] = False
     makes_two_sided: ClassVar[bool] = False
     weight_field: ClassVar[str] = ""
 
@@ -62,11 +65,14 @@ class Leaf(NamedTuple):
         Whether something above it says so.
     factors : tuple of (Nested, bool)
         Its share is their product: the weight of each, or where True, 1 - weight.
+    relief : Nested, optional
+        The innermost material above it that bends normals.
     """
 
     bsdf: Bsdf
     two_sided: bool = False
     factors: tuple[tuple[Nested, bool], ...] = ()
+    relief: Nested | None = None
 
 
 def leaves(spec: Bsdf) -> Iterator[Leaf]:
@@ -80,7 +86,8 @@ def leaves(spec: Bsdf) -> Iterator[Leaf]:
         own = () if part.share == "all" else ((spec, part.share == "rest"),)
         for leaf in leaves(part.bsdf):
             two_sided = leaf.two_sided or spec.makes_two_sided
-            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors)
+            relief = leaf.relief or (spec if spec.bends_normals else None)
+            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, relief)
 
 
 def names_in(spec: Bsdf) -> Iterator[str]:

@@ -27,6 +27,13 @@ from typing import Literal, Self
 from pydantic import model_validator
 
 from alight.bsdfs import interface
+from alight.bsdfs.absorption import (
+    ABSORPTION_SLOTS,
+    Absorbing,
+    absorption_features,
+    coefficients_at,
+    pack_absorption,
+)
 from alight.bsdfs.dielectric import inner_index as inner_index
 from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets, pack_facets
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
@@ -44,7 +51,7 @@ from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
 LEAST_DIFFERENCE = 1e-3
 
 
-class RoughDielectric(Interface, Rough):
+class RoughDielectric(Interface, Rough, Absorbing):
     """Frosted glass, ice, ground crystals.
 
     Parameters
@@ -53,6 +60,8 @@ class RoughDielectric(Interface, Rough):
         As in `alight.bsdfs.interface.Interface`; the indices differ by at least 0.1 %.
     distribution, alpha, alpha_u, alpha_v
         As in `alight.bsdfs.facets.Rough`.
+    attenuation_color, attenuation_distance
+        As in `alight.bsdfs.absorption.Absorbing`.
     """
 
     type: Literal["rough_dielectric"] = "rough_dielectric"
@@ -95,7 +104,7 @@ def is_reciprocal(spec: RoughDielectric) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = interface.SLOTS | FACET_SLOTS
+SLOTS = interface.SLOTS | FACET_SLOTS | ABSORPTION_SLOTS
 Params = namedtuple("RoughDielectricParams", "eta reflectance transmittance facets")
 
 
@@ -103,11 +112,13 @@ def pack(spec: RoughDielectric, packer) -> None:
     """Fill the row of one material."""
     interface.pack(spec, packer)
     pack_facets(spec, packer)
+    pack_absorption(spec, packer)
 
 
 def features(spec: RoughDielectric) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
-    return (*interface.features(spec), *facet_features(spec))
+    glass = interface.features(spec), facet_features(spec), absorption_features(spec)
+    return tuple(name for names in glass for name in names)
 
 
 @kernel
@@ -115,6 +126,12 @@ def load(scene, base, surface):
     """The parameters at a point of a surface."""
     eta, reflectance, transmittance = load_interface(scene, base, surface)
     return Params(eta, reflectance, transmittance, load_facets(scene, base + 7, surface))
+
+
+@kernel
+def absorption(scene, base, surface):
+    """Absorption coefficients inside, per metre."""
+    return coefficients_at(scene, base + 10)
 
 
 # ---------------------------------------------------------------- scattering

@@ -9,24 +9,29 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from alight.bsdfs import MODELS
+from alight.bsdfs.absorption import ABSORBING
+from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.jit import kernel, specialised
+from alight.core.maths import exp
 from alight.core.registry import Models, modules
 from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, maximum, where
 from alight.core.vec import Vec3
 
-#: Slots of a material in `materials.data`, see `stride_of`: a power of two.
-STRIDE = 1 << (max(sum(m.SLOTS.values()) for m in MODELS if hasattr(m, "SLOTS")) - 1).bit_length()
-#: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones.
-TWO_SIDED, MIXED = 1, 2
+#: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
+STRIDE = 16
+#: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones; and
+#: from bit `RELIEF` on, the row of its normal or bump map + 1.
+TWO_SIDED, MIXED, RELIEF = 1, 2, 2
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 TWO_SIDED_NAME = "two_sided"
 #: Kernel of models that refract: ``(scene, base, surface)``, the index inside over that outside.
 INNER_INDEX = "inner_index"
+#: Kernel of models with an inside: ``(scene, base, surface)``, absorption coefficients per metre.
+ABSORPTION = "absorption"
 
 
 def stride_of(names: Iterable[str]) -> int:
-    """Slots of a material where models of these names occur: more if a registered one needs it."""
+    """Slots of a material where models of these names occur: more than `STRIDE` if one needs it."""
     models = Models("bsdfs")
     widths = [sum(getattr(models[n], "SLOTS", {}).values()) for n in names if n in models]
     return max(STRIDE, 1 << (max(widths, default=1) - 1).bit_length())
@@ -81,6 +86,12 @@ def _flip(mask, w):
     return Vec3(w.x, w.y, where(mask, -w.z, w.z))
 
 
+@kernel
+def _relief(scene, row):
+    """Row of the map that bends a material's normals, + 1; 0 without one."""
+    return material_flags(scene, row) >> RELIEF
+
+
 # ---------------------------------------------------------------- evaluate
 
 
@@ -88,6 +99,8 @@ def _flip(mask, w):
 def evaluate_row(program):
     """``(scene, surface, row, wo, wi, active) -> (f_cos, pdf)`` in the local frame."""
     one_sided = _evaluate_one_sided(models_of(program))
+    if BENT in program.bsdfs:
+        one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _relief)
     if TWO_SIDED_NAME not in program.bsdfs:
         return one_sided
 
@@ -151,6 +164,8 @@ def _keep_value(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
 def sample_row(program):
     """``(scene, surface, row, wo, u, u2, active) -> (wi, weight, pdf, flags)``, local frame."""
     one_sided = _sample_one_sided(models_of(program))
+    if BENT in program.bsdfs:
+        one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _relief)
     if TWO_SIDED_NAME not in program.bsdfs:
         return one_sided
 
@@ -249,6 +264,49 @@ def _concentration_switch(models):
 @kernel
 def _no_concentration(scene, surface, wi):
     return lanes(1.0)
+
+
+def absorbs(program) -> bool:
+    """Whether `transmittance` may be other than 1."""
+    return ABSORBING in program.bsdfs
+
+
+@specialised
+def transmittance(program):
+    """``(scene, surface, wo, t) -> Vec3``: what the body around a piece of a path leaves of it.
+
+    The piece of length t ends at the surface, coming from wo (local frame). Glass that is a part of
+    a blend absorbs nothing.
+    """
+    switch = _absorption_switch([u for u in models_of(program) if hasattr(u.model, ABSORPTION)])
+
+    @kernel
+    def transmittance(scene, surface, wo, t):
+        sigma = switch(scene, surface, wo.z < 0.0)
+        return Vec3(exp(-sigma.x * t), exp(-sigma.y * t), exp(-sigma.z * t))
+
+    return transmittance
+
+
+def _absorption_switch(models):
+    if not models:
+        return _no_absorption
+    number, model, stride = models[0]
+    absorption = getattr(model, ABSORPTION)
+    rest = _absorption_switch(models[1:])
+
+    @kernel
+    def step(scene, surface, inside):
+        mine = inside & (_kind(scene, surface.bsdf) == number)
+        found = absorption(scene, where(mine, surface.bsdf, 0) * stride, surface)
+        return where(mine, found, rest(scene, surface, inside))
+
+    return step
+
+
+@kernel
+def _no_absorption(scene, surface, inside):
+    return lanes_vec3(0.0)
 
 
 # ---------------------------------------------------------------- albedo, for the AOV

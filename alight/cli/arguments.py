@@ -31,12 +31,31 @@ Layers = Annotated[
     ),
 ]
 Exposure = Annotated[
-    float, typer.Option(help="Stops, for display formats.", rich_help_panel=_IMAGE)
+    str,
+    typer.Option(
+        metavar="STOPS", help="Stops, or auto, for display formats.", rich_help_panel=_IMAGE
+    ),
+]
+WhiteBalance = Annotated[
+    str,
+    typer.Option(
+        metavar="LIGHT",
+        help="Light that looks white: none, auto, a temperature as 3200K, or its colour as R,G,B.",
+        rich_help_panel=_IMAGE,
+    ),
 ]
 ToneMap = Annotated[
-    str, typer.Option(help="none, reinhard, aces or hable.", rich_help_panel=_IMAGE)
+    str, typer.Option(help="none, reinhard, aces, hable or agx.", rich_help_panel=_IMAGE)
 ]
 Bits = Annotated[int, typer.Option(help="8, or 16 (PNG).", rich_help_panel=_IMAGE)]
+Denoise = Annotated[
+    bool,
+    typer.Option(
+        "--denoise",
+        help="Denoise the picture; EXR keeps the noisy one too. Needs the extra denoise.",
+        rich_help_panel=_IMAGE,
+    ),
+]
 Stats = Annotated[
     Path | None, typer.Option(help="JSON file for times and errors.", rich_help_panel=_IMAGE)
 ]
@@ -91,6 +110,15 @@ Size = Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.", rich_he
 Crop = Annotated[
     str | None,
     typer.Option(metavar="X,Y,W,H", help="Part to render, in pixels.", rich_help_panel=_SCENE),
+]
+CameraName = Annotated[
+    str | None,
+    typer.Option(
+        "--camera",
+        metavar="NAME|NUMBER",
+        help="Camera node of the scene: its path, its name, or its place among them from 0.",
+        rich_help_panel=_SCENE,
+    ),
 ]
 IntegratorName = Annotated[
     str | None, typer.Option(help="Algorithm, as path or direct.", rich_help_panel=_SCENE)

@@ -45,7 +45,7 @@ def compare(
     from alight.lab.compare import compare_inputs, make_comparable, read_input
     from alight.lab.compare.figures import exceeded, parse_limits
     from alight.lab.compare.views import check_target, write_view
-    from alight.outputs.tone_mapping import Display
+    from alight.outputs.display import Display
 
     limits = parse_limits(fail_above or [])
     # Checks the exposure.

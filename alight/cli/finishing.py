@@ -8,9 +8,9 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -20,7 +20,8 @@ from alight.core.errors import AlightError, OutputError
 
 if TYPE_CHECKING:
     from alight.films import Film
-    from alight.outputs.tone_mapping import Display
+    from alight.films.ledger import Bias
+    from alight.outputs.display import Display
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class Results:
         Pictures, and ``.alight`` files for the film itself; at least one.
     display : Display
         For display formats.
+    denoise : bool, default False
+        Whether the pictures, not the film, are denoised.
     stats : Path or None
         JSON file.
     checkpoint : Path or None
@@ -44,6 +47,7 @@ class Results:
 
     outputs: list[Path]
     display: Display
+    denoise: bool = False
     stats: Path | None = None
     checkpoint: Path | None = None
     quiet: bool = False
@@ -56,10 +60,13 @@ class Results:
         ------
         OutputError
         """
+        from alight.films.denoising import check_denoiser
         from alight.films.storage import is_film_file
         from alight.outputs.atomic import check_folder
         from alight.outputs.image import check_writable
 
+        if self.denoise:
+            check_denoiser()
         for path in self.outputs:
             (check_folder if is_film_file(path) else check_writable)(path)
         if self.stats is not None:
@@ -128,47 +135,65 @@ def _finish(film: Film, results: Results, seconds: float) -> None:
     """Write the files and say what they are."""
     from alight.cli.summary import statistics_of, summary_lines, warnings_of, write_json
 
-    write_outputs(film, results.outputs, results.display)
+    denoiser = write_outputs(film, results)
     error = film.relmse_estimate()
     found = warnings_of(film)
     for warning in found:
         warn(warning)
     if results.stats is not None:
         warnings = [*results.warnings, *found]
-        write_json(results.stats, statistics_of(film, error, results.outputs, warnings))
+        write_json(results.stats, statistics_of(film, error, results.outputs, warnings, denoiser))
     if not results.quiet:
-        for line in summary_lines(film, error, seconds):
+        for line in summary_lines(film, error, seconds, denoiser):
             typer.echo(line)
+        if results.display.exposure == "auto" and any(map(_is_display, results.outputs)):
+            typer.echo(f"exposure: {results.display.developed(film.image).exposure:+.2f} stops")
         for path in results.outputs:
             typer.echo(f"{_kind(path)}: {path}")
         if results.checkpoint is not None:
             typer.echo(f"checkpoint: {results.checkpoint}")
 
 
-def write_outputs(film: Film, outputs: Sequence[Path], display: Any) -> None:
+def write_outputs(film: Film, results: Results) -> list[Bias]:
     """Write the pictures, and the film where the suffix says so.
+
+    Returns
+    -------
+    list of Bias
+        What the pictures have in the ledger beyond the film: the denoiser.
 
     Raises
     ------
     OutputError
         If one cannot be written; the others before it are.
     """
+    from alight.films.denoising import denoise
     from alight.films.storage import is_film_file, save_film
     from alight.outputs.image import write_image
 
-    for path in outputs:
+    source, found = film, []
+    if results.denoise and not all(is_film_file(path) for path in results.outputs):
+        source, bias = denoise(film)
+        found = [bias]
+    for path in results.outputs:
         if is_film_file(path):
             save_film(path, film)
         else:
-            write_image(
-                path, film, exposure=display.exposure, tone_map=display.tone_map, bits=display.bits
-            )
+            write_image(path, source, **asdict(results.display))
+    return found
 
 
 def _kind(path: Path) -> str:
     from alight.films.storage import is_film_file
 
     return "film" if is_film_file(path) else "picture"
+
+
+def _is_display(path: Path) -> bool:
+    from alight.films.storage import is_film_file
+    from alight.outputs.image import format_of
+
+    return not is_film_file(path) and format_of(path).IS_DISPLAY
 
 
 def _rescue(film: Film, results: Results) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from alight.cli import arguments
-from alight.cli.reporting import warn
+from alight.cli.reporting import show_remarks
 
 if TYPE_CHECKING:
     from alight.scene import FlatScene, Node, Scene
@@ -23,16 +23,16 @@ def info(
     assignments: Annotated[
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a key first.")
     ] = None,
+    camera: arguments.CameraName = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
 ) -> None:
     """Show what a scene holds, without rendering it."""
-    from alight.cli.options import parse_definitions
+    from alight.cli.options import changes_of, parse_definitions
     from alight.scene import flatten, load
 
-    description = load(
-        scene, assignments or [], definitions=parse_definitions(define), lenient=lenient
-    )
+    changes = changes_of({"camera": camera}, assignments or [])
+    description = load(scene, changes, definitions=parse_definitions(define), lenient=lenient)
     flat = flatten(description)
     for name, value in facts(description, flat):
         typer.echo(f"{name:<13}{value}")
@@ -40,10 +40,7 @@ def info(
         typer.echo(f"{'accelerator':<13}{accelerator_facts(flat)}")
         for line in tree_lines(description):
             typer.echo(line)
-    for note in description.source.remarks.notes:
-        typer.echo(f"note: {note}", err=True)
-    for warning in description.warnings:
-        warn(warning)
+    show_remarks(description)
 
 
 def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
@@ -59,7 +56,9 @@ def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
     if flat.environment is not None:
         lights[f"environment {flat.environment.light.type_name()}"] += 1
     bsdfs = Counter(bsdf.type_name() for bsdf in flat.bsdfs)
+    read = ", ".join(f"{number} {kind}" for kind, number in scene.source.remarks.read)
     return [
+        *([("read", read)] if read else []),
         ("film", f"{width}x{height} pixels{crop}, {scene.film.filter.type_name()} filter"),
         ("camera", flat.camera.camera.type_name()),
         ("integrator", scene.integrator.type_name()),

@@ -12,6 +12,7 @@ import typer
 from alight import __version__
 from alight.cli.check import MutantCommand, check
 from alight.cli.compare import compare
+from alight.cli.convert import convert
 from alight.cli.doctor import doctor
 from alight.cli.info import info
 from alight.cli.merge import merge
@@ -40,6 +41,7 @@ for command in (
     resume,
     merge,
     info,
+    convert,
     trace,
     scenes,
     study,

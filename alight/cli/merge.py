@@ -20,29 +20,32 @@ def merge(
             "-o", "--output", help="Picture, or film (.alight) to merge again. May be repeated."
         ),
     ],
-    exposure: arguments.Exposure = 0.0,
+    exposure: arguments.Exposure = "0",
+    white_balance: arguments.WhiteBalance = "none",
     tone_map: arguments.ToneMap = "none",
     bits: arguments.Bits = 8,
+    denoise: arguments.Denoise = False,
     quiet: arguments.Quiet = False,
 ) -> None:
     """Add films of different samples of the same picture; one film alone is only converted."""
     from alight.cli.finishing import Results, write_outputs
     from alight.cli.reporting import warn
     from alight.cli.summary import bias_lines, error_line, warnings_of
-    from alight.outputs.tone_mapping import Display
+    from alight.outputs.display import Display
     from alight.rendering import merge as merge_films
 
-    display = Display(exposure, tone_map, bits)
-    Results(output, display).check()
+    display = Display(exposure, tone_map, bits, white_balance)
+    results = Results(output, display, denoise)
+    results.check()
     film = merge_films(*films)
-    write_outputs(film, output, display)
+    denoiser = write_outputs(film, results)
     for warning in warnings_of(film):
         warn(warning)
     if not quiet:
         _, _, w, h = film.crop
         count = "1 film" if len(films) == 1 else f"{len(films)} films"
         typer.echo(f"{count}, {w}x{h} pixels, {film.spp:g} spp")
-        for line in [error_line(film.relmse_estimate()), *bias_lines(film)]:
+        for line in [error_line(film.relmse_estimate()), *bias_lines(film, denoiser)]:
             typer.echo(line)
         for path in output:
             typer.echo(f"written: {path}")

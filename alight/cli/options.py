@@ -10,6 +10,7 @@ from alight.core.errors import OptionError, quote
 
 #: Option -> key path of the scene file.
 _PATHS = {
+    "camera": "camera",
     "integrator": "integrator.type",
     "sampler": "sampler.type",
     "filter": "film.filter",

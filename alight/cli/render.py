@@ -35,6 +35,7 @@ def render(
     every: arguments.Every = "60s",
     size: arguments.Size = None,
     crop: arguments.Crop = None,
+    camera: arguments.CameraName = None,
     integrator: arguments.IntegratorName = None,
     sampler: arguments.SamplerName = None,
     filter_name: arguments.FilterName = None,
@@ -45,9 +46,11 @@ def render(
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
     aov: arguments.Layers = None,
-    exposure: arguments.Exposure = 0.0,
+    exposure: arguments.Exposure = "0",
+    white_balance: arguments.WhiteBalance = "none",
     tone_map: arguments.ToneMap = "none",
     bits: arguments.Bits = 8,
+    denoise: arguments.Denoise = False,
     stats: arguments.Stats = None,
     quiet: arguments.Quiet = False,
 ) -> None:
@@ -56,18 +59,19 @@ def render(
     from alight.cli.options import changes_of, parse_definitions, parse_names, parse_seconds
     from alight.cli.plugins import load_plugins
     from alight.cli.resume import notes_of
-    from alight.outputs.tone_mapping import Display
+    from alight.films.denoising import FEATURES
+    from alight.outputs.display import Display
     from alight.rendering import render as render_scene
     from alight.scene import load
 
     # Everything that can be wrong is found before the first second is spent.
-    display = Display(exposure, tone_map, bits)
+    display = Display(exposure, tone_map, bits, white_balance)
     outputs = output or [Path(f"{Path(scene).stem}.png")]
-    results = Results(outputs, display, stats, checkpoint, quiet)
+    results = Results(outputs, display, denoise, stats, checkpoint, quiet)
     results.check()
     load_plugins(plugin)
     options = {
-        "size": size, "crop": crop, "integrator": integrator, "sampler": sampler,
+        "size": size, "crop": crop, "camera": camera, "integrator": integrator, "sampler": sampler,
         "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
         "replicates": replicates,
     }  # fmt: skip
@@ -80,7 +84,9 @@ def render(
     if not quiet:
         note_unused(scene, description)
     layers = parse_names(aov)
-    warnings = [*description.warnings, *_useless_options(outputs, display, layers)]
+    if denoise:
+        layers = tuple(dict.fromkeys([*layers, *FEATURES.values()]))
+    warnings = [*description.warnings, *_useless_options(outputs, display, parse_names(aov))]
     for warning in warnings:
         warn(warning)
     sampling: dict[str, Any] = {
@@ -99,7 +105,7 @@ def render(
     if checkpoint is not None:
         sampling["checkpoint"] = checkpoint
         sampling["every"] = parse_seconds("--every", every)
-        sampling["notes"] = notes_of(outputs, plugin, display)
+        sampling["notes"] = notes_of(outputs, plugin, display, denoise)
     results = replace(results, warnings=warnings)
     run_and_finish(functools.partial(render_scene, description, **sampling), results, time_limit)
 
@@ -107,15 +113,18 @@ def render(
 def _useless_options(outputs: list[Path], display: Any, layers: tuple[str, ...]) -> list[str]:
     """Say which options have no effect on any of the files."""
     from alight.films.storage import is_film_file
+    from alight.outputs.display import Display
     from alight.outputs.image import format_of
-    from alight.outputs.tone_mapping import Display
 
     pictures = [path for path in outputs if not is_film_file(path)]
     formats = [format_of(path) for path in pictures]
     keeps_layers = len(pictures) < len(outputs) or any(m.KEEPS_LAYERS for m in formats)
     found = []
     if display != Display() and not any(module.IS_DISPLAY for module in formats):
-        found.append("--exposure, --tone-map and --bits change display formats (PNG, JPEG) only")
+        found.append(
+            "--exposure, --white-balance, --tone-map and --bits change display formats "
+            "(PNG, JPEG) only"
+        )
     if layers and not keeps_layers:
         found.append("--aov: only EXR keeps layers; add -o FILE.exr")
     return found

@@ -47,5 +47,17 @@ def note_unused(name: str, scene: Scene) -> None:
     """Say on stderr how much of a foreign file plays no part in the picture."""
     count = len(scene.source.remarks.notes)
     if count:
-        what = "1 parameter plays" if count == 1 else f"{count} parameters play"
+        what = "1 thing of the file plays" if count == 1 else f"{count} things of the file play"
         typer.echo(f"note: {what} no part in the picture, see alight info {name}", err=True)
+
+
+def show_remarks(scene: Scene) -> None:
+    """Say on stderr all that a reader of a foreign file dropped or approximated."""
+    remarks = scene.source.remarks
+    for note in remarks.notes:
+        typer.echo(f"dropped: {note}", err=True)
+    for warning in remarks.warnings:
+        typer.echo(f"approximated: {warning}", err=True)
+    for warning in scene.warnings:
+        if warning not in remarks.warnings:
+            warn(warning)

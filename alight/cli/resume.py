@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -57,7 +58,7 @@ def resume(
     from alight.cli.options import parse_seconds
     from alight.cli.plugins import load_plugins
     from alight.cli.reporting import warn
-    from alight.outputs.tone_mapping import Display
+    from alight.outputs.display import Display
     from alight.rendering import resume as resume_render
     from alight.rendering.checkpoint import read_checkpoint
 
@@ -69,6 +70,7 @@ def resume(
     results = Results(
         outputs=output or notes.outputs or [checkpoint.with_suffix(".png")],
         display=Display(**notes.display),
+        denoise=notes.denoise,
         stats=stats,
         checkpoint=to or checkpoint,
         quiet=quiet,
@@ -98,16 +100,16 @@ class _Notes:
         self.outputs = [Path(path) for path in notes.get("outputs", [])]
         self.plugins = [Path(path) for path in notes.get("plugins", [])]
         self.display = dict(notes.get("display", {}))
+        self.denoise = bool(notes.get("denoise", False))
 
 
-def notes_of(outputs: list[Path], plugins: list[Path] | None, display: Any) -> dict[str, Any]:
+def notes_of(
+    outputs: list[Path], plugins: list[Path] | None, display: Any, denoise: bool
+) -> dict[str, Any]:
     """Gather what a checkpoint keeps for `resume`; it may be called from another folder."""
     return {
         "outputs": [str(path.absolute()) for path in outputs],
         "plugins": [str(path.absolute()) for path in plugins or []],
-        "display": {
-            "exposure": display.exposure,
-            "tone_map": display.tone_map,
-            "bits": display.bits,
-        },
+        "display": asdict(display),
+        "denoise": denoise,
     }

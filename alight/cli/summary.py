@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,21 +12,24 @@ from alight.outputs.atomic import replacing
 
 if TYPE_CHECKING:
     from alight.films import Film
+    from alight.films.ledger import Bias
     from alight.metrics import ErrorEstimate, Estimate
 
 
-def summary_lines(film: Film, error: ErrorEstimate, seconds: float) -> list[str]:
+def summary_lines(
+    film: Film, error: ErrorEstimate, seconds: float, further: Sequence[Bias] = ()
+) -> list[str]:
     """Say size, samples, time, rate and error in words."""
     _, _, w, h = film.crop
     rate, rendering = film.stats["msamples_per_s"], film.stats["seconds"]["render"]
     speed = f"{film.spp:g} spp in {rendering:.2f} s, {rate:.2f} Msamples/s"
     lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
-    return [*lines, error_line(error), *bias_lines(film), *verdict_lines(film)]
+    return [*lines, error_line(error), *bias_lines(film, further), *verdict_lines(film)]
 
 
-def bias_lines(film: Film) -> list[str]:
-    """Say what in the picture is biased, and by how much."""
-    return [f"bias: {bias.line}" for bias in film.biases]
+def bias_lines(film: Film, further: Sequence[Bias] = ()) -> list[str]:
+    """Say what in the picture is biased, beyond the film too, and by how much."""
+    return [f"bias: {bias.line}" for bias in (*film.biases, *further)]
 
 
 def verdict_lines(film: Film) -> list[str]:
@@ -60,7 +64,11 @@ def warnings_of(film: Film) -> list[str]:
 
 
 def statistics_of(
-    film: Film, error: ErrorEstimate, outputs: list[Path], warnings: list[str]
+    film: Film,
+    error: ErrorEstimate,
+    outputs: list[Path],
+    warnings: list[str],
+    further: Sequence[Bias] = (),
 ) -> dict[str, Any]:
     """Gather what ``--stats`` writes."""
     from alight.rendering.stopping import unseen_of
@@ -78,6 +86,7 @@ def statistics_of(
             "largest_sample": film.largest_sample,
         },
         "provenance": film.provenance,
+        "biases": [bias.state() for bias in (*film.biases, *further)],
         "outputs": [str(path) for path in outputs],
         "warnings": warnings,
     }

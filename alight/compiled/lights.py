@@ -6,11 +6,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from alight.compiled.light_tree import Choosing, LightRow, chosen_by_tree, find_leaves
 from alight.compiled.shapes import CompiledShapes
 from alight.core.distributions import cumulative
-from alight.core.spec import Light, Texture, Triple
-from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
+from alight.core.spec import Light, Texture
 from alight.core.view import View
 from alight.lights import area
 from alight.lights.environment import Environment, make_map
@@ -20,7 +19,14 @@ from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
 from alight.scene.flatten import FlatScene
 from alight.shapes.hit import INFO as SHAPE_INFO
 
-Selection = Literal["uniform", "power"]
+Selection = Literal["auto", "power", "uniform", "tree"]
+
+#: By default more lights than this (triangles of shining meshes counted) are chosen by a tree:
+#: with fewer, its steps cost more than they gain (decision 19).
+MOST_WITHOUT_TREE = 16
+
+#: Above it, by default, the tree would take long to build.
+MOST_IN_TREE = 1 << 20
 
 
 class CompiledLights(NamedTuple):
@@ -35,24 +41,15 @@ class CompiledLights(NamedTuple):
         For `Program.light_shapes`.
     is_dark : bool
         No light emits anything.
+    has_tree : bool
+        Lights are chosen by a tree, for `Program.light_tree`.
     """
 
     tables: LightTables
     kinds: tuple[str, ...]
     shapes: tuple[str, ...]
     is_dark: bool
-
-
-class _Row(NamedTuple):
-    """A light: model, colour, its own numbers, mean colour for its power, texture + 1, shape."""
-
-    kind: str
-    color: Triple
-    numbers: np.ndarray
-    mean: Triple
-    texture: int = 0
-    shape: int = -1
-    areas: np.ndarray = np.zeros(0)
+    has_tree: bool
 
 
 def light_textures(flat: FlatScene) -> list[Texture]:
@@ -64,7 +61,7 @@ def light_textures(flat: FlatScene) -> list[Texture]:
 def compile_lights(
     flat: FlatScene,
     shapes: CompiledShapes,
-    selection: Selection = "power",
+    selection: Selection = "auto",
     *,
     compensated: bool = False,
 ) -> CompiledLights:
@@ -75,8 +72,9 @@ def compile_lights(
     flat : FlatScene
     shapes : CompiledShapes
         Its ``tables.info`` is completed in place.
-    selection : {"uniform", "power"}, default "power"
-        Each light that shines is equally likely, or as likely as its share of the power.
+    selection : {"auto", "power", "uniform", "tree"}, default "auto"
+        Each light that shines is equally likely, as likely as its share of the power, or as likely
+        as a tree says at the lit point; "auto" takes the tree for many lights, else the power.
     compensated : bool, default False
         Light sampling is combined with BSDF sampling, which finds what the compensated map of an
         environment leaves out.
@@ -85,47 +83,66 @@ def compile_lights(
     if environment is not None:
         rows.append(environment[0])
     weights = _weights(rows, shapes.radius, selection)
-    cdf = cumulative(weights) if rows else np.zeros(2)
-    info = np.zeros((len(rows), INFO), np.uint32)
-    data = np.zeros((len(rows), STRIDE), np.float32)
-    tables, map_table = [cdf], EMPTY
+    leaves = None
+    if selection == "tree" or (selection == "auto" and _are_many(rows)):
+        leaves = find_leaves(rows, weights, shapes)
+    if leaves is None:
+        choice = _chosen_by_table(rows, weights, shapes)
+    else:
+        choice = chosen_by_tree(rows, weights, leaves, shapes)
+    info, data = np.zeros((len(rows), INFO), np.uint32), np.zeros((len(rows), STRIDE), np.float32)
     for i, row in enumerate(rows):
-        info[i] = KINDS[row.kind], max(row.shape, 0), row.texture, 0
-        data[i, :3], data[i, 3] = row.color, cdf[i + 1] - cdf[i]
+        info[i] = KINDS[row.kind], max(row.shape, 0), row.texture, choice.starts[i]
+        data[i, :3], data[i, 3] = row.color, choice.probabilities[i]
         data[i, 4 : 4 + len(row.numbers)] = row.numbers
         if row.shape >= 0:
             shapes.tables.info.array[row.shape * SHAPE_INFO + 2] = i + 1
-            if shapes.rows[row.shape].kind == "mesh":
-                info[i, 3] = sum(table.size for table in tables)
-                tables.append(cumulative(row.areas))
+    tables, map_table = choice.tables, EMPTY
+    for i, row in enumerate(rows):
+        if row.table is not None:
+            info[i, 3] = sum(table.size for table in tables)
+            tables.append(row.table)
     if environment is not None and environment[1] is not None:
         info[-1, 3], map_table = sum(table.size for table in tables), environment[1].table
         tables.append(environment[1].cdf)
     return CompiledLights(
-        LightTables(
-            View(info),
-            View(data),
-            View(np.concatenate(tables).astype(np.float32)),
-            View(map_table),
-        ),
+        LightTables(View(info), View(data), View(np.concatenate(tables)), View(map_table)),
         _names(rows),
         _shining(rows, shapes),
         not np.any(weights > 0.0),
+        leaves is not None,
     )
 
 
-def _names(rows: list[_Row]) -> tuple[str, ...]:
+def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: CompiledShapes) -> Choosing:
+    """One distribution of all lights, and one of the triangles of each mesh."""
+    cdf = cumulative(weights) if rows else np.zeros(2, np.float32)
+    tables, starts = [cdf], np.zeros(len(rows), np.uint32)
+    for i, row in enumerate(rows):
+        if row.shape >= 0 and shapes.rows[row.shape].kind == "mesh":
+            starts[i] = sum(table.size for table in tables)
+            tables.append(cumulative(row.areas))
+    return Choosing(tables, starts, np.diff(cdf)[: len(rows)])
+
+
+def _are_many(rows: list[LightRow]) -> bool:
+    """Whether a tree pays for the lights that have a place."""
+    count = sum(max(len(row.areas), 1) for row in rows if row.shape >= 0 or row.cone is not None)
+    return MOST_WITHOUT_TREE < count <= MOST_IN_TREE
+
+
+def _names(rows: list[LightRow]) -> tuple[str, ...]:
     found = {row.kind for row in rows}
     textured = (TEXTURED,) if any(row.texture for row in rows) else ()
     return (*(name for name in LIGHTS if name in found), *textured)
 
 
-def _shining(rows: list[_Row], shapes: CompiledShapes) -> tuple[str, ...]:
+def _shining(rows: list[LightRow], shapes: CompiledShapes) -> tuple[str, ...]:
     kinds = {shapes.rows[row.shape].kind for row in rows if row.shape >= 0}
     return tuple(name for name in area.SHAPES if name in kinds)
 
 
-def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[_Row]:
+def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
     """All lights but the environment."""
     textures, rows = light_textures(flat), []
     for index, shape in enumerate(shapes.rows):
@@ -137,37 +154,45 @@ def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[_Row]:
     return rows + [_row(placed.light, placed.to_world) for placed in flat.lights]
 
 
-def _environment(flat: FlatScene, compensated: bool) -> tuple[_Row, EnvironmentMap | None] | None:
+def _environment(
+    flat: FlatScene, compensated: bool
+) -> tuple[LightRow, EnvironmentMap | None] | None:
     """The row of the environment, and its map where it has one."""
     if flat.environment is None:
         return None
     light, to_world = flat.environment.light, flat.environment.to_world
-    row = _row(light, to_world)
-    if not isinstance(light, Environment):
+    row, model = _row(light, to_world), LIGHTS[light.type_name()]
+    # Such as a sky's, which is made here.
+    drawn = model.as_environment(light) if hasattr(model, "as_environment") else light
+    if not isinstance(drawn, Environment):
         return row, None
-    made = make_map(light, to_world, compensated)
-    red, green, blue = (a * b for a, b in zip(row.color, made.mean, strict=True))
+    if model.sample is LIGHTS["environment"].sample:
+        row = row._replace(kind="environment")
+    made = make_map(drawn, to_world, compensated)
+    aside = model.beside_the_map(light) if hasattr(model, "beside_the_map") else (0.0, 0.0, 0.0)
+    red, green, blue = (a * (b + c) for a, b, c in zip(row.color, made.mean, aside, strict=True))
     return row._replace(mean=(red, green, blue)), made
 
 
-def _row(light: Light, to_world: np.ndarray) -> _Row:
+def _row(light: Light, to_world: np.ndarray) -> LightRow:
     kind = light.type_name()
     model = LIGHTS[kind]
     color, numbers = model.place(light, to_world)
     mean = model.mean_color(light) if hasattr(model, "mean_color") else color
-    return _Row(kind, color, numbers, mean)
+    cone = None
+    if hasattr(model, "cone"):
+        axis = to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])
+        cone = (axis, *model.cone(light))
+    table = model.table(light) if hasattr(model, "table") else None
+    return LightRow(kind, color, numbers, mean, cone=cone, table=table)
 
 
 def _texture_of(light: Light) -> Texture | None:
     return area.texture(light) if isinstance(light, area.Area) else None
 
 
-def _weights(rows: list[_Row], radius: float, selection: Selection) -> np.ndarray:
-    brightness = [float(luminance(Vec3(*row.mean))) for row in rows]
+def _weights(rows: list[LightRow], radius: float, selection: Selection) -> np.ndarray:
     powers = np.array(
-        [
-            LIGHTS[row.kind].power(bright, float(row.areas.sum()), radius)
-            for row, bright in zip(rows, brightness, strict=True)
-        ]
+        [LIGHTS[row.kind].power(row.brightness, float(row.areas.sum()), radius) for row in rows]
     )
-    return powers if selection == "power" else (powers > 0.0).astype(np.float64)
+    return (powers > 0.0).astype(np.float64) if selection == "uniform" else powers

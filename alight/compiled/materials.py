@@ -2,10 +2,11 @@
 
 `info` holds (kind, flags) for each material: kind is the index of its model in
 `alight.bsdfs.MODELS`, flags has the bits of `alight.bsdfs.switch`. Behind the materials that shapes
-refer to stand those that they are made of; `layers` says which (see `alight.bsdfs.dispatch`;
-without blends and masks nothing reads it). `data` holds `stride_of` numbers for each material, laid
-out by the model's `SLOTS`. `texture` is as long as `data`: 0, or at the first slot of a colour or
-number the index of its texture plus 1. The rest is described in `alight.compiled.textures`.
+refer to stand normal and bump maps, then those that they are made of; `layers` says which (see
+`alight.bsdfs.dispatch`; without blends and masks nothing reads it). `data` holds `stride_of`
+numbers for each material, laid out by the model's `SLOTS`. `texture` is as long as `data`: 0, or at
+the first slot of a colour or number the index of its texture plus 1. The rest is described in
+`alight.compiled.textures`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.nesting import Leaf, Nested, leaves
-from alight.bsdfs.switch import MIXED, TWO_SIDED, TWO_SIDED_NAME, stride_of
+from alight.bsdfs.switch import MIXED, RELIEF, TWO_SIDED, TWO_SIDED_NAME, stride_of
 from alight.compiled.packer import Packer
 from alight.compiled.textures import TextureTable
 from alight.core.registry import Models, Numbers
@@ -61,7 +62,10 @@ def compile_materials(
     rows = _Rows(stride_of(leaf.bsdf.type_name() for spec in bsdfs for leaf in leaves(spec)))
     for texture in textures:
         rows.textures.number(texture)
+    rows.reserve_reliefs(bsdfs)
     layers = [rows.add(spec) for spec in bsdfs]
+    for relief in rows.reliefs:
+        rows.put(relief, MIXED)
     rows.used |= {LAYERED_NAME} if any(len(layer) > 1 for layer in layers) else set()
     lists = rows.pack_layers(layers)
     table = rows.textures.compiled()
@@ -94,6 +98,14 @@ class _Rows:
     curves: list[np.ndarray] = field(default_factory=list)
     used: set[str] = field(default_factory=set)
     numbers: dict[tuple[Bsdf, int], int] = field(default_factory=dict)
+    reliefs: dict[Bsdf, int] = field(default_factory=dict)
+
+    def reserve_reliefs(self, bsdfs: Sequence[Bsdf]) -> None:
+        """Number the rows of what bends normals: they follow those that shapes refer to."""
+        for spec in bsdfs:
+            for leaf in leaves(spec):
+                if leaf.relief is not None:
+                    self.reliefs.setdefault(leaf.relief, len(bsdfs) + len(self.reliefs))
 
     def add(self, spec: Bsdf) -> list[Leaf]:
         """Make the row that a shape refers to; returns the models of the material."""
@@ -110,7 +122,11 @@ class _Rows:
         name = leaf.bsdf.type_name()
         features = getattr(_MODELS[name], "features", _no_features)(leaf.bsdf)
         self.used |= {name, *features} | ({TWO_SIDED_NAME} if leaf.two_sided else set())
-        return TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
+        flags = TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
+        if leaf.relief is not None:
+            self.used |= set(_MODELS[leaf.relief.type_name()].features(leaf.relief))
+            flags |= (self.reliefs[leaf.relief] + 1) << RELIEF
+        return flags
 
     def put(self, spec: Bsdf, flags: int) -> int:
         """Append a row; returns its number."""

@@ -22,6 +22,8 @@ class Program(NamedTuple):
         Kinds of shape that carry an area light.
     single_light : bool
         There is one light: nothing has to be chosen, and its rows are the same for all lanes.
+    light_tree : bool
+        Lights are chosen by a tree, see `alight.lights.tree`.
     accel : tuple of str
         Parts of the acceleration structure, see `alight.accel`.
     camera, filter, integrator : str
@@ -32,6 +34,8 @@ class Program(NamedTuple):
         Choices of the sampler and the integrator that are made at compile time, sorted by name.
     aovs : tuple of str
         Further channels.
+    media, phases : tuple of str
+        Media and phase functions that occur; the former with features, see `alight.media.tables`.
     registered : tuple of (str, str, str)
         Family, name and version of the users' own models in it, see `alight.core.registration`.
     """
@@ -42,6 +46,7 @@ class Program(NamedTuple):
     lights: tuple[str, ...] = ()
     light_shapes: tuple[str, ...] = ()
     single_light: bool = False
+    light_tree: bool = False
     accel: tuple[str, ...] = ()
     camera: str = "pinhole"
     sampler: tuple = ("sobol",)
@@ -49,6 +54,8 @@ class Program(NamedTuple):
     integrator: str = "path"
     options: tuple[tuple[str, Any], ...] = ()
     aovs: tuple[str, ...] = ()
+    media: tuple[str, ...] = ()
+    phases: tuple[str, ...] = ()
     registered: tuple[tuple[str, str, str], ...] = ()
 
     def option(self, name: str, default=None):

@@ -10,6 +10,7 @@ from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import compile_camera
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
+from alight.compiled.media import compile_media
 from alight.compiled.program import Program
 from alight.compiled.shapes import compile_shapes
 from alight.core.registry import versions
@@ -24,13 +25,17 @@ from alight.scene.flatten import FlatScene, described
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
 
 
+#: The same of a scene with media; kernels of other scenes know of none.
+SceneWithMedia = namedtuple("SceneWithMedia", (*SceneTables._fields, "media"))
+
+
 @dataclass(frozen=True)
 class CompiledScene:
     """A scene as kernels see it.
 
     Attributes
     ----------
-    tables : SceneTables
+    tables : SceneTables or SceneWithMedia
         Arrays; picklable.
     program : Program
         What the kernels must be specialised on.
@@ -46,7 +51,7 @@ class CompiledScene:
         Counts, bytes and seconds of the acceleration structure.
     """
 
-    tables: SceneTables
+    tables: SceneTables | SceneWithMedia
     program: Program
     size: tuple[int, int]
     crop: tuple[int, int, int, int] | None
@@ -93,7 +98,7 @@ def compile_scene(
         threads=threads,
     )
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
-    light_choice = getattr(flat.integrator, "light_choice", "power")
+    light_choice = getattr(flat.integrator, "light_choice", "auto")
     combined = getattr(flat.integrator, "light_sampling", None) == "mis"
     lights = compile_lights(flat, shapes, light_choice, compensated=combined)
     tables = SceneTables(
@@ -104,13 +109,18 @@ def compile_scene(
         camera=compile_camera(flat.camera.camera, flat.camera.to_world, flat.film.size),
         filter=compile_filter(flat.film.filter),
     )
+    media, phases = (), ()
+    if flat.media and flat.integrator.sees_media:
+        of_media, media, phases = compile_media(flat, shapes)
+        tables = SceneWithMedia(*tables, of_media)
     program = Program(
         shapes=shapes.kinds,
         bsdfs=bsdfs,
         textures=textures,
         lights=lights.kinds,
         light_shapes=lights.shapes,
-        single_light=lights.tables.info.size == LIGHT_INFO,
+        single_light=lights.tables.info.size == LIGHT_INFO and not lights.has_tree,
+        light_tree=lights.has_tree,
         accel=plan,
         camera=flat.camera.camera.type_name(),
         sampler=sampler_key(flat.sampler),
@@ -118,6 +128,8 @@ def compile_scene(
         integrator=flat.integrator.type_name(),
         options=compile_time_options(flat.integrator),
         aovs=aovs,
+        media=media,
+        phases=phases,
         registered=versions(described(flat)),
     )
     return CompiledScene(
@@ -139,8 +151,9 @@ def _darkness(flat: FlatScene, is_dark: bool) -> tuple[str, ...]:
     return ()
 
 
-#: Numbers of integrators that kernels are given while they run (`alight.integrators.walk`).
-RUN_TIME = {"max_depth", "rr_depth", "distance"}
+#: Numbers of integrators that kernels are given while they run (`alight.integrators.walk`), and
+#: what the tables and `Program.light_tree` say.
+RUN_TIME = {"max_depth", "rr_depth", "distance", "light_choice"}
 
 
 def compile_time_options(integrator: Integrator) -> tuple[tuple[str, Any], ...]:

@@ -1,8 +1,10 @@
 """Descriptions of textures and their pictures -> the tables that kernels read.
 
 `texture_info` holds (kind, start in `texture_data`) for each texture; kind is the index of its
-model in `alight.textures.MODELS`. `texture_data` begins with a blank row: lanes that look at no
-texture, or at one of another kind, read zeros there, from which every model finds valid indices.
+model in `alight.textures.MODELS`. For a texture made of others it holds what
+`alight.textures.composed` says; the steps stand behind all textures. `texture_data` begins with a
+blank row: lanes that look at no texture, or at one of another kind, read zeros there, from which
+every model finds valid indices.
 
 `texels` holds the pictures, each once, in words of 32 bits: three bytes RGB, or floats. Before them
 stands a 0 for blank rows.
@@ -10,8 +12,9 @@ stands a 0 for blank rows.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +23,10 @@ from alight.core.errors import Issue, SceneError
 from alight.core.registry import Models, Numbers
 from alight.core.spec import Texture
 from alight.core.view import View
+from alight.textures.composed import COMPOSED
+from alight.textures.constant import Constant
 from alight.textures.images import Image, decoded_levels
+from alight.textures.nesting import Composed, Value, most
 
 #: Kernels count words with 31 bits.
 MOST_WORDS = 2**31 - 1
@@ -48,7 +54,10 @@ class TextureTable:
 
     def __init__(self) -> None:
         self._numbers: dict[Texture, int] = {}
-        self._blocks: list[np.ndarray] = [np.zeros(1, np.uint32)]
+        # A zero comes first. What stands where is written once all is known: the largest pictures
+        # fill half of what a process may take.
+        self._fill: list[tuple[int, int, Callable[[np.ndarray], None]]] = []
+        self._end = 1
         self._starts: dict[object, int] = {}
 
     def number(self, texture: Texture) -> int:
@@ -68,49 +77,107 @@ class TextureTable:
             Word where the values of 256 levels begin, or 0 where the texels are floats.
         """
         encoded = image.is_encoded(color_space)
+        height, width, channels = image.texels.shape
         if image.levels == 255:
-            start = self._block(image.digest, lambda: packed_bytes(image.texels))
-            table = self._block(encoded, lambda: decoded_levels(255, encoded).view(np.uint32))
-            return start, 1, 0, table
-        channels = image.texels.shape[2]
-        key = (image.digest, encoded)
-        start = self._block(key, lambda: image.linear(color_space).view(np.uint32).ravel())
+
+            def pack(words: np.ndarray) -> None:
+                pack_bytes(image.texels, words)
+
+            def decode(words: np.ndarray) -> None:
+                words[:] = decoded_levels(255, encoded).view(np.uint32)
+
+            start = self._block(image.digest, height * width, pack)
+            return start, 1, 0, self._block(encoded, 256, decode)
+
+        def linear(words: np.ndarray) -> None:
+            words[:] = image.linear(color_space).view(np.uint32).ravel()
+
+        start = self._block((image.digest, encoded), image.texels.size, linear)
         return start, channels, int(channels == 3), 0
 
-    def _block(self, key: object, make: Callable[[], np.ndarray]) -> int:
+    def _block(self, key: object, size: int, write: Callable[[np.ndarray], None]) -> int:
         if key not in self._starts:
-            start, block = sum(block.size for block in self._blocks), make()
-            if start + block.size > MOST_WORDS:
+            if self._end + size > MOST_WORDS:
                 text = f"the pictures of all textures must take at most {MOST_WORDS * 4 >> 30} GB"
                 raise SceneError([Issue("textures", text)])
-            self._starts[key] = start
-            self._blocks.append(block)
+            self._starts[key] = self._end
+            self._fill.append((self._end, self._end + size, write))
+            self._end += size
         return self._starts[key]
+
+    def _texels(self) -> np.ndarray:
+        """The words of all pictures."""
+        words = np.zeros(self._end, np.uint32)
+        for start, end, write in self._fill:
+            write(words[start:end])
+        return words
 
     def compiled(self) -> CompiledTextures:
         """Make the tables of all textures that have a number."""
         kinds, models = Numbers("textures"), Models("textures")
-        used = {"constant", *(spec.type_name() for spec in self._numbers)}
-        slots = [getattr(models[name], "SLOTS", {}) for name in used]
-        rows = [np.zeros(max(1, *(sum(s.values()) for s in slots)), np.float32)]
-        info, start = [], rows[0].size
-        for spec in self._numbers:
-            model = models[spec.type_name()]
-            packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self)
-            model.pack(spec, packer)
-            info += [kinds[spec.type_name()], start]
-            rows.append(packer.row)
-            start += packer.size
+        lists = [_steps(spec) for spec in self._numbers]
+        every = [spec for steps in lists for spec in steps]
+        used = {"constant", *(spec.type_name() for spec in every)}
+        features = {name for spec in every for name in _features(models[spec.type_name()], spec)}
+        rows = [np.zeros(max(3, *(sum(_slots(models[n]).values()) for n in used)), np.float32)]
+        starts: dict[Texture, int] = {}
+        end = rows[0].size
+        for spec in every:
+            if spec not in starts:
+                starts[spec] = end
+                rows.append(self._row(spec))
+                end += rows[-1].size
+        heads: list[int] = []
+        below: list[int] = []
+        for steps in lists:
+            words = [w for spec in steps for w in (kinds[spec.type_name()], starts[spec])]
+            if len(steps) > 1:
+                heads += [COMPOSED + len(steps), 2 * len(lists) + len(below)]
+                below += words
+            else:
+                heads += words
         return CompiledTextures(
-            View(np.array(info or [0, 0], np.uint32)),
+            View(np.array([*heads, *below] or [0, 0], np.uint32)),
             View(np.concatenate(rows)),
-            View(np.concatenate(self._blocks)),
-            tuple(name for name in kinds if name in used),
+            View(self._texels()),
+            (*(name for name in kinds if name in used), *sorted(features)),
         )
 
+    def _row(self, spec: Texture) -> np.ndarray:
+        """The numbers of one texture."""
+        if isinstance(spec, Constant):
+            return np.array(spec.color, np.float32)
+        model = Models("textures")[spec.type_name()]
+        packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self)
+        model.pack(spec, packer)
+        return packer.row
 
-def packed_bytes(texels: np.ndarray) -> np.ndarray:
+
+def _slots(model: Any) -> dict[str, int]:
+    return getattr(model, "SLOTS", {})
+
+
+def _features(model: Any, spec: Texture) -> tuple[str, ...]:
+    return model.features(spec) if hasattr(model, "features") else ()
+
+
+def _steps(spec: Value) -> list[Texture]:
+    """The steps that compute a texture, see `alight.textures.nesting`."""
+    if isinstance(spec, str):
+        raise ValueError(f"the texture name {spec!r} must be resolved before compiling")
+    if isinstance(spec, float | int | tuple):
+        # Parts may exceed 1: only their product is a share of light.
+        return [Constant.model_construct(color=most(spec))]
+    if not isinstance(spec, Composed):
+        return [spec]
+    return [*(step for part in spec.ordered for step in _steps(part)), spec]
+
+
+def pack_bytes(texels: np.ndarray, words: np.ndarray) -> None:
     """Put texels of shape (h, w, 1 or 3) and type uint8 into words: red in the lowest byte."""
-    channels = (0, 1, 2) if texels.shape[2] == 3 else (0, 0, 0)
-    red, green, blue = (texels[..., i].astype(np.uint32) for i in channels)
-    return (red | green << 8 | blue << 16).ravel()
+    # Written as bytes, little-endian ones, which is much faster than shifting words.
+    table = words.view(np.uint8).reshape(*texels.shape[:2], 4)
+    table[..., :3] = texels
+    table[..., 3] = 0
+    if sys.byteorder == "big":
+        words.byteswap(inplace=True)

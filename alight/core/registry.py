@@ -28,6 +28,8 @@ FAMILIES = (
     "cameras",
     "samplers",
     "filters",
+    "phases",
+    "media",
     "integrators",
 )
 

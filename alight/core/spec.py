@@ -331,11 +331,26 @@ class Shape(Spec):
     flip_normals: Truth = False
 
 
+class PhaseFunction(Spec):
+    """Base class of phase functions: where light goes that a medium scatters."""
+
+    family: ClassVar[str] = "phases"
+    kind: ClassVar[str] = "phase function"
+
+
+class Medium(Spec):
+    """Base class of media: what fills the space between surfaces."""
+
+    family: ClassVar[str] = "media"
+    kind: ClassVar[str] = "medium"
+
+
 class Camera(Spec):
-    """Base class of cameras."""
+    """Base class of cameras; `medium` is what one stands in, if not what the scene is in."""
 
     family: ClassVar[str] = "cameras"
     kind: ClassVar[str] = "camera"
+    medium: Annotated[Medium | str, Model("medium", "media", named=True)] | None = None
 
 
 class Sampler(Spec):
@@ -353,11 +368,16 @@ class Filter(Spec):
 
 
 class Integrator(Spec):
-    """Base class of integrators; without `needs_light` even a dark scene gives a picture."""
+    """Base class of integrators.
+
+    Without `needs_light` even a dark scene gives a picture; those that follow light must say by
+    `sees_media` whether they know of media.
+    """
 
     family: ClassVar[str] = "integrators"
     kind: ClassVar[str] = "integrator"
     needs_light: ClassVar[bool] = True
+    sees_media: ClassVar[bool] = False
 
 
 NonNegative = Annotated[float, Interval(low=0.0)]

@@ -18,8 +18,8 @@ class Bias(NamedTuple):
     Attributes
     ----------
     cause : str
-        For programs: "depth cap", "adaptive criterion", "stopped at an error", "invalid samples"
-        or "saturated values".
+        For programs: "depth cap", "adaptive criterion", "stopped at an error", "denoiser",
+        "invalid samples" or "saturated values".
     text : str
         What it is, for people.
     effect : float or None

@@ -7,8 +7,8 @@ import html
 import math
 from typing import TYPE_CHECKING
 
+from alight.outputs.display import Display
 from alight.outputs.png import encode_png
-from alight.outputs.tone_mapping import Display
 
 if TYPE_CHECKING:
     from alight.films.film import Film

@@ -1,9 +1,10 @@
 """Estimators of light transport, one model per file. A new model is one file and one line here."""
 
-from alight.integrators import ambient_occlusion, direct, path, random_walk
+from alight.integrators import ambient_occlusion, direct, path, random_walk, volpath
 
 MODELS = (
     path,
+    volpath,
     direct,
     ambient_occlusion,
     random_walk,

@@ -29,10 +29,10 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.integrators.walk import LIGHT_CHOICE, vertex_dimension
-from alight.lights.sampling import choose_light
+from alight.integrators.walk import LIGHT_CHOICE, LIGHT_POINT, vertex_dimension
+from alight.lights.sampling import choose_light_at
 from alight.lights.tables import INFO as LIGHT_INFO
-from alight.samplers.sampling import get_1d
+from alight.samplers.sampling import get_1d, get_2d
 
 #: Name of this pass in the place of an integrator's, and of the option that names the integrator.
 PASS, RECORDED = "contributions", "recorded"
@@ -109,10 +109,17 @@ def leave(scene, path, depth, mask, value):
 
 
 @kernel
-def sample(scene, path, depth, mask, value):
-    """Log light that light sampling found from the vertex at the end of edge number `depth`."""
-    choice = vertex_dimension(depth) + LIGHT_CHOICE
-    index, _, _ = choose_light(scene, get_1d(path.sampler, choice))
+def sample(scene, path, p, n, depth, mask, value):
+    """Log light that light sampling found from the vertex at the end of edge number `depth`.
+
+    p, n: place of the vertex, and its normal as `sample_light` was given it.
+    """
+    dimension = vertex_dimension(depth)
+    u, u2 = (
+        get_1d(path.sampler, dimension + LIGHT_CHOICE),
+        get_2d(path.sampler, dimension + LIGHT_POINT),
+    )
+    index = choose_light_at(scene, p, n, u, u2, mask)
     light = lanes_u32(0) + index + 1
     first = gather(scene.log.first, sample_number(scene.log, path.sampler, mask))
     write(scene.log, path, light, depth + 1, lanes_u32(BY_LIGHT), first, mask, value)

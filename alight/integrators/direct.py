@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.jit import kernel
-from alight.core.spec import Integrator
+from alight.core.spec import Integrator, Truth
 from alight.integrators import path
 from alight.integrators.walk import Settings
 
@@ -25,14 +25,17 @@ class Direct(Integrator):
         As for `path`.
     heuristic : {"power", "balance"}, default "power"
         As for `path`.
-    light_choice : {"power", "uniform"}, default "power"
-        Probability of each light.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        As for `path`.
+    hide_emitters : bool, default False
+        As for `path`.
     """
 
     type: Literal["direct"] = "direct"
     light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
     heuristic: Literal["power", "balance"] = "power"
-    light_choice: Literal["power", "uniform"] = "power"
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
+    hide_emitters: Truth = False
 
 
 EXAMPLES = (

@@ -18,12 +18,12 @@ from pydantic import model_validator
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA
-from alight.bsdfs.switch import concentration, refracts
+from alight.bsdfs.switch import absorbs, concentration, refracts, transmittance
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.simd import any_lane, lanes, minimum, where
-from alight.core.spec import Depth, Integrator, invalid
+from alight.core.spec import Depth, Integrator, Truth, invalid
 from alight.core.vec import max_component
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -46,6 +46,7 @@ from alight.lights.sampling import (
     environment_radiance,
     has_delta_lights,
     light_pdf,
+    lit_normal,
     sample_light,
     shadow_ray,
 )
@@ -78,8 +79,12 @@ class Path(Integrator):
     max_depth : int >= 1, optional
         Longest path, counted in edges after the camera: 1 shows lights only, 2 adds direct light.
         Unlimited by default, which needs roulette.
-    light_choice : {"power", "uniform"}, default "power"
-        Probability of each light.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        Probability of each light: by its power, the same for all, or by a tree that knows where
+        lights are and where they face; "auto" takes the tree for many lights, else the power.
+    hide_emitters : bool, default False
+        Whether the camera sees through lights: surfaces that shine, and the environment. They
+        light the scene as ever.
     """
 
     type: Literal["path"] = "path"
@@ -88,7 +93,8 @@ class Path(Integrator):
     russian_roulette: Literal["throughput", "none"] = "throughput"
     rr_depth: Depth = 5
     max_depth: Depth | None = None
-    light_choice: Literal["power", "uniform"] = "power"
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
+    hide_emitters: Truth = False
 
     @model_validator(mode="after")
     def _paths_end(self) -> Self:
@@ -103,6 +109,7 @@ EXAMPLES = (
     Path(light_sampling="bsdf", russian_roulette="none", max_depth=4),
     Path(light_sampling="emitter", light_choice="uniform"),
     Path(heuristic="balance", rr_depth=1),
+    Path(hide_emitters=True),
 )
 
 
@@ -139,6 +146,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     add_direct_light = _write_add_direct_light(light_weight, by_light, listeners)
     play_roulette = _write_play_roulette(refracts(program))
     recorded, meet = record is not None, listeners.meet
+    hides = program.option("hide_emitters", False)
+    through = _write_through(absorbs(program))
 
     @kernel
     def path_step(scene, settings, path):
@@ -150,6 +159,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         missed = path.active & (hit.t == INFINITY)
         active = path.active & (hit.t < INFINITY)
         L, L_direct = path.L, path.L_direct
+        if hides:
+            missed = missed & (path.depth > 0)
 
         # The ray left the scene: light of the environment.
         if environment:
@@ -157,8 +168,14 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
 
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
+        path = through(scene, surface, wo, hit.t, active, path)
         if recorded:
             meet(scene, path, surface, depth, active)
+
+        # The camera looks through lights: such a path goes on as if it had met nothing.
+        if hides:
+            hidden = active & (path.depth == 0) & (surface.light != 0)
+            active = active & ~hidden
 
         # The ray came upon a light.
         if area_lights:
@@ -191,12 +208,37 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         if roulette:
             beta, active = play_roulette(scene, settings, path, surface, wi, depth, beta, active)
-        return WalkPath(
-            o, d, surface.p, L, L_direct, beta, pdf,
-            (flags & DELTA) != 0, depth, path.sampler, active, rays,
-        )  # fmt: skip
+        p, delta = surface.p, (flags & DELTA) != 0
+        if hides:
+            beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
+            o, d, p = where(hidden, beyond, o), where(hidden, path.d, d), where(hidden, path.p, p)
+            beta, pdf = where(hidden, path.beta, beta), where(hidden, path.pdf, pdf)
+            delta, depth = where(hidden, path.delta, delta), where(hidden, path.depth, depth)
+            active = active | hidden
+        return WalkPath(o, d, p, L, L_direct, beta, pdf, delta, depth, path.sampler, active, rays)
 
     return path_step
+
+
+def _write_through(absorbing):
+    """``(scene, surface, wo, t, active, path) -> path``: dimmed by what it came through."""
+    if not absorbing:
+        return _unchanged
+
+    @kernel
+    def through(scene, surface, wo, t, active, path):
+        dimmed = path.beta * transmittance(scene, surface, wo, where(active, t, 0.0))
+        return WalkPath(
+            path.o, path.d, path.p, path.L, path.L_direct, where(active, dimmed, path.beta),
+            path.pdf, path.delta, path.depth, path.sampler, path.active, path.rays,
+        )  # fmt: skip
+
+    return through
+
+
+@kernel
+def _unchanged(scene, surface, wo, t, active, path):
+    return path
 
 
 #: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
@@ -253,8 +295,9 @@ def _write_add_direct_light(light_weight, by_light, listeners):
     @kernel
     def add_direct_light(scene, path, surface, wo, depth, active, L, L_direct, rays):
         dimension = vertex_dimension(depth)
+        n = lit_normal(surface.ns, wo)
         light = sample_light(
-            scene, surface.p, surface.ns, get_1d(path.sampler, dimension + LIGHT_CHOICE),
+            scene, surface.p, n, get_1d(path.sampler, dimension + LIGHT_CHOICE),
             get_2d(path.sampler, dimension + LIGHT_POINT), active,
         )  # fmt: skip
         lit = active & (light.pdf > 0.0)
@@ -272,7 +315,7 @@ def _write_add_direct_light(light_weight, by_light, listeners):
             L = where(lit, L + Ld, L)
             L_direct = where(lit & (depth <= 1), L, L_direct)
             if recorded:
-                sample(scene, path, depth, lit, Ld)
+                sample(scene, path, surface.p, n, depth, lit, Ld)
         return L, L_direct, rays
 
     return add_direct_light

@@ -14,7 +14,16 @@ import numpy as np
 
 from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
-from alight.core.simd import as_int, count_bits, lanes, lanes_mask, lanes_u32, lanes_vec3, mask_bits
+from alight.core.simd import (
+    as_int,
+    count_bits,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    mask_bits,
+    where,
+)
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, normalize
 from alight.samplers.state import SamplerState
@@ -64,7 +73,7 @@ def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Sett
 
 
 @kernel
-def empty_paths():
+def no_paths():
     """Paths of which none is active."""
     zero = lanes_u32(0)
     black = lanes_vec3(0.0)
@@ -82,6 +91,54 @@ def empty_paths():
         lanes_mask(False),
         as_int(0),
     )
+
+
+@kernel
+def begin_paths(new, o, d, weight, sampler, path):
+    """Start paths in the lanes of `new`.
+
+    Parameters
+    ----------
+    new : mask
+    o, d : Vec3
+        Camera rays there; in the other lanes as in `path`.
+    weight : float
+        Of the pixel filter.
+    sampler : SamplerState
+    path : Path
+        What goes on in the other lanes.
+    """
+    black = lanes_vec3(0.0)
+    return Path(
+        o,
+        d,
+        where(new, o, path.p),
+        where(new, black, path.L),
+        where(new, black, path.L_direct),
+        where(new, lanes_vec3(1.0) * weight, path.beta),
+        where(new, lanes(0.0), path.pdf),
+        path.delta | new,
+        where(new, lanes_u32(0), path.depth),
+        sampler,
+        path.active | new,
+        path.rays,
+    )
+
+
+@specialised
+def empty_paths(program):
+    """``empty_paths()``: paths of which none is active, with all that the integrator keeps."""
+    return getattr(module_of(program), "empty_paths", no_paths)
+
+
+@specialised
+def start_paths(program):
+    """``start_paths(new, o, d, weight, sampler, path)``: as `begin_paths`, for the integrator.
+
+    An integrator that keeps more than a `Path` has kernels of the names `empty_paths` and
+    `start_paths`, and `put_more` and `take_more` for the time that its paths wait (`queue`).
+    """
+    return getattr(module_of(program), "start_paths", begin_paths)
 
 
 @kernel
@@ -111,6 +168,11 @@ def to_world(surface, w):
 @specialised
 def step(program):
     """The step of the program's integrator, or of a pass beside the picture."""
+    return module_of(program).step(program)
+
+
+def module_of(program):
+    """The module of a program's integrator, or of the pass in its place."""
     if program.integrator in PASSES:
-        return import_module(f"alight.integrators.{program.integrator}").step(program)
-    return Models("integrators")[program.integrator].step(program)
+        return import_module(f"alight.integrators.{program.integrator}")
+    return Models("integrators")[program.integrator]

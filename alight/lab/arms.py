@@ -15,7 +15,16 @@ from alight.core.errors import SceneError, show_value, unknown_name
 from alight.core.machine import fingerprint
 from alight.core.spec import Spec
 from alight.lab.measure import Rung, compiled_kernels, render_ladder
-from alight.lab.study import ACCELERATION, NAMED_OPTIONS, ArmSpec, SceneSpec, Study, StudyError
+from alight.lab.steering import is_steered, problem_of, steered_ladder
+from alight.lab.study import (
+    ACCELERATION,
+    NAMED_OPTIONS,
+    SCHEDULE,
+    ArmSpec,
+    SceneSpec,
+    Study,
+    StudyError,
+)
 from alight.rendering.tile import Kernels
 from alight.samplers.sobol import Sobol
 from alight.scene import Scene, content_hash, flatten, load
@@ -69,6 +78,11 @@ class Arm:
 
     def render(self, seed: int, ladder: Sequence[int], threads: int) -> Iterator[Rung]:
         """Render with one seed, stopping at each step of the ladder."""
+        schedule = self.spec.options.get(SCHEDULE)
+        if is_steered(schedule):
+            return steered_ladder(
+                self.compiled, self.kernels, self.replicates, seed, ladder, threads, schedule
+            )
         return render_ladder(self.compiled, self.kernels, self.replicates, seed, ladder, threads)
 
 
@@ -129,8 +143,13 @@ def assignments(study: Study, options: Mapping[str, Any], path: str) -> list[str
                 message = unknown_name(name, str(value), ACCELERATION[name])
                 raise study.fail(f"{path}.{name}", message)
             continue
+        if name == SCHEDULE:
+            problem = problem_of(value)
+            if problem is not None:
+                raise study.fail(f"{path}.{name}", problem)
+            continue
         if name not in NAMED_OPTIONS and "." not in name and name not in _ROOTS:
-            words = [*NAMED_OPTIONS, *ACCELERATION]
+            words = [*NAMED_OPTIONS, *ACCELERATION, SCHEDULE]
             message = unknown_name("option", name, words, "options")
             raise study.fail(f"{path}.{name}", f"{message}; or a key path of the scene file")
         target = NAMED_OPTIONS.get(name, name)
@@ -184,7 +203,7 @@ def _check_same_picture(study: Study, scene: SceneSpec, loaded: Mapping[str, Sce
 
 
 def _what_differs(arm: ArmSpec, baseline: ArmSpec) -> str:
-    free = {"sampler", "replicates", *_FREE_OF_INTEGRATORS, *ACCELERATION}
+    free = {"sampler", "replicates", SCHEDULE, *_FREE_OF_INTEGRATORS, *ACCELERATION}
     names = [
         name
         for name in {**arm.options, **baseline.options}
@@ -245,7 +264,9 @@ def compile_arm(spec: ArmSpec, scene: Scene, threads: int) -> Arm:
     replicates = flat.film.replicates
     kernels = compiled_kernels(compiled)
     done = time.perf_counter()
-    key = digest(content, structure, builder, replicates, fingerprint())
+    schedule = spec.options.get(SCHEDULE)
+    steered = [json.dumps(schedule, sort_keys=True)] if is_steered(schedule) else []
+    key = digest(content, structure, builder, replicates, fingerprint(), *steered)
     return Arm(spec, compiled, kernels, replicates, key, loaded - begin, done - loaded)
 
 

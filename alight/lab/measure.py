@@ -17,7 +17,7 @@ import numpy as np
 
 from alight.compiled.scene import CompiledScene
 from alight.films import CELL_SIZE, Film
-from alight.integrators.walk import make_settings
+from alight.integrators.walk import Settings, make_settings
 from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
@@ -46,7 +46,7 @@ class Rung(NamedTuple):
 def compiled_kernels(scene: CompiledScene) -> Kernels:
     """The kernels of a scene, run once without a sample so that machine code is there."""
     kernels = make_kernels(scene)
-    tile = tiles_of(_film(scene, 0, 1).crop)[0]
+    tile = tiles_of(film_for(scene, 0, 1).crop)[0]
     settings = make_settings(scene.integrator, seed=0, replicates=1)
     render_tile(kernels, scene, settings, tile, _ranges(tile, 0, 0))
     return kernels
@@ -73,34 +73,58 @@ def render_ladder(
         Rising numbers of samples per pixel.
     threads : int
     """
-    film = _film(scene, seed, replicates)
+    film = film_for(scene, seed, replicates)
     settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
     tiles = tiles_of(film.crop)
     done, seconds = 0, 0.0
 
-    def work(tile: Tile, first: int, count: int) -> None:
-        ranges = _ranges(tile, first, count)
-        partial, _ = render_tile(kernels, scene, settings, tile, ranges, _scratch())
-        film.add_tile(partial)
-
-    pool = _pool(threads)
     for spp in ladder:
         begin = time.process_time()
-        futures = [pool.submit(work, tile, done, spp - done) for tile in tiles]
-        try:
-            for future in futures:
-                future.result()
-        except BaseException:
-            # Ctrl-C: what has not begun need not begin.
-            for future in futures:
-                future.cancel()
-            raise
+        parts = [(tile, _ranges(tile, done, spp - done)) for tile in tiles]
+        add_tiles(threads, kernels, scene, settings, film, parts)
         seconds += time.process_time() - begin
         done = spp
         yield Rung(spp, seconds, film.mean[..., :3].astype(np.float32), film.invalid)
 
 
-def _film(scene: CompiledScene, seed: int, replicates: int) -> Film:
+def add_tiles(
+    threads: int,
+    kernels: Kernels,
+    scene: CompiledScene,
+    settings: Settings,
+    film: Film,
+    parts: Sequence[tuple[Tile, np.ndarray]],
+) -> None:
+    """Render samples on all threads and add them to a film.
+
+    Parameters
+    ----------
+    threads : int
+    kernels : Kernels
+    scene : CompiledScene
+    settings : Settings
+    film : Film
+    parts : sequence of (Tile, ndarray of int64, shape (cells_y, cells_x, 2))
+        (first, count) of the samples of each cell of a tile.
+    """
+
+    def work(tile: Tile, ranges: np.ndarray) -> None:
+        partial, _ = render_tile(kernels, scene, settings, tile, ranges, _scratch())
+        film.add_tile(partial)
+
+    futures = [_pool(threads).submit(work, *part) for part in parts]
+    try:
+        for future in futures:
+            future.result()
+    except BaseException:
+        # Ctrl-C: what has not begun need not begin.
+        for future in futures:
+            future.cancel()
+        raise
+
+
+def film_for(scene: CompiledScene, seed: int, replicates: int) -> Film:
+    """An empty film of a scene's size."""
     return Film(*scene.size, crop=scene.crop, replicates=replicates, seed=seed)
 
 

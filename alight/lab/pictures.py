@@ -26,8 +26,9 @@ from alight.lab.references import (
     rendered_reference,
 )
 from alight.lab.results import SceneResult
+from alight.lab.steering import is_biased
 from alight.lab.store import Example, Replicate, Store
-from alight.lab.study import SceneSpec, Study, scene_name
+from alight.lab.study import SCHEDULE, SceneSpec, Study, scene_name
 
 #: Under ``--quick``: replicates, and most samples per pixel of the ladder.
 QUICK_REPLICATES, QUICK_SPP = 8, 16
@@ -251,6 +252,11 @@ def _reference(
     if spec.arm and spec.arm not in arms:
         raise study.fail(path, f'arm "{spec.arm}" does not run in this scene')
     fit = [name for name, arm in arms.items() if not arm.spec.declares_different]
+    steered = {name for name in fit if is_biased(arms[name].spec.options.get(SCHEDULE))}
+    if spec.arm in steered:
+        text = f'arm "{spec.arm}" decides by the samples that it keeps: it is no reference'
+        raise study.fail(path, text)
+    fit = [name for name in fit if name not in steered]
     if spec.arm and spec.arm not in fit:
         raise study.fail(path, f'arm "{spec.arm}" is declared different: it is no reference')
     key = f"reference {arms[baseline].key} {spec.arm} {spec.spp} {ladder}"

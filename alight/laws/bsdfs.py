@@ -105,8 +105,10 @@ def weight_is_value_over_density(material: Material, cosine: float) -> None:
     wi, weight, pdf, flags = material.sample(wo, random_numbers(N, 4))
     f_cos, density = material.evaluate(wo, wi)
     ok = _smooth(pdf, flags)
-    demand_close(pdf[ok], density[ok], "pdf of sample against evaluate", rtol=2e-6)
-    demand_close((weight * pdf)[:, ok], f_cos[:, ok], "weight * pdf against f cos", rtol=2e-6)
+    # Bent normals turn a direction there and back, which rounds it.
+    rtol = 1e-3 if material.is_bent() else 2e-6
+    demand_close(pdf[ok], density[ok], "pdf of sample against evaluate", rtol=rtol)
+    demand_close((weight * pdf)[:, ok], f_cos[:, ok], "weight * pdf against f cos", rtol=rtol)
     demand(~weight[:, pdf <= 0.0].any(), "a failed sample has a weight")
     # A direction that one part of a nested material fails with may be one of another part.
     alone = not isinstance(material.spec, Nested)
@@ -246,9 +248,12 @@ def asymmetry(material: Material) -> float:
 
 
 def reciprocity_is_as_declared(material: Material) -> None:
-    """f(wo, wi) = f(wi, wo) where that is declared, and only there."""
+    """f(wo, wi) = f(wi, wo) where that is declared, and only there; None declares neither."""
+    declared = material.is_reciprocal()
+    if declared is None:
+        return
     found = asymmetry(material)
-    if material.is_reciprocal():
+    if declared:
         # Rounding of the chord between two directions, through an exponent of 300.
         demand(found < 3e-5, f"both differ by {found:.2g} of their sum")
     else:

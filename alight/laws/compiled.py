@@ -81,8 +81,10 @@ def compiled_bsdf_is_the_twins(specs: Sequence[Bsdf]) -> None:
     demand(np.isfinite(compiled), "a number of the compiled kernel is not finite")
     same = compiled[14] == twin[14]
     demand(same.mean() >= 0.999, "the compiled kernel chooses other lobes")
-    # Of directions; near the horizon the cosine is the root of a small difference.
-    demand_close(compiled[:3, same], twin[:3, same], "directions", atol=3e-6)
+    # Of directions; near the horizon the cosine is the root of a small difference. Bent normals
+    # turn directions there and back, and lobes stretch the rounding.
+    atol = 2e-5 if any(Material(spec).is_bent() for spec in specs) else 3e-6
+    demand_close(compiled[:3, same], twin[:3, same], "directions", atol=atol)
     # The sharpest lobes take rounding errors of a direction to a high power.
     close = np.isclose(compiled[3:14, same], twin[3:14, same], rtol=1e-3, atol=1e-5)
     demand(close.mean() >= 0.999, "values, densities or weights differ")

@@ -88,11 +88,18 @@ class Material:
 
     def is_lossless(self) -> bool:
         """All parts of it say that all light leaves again."""
-        return all(_model(leaf.bsdf).is_lossless(leaf.bsdf) for leaf in leaves(self.spec))
+        # Bent normals take light away.
+        lossless = [_model(leaf.bsdf).is_lossless(leaf.bsdf) for leaf in leaves(self.spec)]
+        return all(lossless) and not self.is_bent()
 
-    def is_reciprocal(self) -> bool:
-        """All parts of it say that f(wo, wi) = f(wi, wo)."""
-        return all(_model(leaf.bsdf).is_reciprocal(leaf.bsdf) for leaf in leaves(self.spec))
+    def is_reciprocal(self) -> bool | None:
+        """All parts of it say that f(wo, wi) = f(wi, wo); None if one of them leaves it open."""
+        said = [_model(leaf.bsdf).is_reciprocal(leaf.bsdf) for leaf in leaves(self.spec)]
+        return None if self.is_bent() or None in said else all(said)
+
+    def is_bent(self) -> bool:
+        """Whether a part of it has a normal or bump map."""
+        return any(leaf.relief is not None for leaf in leaves(self.spec))
 
     def has_back(self) -> bool:
         """Something happens to light that meets the surface from below."""

@@ -1,6 +1,18 @@
 """Sources of light, one model per file. A new model is one file and one line here."""
 
-from alight.lights import area, constant, directional, environment, point, spot
+from alight.lights import (
+    area,
+    constant,
+    directional,
+    environment,
+    ies,
+    point,
+    projector,
+    sky,
+    spot,
+    sun,
+    sunsky,
+)
 
 MODELS = (
     point,
@@ -9,4 +21,9 @@ MODELS = (
     constant,
     spot,
     environment,
+    sky,
+    sun,
+    sunsky,
+    ies,
+    projector,
 )

@@ -5,7 +5,6 @@ Only programs with `TEXTURED` in their lights look at textures.
 
 from __future__ import annotations
 
-from alight.core.distributions import sample_discrete
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
 from alight.core.vec import gather_vec3
@@ -14,6 +13,7 @@ from alight.lights.tables import INFO, STRIDE, TEXTURED
 from alight.shapes.flat import local_coordinates
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import Hit
+from alight.shapes.mesh import choose_triangle
 from alight.shapes.surfaces import KINDS, make_surface
 from alight.textures.fetch import texture_value
 
@@ -93,7 +93,7 @@ def coordinates(program):
             mine = kind == mesh_kind
             # The same numbers choose the same triangle again.
             count = where(mine, gather(tables.info, row + 7), 1)
-            chosen, _, _ = sample_discrete(scene.lights.cdf, where(mine, start, 0), count, u)
+            chosen, _ = choose_triangle(scene.lights.cdf, where(mine, start, 0), count, u)
             b1, b2 = square_to_triangle(u2)
             x, y = where(mine, b1, x), where(mine, b2, y)
             prim = where(mine, chosen, prim)

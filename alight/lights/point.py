@@ -51,6 +51,11 @@ def power(luminance: float, area: float, radius: float) -> float:
     return 4.0 * PI * luminance
 
 
+def cone(spec: Point) -> tuple[float, float]:
+    """Half angle of the directions that it faces, and how far beyond them it is dark, radians."""
+    return PI, 0.0
+
+
 @kernel
 def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""

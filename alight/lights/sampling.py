@@ -14,6 +14,7 @@ from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.area import pdf as area_pdf
 from alight.lights.emission import emitted_color
 from alight.lights.tables import INFO, STRIDE, LightSample
+from alight.lights.tree import choose_by_tree, plain_probability
 from alight.shapes.hit import shadow_length, spawn_origin
 
 #: Models by name, and their numbers in `LightTables.info`.
@@ -120,7 +121,8 @@ def sample_light(program):
     scene : namedtuple
         With the fields `shapes` and `lights`.
     p, ns : Vec3
-        The lit point and its normal.
+        The lit point and its normal on the side that is lit (the zero vector where it has none);
+        only a light tree looks at the normal.
     u : float
         Uniform in [0, 1), chooses the light.
     u2 : tuple of 2 floats
@@ -141,6 +143,9 @@ def sample_light(program):
 
         return without_lights
 
+    if program.light_tree:
+        return _from_the_tree
+
     @kernel
     def with_lights(scene, p, ns, u, u2, active):
         index, pmf, rest = choose_light(scene, u)
@@ -160,6 +165,70 @@ def sample_light(program):
         )
 
     return with_lights
+
+
+@kernel
+def _from_the_tree(scene, p, ns, u, u2, active):
+    """`sample_light` of a program with a light tree."""
+    choice = choose_by_tree(scene, p, ns, u, u2, active)
+    s = sample_chosen(scene, choice.index, p, choice.rest, u2)
+    # The density for MIS, which does not know the normal; the estimate is divided by the true one.
+    pdf = s.pdf * choice.plain
+    valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0) & (choice.pmf > 0.0)
+    radiance = s.radiance * gather_vec3(scene.lights.data, choice.index * STRIDE)
+    factor = choice.plain / where(valid, choice.pmf, 1.0)
+    return LightSample(
+        s.wi,
+        s.distance,
+        where(valid, radiance * factor, lanes_vec3(0.0)),
+        where(valid, pdf, 0.0),
+        s.delta,
+        s.cosine,
+        s.error,
+    )
+
+
+@specialised
+def choose_light_at(program):
+    """``choose_light_at(scene, p, n, u, u2, active)``: the light that `sample_light` takes there.
+
+    Returns
+    -------
+    uint32
+        Row of the light.
+    """
+    if program.light_tree:
+
+        @kernel
+        def by_tree(scene, p, n, u, u2, active):
+            return choose_by_tree(scene, p, n, u, u2, active).index
+
+        return by_tree
+
+    @kernel
+    def by_table(scene, p, n, u, u2, active):
+        index, _, _ = choose_light(scene, u)
+        return index
+
+    return by_table
+
+
+@specialised
+def lit_normal(program):
+    """``lit_normal(ns, wo)``: the normal on the viewer's side, for `sample_light`; wo is local."""
+    if not program.light_tree:
+
+        @kernel
+        def any_side(ns, wo):
+            return ns
+
+        return any_side
+
+    @kernel
+    def of_the_viewer(ns, wo):
+        return where(wo.z < 0.0, -ns, ns)
+
+    return of_the_viewer
 
 
 @kernel
@@ -185,7 +254,7 @@ def shadow_ray(surface, sample):
 
 @specialised
 def light_pdf(program):
-    """Density of `sample_light` for a direction that has hit an area light.
+    """Density of `sample_light` for a direction that has hit an area light, for MIS.
 
     ``light_pdf(scene, light, p, wi, distance, surface)``: `light` is ``surface.light``, 0 where the
     surface does not shine (the density is 0 then); p, wi, distance: from where, unit direction,
@@ -199,6 +268,9 @@ def light_pdf(program):
 
         return without_area_lights
 
+    if program.light_tree:
+        return _pdf_in_the_tree
+
     @kernel
     def with_area_lights(scene, light, p, wi, distance, surface):
         shines = light > 0
@@ -208,6 +280,16 @@ def light_pdf(program):
         return where(shines, density * gather(scene.lights.data, index * STRIDE + 3), 0.0)
 
     return with_area_lights
+
+
+@kernel
+def _pdf_in_the_tree(scene, light, p, wi, distance, surface):
+    """`light_pdf` of a program with a light tree."""
+    shines = light > 0
+    index, prim = light_index(light), where(shines, surface.prim, 0)
+    cosine = -dot(wi, surface.ng)
+    density = area_pdf(scene, index, prim, p, wi, distance, cosine)
+    return where(shines, density * plain_probability(scene, index, prim, p, shines), 0.0)
 
 
 @specialised

@@ -103,6 +103,12 @@ def power(luminance: float, area: float, radius: float) -> float:
     return 4.0 * PI * luminance
 
 
+def cone(spec: Spot) -> tuple[float, float]:
+    """Half angle of the beam, and how far beyond it it is dark; see `alight.lights.point.cone`."""
+    cutoff, beam = angles(spec)
+    return beam, cutoff - beam
+
+
 @kernel
 def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-#: info, data: a row a light; cdf: the choice of the light, then one table a mesh light and that of
-#: the environment's map (see `alight.core.distributions`); map: the environment's, see
+#: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
+#: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that
+#: of the environment's map (see `alight.core.distributions`); map: the environment's, see
 #: `alight.lights.environment_map`.
 #: The environment, where there is one, is the last light.
 LightTables = namedtuple("LightTables", "info data cdf map")
 
 #: Words of `LightTables.info` a light: kind, shape, texture of the radiance + 1 (0: none), start of
-#: a mesh's or map's table in cdf.
+#: its table in cdf.
 INFO = 4
 
 #: Name in `Program.lights` beside the models: the radiance of an area light has a texture.

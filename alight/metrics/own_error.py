@@ -20,6 +20,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from alight.metrics.planes import (
+    box,
+    over_replicates,
+    planes_of,
+    same_everywhere,
+    squares,
+    weighted,
+)
 from alight.metrics.relmse import LITERATURE_EPSILON, Estimate
 from alight.metrics.statistics import f_quantile
 
@@ -110,7 +118,9 @@ class ErrorEstimate:
         return math.sqrt(self.figure.quantile(confidence))
 
 
-def estimate_relmse(means: np.ndarray, counts: np.ndarray) -> ErrorEstimate:
+def estimate_relmse(
+    means: np.ndarray, counts: np.ndarray, literature: bool = True
+) -> ErrorEstimate:
     """Estimate a picture's own relMSE from its replicates.
 
     Parameters
@@ -119,6 +129,8 @@ def estimate_relmse(means: np.ndarray, counts: np.ndarray) -> ErrorEstimate:
         Of the samples of each replicate.
     counts : ndarray of int, shape (h, w, R)
         Pixels with an empty replicate are left out.
+    literature : bool, default True
+        Whether the figure for epsilon = 0.01 is wanted too; unknown otherwise.
 
     Notes
     -----
@@ -128,27 +140,28 @@ def estimate_relmse(means: np.ndarray, counts: np.ndarray) -> ErrorEstimate:
     second order. With fewer than 4 replicates they have to be the same, and the estimate is less
     sure than it says. Light that no sample has found yet is in no estimate.
     """
-    replicates = counts.shape[2]
-    n = counts.sum(axis=2)
-    known = counts.min(axis=2) > 0 if replicates > 1 else np.zeros(n.shape, bool)
+    size, replicates = counts.shape[:2], counts.shape[2]
+    counts = same_everywhere(counts)
+    known = np.zeros(size, bool)
+    if replicates > 1:
+        known[...] = over_replicates(counts, np.minimum) > 0
     mean = _mean_of(means, counts)
     epsilons = (0.01 * mean * mean, LITERATURE_EPSILON)
+    unknown = Figure(math.nan, math.nan, replicates)
     if not known.any() or not epsilons[0] > 0.0:
-        unknown = Figure(math.nan, math.nan, replicates)
         return ErrorEstimate(unknown, unknown, epsilons[0], float(known.mean()))
-    if (counts == counts[:1, :1]).all():
-        counts = counts[:1, :1]
-    totals, halvings = np.zeros((2, 2, 3)), list(_halvings(replicates))
+    wanted, halvings = epsilons[: 1 + literature], list(_halvings(replicates))
+    totals = np.zeros((len(wanted), 2, 3))
     if known.size > _LARGE:
         del halvings[1:]
-    for y in range(0, len(n), _BAND):
+    for y in range(0, size[0], _BAND):
         low = max(y - 1, 0)
         rows = slice(low, y + _BAND + 1)
         inside = slice(y - low, y - low + _BAND)
         band = _Band(means[rows], counts[rows] if len(counts) > 1 else counts, known[rows], inside)
-        totals += _totals_of(band, epsilons, halvings)
+        totals += _totals_of(band, wanted, halvings)
     pixels = int(known.sum())
-    figures = [_figure(rows, pixels, replicates) for rows in totals]
+    figures = [*(_figure(rows, pixels, replicates) for rows in totals), unknown]
     return ErrorEstimate(figures[0], figures[1], epsilons[0], float(known.mean()))
 
 
@@ -156,29 +169,10 @@ def _mean_of(means: np.ndarray, counts: np.ndarray) -> float:
     """Mean of the picture, black where it is negative."""
     total = 0.0
     for y in range(0, len(means), _BAND):
-        m, k = means[y : y + _BAND], counts[y : y + _BAND].astype(np.float32)
-        k /= np.maximum(k.sum(axis=2, keepdims=True), np.float32(1.0))
-        picture = np.einsum("yxrc,yxr->yxc", m, np.broadcast_to(k, m.shape[:3]))
-        total += float(np.maximum(picture, 0.0).sum(dtype=np.float64))
+        rows = slice(y, y + _BAND)
+        picture = weighted(*planes_of(means[rows], counts[rows] if len(counts) > 1 else counts))
+        total += float(np.maximum(picture, 0.0, out=picture).sum(dtype=np.float64))
     return total / (means.shape[0] * means.shape[1] * means.shape[3])
-
-
-def _planes(means: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means (R, 3, h, w) and counts (R, 1, h, w), (R, 1, 1, 1) where all pixels have the same.
-
-    One plane after the other: sums over replicates then run along rows of pixels.
-    """
-    m = np.ascontiguousarray(means.transpose(2, 3, 0, 1), np.float32)
-    return m, np.ascontiguousarray(counts.transpose(2, 0, 1)[:, None], np.float32)
-
-
-def _weighted(m: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Mean over the replicates (axis 0), by their counts."""
-    w = k / np.maximum(k.sum(axis=0), np.float32(1.0))
-    result = m[0] * w[0]
-    for plane, weight in zip(m[1:], w[1:], strict=True):
-        result += plane * weight
-    return result
 
 
 def _figure(rows: np.ndarray, pixels: int, replicates: int) -> Figure:
@@ -214,7 +208,7 @@ class _Band:
     def __init__(
         self, means: np.ndarray, counts: np.ndarray, known: np.ndarray, inside: slice
     ) -> None:
-        self.m, self.k = _planes(means, counts)
+        self.m, self.k = planes_of(means, counts)
         self.n = np.maximum(self.k.sum(axis=0), np.float32(1.0))
         self.known = known[inside].astype(np.float32)
         self._inside = inside
@@ -237,7 +231,7 @@ class _Half(NamedTuple):
 
 
 def _totals_of(
-    band: _Band, epsilons: tuple[float, float], halvings: list[tuple[list[int], list[int]]]
+    band: _Band, epsilons: tuple[float, ...], halvings: list[tuple[list[int], list[int]]]
 ) -> np.ndarray:
     """Sums over the known pixels of some rows: for each epsilon and two brightnesses, `_figure`'s.
 
@@ -245,17 +239,17 @@ def _totals_of(
     it stands for. Where a pixel is noisy, that of the eight around is not tied to it, but wrong at
     edges. `_figure` takes the larger of the spreads by both.
     """
-    mean = _weighted(band.m, band.k)
+    mean = weighted(band.m, band.k)
     replicates = len(band.m)
-    squares = _squares(band.m, band.k, mean)
-    squares /= band.n * np.float32(replicates - 1)
-    around = _box(mean)
-    smoothing = _smoothing(mean, around, squares, np.float32(epsilons[0]))
+    variance = squares(band.m, band.k, mean)
+    variance /= band.n * np.float32(replicates - 1)
+    around = box(mean)
+    smoothing = _smoothing(mean, around, variance, np.float32(epsilons[0]))
     # For the spread, the steadiest brightness: one of halves would hide large products.
     steady = band.inside(mean + smoothing * (around - mean))
     early = _EARLY * smoothing / (1.0 + (_EARLY - 1.0) * smoothing)
     others = band.inside(mean + early * np.float32(9.0 / 8.0) * (around - mean))
-    totals = np.zeros((2, 2, 3))
+    totals = np.zeros((len(epsilons), 2, 3))
     for halving in halvings:
         halves = [_half(band, half, smoothing) for half in halving]
         for i, epsilon in enumerate(np.float32(epsilons)):
@@ -285,54 +279,60 @@ def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:
     yield inner, [r for r in everything if r not in inner]
 
 
-def _squares(m: np.ndarray, k: np.ndarray, mean: np.ndarray) -> np.ndarray:
-    """Sum of the squared deviations over the replicates, by their counts."""
-    result = np.zeros_like(mean)
-    for plane, count in zip(m, k, strict=True):
-        deviation = plane - mean
-        deviation *= deviation
-        deviation *= count
-        result += deviation
-    return result
-
-
 def _smoothing(
-    mean: np.ndarray, mean_around: np.ndarray, squares: np.ndarray, epsilon: np.float32
+    mean: np.ndarray, mean_around: np.ndarray, variance: np.ndarray, epsilon: np.float32
 ) -> np.ndarray:
     """Weight of the 3x3 pixels in a pixel's brightness: towards 1 where it is mostly noise."""
     tiny = np.float32(0.01) * epsilon
-    around = _box(squares) / (mean_around * mean_around + tiny)
+    around = box(variance)
+    around /= mean_around * mean_around + tiny
     around *= np.float32(2.0 / _STEADY_AROUND)
-    own = squares / (mean * mean + tiny)
+    own = variance / (mean * mean + tiny)
     own *= np.float32(2.0 / _STEADY_OWN)
-    ratio = around + own * own
-    return ratio / (1.0 + ratio)
+    own *= own
+    own += around
+    own /= 1.0 + own
+    return own
 
 
 def _half(band: _Band, half: list[int], smoothing: np.ndarray) -> _Half:
     """Look at some of the replicates."""
-    m, k = band.m[half], band.k[half]
-    own = _weighted(m, k)
+    some = slice(half[0], half[-1] + 1) if half[-1] - half[0] == len(half) - 1 else half
+    m, k = band.m[some], band.k[some]
+    own = weighted(m, k)
     total, freedom = np.maximum(k.sum(axis=0), np.float32(1.0)), np.float32(len(half) - 1)
-    spread = _squares(m, k, own)
+    if len(half) == 2:
+        # Both deviations are parts of one difference.
+        deviations, weights = m[:1] - m[1:], k[:1] * k[1:] / total
+    else:
+        deviations, weights = m - own, k
+    products = [
+        [_product(deviations[:, c], deviations[:, d], weights[:, 0]) for d in range(c + 1)]
+        for c in range(3)
+    ]
+    spread = np.stack([products[c][c] for c in range(3)])
     spread /= freedom * total
     rest = smoothing * np.float32(1.0 / 9.0)
     keep = 1.0 - smoothing
     # One pixel of the nine is the own one.
-    variance = spread * keep * keep + _box(spread) * (2.0 * keep * rest + 9.0 * rest * rest)
-    brightness = own + smoothing * (_box(own) - own)
-    deviations = band.inside(m) - band.inside(own)
-    weights = band.inside(k / (band.n * freedom))[:, 0]
-    covariance = [
-        [_product(deviations[:, c], deviations[:, d], weights) for d in range(c + 1)]
-        for c in range(3)
-    ]
+    variance = spread * keep
+    variance *= keep
+    rest *= 2.0 * keep + 9.0 * rest
+    rest *= box(spread)
+    variance += rest
+    brightness = box(own)
+    brightness -= own
+    brightness *= smoothing
+    brightness += own
+    scale = 1.0 / (band.inside(band.n)[0] * freedom)
+    covariance = [[band.inside(plane) * scale for plane in row] for row in products]
     return _Half(covariance, band.inside(brightness), band.inside(variance))
 
 
 def _product(a: np.ndarray, b: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Weighted sum of products over axis 0."""
-    result = a[0] * b[0] * weights[0]
+    result = a[0] * b[0]
+    result *= weights[0]
     for left, right, weight in zip(a[1:], b[1:], weights[1:], strict=True):
         result += left * right * weight
     return result
@@ -344,8 +344,14 @@ def _inverse_square(
     """1 / (b^2 + epsilon) of the brightness behind the noise: f'' / f = 8 b^2 f^2 - 2 f."""
     square = brightness * brightness
     f = 1.0 / (square + epsilon)
-    bias = variance * f * (np.float32(4.0) * square * f - 1.0)
-    return f / (1.0 + np.maximum(bias, np.float32(-0.5)))
+    square *= np.float32(4.0) * f
+    square -= 1.0
+    square *= variance
+    square *= f
+    np.maximum(square, np.float32(-0.5), out=square)
+    square += 1.0
+    f /= square
+    return f
 
 
 def _value_over_pixels(known: np.ndarray, halves: Sequence[_Half], epsilon: np.float32) -> float:
@@ -382,19 +388,3 @@ def _spread_over_pixels(
 def _by_cells(rows: np.ndarray, plane: np.ndarray) -> np.ndarray:
     """Add up 8x8 pixels (those of the picture's edge may be fewer)."""
     return np.add.reduceat(rows @ plane, range(0, plane.shape[1], _CELL), axis=1)
-
-
-def _box(planes: np.ndarray) -> np.ndarray:
-    """Average over 3x3 pixels of planes (..., h, w), the border repeated."""
-    rows = planes.copy()
-    rows[..., 1:, :] += planes[..., :-1, :]
-    rows[..., 0, :] += planes[..., 0, :]
-    rows[..., :-1, :] += planes[..., 1:, :]
-    rows[..., -1, :] += planes[..., -1, :]
-    result = rows.copy()
-    result[..., 1:] += rows[..., :-1]
-    result[..., 0] += rows[..., 0]
-    result[..., :-1] += rows[..., 1:]
-    result[..., -1] += rows[..., -1]
-    result *= np.float32(1.0 / 9.0)
-    return result

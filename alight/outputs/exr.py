@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from alight.outputs.display import Development
 from alight.outputs.picture import Picture
-from alight.outputs.tone_mapping import Display
 
 SUFFIXES = (".exr",)
 IS_DISPLAY = False
@@ -25,7 +25,7 @@ KEEPS_LAYERS = True
 _MAGIC = b"\x76\x2f\x31\x01"
 
 
-def write(path: Path, picture: Picture, display: Display) -> None:
+def write(path: Path, picture: Picture, display: Development) -> None:
     """Write all layers; `display` does not apply to linear formats."""
     import OpenEXR
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from alight.outputs.display import Development
 from alight.outputs.picture import Picture
-from alight.outputs.tone_mapping import Display
 
 SUFFIXES = (".hdr", ".pic")
 IS_DISPLAY = False
@@ -25,7 +25,7 @@ _RLE_WIDTHS = range(8, 32768)
 _MOST_HEADER = 2**16
 
 
-def write(path: Path, picture: Picture, display: Display) -> None:
+def write(path: Path, picture: Picture, display: Development) -> None:
     """Write the picture; negative values become 0. `display` does not apply."""
     h, w = picture.image.shape[:2]
     header = f"#?RADIANCE\nSOFTWARE=alight\nFORMAT=32-bit_rle_rgbe\n\n-Y {h} +X {w}\n"

@@ -12,8 +12,8 @@ import numpy as np
 from alight.core.errors import OutputError, unknown_name
 from alight.outputs import exr, hdr, jpeg, npy, pfm, png
 from alight.outputs.atomic import check_folder, replacing
+from alight.outputs.display import Display
 from alight.outputs.picture import as_picture
-from alight.outputs.tone_mapping import Display
 
 #: The formats. Each module has SUFFIXES, IS_DISPLAY (tone mapped, not linear),
 #: KEEPS_LAYERS, `write` and `read`.
@@ -53,9 +53,10 @@ def write_image(
     path: str | os.PathLike[str],
     source: Any,
     *,
-    exposure: float = 0.0,
+    exposure: float | str = 0.0,
     tone_map: str = "none",
     bits: int = 8,
+    white_balance: str = "none",
 ) -> Path:
     """Write a film or an array, whole or not at all.
 
@@ -65,8 +66,8 @@ def write_image(
         ``.exr`` (with layers and provenance), ``.png``, ``.jpg``, ``.npy``, ``.hdr`` or ``.pfm``.
     source : film, Picture, or array of shape (h, w) or (h, w, 3)
         Linear sRGB.
-    exposure, tone_map, bits
-        For display formats only: see `alight.outputs.tone_mapping.Display`.
+    exposure, tone_map, bits, white_balance
+        For display formats only: see `alight.outputs.display.Display`.
 
     Returns
     -------
@@ -78,13 +79,13 @@ def write_image(
     OutputError
         If it cannot be written; a file that was there before is then untouched.
     OptionError
-        For an unknown tone map, or an exposure or bits out of range.
+        For an unknown tone map or white balance, or an exposure or bits out of range.
     """
-    display = Display(exposure, tone_map, bits)
+    display = Display(exposure, tone_map, bits, white_balance)
     module = format_of(path)
     picture = as_picture(source, layers=module.KEEPS_LAYERS)
     with replacing(path) as beside:
-        module.write(beside, picture, display)
+        module.write(beside, picture, display.developed(picture.image))
     return Path(path)
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from alight.outputs.display import Development
 from alight.outputs.picture import Picture
 from alight.outputs.png import read_with_pillow
-from alight.outputs.tone_mapping import Display
 
 SUFFIXES = (".jpg", ".jpeg")
 IS_DISPLAY = True
@@ -18,7 +18,7 @@ KEEPS_LAYERS = False
 _QUALITY = 95
 
 
-def write(path: Path, picture: Picture, display: Display) -> None:
+def write(path: Path, picture: Picture, display: Development) -> None:
     """Write the tone-mapped picture."""
     from PIL import Image
 

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
+from alight.outputs.display import Development
 from alight.outputs.picture import Picture, as_picture
-from alight.outputs.tone_mapping import Display
 
 SUFFIXES = (".npy",)
 IS_DISPLAY = False
 KEEPS_LAYERS = False
 
 
-def write(path: Path, picture: Picture, display: Display) -> None:
+def write(path: Path, picture: Picture, display: Development) -> None:
     """Write the picture; `display` does not apply to linear formats."""
     # Through memory: NumPy's own writing to files reports a full disk without the reason.
     encoded = io.BytesIO()

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from alight.outputs.display import Development
 from alight.outputs.picture import Picture
-from alight.outputs.tone_mapping import Display
 
 SUFFIXES = (".pfm",)
 IS_DISPLAY = False
@@ -20,7 +20,7 @@ KEEPS_LAYERS = False
 _MOST_HEADER = 1000
 
 
-def write(path: Path, picture: Picture, display: Display) -> None:
+def write(path: Path, picture: Picture, display: Development) -> None:
     """Write the picture; `display` does not apply to linear formats."""
     h, w = picture.image.shape[:2]
     header = f"PF\n{w} {h}\n-1.0\n".encode("ascii")

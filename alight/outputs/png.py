@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from alight.core.srgb import decode_srgb
+from alight.outputs.display import Development
 from alight.outputs.picture import Picture
-from alight.outputs.tone_mapping import Display
 
 SUFFIXES = (".png",)
 IS_DISPLAY = True
@@ -26,7 +26,7 @@ _BAND = 64
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
-def write(path: Path, picture: Picture, display: Display) -> None:
+def write(path: Path, picture: Picture, display: Development) -> None:
     """Write the tone-mapped picture."""
     image, bits = picture.image, display.bits
     # Band by band: the steps of tone mapping would take several times the picture's own memory.

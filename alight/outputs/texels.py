@@ -60,34 +60,61 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
         raise ValueError(f"is broken ({error})") from None
 
 
-def _read_with_pillow(path: Path, check_size: SizeCheck) -> np.ndarray:
+def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray:
+    """Decode a PNG or JPEG picture in memory, as `read_texels` does those in files.
+
+    Raises
+    ------
+    OSError, ValueError
+        If it is of another kind, or broken.
+    """
+    if not bytes(data[:4]).startswith((b"\x89PNG", b"\xff\xd8\xff")):
+        raise ValueError("is no PNG or JPEG picture")
+    try:
+        return _read_with_pillow(data, check_size)
+    except (OSError, ValueError):
+        raise
+    except MemoryError:
+        raise ValueError("takes more memory than there is") from None
+    except Exception as error:
+        raise ValueError(f"is broken ({error})") from None
+
+
+def _read_with_pillow(source: Path | bytes | memoryview, check_size: SizeCheck) -> np.ndarray:
+    import io
     import warnings
 
     from PIL import Image
+
+    def opened(source: Path | bytes | memoryview) -> Any:
+        return source if isinstance(source, Path) else io.BytesIO(source)
 
     with warnings.catch_warnings():
         # Pillow's own limits are above ours, but it reports them before we see the size.
         warnings.simplefilter("ignore")
         try:
-            with Image.open(path, formats=("PNG", "JPEG")) as image:
+            with Image.open(opened(source), formats=("PNG", "JPEG")) as image:
                 check_size(*image.size)
-                return _pixels_of(image, path)
+                return _pixels_of(image, lambda: opened(source))
         except Image.DecompressionBombError:
             raise ValueError("has too many pixels") from None
 
 
-def _pixels_of(image: Any, path: Path) -> np.ndarray:
+def _pixels_of(image: Any, again: Callable[[], Any]) -> np.ndarray:
     if image.mode.startswith("I"):
         return np.asarray(image).astype(np.uint16)
     wide = [tile for tile in image.tile if str(tile[3]).endswith((";16B", "; 16B"))]
     if wide and image.mode in ("RGB", "RGBA"):
-        return _sixteen_bits(image, path)
-    if image.mode in ("1", "L", "LA"):
-        return np.asarray(image.convert("L") if image.mode == "1" else image.getchannel(0))
-    return np.asarray(image.convert("RGB"))
+        return _sixteen_bits(image, again)
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L") if image.mode == "1" else image)
+    if image.mode in ("LA", "RGBA"):
+        return np.asarray(image)
+    wanted = "RGBA" if "transparency" in image.info else "RGB"
+    return np.asarray(image if image.mode == wanted else image.convert(wanted))
 
 
-def _sixteen_bits(image: Any, path: Path) -> np.ndarray:
+def _sixteen_bits(image: Any, again: Callable[[], Any]) -> np.ndarray:
     """Both bytes of each number.
 
     Pillow keeps one byte of numbers of 16 bits in colour: the high one, or the low one if it is
@@ -95,10 +122,10 @@ def _sixteen_bits(image: Any, path: Path) -> np.ndarray:
     """
     from PIL import Image
 
-    halves = [np.asarray(image.convert("RGB"), np.uint16)]
-    with Image.open(path, formats=("PNG",)) as swapped:
+    halves = [np.asarray(image, np.uint16)]
+    with Image.open(again(), formats=("PNG",)) as swapped:
         swapped.tile = [t._replace(args=str(t[3]).replace("16B", "16L")) for t in swapped.tile]
-        halves.append(np.asarray(swapped.convert("RGB"), np.uint16))
+        halves.append(np.asarray(swapped, np.uint16))
     return halves[0] << 8 | halves[1]
 
 

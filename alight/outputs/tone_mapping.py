@@ -1,4 +1,4 @@
-"""From scene light to a display: exposure, a tone curve, and the sRGB transfer function.
+"""Tone curves: from scene light without bound to what a display can show.
 
 ===========  =====================================================================================
 ``none``     clip at 1
@@ -8,21 +8,17 @@
              mapping curve", knarkowicz.wordpress.com
 ``hable``    Hable's curve of "Uncharted 2", white at 11.2, per channel. Hable 2010, "Filmic
              tonemapping operators", filmicworlds.com
+``agx``      Sobotka's AgX: bright colours turn paler, as on film, instead of clipping to pure red
+             or yellow. Sobotka 2022, github.com/sobotka/AgX; the curve by the polynomial of
+             Wrensch 2023, "Minimal AgX implementation", iolite-engine.com
 ===========  =====================================================================================
-
-Only display formats (PNG, JPEG) are tone mapped; EXR, HDR, PFM and NPY keep the scene's own values.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-
-from alight.core.errors import OptionError, unknown_name
-from alight.core.srgb import encode_srgb
 
 #: Luminance of linear sRGB (Rec. 709 primaries, D65).
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -55,60 +51,36 @@ def hable(rgb: np.ndarray) -> np.ndarray:
     return curve(2.0 * rgb) / curve(np.array(11.2))
 
 
+#: AgX: mixes the channels so that none stays alone, and back (rows act on column vectors).
+_AGX_INSET = np.array(
+    [
+        [0.842479062253094, 0.0784335999999992, 0.0792237451477643],
+        [0.0423282422610123, 0.878468636469772, 0.0791661274605434],
+        [0.0423756549057051, 0.0784336, 0.879142973793104],
+    ]
+)
+_AGX_OUTSET = np.linalg.inv(_AGX_INSET)
+
+#: AgX: stops, log2 of the linear value, that become 0 and 1.
+_AGX_DARKEST, _AGX_BRIGHTEST = -12.47393, 4.026069
+
+#: AgX: the sigmoid over these stops, highest power first.
+_AGX_CURVE = np.array([15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232])
+
+
+def agx(rgb: np.ndarray) -> np.ndarray:
+    """Sobotka's AgX without a look; its curve ends in display values of gamma 2.2."""
+    stops = np.log2(np.maximum(rgb @ _AGX_INSET.T, 2.0**_AGX_DARKEST))
+    position = np.clip((stops - _AGX_DARKEST) / (_AGX_BRIGHTEST - _AGX_DARKEST), 0.0, 1.0)
+    display = np.polyval(_AGX_CURVE, position) @ _AGX_OUTSET.T
+    return np.maximum(display, 0.0) ** 2.2
+
+
 #: Tone curves by name: linear values >= 0 in, display-linear values out (cut to [0, 1] afterwards).
 TONE_MAPS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "none": clip,
     "reinhard": reinhard,
     "aces": aces,
     "hable": hable,
+    "agx": agx,
 }
-
-
-@dataclass(frozen=True)
-class Display:
-    """How linear values become display values.
-
-    Parameters
-    ----------
-    exposure : float, default 0
-        Stops: values are multiplied by 2^exposure before the tone curve. In [-100, 100].
-    tone_map : str, default "none"
-        A key of `TONE_MAPS`.
-    bits : int, default 8
-        8, or 16 in PNG.
-
-    Raises
-    ------
-    OptionError
-        For an unknown tone map, an exposure out of range or another number of bits.
-    """
-
-    exposure: float = 0.0
-    tone_map: str = "none"
-    bits: int = 8
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        if self.tone_map not in TONE_MAPS:
-            raise OptionError(unknown_name("tone map", self.tone_map, TONE_MAPS))
-        if not (math.isfinite(self.exposure) and abs(self.exposure) <= 100.0):
-            raise OptionError(f"exposure must lie in [-100, 100] stops, got {self.exposure:g}")
-        if self.bits not in (8, 16):
-            raise OptionError(f"bits per channel must be 8 or 16, got {self.bits}")
-
-    def apply(self, linear: np.ndarray) -> np.ndarray:
-        """Encode as sRGB in [0, 1].
-
-        Parameters
-        ----------
-        linear : ndarray, shape (h, w, 3)
-            Negative values and NaN become black, infinity white.
-
-        Returns
-        -------
-        ndarray of float64, shape (h, w, 3)
-        """
-        # The bound keeps the squares inside the curves finite; every curve is flat long before.
-        bounded = np.nan_to_num(linear.astype(np.float64), nan=0.0, posinf=1e30, neginf=0.0)
-        rgb = np.clip(bounded * 2.0**self.exposure, 0.0, 1e30)
-        return encode_srgb(np.clip(TONE_MAPS[self.tone_map](rgb), 0.0, 1.0))

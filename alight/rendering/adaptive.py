@@ -17,6 +17,7 @@ import numpy as np
 
 from alight.films import CELL_SIZE, Film
 from alight.films.sample_ranges import cells_of
+from alight.metrics.planes import box, planes_of, same_everywhere, squares, weighted
 
 #: Samples per pixel of the pilot; fixed, so that a render can be extended to any number.
 PILOT_SPP = 8
@@ -45,22 +46,6 @@ def over_cells(film: Film, plane: np.ndarray, operation: np.ufunc) -> np.ndarray
     return operation.reduceat(rows, _edges(x, w), axis=1)
 
 
-def box(plane: np.ndarray) -> np.ndarray:
-    """Average over 3x3 places of a plane (h, w), the border repeated."""
-    h, w = plane.shape
-    padded = np.pad(plane, 1, mode="edge")
-    rows = padded[:h] + padded[1 : h + 1] + padded[2:]
-    return (rows[:, :w] + rows[:, 1 : w + 1] + rows[:, 2:]) / 9.0
-
-
-def _mean_and_squares(means: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean of each pixel over the replicates, and its squared deviations by their counts."""
-    weights = counts[..., None]
-    n = np.maximum(weights.sum(axis=2), 1)
-    mean = (means * weights).sum(axis=2, dtype=np.float64) / n
-    return mean, (weights * (means - mean[:, :, None]) ** 2).sum(axis=2)
-
-
 def _correlation(a: np.ndarray, b: np.ndarray, weights: np.ndarray) -> float:
     """Of two planes, 0 where it is negative or nothing varies."""
     weights = weights / weights.sum()
@@ -78,24 +63,23 @@ def shares_of(pilot: Film) -> np.ndarray:
         Of the full film; their mean over the pixels of the window is 1, and 0 outside of it.
     """
     means, counts = pilot.replicate_means()
-    mean, squares = _mean_and_squares(means, counts)
-    brightness = np.stack([box(mean[..., c]) for c in range(3)], axis=-1)
-    epsilon = (0.1 * float(mean.mean())) ** 2
-    scale = np.maximum(brightness**2 + epsilon, 1e-300)
-    pixels = over_cells(pilot, np.ones(scale.shape[:2]), np.add)
+    m, k = planes_of(means, same_everywhere(counts))
+    mean = weighted(m, k)
+    epsilon = np.float32((0.1 * float(mean.mean(dtype=np.float64))) ** 2)
+    scale = np.maximum(box(mean) ** 2 + epsilon, np.float32(1e-30))
+    pixels = over_cells(pilot, np.ones(mean.shape[1:]), np.add)
 
-    def deviation(squares: np.ndarray) -> np.ndarray:
-        variance = over_cells(pilot, (squares / scale).mean(axis=2), np.add) / pixels
+    def deviation(part: slice) -> np.ndarray:
+        own = weighted(m[part], k[part])
+        relative = (squares(m[part], k[part], own) / scale).sum(axis=0)
+        variance = over_cells(pilot, relative, np.add) / pixels
         return np.sqrt((1.0 - _AROUND) * variance + _AROUND * box(variance))
 
-    shares = deviation(squares)
+    shares = deviation(slice(None))
     if pilot.replicates >= 4:
         # Cells differ by chance, too. Two halves of the pilot tell how much of it is chance: with
         # a correlation r of halves that of the whole is 2 r / (1 + r) (Spearman and Brown 1910).
-        first, second = (
-            deviation(_mean_and_squares(means[:, :, part], counts[:, :, part])[1])
-            for part in (slice(0, None, 2), slice(1, None, 2))
-        )
+        first, second = deviation(slice(0, None, 2)), deviation(slice(1, None, 2))
         agreement = _correlation(first, second, pixels)
         average = float((shares * pixels).sum() / pixels.sum())
         shares = average + 2.0 * agreement / (1.0 + agreement) * (shares - average)

@@ -32,7 +32,8 @@ from alight.core.errors import OptionError
 from alight.films import CELL_SIZE, Film
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import cells_of
-from alight.rendering.adaptive import box, over_cells
+from alight.metrics.planes import box
+from alight.rendering.adaptive import over_cells
 from alight.rendering.schedule import Goal, Schedule, Verdict
 
 #: Noise threshold by default, samples between two decisions, and the most samples by default.

@@ -174,8 +174,8 @@ def run(
         _passes(job, pace, cancel or threading.Event(), report)
         job.stop_clock()
         clock.lap("render")
-        if not (cancel and cancel.is_set()):
-            job.record_biases()
+        # Of a cancelled render, too: the ledger's pilot takes less time than writing the picture.
+        job.record_biases()
         clock.lap("biases")
     finally:
         job.stop_clock()

@@ -3,7 +3,8 @@
 The pilot's relMSE is measured at three numbers of samples, each twice the last. Its slope in
 logarithms (-1 for independent samples, steeper for better ones) is carried on to the error that is
 asked for; the interval holds the doubt about the slope, the distance between two looks of the stop
-rule, and that of the time per sample.
+rule, and that of the time per sample. The time is that of a start, of the samples, and of the looks
+of the rule, which in small pictures is most of it.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ PILOT = (16, 32, 64)
 _FLATTEST, _STEEPEST = 0.9, 2.0
 
 #: Doubt about the slope beside its noise (it flattens out where edges are left), and relative
-#: half-widths: of the time per sample, and of the stop rule's own noise.
+#: half-widths: of the time, beside what the pilot's passes differ by; of the stop rule's own noise.
 _SLOPE_DOUBT, _TIME_DOUBT, _RULE_DOUBT = 0.08, 0.25, 0.06
 
 
@@ -41,31 +42,34 @@ class Pilot(Schedule):
     Attributes
     ----------
     seen : list of (spp, relRMSE that is not exceeded at 84 % minus estimate in logarithms, relMSE)
-    seconds : list of float
-        The processor's clock at the begin and at each look.
+    passes, looks : list of float
+        Processor seconds of the samples between two looks, and of the looks.
     """
 
     promise: Promise
     seen: list[tuple[int, float, float]] = field(default_factory=list)
-    seconds: list[float] = field(default_factory=list)
+    passes: list[float] = field(default_factory=list)
+    looks: list[float] = field(default_factory=list)
     need: float = math.inf
+    begin: float | None = None
     name: ClassVar[str] = "pilot"
 
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
         """The next number of samples, until all have been looked at."""
-        self.seconds.append(time.process_time())
-        film = rounds[0]
-        if len(self.seconds) > 1:
-            figure = film.relmse_estimate().figure
+        now, film = time.process_time(), rounds[0]
+        if self.begin is not None:
+            self.passes.append(now - self.begin)
+            self.need = judge(film, self.promise, 8).factor
+            self.looks.append(time.process_time() - now)
+            figure = film.relmse_estimate(literature=False).figure
             spread = math.log(math.sqrt(figure.quantile(0.841) / figure.value)) if (
                 figure.value > 0.0
             ) else 0.0  # fmt: skip
             self.seen.append((round(film.spp), 2.0 * spread, figure.value))
-            self.seconds[-1] = time.process_time()
         if len(self.seen) == len(PILOT):
-            self.need = judge(film, self.promise, 8).factor
             return Verdict("done")
         spp = film.replicates * math.ceil(PILOT[len(self.seen)] / film.replicates)
+        self.begin = time.process_time()
         return Goal.uniform(film, 0, spp)
 
     def state(self) -> dict[str, Any]:
@@ -126,10 +130,9 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
 def plan_of(pilot: Pilot, replicates: int) -> Plan:
     """Work out the cost from what a pilot has seen."""
     spp, _, relmse = pilot.seen[-1]
-    rate = (pilot.seconds[-1] - pilot.seconds[0]) / spp
     if relmse == 0.0:
         first = float(first_look(replicates))
-        seconds = Estimate(*(first * rate * f for f in (1.0, 1.0 - _TIME_DOUBT, 2.0)))
+        seconds = _seconds(pilot, Estimate(first, first, first), replicates)
         return Plan(Estimate(first, first, first), seconds, Estimate(0.0, 0.0, 0.0), 0.0, spp)
     slope = _slope(pilot.seen)
     # Times the pilot's samples that independent samples would need.
@@ -142,11 +145,30 @@ def plan_of(pilot: Pilot, replicates: int) -> Plan:
     low = _look_after(min(needs) * (1.0 - _RULE_DOUBT), replicates)
     high = next_look(_look_after(max(needs) * (1.0 + _RULE_DOUBT), replicates) - 1, replicates)
     estimate = Estimate(min(max(middle, low), high), float(low), float(high))
-    seconds = Estimate(
-        estimate.value * rate, low * rate * (1.0 - _TIME_DOUBT), high * rate * (1.0 + _TIME_DOUBT)
-    )
+    seconds = _seconds(pilot, estimate, replicates)
     shown = Estimate(-slope.value, -slope.high, -slope.low)
     return Plan(estimate, seconds, shown, math.sqrt(relmse), spp)
+
+
+def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
+    """Processor time of so many samples per pixel and of the looks on the way there."""
+    at = [0, *(seen[0] for seen in pilot.seen)]
+    rates = [t / (b - a) for t, a, b in zip(pilot.passes, at, at[1:], strict=False)]
+    # The first pass touches all memory for the first time; threads begin, clock rates rise.
+    rate = sum(pilot.passes[1:]) / (at[-1] - at[1])
+    start = max(pilot.passes[0] - rate * at[1], 0.0)
+    look = sorted(pilot.looks)[len(pilot.looks) // 2]
+
+    def until(samples: float) -> float:
+        count, spp = 1, first_look(replicates)
+        while spp < samples and count < 200:
+            count, spp = count + 1, next_look(spp, replicates)
+        return start + rate * samples + look * count
+
+    # Passes of one pilot differ by what else the machine does.
+    spread = math.log(max(rates[1:]) / min(rates[1:]))
+    doubt = math.exp(math.hypot(_TIME_DOUBT, spread))
+    return Estimate(until(spp.value), until(spp.low) / doubt, until(spp.high) * doubt)
 
 
 def _gap(pilot: Pilot) -> float:

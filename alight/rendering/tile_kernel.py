@@ -19,27 +19,22 @@ from alight.core.simd import (
     as_uint,
     is_finite,
     lane_index,
-    lanes,
-    lanes_mask,
     lanes_u32,
     lanes_vec3,
     load_lanes,
     local_floats,
     local_uints,
     mask_bits,
-    packing,
-    permuted,
     store_lanes,
     to_float,
     trailing_zeros,
     where,
 )
-from alight.core.vec import Vec3
 from alight.films.fixed_point import split
 from alight.filters.importance import sample_filter
-from alight.integrators.walk import FILTER, LENS, Path, count_lanes, empty_paths, step
+from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, take
+from alight.integrators.walk import FILTER, LENS, count_lanes, empty_paths, start_paths, step
 from alight.samplers.sampling import get_2d, sampler_state
-from alight.samplers.state import SamplerState
 
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
@@ -48,12 +43,8 @@ Tile = namedtuple("Tile", "x0 y0 x1 y1")
 #: of the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
-#: Paths that wait for their next step: rows of floats (o, d, p, L, beta, pdf, L_direct) and of u32
-#: (x, y, index, scramble and the keys a, b of the sampler, depth and whether it was a delta lobe).
-#: A row has room for two packets, so that one can be read or written from any place in the first.
-Queue = namedtuple("Queue", "floats uints")
-ROOM = 32
-FLOATS, UINTS, TAKEN = 19 * ROOM, 7 * ROOM, 4 * ROOM
+#: Rows of `start`: x, y, index and scramble of each lane's sample.
+TAKEN = 4 * ROOM
 
 CELL = 8
 INVALID, SATURATED, RAYS = 0, 1, 2
@@ -106,7 +97,7 @@ def next_pixel(settings, tile, ranges, cursor):
 
 
 @kernel
-def start(scene, settings, tile, ranges, cursor, rays):
+def start(scene, settings, tile, ranges, cursor):
     """The next packet of samples as paths that wait for their first step; returns the cursor too.
 
     All lanes start together, on one pixel or its neighbours, so that their first steps look at
@@ -139,98 +130,8 @@ def start(scene, settings, tile, ranges, cursor, rays):
     o, d = generate_ray(
         scene, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS)
     )
-    black = lanes_vec3(0.0)
-    return cursor, Path(
-        o, d, o, black, black, lanes_vec3(1.0) * weight, lanes(0.0), lanes_mask(True),
-        lanes_u32(0), sampler, lane_index() < count, rays,
-    )  # fmt: skip
-
-
-@kernel
-def put_row(rows, k, at, order, x):
-    """Write the lanes of x, in that order, to row k from number `at` on."""
-    store_lanes(rows, k * ROOM + at, permuted(x, order))
-
-
-@kernel
-def put_vector(rows, k, at, order, v):
-    """Write three rows, from row k on."""
-    put_row(rows, k, at, order, v.x)
-    put_row(rows, k + 1, at, order, v.y)
-    put_row(rows, k + 2, at, order, v.z)
-
-
-@kernel
-def vector_at(rows, k, at):
-    """Read three rows, from row k on."""
-    return Vec3(
-        load_lanes(rows, k * ROOM + at),
-        load_lanes(rows, (k + 1) * ROOM + at),
-        load_lanes(rows, (k + 2) * ROOM + at),
-    )
-
-
-@specialised
-def put(program):
-    """``put(queue, at, path)``: append the active paths from number `at` on; the new length.
-
-    The others stand behind them, where nothing is read but by lanes that are not active.
-    """
-    split_direct = "direct" in program.aovs
-
-    @kernel
-    def put(queue, at, path):
-        floats, uints, order = queue.floats, queue.uints, packing(path.active)
-        put_vector(floats, 0, at, order, path.o)
-        put_vector(floats, 3, at, order, path.d)
-        put_vector(floats, 6, at, order, path.p)
-        put_vector(floats, 9, at, order, path.L)
-        put_vector(floats, 12, at, order, path.beta)
-        put_row(floats, 15, at, order, path.pdf)
-        if split_direct:
-            put_vector(floats, 16, at, order, path.L_direct)
-        sampler = path.sampler
-        put_row(uints, 0, at, order, sampler.x)
-        put_row(uints, 1, at, order, sampler.y)
-        put_row(uints, 2, at, order, sampler.index)
-        put_row(uints, 3, at, order, sampler.scramble)
-        put_row(uints, 4, at, order, sampler.a)
-        put_row(uints, 5, at, order, sampler.b)
-        put_row(uints, 6, at, order, (path.depth << 1) | where(path.delta, lanes_u32(1), 0))
-        return at + count_lanes(path.active)
-
-    return put
-
-
-@specialised
-def take(program):
-    """``take(settings, queue, at, count, rays)``: the paths from number `at` on."""
-    split_direct = "direct" in program.aovs
-
-    @kernel
-    def take(settings, queue, at, count, rays):
-        floats, uints = queue.floats, queue.uints
-        direct = lanes_vec3(0.0)
-        if split_direct:
-            direct = vector_at(floats, 16, at)
-        sampler = SamplerState(
-            load_lanes(uints, at),
-            load_lanes(uints, ROOM + at),
-            load_lanes(uints, 2 * ROOM + at),
-            load_lanes(uints, 3 * ROOM + at),
-            lanes_u32(settings.seed),
-            load_lanes(uints, 4 * ROOM + at),
-            load_lanes(uints, 5 * ROOM + at),
-        )
-        depth = load_lanes(uints, 6 * ROOM + at)
-        return Path(
-            vector_at(floats, 0, at), vector_at(floats, 3, at), vector_at(floats, 6, at),
-            vector_at(floats, 9, at), direct, vector_at(floats, 12, at),
-            load_lanes(floats, 15 * ROOM + at), (depth & 1) != 0, depth >> 1, sampler,
-            lane_index() < count, rays,
-        )  # fmt: skip
-
-    return take
+    new = lane_index() < count
+    return cursor, start_paths(new, o, d, weight, sampler, empty_paths())
 
 
 @specialised
@@ -290,17 +191,18 @@ def render_tile_kernel(scene, settings, tile, ranges, film):
     queue = Queue(local_floats(FLOATS), local_uints(UINTS))
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     _, cells = count_cells(tile)
-    waiting = 0
+    waiting, rays = 0, 0
     while True:
         if mask_bits(~path.active) != 0:
+            rays += path.rays
             waiting = put(queue, waiting, path)
             if waiting >= LANES:
                 waiting -= LANES
-                path = take(settings, queue, waiting, LANES, path.rays)
+                path = take(settings, queue, waiting, LANES)
             elif cursor.cell < cells:
-                cursor, path = start(scene, settings, tile, ranges, cursor, path.rays)
+                cursor, path = start(scene, settings, tile, ranges, cursor)
             elif waiting > 0:
-                path = take(settings, queue, 0, waiting, path.rays)
+                path = take(settings, queue, 0, waiting)
                 waiting = 0
             else:
                 break
@@ -309,4 +211,4 @@ def render_tile_kernel(scene, settings, tile, ranges, film):
         finished = before & ~path.active
         if any_lane(finished):
             add_finished(settings, tile, film, path, finished)
-    film.tally[RAYS] += path.rays
+    film.tally[RAYS] += rays

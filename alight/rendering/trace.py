@@ -22,6 +22,7 @@ from alight.compiled.scene import compile_scene
 from alight.compiled.shapes import compile_shapes
 from alight.core.errors import OptionError
 from alight.films.fixed_point import carry, to_float
+from alight.integrators.volume_walk import come_through
 from alight.integrators.walk import make_settings, step
 from alight.lights.sampling import (
     emitted,
@@ -30,6 +31,7 @@ from alight.lights.sampling import (
     light_pdf,
     sample_light,
 )
+from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.rendering.observation import Event, Observer
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile, add_finished
@@ -43,16 +45,20 @@ MOST_TRIANGLES = 30_000_000
 
 WATCHED = {
     "add_finished": add_finished,
+    "come_through": come_through,
     "emitted": emitted,
     "environment_pdf": environment_pdf,
     "environment_radiance": environment_radiance,
     "evaluate_bsdf": evaluate_bsdf,
+    "evaluate_phase": evaluate_phase,
+    "fly": fly,
     "intersect_closest": intersect_closest,
     "is_occluded": is_occluded,
     "light_pdf": light_pdf,
     "make_surface": make_surface,
     "sample_bsdf": sample_bsdf,
     "sample_light": sample_light,
+    "sample_phase": sample_phase,
     "step": step,
 }
 
@@ -100,7 +106,10 @@ class LightSample:
 
 @dataclass(frozen=True)
 class Scattering:
-    """How the path goes on: local direction, weight f cos / pdf, density, and the lobe's name."""
+    """How the path goes on: local direction, weight f cos / pdf, density, and the lobe's name.
+
+    In a medium the direction is that in the world, and the lobe "phase".
+    """
 
     wi: Triple
     weight: Triple
@@ -127,9 +136,9 @@ class Vertex:
     t : float
         Length of the ray, metres; infinite if it left the scene. The following are None then.
     position, normal : triple or None
-        In the world, metres; the shading normal.
+        In the world, metres; the shading normal. A collision in a medium has no normal.
     shape, bsdf : str or None
-        Path of the node in the scene graph, and type of the material.
+        Path of the node in the scene graph, and type of the material; None in a medium.
     primitive : int or None
     emission, light, scattering
         What happened there; None for what did not.
@@ -290,8 +299,13 @@ def _vertex(event: Event, names: _Names) -> Vertex:
     before, after = _path_of(event), event.result
     hit = _first(event, "intersect_closest")
     t = math.inf if hit is None else hit.result.t
-    surface = _first(event, "make_surface") if math.isfinite(t) else None
+    collision = _collision(event)
+    t = t if collision is None else collision
+    surface = _first(event, "make_surface") if math.isfinite(t) and collision is None else None
     here = None if surface is None else surface.result
+    position = None if here is None else here.p
+    if collision is not None:
+        position = tuple(o + t * d for o, d in zip(before.o, before.d, strict=True))
     gathered = np.array(after.L, np.float64) - np.array(before.L, np.float64)
     return Vertex(
         depth=after.depth,
@@ -301,16 +315,24 @@ def _vertex(event: Event, names: _Names) -> Vertex:
         pdf=before.pdf,
         delta=before.delta,
         t=t,
-        position=None if here is None else here.p,
+        position=position,
         normal=None if here is None else here.ns,
         shape=None if here is None else names.shapes[here.shape],
         bsdf=None if here is None else names.bsdfs[here.bsdf],
         primitive=None if here is None else here.prim,
-        emission=_emission(event),
+        emission=_emission(event) if collision is None else None,
         light=_light(event),
-        scattering=_scattering(event) if here is not None else None,
+        scattering=_scattering(event) if position is not None else None,
         contribution=tuple(gathered.tolist()),
     )
+
+
+def _collision(event: Event) -> float | None:
+    """How far the path came before a medium scattered it; None if it did not."""
+    flight = _first(event, "fly")
+    if flight is None or not flight.arguments["active"] or not flight.result.scattered:
+        return None
+    return flight.result.t
 
 
 def _emission(event: Event) -> Emission | None:
@@ -336,24 +358,37 @@ def _light(event: Event) -> LightSample | None:
     names = [e.name for e in later]
     end = names.index("sample_bsdf") if "sample_bsdf" in names else len(names)
     by_name = {e.name: e for e in reversed(later[:end])}
-    bsdf, shadow, weight = (
-        by_name.get(name) for name in ("evaluate_bsdf", "is_occluded", "light_weight")
-    )
-    traced = shadow is not None and shadow.arguments["active"]
+    bsdf, phase, shadow, crossing, weight = (
+        by_name.get(name)
+        for name in (
+            "evaluate_bsdf", "evaluate_phase", "is_occluded", "come_through", "light_weight"
+        )
+    )  # fmt: skip
+    visible = None
+    if shadow is not None and shadow.arguments["active"]:
+        visible = not shadow.result
+    elif crossing is not None and crossing.arguments["lit"]:
+        visible = max(crossing.result[0].passed) > 0.0
+    f_cos, density = (None, None) if bsdf is None else bsdf.result
+    if phase is not None and phase.arguments["active"]:
+        f_cos, density = (phase.result,) * 3, phase.result
     return LightSample(
         wi=light.wi,
         distance=light.distance,
         radiance=light.radiance,
         pdf=light.pdf,
         delta=light.delta,
-        f_cos=None if bsdf is None else bsdf.result[0],
-        bsdf_pdf=None if bsdf is None else bsdf.result[1],
-        visible=not shadow.result if traced and shadow else None,
+        f_cos=f_cos,
+        bsdf_pdf=density,
+        visible=visible,
         weight=None if weight is None else weight.result,
     )
 
 
 def _scattering(event: Event) -> Scattering | None:
+    phase = _first(event, "sample_phase")
+    if phase is not None and phase.arguments["active"]:
+        return Scattering(phase.result[0], (1.0, 1.0, 1.0), phase.result[1], "phase")
     found = _first(event, "sample_bsdf")
     if found is None:
         return None

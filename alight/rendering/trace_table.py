@@ -57,7 +57,7 @@ def _row(vertex: Vertex) -> tuple[str, ...]:
     return (
         str(vertex.depth),
         "" if vertex.position is None else _triple(vertex.position, 3),
-        vertex.shape or "(left the scene)",
+        vertex.shape or ("(left the scene)" if vertex.position is None else "(in a medium)"),
         vertex.bsdf or "",
         _triple(vertex.beta, 2),
         "d" if vertex.delta else _short(vertex.pdf),

@@ -24,6 +24,7 @@ from alight.core.spec import (
     Integrator,
     Interval,
     Light,
+    Medium,
     Model,
     NestedBsdf,
     Numbers,
@@ -147,6 +148,12 @@ class FilmSettings(Spec):
         return "film"
 
 
+NestedMedium = Annotated[Medium | str, Model("medium", "media", named=True)]
+
+#: Name of the medium that is none.
+VACUUM = "vacuum"
+
+
 class Node(Spec):
     """A place in the scene graph, with what stands there.
 
@@ -162,6 +169,9 @@ class Node(Spec):
         Area light: the shape shines. Others stand at the node's origin.
     camera : Camera, optional
         Viewpoint, looking along -z.
+    interior, exterior : Medium or str, optional
+        Media on the inner and outer side of the shape, described or named, or "vacuum". A shape
+        with either is a border; then the other one is vacuum inside, the scene's medium outside.
     instance : str, optional
         Name of a prototype to put here.
     children : dict of str to Node, optional
@@ -175,6 +185,8 @@ class Node(Spec):
     bsdf: NestedBsdf | None = None
     light: Annotated[Light, Model("light", "lights")] | None = None
     camera: Annotated[Camera, Model("camera", "cameras")] | None = None
+    interior: NestedMedium | None = None
+    exterior: NestedMedium | None = None
     instance: str | None = None
     children: Annotated[dict[str, Node], Named("node")] = {}
 
@@ -202,11 +214,14 @@ class Remarks:
         What was replaced or is suspicious.
     spp : int, optional
         Samples per pixel that the file asks for.
+    read : tuple of (str, int)
+        Kinds of things that were read, and how many.
     """
 
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     spp: int | None = None
+    read: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -310,12 +325,15 @@ class Scene(Spec):
         The picture's size and filter.
     sampler : Sampler, default Sobol()
         Source of random numbers.
-    integrator : Integrator, default path
-        Algorithm.
+    integrator : Integrator, optional
+        Algorithm: by default volpath where the scene has media, path where not.
     environment : Light, optional
         Light from infinity.
-    textures, bsdfs, prototypes, nodes : dict, optional
-        Named textures, materials, node trees for instances, and the roots of the scene graph.
+    medium : Medium or str, optional
+        What fills the space around all shapes, the camera included; empty by default.
+    textures, bsdfs, media, prototypes, nodes : dict, optional
+        Named textures, materials, media, node trees for instances, and the roots of the scene
+        graph.
     """
 
     camera: Annotated[Node | str, CameraField()] | None = None
@@ -325,11 +343,33 @@ class Scene(Spec):
         default_factory=_default_integrator
     )
     environment: Annotated[Light, Model("light", "lights")] | None = None
+    medium: NestedMedium | None = None
     textures: Annotated[dict[str, Texture], Named("texture", "textures")] = {}
+    media: Annotated[dict[str, Medium], Named("medium", "media")] = {}
     bsdfs: Annotated[dict[str, Bsdf], Named("bsdf", "bsdfs")] = {}
     prototypes: Annotated[dict[str, Node], Named("node")] = {}
     nodes: Annotated[dict[str, Node], Named("node")] = {}
     _source: Source = PrivateAttr(default_factory=Source)
+
+    @model_validator(mode="after")
+    def _default_sees_media(self) -> Self:
+        if "integrator" not in self.model_fields_set and next(self.used_media(), None):
+            # The description is new and frozen only for others.
+            object.__setattr__(self, "integrator", specs("integrators")["volpath"]())
+        return self
+
+    def used_media(self) -> Iterator[tuple[str, Medium | str]]:
+        """Visit what shapes, the camera and the scene name as their media: key path and medium."""
+        found = [("medium", self.medium)]
+        camera = self.camera.camera if isinstance(self.camera, Node) else None
+        found.append(("camera.medium", camera and camera.medium))
+        roots = [(f"prototypes.{name}", node) for name, node in self.prototypes.items()]
+        roots += [(f"nodes.{name}", node) for name, node in self.nodes.items()]
+        for keys, root in roots:
+            for _, path, node in root.walk("", keys):
+                found.append((f"{path}.camera.medium", node.camera and node.camera.medium))
+                found += [(f"{path}.interior", node.interior), (f"{path}.exterior", node.exterior)]
+        yield from ((path, medium) for path, medium in found if medium not in (None, VACUUM))
 
     @property
     def source(self) -> Source:

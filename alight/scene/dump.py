@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.spec import Spec
+from alight.media.volumes import Volume, holds_volume
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.description import Node, Scene
 from alight.scene.steps import dump_transform
@@ -62,14 +63,15 @@ class _Writer:
 
     def value(self, value: Any, path: str) -> Any:
         if isinstance(value, Spec):
-            if self.write_file is not None and (isinstance(value, Mesh) or holds_image(value)):
+            holds_file = isinstance(value, Mesh) or holds_image(value) or holds_volume(value)
+            if self.write_file is not None and holds_file:
                 value = self.write_file(value, path)
             return self.spec(value, path)
         if isinstance(value, Transform):
             return dump_transform(value)
         if isinstance(value, dict):
             return {name: self.value(item, f"{path}.{name}") for name, item in value.items()}
-        if isinstance(value, Image | UvTransform):
+        if isinstance(value, Image | UvTransform | Volume):
             return value if self.full else value.plain()
         if isinstance(value, np.ndarray):
             return value if self.full else dump_array(value)

@@ -13,11 +13,14 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.media.volumes import holds_volume
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
-from alight.scene.description import Recipe, Remarks, Scene, Source
+from alight.scene.description import Recipe, Scene, Source
 from alight.scene.dump import dump_scene
-from alight.scene.formats import mitsuba, native, ply
+from alight.scene.formats import mitsuba, native, pbrt, ply
+from alight.scene.formats.models import PARSERS, read_model
+from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.manager import SceneManager
 from alight.scene.validation import find_problems
@@ -25,7 +28,7 @@ from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
 # Files of other programs, which are read but not written.
-FOREIGN = (".xml",)
+FOREIGN = (".xml", pbrt.SUFFIX, *PARSERS)
 # Meshes with more vertices, and pictures with more texels, go into files beside a saved scene.
 MOST_INLINE_VERTICES, MOST_INLINE_TEXELS = 100, 64
 
@@ -48,14 +51,15 @@ def load(
     Parameters
     ----------
     scene : str or path
-        A scene file (``.yaml``, ``.yml``, ``.json``, or Mitsuba's ``.xml``) or the name of a
-        built-in scene.
+        A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, pbrt's ``.pbrt``,
+        ``.gltf`` or ``.glb``), a model (``.obj``, ``.ply``, ``.stl``), or the name of a built-in
+        scene.
     changes : sequence of str, optional
         ``path.to.key=value`` assignments, as for ``--set``.
     definitions : mapping of str to str, optional
         Values of the ``$names`` of an XML file, as for ``-D``.
     lenient : bool, default False
-        Replace what an XML file asks for and alight lacks, instead of refusing the file;
+        Replace what a foreign file asks for and alight lacks, instead of refusing it;
         `Scene.warnings` lists it.
 
     Returns
@@ -80,14 +84,20 @@ def load(
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
     else:
         path = Path(name)
-        result = loads(
-            _read(path),
-            name,
-            path.parent,
-            check=not changes,
-            definitions=definitions,
-            lenient=lenient,
-        )
+        if path.suffix.lower() in PARSERS and path.is_file():
+            _refuse_definitions(definitions or {}, name)
+            parsed = read_model(path, name)
+            source = Source(name, path.parent, parsed.places, parsed.remarks)
+            result = _built(parsed.data, parsed.issues, source, check=not changes)
+        else:
+            result = loads(
+                _read(path),
+                name,
+                path.parent,
+                check=not changes,
+                definitions=definitions,
+                lenient=lenient,
+            )
     result = _changed(result, changes) if changes else result
     path = name if is_builtin else str(Path(name).absolute())
     recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient)
@@ -103,7 +113,7 @@ def loads(
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
 ) -> Scene:
-    """Load a scene from text, in the native format or in Mitsuba's.
+    """Load a scene from text, in the native format, in Mitsuba's, or, by its name, in pbrt's.
 
     Parameters
     ----------
@@ -124,6 +134,11 @@ def loads(
         With every problem, each with its place.
     """
     data, found, source = _parse(text, name, folder, definitions or {}, lenient)
+    return _built(data, found, source, check)
+
+
+def _built(data: Any, found: list[Issue], source: Source, check: bool) -> Scene:
+    """A scene of plain data, and problems found so far."""
     builder = Builder(found)
     scene = builder.scene(data).from_source(source)
     issues = builder.issues
@@ -141,25 +156,48 @@ def _parse(
 ) -> tuple[Any, list[Issue], Source]:
     """Plain data, problems so far and the origin, whichever format the text has."""
     if mitsuba.is_xml(text):
-        parsed = mitsuba.parse(text, name, folder, definitions, lenient)
-        remarks = Remarks(tuple(parsed.notes), tuple(parsed.warnings), parsed.spp)
-        return parsed.data, parsed.issues, Source(name, folder, parsed.places, remarks)
+        parsed: Parsed = mitsuba.parse(text, name, folder, definitions, lenient)
+        return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
+    _refuse_definitions(definitions, name)
+    if name.lower().endswith(pbrt.SUFFIX):
+        parsed = pbrt.parse(text, name, folder, lenient)
+        return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
+    data, places, issues = native.parse(text, name)
+    return data, list(issues), Source(name, folder, places)
+
+
+def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
     if definitions:
         first = next(iter(definitions))
         issue = Issue(f"-D {first}", "only XML files have parameters; use --set path=value", name)
         raise SceneError([issue])
-    data, places, issues = native.parse(text, name)
-    return data, list(issues), Source(name, folder, places)
 
 
 def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
     manager = SceneManager(scene)
     for assignment in changes:
-        manager.set_value(assignment)
+        manager.set_value(_with_camera_path(manager.scene, assignment))
     issues = find_problems(manager.scene)
     if issues:
         raise SceneError([manager.scene.source.located(issue) for issue in issues])
     return manager.scene
+
+
+def _with_camera_path(scene: Scene, assignment: str) -> str:
+    """Put the path of a camera's node into the place of its number or its last name."""
+    key, _, wanted = assignment.partition("=")
+    if key.strip() != "camera":
+        return assignment
+    wanted = wanted.strip()
+    paths = [path for path, _, node in scene.walk() if node.camera is not None]
+    named = [path for path in paths if path.rpartition("/")[2] == wanted]
+    if wanted.isdigit() and wanted not in paths:
+        if int(wanted[:9]) >= len(paths):
+            held = ", ".join(paths) or "none"
+            text = f"must be below the number of camera nodes, {len(paths)}, got {wanted}"
+            raise SceneError([Issue("camera", f"{text}  (cameras: {held})")])
+        named = [paths[int(wanted)]]
+    return f'camera="{named[0]}"' if len(named) == 1 and wanted not in paths else assignment
 
 
 def _read(path: Path) -> str:
@@ -259,7 +297,18 @@ class _FileWriter:
                 return spec
             absolute = (self.folder / spec.file).resolve()
             return spec.replaced(file=_relative(absolute, self.target.parent.resolve()))
-        return self.mesh(spec, key_path) if isinstance(spec, Mesh) else self.picture(spec, key_path)
+        if isinstance(spec, Mesh):
+            return self.mesh(spec, key_path)
+        return self.volume(spec, key_path) if holds_volume(spec) else self.picture(spec, key_path)
+
+    def volume(self, spec: Any, key_path: str) -> Any:
+        volume = spec.values
+        if volume is None or volume.cells <= MOST_INLINE_TEXELS:
+            return spec
+        if volume not in self.names:
+            name = self.names[volume] = self.new_name(key_path, ".npy")
+            np.save(self.target.with_name(name), volume.values[..., 0], allow_pickle=False)
+        return spec.replaced(file=self.names[volume], values=None)
 
     def mesh(self, mesh: Mesh, key_path: str) -> Mesh:
         assert mesh.vertices is not None
@@ -279,7 +328,7 @@ class _FileWriter:
             return spec
         if image not in self.names:
             name = self.names[image] = self.new_name(key_path, ".npy")
-            np.save(self.target.with_name(name), image.texels, allow_pickle=False)
+            np.save(self.target.with_name(name), image.whole, allow_pickle=False)
         return spec.replaced(file=self.names[image], pixels=None)
 
     def new_name(self, key_path: str, suffix: str) -> str:

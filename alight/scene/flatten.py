@@ -13,12 +13,24 @@ import numpy as np
 from alight.bsdfs.diffuse import Diffuse
 from alight.core.errors import SceneError
 from alight.core.registry import versions
-from alight.core.spec import Bsdf, Camera, Integrator, Light, Sampler, Shape, Spec, Texture
-from alight.scene.description import FilmSettings, Node, Scene
+from alight.core.spec import (
+    Bsdf,
+    Camera,
+    Integrator,
+    Light,
+    Medium,
+    Sampler,
+    Shape,
+    Spec,
+    Texture,
+)
+from alight.media.coefficients import Coefficients
+from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.images import ImageStore
 from alight.scene.meshes import Geometry, MeshStore
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
+from alight.scene.volumes import VolumeStore
 from alight.shapes.mesh import ARRAYS, Mesh
 
 NO_GEOMETRY = -1
@@ -41,6 +53,9 @@ class PlacedShape(NamedTuple):
         Emission of the surface.
     geometry : int
         Index into `FlatScene.geometries`, or `NO_GEOMETRY` for other shapes than meshes.
+    border : (int, int) or None
+        Media on the inner and the outer side: 0 for none, else index into `FlatScene.media` + 1.
+        None where the shape does not bound any.
     """
 
     name: str
@@ -49,6 +64,7 @@ class PlacedShape(NamedTuple):
     bsdf: int
     light: Light | None
     geometry: int
+    border: tuple[int, int] | None = None
 
 
 class PlacedLight(NamedTuple):
@@ -90,6 +106,10 @@ class FlatScene:
         Settings, as in `Scene`.
     warnings : list of str
         What is legal but suspicious.
+    media : list of Coefficients
+        Different media, grids read.
+    start_medium : int
+        Index + 1 of what the camera stands in, or 0.
     """
 
     shapes: list[PlacedShape]
@@ -103,6 +123,8 @@ class FlatScene:
     sampler: Sampler
     integrator: Integrator
     warnings: list[str]
+    media: list[Coefficients] = field(default_factory=list)
+    start_medium: int = 0
 
 
 def flatten(scene: Scene) -> FlatScene:
@@ -115,15 +137,19 @@ def flatten(scene: Scene) -> FlatScene:
     """
     store = MeshStore(scene.source.folder)
     images = ImageStore(scene.source.folder)
-    issues = find_problems(scene, store, images)
+    volumes = VolumeStore(scene.source.folder)
+    issues = find_problems(scene, store, images, volumes)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
-    flattener = _Flattener(scene, store, images)
+    flattener = _Flattener(scene, store, images, volumes)
     if scene.environment is not None:
         light = images.resolved(scene.environment, scene.textures)
         flattener.environment = PlacedLight("environment", light, np.eye(4))
     for name, node in scene.nodes.items():
         flattener.place(name, node, np.eye(4), None)
+    camera = _place_camera(scene)
+    standing_in = scene.medium if camera.camera.medium is None else camera.camera.medium
+    start_medium = flattener.medium_number(standing_in)
     return FlatScene(
         shapes=flattener.shapes,
         geometries=flattener.geometries,
@@ -131,11 +157,13 @@ def flatten(scene: Scene) -> FlatScene:
         textures=dict(scene.textures),
         lights=flattener.lights,
         environment=flattener.environment,
-        camera=_place_camera(scene),
+        camera=camera,
         film=scene.film,
         sampler=scene.sampler,
         integrator=scene.integrator,
         warnings=list(scene.warnings),
+        media=flattener.media,
+        start_medium=start_medium,
     )
 
 
@@ -146,11 +174,13 @@ class _Flattener:
     scene: Scene
     store: MeshStore
     images: ImageStore
+    volumes: VolumeStore
     shapes: list[PlacedShape] = field(default_factory=list)
     lights: list[PlacedLight] = field(default_factory=list)
     environment: PlacedLight | None = None
     bsdfs: list[Bsdf] = field(default_factory=list)
     geometries: list[Geometry] = field(default_factory=list)
+    media: list[Coefficients] = field(default_factory=list)
     _lights: dict[int, Light] = field(default_factory=dict)
     _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
     _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
@@ -166,7 +196,8 @@ class _Flattener:
             light = None if node.light is None else self.light(node.light)
             if node.shape is not None:
                 index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
-                placed = PlacedShape(path, node.shape, to_world, index, light, geometry)
+                border = self.border(node)
+                placed = PlacedShape(path, node.shape, to_world, index, light, geometry, border)
                 self.shapes.append(placed)
             elif light is not None:
                 placed = PlacedLight(path, light, to_world)
@@ -181,6 +212,23 @@ class _Flattener:
                 prototype = self.scene.prototypes[node.instance]
                 below.insert(0, (f"{path}/{node.instance}", prototype, to_world, bsdf))
             stack.extend(reversed(below))
+
+    def border(self, node: Node) -> tuple[int, int] | None:
+        """Number the media on both sides of a shape, if it bounds any."""
+        if node.interior is None and node.exterior is None:
+            return None
+        outside = self.scene.medium if node.exterior is None else node.exterior
+        return self.medium_number(node.interior), self.medium_number(outside)
+
+    def medium_number(self, medium: Medium | str | None) -> int:
+        """Number a medium from 1 on; equal ones share a number."""
+        if medium is None or medium == VACUUM:
+            return 0
+        described = self.scene.media[medium] if isinstance(medium, str) else medium
+        loaded = self.volumes.loaded(described)
+        if loaded not in self.media:
+            self.media.append(loaded)
+        return self.media.index(loaded) + 1
 
     def light(self, light: Light) -> Light:
         """A light with its textures; the same object for the same description."""
@@ -288,6 +336,11 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
         light = b"" if shape.light is None else _content(shape.light)
         numbers = f"{shape.bsdf} {shape.geometry} ".encode()
         yield cached[id(shape.shape)] + numbers + light + shape.to_world.tobytes()
+    # Nothing where there are no media: pictures from before there were any keep their hash.
+    if flat.media:
+        borders = [shape.border for shape in flat.shapes]
+        yield f"{flat.start_medium} {borders}".encode()
+        yield from (_content(medium) for medium in flat.media)
 
 
 def _placed_content(placed: PlacedLight) -> bytes:
@@ -296,5 +349,5 @@ def _placed_content(placed: PlacedLight) -> bytes:
 
 def _content(spec: Spec) -> bytes:
     """Describe a model without its mesh arrays, which have a digest of their own."""
-    fields = {name: repr(value) for name, value in spec if name not in (*ARRAYS, "file")}
+    fields = {name: repr(value) for name, value in spec if name not in (*ARRAYS, "file", "medium")}
     return json.dumps(fields, sort_keys=True).encode()

@@ -1,4 +1,4 @@
-"""Pictures of descriptions, read from files where the description names one."""
+"""Pictures and lamps' profiles of descriptions, read from files where these name one."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, quote
 from alight.core.spec import Spec, Texture, invalid, texture_interval
+from alight.lights.ies import Ies
+from alight.lights.photometry import read_profile
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.meshes import unreadable
@@ -40,6 +42,8 @@ class ImageStore:
         SceneError
             If the file is missing or broken; its path is ``file``.
         """
+        if isinstance(spec, Ies):
+            return self._with_profile(spec)
         name = getattr(spec, "file", None) if holds_image(spec) else None
         if name is None:
             return spec
@@ -54,13 +58,29 @@ class ImageStore:
             raise image
         return spec.replaced(file=None, pixels=image)
 
+    def _with_profile(self, spec: Any) -> Any:
+        """A lamp with the profile of its file; its fields hold it."""
+        if spec.file is None:
+            return spec
+        found = read_profile((self.folder or Path()) / spec.file, spec.file)
+        return spec.replaced(
+            file=None,
+            vertical_angles=tuple(found.vertical.tolist()),
+            horizontal_angles=tuple(found.horizontal.tolist()),
+            candela=tuple(map(tuple, found.candela.tolist())),
+        )
+
     def resolved(self, spec: AnySpec, textures: Mapping[str, Texture]) -> AnySpec:
-        """Put textures into the places of their names, and pictures into those of files."""
+        """Put textures into the places of their names, and pictures into those of files.
+
+        Textures inside textures are resolved too; names must not go in circles.
+        """
         spec = self.loaded(spec)
         changes: dict[str, Any] = {}
         for name, value in spec:
             if isinstance(value, str | Texture) and texture_interval(type(spec), name):
-                texture = self.loaded(textures[value] if isinstance(value, str) else value)
+                found = textures[value] if isinstance(value, str) else value
+                texture = self.resolved(found, textures)
                 if texture is not value:
                     changes[name] = texture
         return spec.replaced(**changes) if changes else spec

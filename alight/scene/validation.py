@@ -14,16 +14,22 @@ from alight.core.errors import Issue, SceneError, join_path, show_value, unknown
 from alight.core.spec import Bsdf, Light, Spec, Texture, energy_problem, texture_interval
 from alight.scene.description import Node, Scene
 from alight.scene.images import ImageStore
+from alight.scene.media import media_problems
 from alight.scene.meshes import MeshStore, surface_area
 from alight.scene.transform import Matrix, is_singular
+from alight.scene.volumes import VolumeStore
 from alight.shapes.mesh import Mesh
+from alight.textures import nesting as textures
 
 MOST_PLACED = 4_000_000
 MOST_LEVELS = 24
 
 
 def find_problems(
-    scene: Scene, store: MeshStore | None = None, images: ImageStore | None = None
+    scene: Scene,
+    store: MeshStore | None = None,
+    images: ImageStore | None = None,
+    volumes: VolumeStore | None = None,
 ) -> list[Issue]:
     """List everything that keeps a scene from being rendered.
 
@@ -35,6 +41,8 @@ def find_problems(
         Reads the meshes; an own one by default.
     images : ImageStore, optional
         Reads the pictures; an own one by default.
+    volumes : VolumeStore, optional
+        Reads the grids; an own one by default.
 
     Returns
     -------
@@ -49,7 +57,7 @@ def find_problems(
     checker.check_environment()
     checker.check_nodes()
     checker.check_camera()
-    return checker.issues
+    return checker.issues + media_problems(scene, volumes or VolumeStore(folder))
 
 
 @dataclass
@@ -58,6 +66,9 @@ class _Checker:
     store: MeshStore
     images: ImageStore
     issues: list[Issue] = field(default_factory=list)
+    # Named textures that cannot be used, and how many steps the others take.
+    wrong_textures: set[str] = field(default_factory=set)
+    steps: dict[str, int] = field(default_factory=dict)
     # Where environments are given.
     surroundings: list[str] = field(default_factory=list)
     # Materials that something makes two-sided, and where.
@@ -67,9 +78,43 @@ class _Checker:
         self.issues.append(Issue(path, message))
 
     def check_textures(self) -> None:
-        """Check named textures."""
-        for name, texture in self.scene.textures.items():
-            self.check_image(texture, join_path("textures", name))
+        """Check named textures, and that they do not contain themselves or too many others."""
+        known = self.scene.textures
+        uses = {
+            name: [used for used in textures.names_in(spec) if used in known]
+            for name, spec in known.items()
+        }
+        cycle, order = sort_by_use(uses)
+        if cycle:
+            text = f"contains itself: {' -> '.join(cycle)}"
+            self.report(join_path("textures", cycle[0]), text)
+            self.wrong_textures = set(known)
+            return
+        for name in order:
+            path, before = join_path("textures", name), len(self.issues)
+            problem = textures.steps_problem(known[name], self.steps)
+            if problem:
+                self.report(path, problem)
+            elif self.wrong_textures.isdisjoint(uses[name]) and self.check_image(known[name], path):
+                self.check_textured(known[name], path)
+                self.steps[name] = textures.count_steps(known[name], self.steps)
+            # What is wrong is said once, and what uses it is not looked at any further.
+            if len(self.issues) > before or name not in self.steps:
+                self.wrong_textures.add(name)
+
+    def resolved_texture(self, value: Texture | str) -> Texture | None:
+        """A texture with all that it is made of, or None if something is wrong with it."""
+        names = [value] if isinstance(value, str) else list(textures.names_in(value))
+        if any(n in self.wrong_textures or n not in self.scene.textures for n in names):
+            return None
+        texture = self.scene.textures[value] if isinstance(value, str) else value
+        if textures.steps_problem(texture, self.steps):
+            return None
+        try:
+            found = self.images.resolved(texture, self.scene.textures)
+        except SceneError:
+            return None  # reported where it stands
+        return None if textures.steps_problem(found) else found
 
     def check_image(self, spec: Spec, path: str) -> bool:
         """Check the picture that a description takes from a file."""
@@ -93,11 +138,17 @@ class _Checker:
                     continue
             elif not self.check_image(value, here):
                 continue
-            texture = self.scene.textures[value] if isinstance(value, str) else value
-            try:
-                loaded = self.images.loaded(texture)
-            except SceneError:
-                continue  # reported at the named texture
+            else:
+                before = len(self.issues)
+                self.check_textured(value, here)
+                if len(self.issues) > before:
+                    continue
+                problem = textures.steps_problem(value, self.steps)
+                if problem:
+                    self.report(here, problem)
+            loaded = self.resolved_texture(value)
+            if loaded is None:
+                continue
             if max(loaded.maximum()) > interval.high:
                 text = f"must be {interval.describe()} everywhere; the texture's largest value is "
                 self.report(here, text + f"{max(loaded.maximum()):g}")

@@ -34,8 +34,18 @@ from pydantic_core import core_schema
 from alight.core.constants import gamma
 from alight.core.distributions import pmf_discrete, sample_discrete
 from alight.core.frame import frame_from_tangent
-from alight.core.jit import kernel
-from alight.core.simd import absolute, any_lane, gather, lanes_vec3, maximum, sqrt, where
+from alight.core.jit import kernel, specialised
+from alight.core.simd import (
+    absolute,
+    any_lane,
+    gather,
+    lanes,
+    lanes_vec3,
+    maximum,
+    sqrt,
+    to_uint,
+    where,
+)
 from alight.core.spec import Shape, Truth, invalid
 from alight.core.vec import (
     Vec3,
@@ -366,9 +376,49 @@ def light_triangle(tables, shape, prim):
     return v0, e1, e2, where(flip, -n, n), 0.5 * size, error
 
 
+@specialised
+def choose_triangle(program):
+    """``choose_triangle(cdf, start, count, u) -> (triangle, probability)``.
+
+    By its area; in a program with a light tree the tree has chosen it, and u is its number.
+    """
+    if program.light_tree:
+
+        @kernel
+        def as_chosen(cdf, start, count, u):
+            return to_uint(u), lanes(1.0)
+
+        return as_chosen
+
+    @kernel
+    def by_area(cdf, start, count, u):
+        prim, pmf, _ = sample_discrete(cdf, start, count, u)
+        return prim, pmf
+
+    return by_area
+
+
+@specialised
+def triangle_probability(program):
+    """``triangle_probability(cdf, start, prim)``: of `choose_triangle`."""
+    if program.light_tree:
+
+        @kernel
+        def certain(cdf, start, prim):
+            return lanes(1.0)
+
+        return certain
+
+    @kernel
+    def by_area(cdf, start, prim):
+        return pmf_discrete(cdf, start, prim)
+
+    return by_area
+
+
 @kernel
 def sample(tables, cdf, start, shape, p, u, u2):
-    """Choose a triangle by its area, a point on it uniformly.
+    """Choose a triangle, and a point on it uniformly.
 
     Parameters
     ----------
@@ -380,14 +430,14 @@ def sample(tables, cdf, start, shape, p, u, u2):
     shape, p, u2
         See `alight.shapes.rectangle.sample`.
     u : float
-        Uniform in [0, 1), chooses the triangle.
+        Chooses the triangle, see `choose_triangle`.
 
     Returns
     -------
     ShapeSample
     """
     count = gather(tables.info, shape * INFO + 7)
-    prim, pmf, _ = sample_discrete(cdf, start, count, u)
+    prim, pmf = choose_triangle(cdf, start, count, u)
     v0, e1, e2, n, area, error = light_triangle(tables, shape, prim)
     b1, b2 = square_to_triangle(u2)
     to_light = (v0 - p) + b1 * e1 + b2 * e2
@@ -404,5 +454,5 @@ def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
     mine = prim < gather(tables.info, shape * INFO + 7)
     _, _, _, _, area, _ = light_triangle(tables, shape, prim)
-    pmf = pmf_discrete(cdf, where(mine, start, 0), where(mine, prim, 0))
+    pmf = triangle_probability(cdf, where(mine, start, 0), where(mine, prim, 0))
     return area_to_solid_angle(pmf / area, distance, cosine)

@@ -1,10 +1,27 @@
 """Colours that vary over a surface, one model per file. A new one is one file and one line here."""
 
-from alight.textures import bitmap, checkerboard, constant, vertex_color
+from alight.textures import (
+    add,
+    bitmap,
+    channel,
+    checkerboard,
+    constant,
+    mix,
+    multiply,
+    noise,
+    threshold,
+    vertex_color,
+)
 
 MODELS = (
     constant,
     checkerboard,
     bitmap,
     vertex_color,
+    noise,
+    multiply,
+    add,
+    mix,
+    channel,
+    threshold,
 )

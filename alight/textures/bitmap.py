@@ -12,7 +12,8 @@ continued by the texels of its border; the interpolation at the border reaches o
 
 Texels are decoded before they are interpolated: 8 and 16 bits are sRGB, floats are linear, unless
 `color_space` says otherwise ("linear" for what is no colour: roughness, opacity, weights). Alpha is
-ignored. As a reflectance or another share of light the values must not exceed 1, as for numbers.
+left to `channel`. As a reflectance or another share of light the values must not exceed 1, as for
+numbers.
 
 In memory a texel of 8 bits a channel takes 4 bytes, of 16 bits or float 4 bytes a channel; equal
 pictures are stored once. Mitsuba's `bitmap` is the same, but its t runs downwards.
@@ -27,7 +28,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.jit import kernel
+from alight.core.jit import kernel, specialised
 from alight.core.simd import (
     any_lane,
     bits_float,
@@ -61,6 +62,8 @@ class Bitmap(Texture):
         Between the centres of texels.
     wrap : {"repeat", "mirror", "clamp"}, default "repeat"
         Outside of the picture.
+    wrap_v : {"repeat", "mirror", "clamp"}, optional
+        Below and above it, if that differs from the sides.
     to_uv : step or list of steps, default none
         From the surface's (u, v) to the picture, see `alight.textures.uv`.
     """
@@ -71,6 +74,7 @@ class Bitmap(Texture):
     color_space: Literal["auto", "srgb", "linear"] = "auto"
     interpolation: Literal["bilinear", "nearest"] = "bilinear"
     wrap: Literal["repeat", "mirror", "clamp"] = "repeat"
+    wrap_v: Literal["repeat", "mirror", "clamp"] | None = None
     to_uv: ToUv = IDENTITY
 
     @model_validator(mode="after")
@@ -103,22 +107,32 @@ EXAMPLES = (
         to_uv=[{"scale": [3.0, -0.5]}, {"rotate": 30.0}, {"translate": [0.25, -7.0]}],
     ),
     Bitmap(pixels=np.array([[[0.1, 0.2, 0.3], [1.0, 0.0, 0.5]]]), wrap="clamp"),
+    Bitmap(pixels=np.array([[0.25, 0.5], [0.75, 1.0]]), wrap="mirror", wrap_v="clamp"),
 )
 
 # size: columns and rows. modes: bilinear or not, and the index of `wrap`. layout: four words, see
 # `alight.compiled.textures.TextureTable.texels`.
-SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4}
+SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4, "wrap_v": 1}
 REPEAT, MIRROR, CLAMP = 0.0, 1.0, 2.0
+_WRAPS = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}
+#: Entered into `Program.textures` where the two ways to wrap differ.
+TWO_WRAPS = "two_wraps"
+
+
+def features(spec: Bitmap) -> tuple[str, ...]:
+    """What kernels must be written for."""
+    return () if spec.wrap_v in (None, spec.wrap) else (TWO_WRAPS,)
 
 
 def pack(spec: Bitmap, packer) -> None:
     """Fill the row of one texture."""
     assert spec.pixels is not None
-    wrap = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}[spec.wrap]
+    wrap = _WRAPS[spec.wrap]
     packer.numbers("to_uv", *spec.to_uv.matrix.ravel())
     packer.numbers("size", spec.pixels.width, spec.pixels.height)
     packer.numbers("modes", float(spec.interpolation == "bilinear"), wrap)
     packer.texels("layout", spec.pixels, spec.color_space)
+    packer.numbers("wrap_v", _WRAPS[spec.wrap_v or spec.wrap])
 
 
 @kernel
@@ -180,6 +194,18 @@ def _large(texels, texel, step):
     )
 
 
+@specialised
+def _wrap_slot(program):
+    """``_wrap_slot(base)``: where the way to wrap t is written."""
+    slot = 14 if TWO_WRAPS in program.textures else 9
+
+    @kernel
+    def place(base):
+        return base + slot
+
+    return place
+
+
 @kernel
 def evaluate(scene, base, surface):
     """The picture's colour at (u, v)."""
@@ -189,7 +215,8 @@ def evaluate(scene, base, surface):
     bilinear, wrap = gather(data, base + 8) > 0.0, gather(data, base + 9)
     x0, x1, x = _neighbours(_folded(s, wrap), width, bilinear, wrap)
     # t runs upwards, rows run downwards.
-    y0, y1, y = _neighbours(1.0 - _folded(t, wrap), height, bilinear, wrap)
+    wrap_v = gather(data, _wrap_slot(base))
+    y0, y1, y = _neighbours(1.0 - _folded(t, wrap_v), height, bilinear, wrap_v)
 
     start, stride = float_bits(gather(data, base + 10)), float_bits(gather(data, base + 11))
     step, table = float_bits(gather(data, base + 12)), float_bits(gather(data, base + 13))

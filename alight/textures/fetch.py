@@ -8,9 +8,15 @@ to the table alone.
 from __future__ import annotations
 
 from alight.core.jit import kernel, specialised
-from alight.core.registry import modules
 from alight.core.simd import any_lane, gather, lanes_vec3, where
 from alight.core.vec import Vec3, luminance
+from alight.textures.composed import composed_value
+from alight.textures.switch import models_of, value_switch
+
+
+def is_textured(program) -> bool:
+    """Whether any parameter varies."""
+    return bool(models_of(program, "evaluate") or models_of(program, "operate"))
 
 
 @kernel
@@ -32,10 +38,12 @@ def texture_value(program):
 
     `texture` holds the index of a texture plus 1 in each lane; lanes with 0 keep `value` (Vec3).
     """
-    used = _models(program)
+    if models_of(program, "operate"):
+        return composed_value(program)
+    used = models_of(program, "evaluate")
     if not used:
         return _no_texture
-    varying = _switch(used)
+    varying = value_switch(used)
 
     @kernel
     def texture_value(scene, texture, surface, value):
@@ -58,7 +66,7 @@ def _no_texture(scene, texture, surface, value):
 @specialised
 def color(program):
     """``color(scene, slot, surface)``: the colour of a parameter at a point of a surface."""
-    if not _models(program):
+    if not is_textured(program):
         return constant_color
 
     @kernel
@@ -75,7 +83,7 @@ def textured_scalar(program):
 
     Of a texture it is the luminance.
     """
-    if not _models(program):
+    if not is_textured(program):
         return scalar
 
     @kernel
@@ -88,35 +96,3 @@ def textured_scalar(program):
         return value
 
     return fetch
-
-
-def _models(program):
-    """(kind number, module) of the textures that a program uses, constant ones left out."""
-    return [
-        (number, model)
-        for number, model in enumerate(modules("textures"))
-        if model.EXAMPLES[0].type_name() in program.textures and hasattr(model, "evaluate")
-    ]
-
-
-def _switch(models):
-    """Write a kernel that replaces `value` in the lanes of each of the models."""
-    if not models:
-        return _keep
-    (number, model), rest = models[0], _switch(models[1:])
-    evaluate = model.evaluate
-
-    @kernel
-    def step(scene, kind, base, surface, active, value):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            safe = where(mine, base, 0)
-            value = where(mine, evaluate(scene, safe, surface), value)
-        return rest(scene, kind, base, surface, active, value)
-
-    return step
-
-
-@kernel
-def _keep(scene, kind, base, surface, active, value):
-    return value

@@ -5,7 +5,8 @@ from either. Before a scene is compiled each file is read once, and the picture 
 
 In scene files small pictures can be written out, top row first: numbers, which are linear,
 ``[[0.5, 1], [[1, 0, 0], 2]]``; or texts with one hexadecimal word for each texel,
-``["ff8000 000000"]``, of 2 or 6 digits (8 bits, grey or RGB) or 4 or 12 digits (16 bits).
+``["ff8000 000000"]``, of 2, 6 or 8 digits (8 bits, grey, RGB or RGB and opacity) or twice as many
+(16 bits).
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ class Image:
     ----------
     texels : (h, w, c) uint8, uint16 or float32
         Read-only; c is 1 (grey) or 3 (RGB). Floats are finite and in [0, 1e15].
+    alpha : (h, w), type of the texels, optional
+        Opacity, linear; None where all is opaque.
 
     Attributes
     ----------
@@ -44,6 +47,7 @@ class Image:
     """
 
     texels: NDArray[Any]
+    alpha: NDArray[Any] | None = None
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -51,6 +55,10 @@ class Image:
         self.texels.setflags(write=False)
         digest = hashlib.sha256(f"{self.texels.dtype}{self.texels.shape}".encode())
         digest.update(self.texels.data)
+        if self.alpha is not None:
+            self.alpha.setflags(write=False)
+            digest.update(b"alpha")
+            digest.update(self.alpha.data)
         object.__setattr__(self, "digest", digest.hexdigest())
 
     def __eq__(self, other: object) -> bool:
@@ -64,6 +72,14 @@ class Image:
     def __repr__(self) -> str:
         """Name the contents, for messages and for the hash of a scene's content."""
         return f"Image({self.width}x{self.height}, {self.texels.dtype}, {self.digest})"
+
+    @property
+    def whole(self) -> NDArray[Any]:
+        """The texels, with alpha as fourth channel where there is any."""
+        if self.alpha is None:
+            return self.texels
+        spread = np.broadcast_to(self.texels, (self.height, self.width, 3))
+        return np.concatenate([spread, self.alpha[..., None]], axis=2)
 
     @property
     def width(self) -> int:
@@ -103,7 +119,10 @@ class Image:
 
     @cached_property
     def _largest(self) -> NDArray[Any]:
-        return self.texels.max(axis=(0, 1), keepdims=True)
+        # Along whole rows first: numbers side by side are compared many at a time.
+        width, channels = self.texels.shape[1:]
+        rows = self.texels.reshape(-1, width * channels).max(axis=0)
+        return rows.reshape(1, width, channels).max(axis=1, keepdims=True)
 
     def maximum(self, color_space: str = "auto") -> Triple:
         """Largest linear value of each channel."""
@@ -115,7 +134,7 @@ class Image:
 
     def plain(self) -> list[Any]:
         """Write the texels out as scene files hold them."""
-        texels = self.texels
+        texels = self.whole
         if self.levels > 1:
             digits = 2 * texels.dtype.itemsize
             return [
@@ -143,8 +162,8 @@ def as_image(value: object) -> Image:
     Parameters
     ----------
     value : Image, array or list
-        Shape (h, w) or (h, w, c), c from 1 to 4 (of 2 and 4 channels the last is alpha, which is
-        ignored): uint8 and uint16 as they are, booleans as 0 and 255, floats as float32.
+        Shape (h, w) or (h, w, c), c from 1 to 4 (of 2 and 4 channels the last is alpha): uint8 and
+        uint16 as they are, booleans as 0 and 255, floats as float32.
 
     Raises
     ------
@@ -164,7 +183,20 @@ def as_image(value: object) -> Image:
     problem = size_problem(array.shape[1], array.shape[0])
     if problem:
         raise invalid(problem)
-    return Image(_as_texels(array[..., : 1 if array.shape[2] < 3 else 3]))
+    return Image(_as_texels(array[..., : 1 if array.shape[2] < 3 else 3]), _alpha_of(array))
+
+
+def _alpha_of(array: NDArray[Any]) -> NDArray[Any] | None:
+    """The last of 2 or 4 channels, unless it is opaque everywhere."""
+    if array.shape[2] not in (2, 4):
+        return None
+    alpha = _as_texels(array[..., -1:])[..., 0]
+    opaque = np.iinfo(alpha.dtype).max if alpha.dtype.kind == "u" else 1.0
+    if (alpha >= opaque).all():
+        return None
+    if alpha.dtype.kind == "f" and alpha.max() > 1.0:
+        raise invalid(f"alpha must be at most 1, got {alpha.max():g}")
+    return np.ascontiguousarray(alpha)
 
 
 def size_problem(width: int, height: int) -> str | None:
@@ -210,8 +242,10 @@ def _from_lists(rows: Any) -> NDArray[np.float64]:
         raise invalid("must be a list of rows of equal length, each a list of texels")
     flat = [texel for row in rows for texel in row]
     is_grey = not any(isinstance(texel, list | tuple) for texel in flat)
-    texels = [_texel(texel, 1 if is_grey else 3) for texel in flat]
-    return np.array(texels, np.float64).reshape(len(rows), -1, 1 if is_grey else 3)
+    with_alpha = any(isinstance(texel, list | tuple) and len(texel) == 4 for texel in flat)
+    channels = 1 if is_grey else 4 if with_alpha else 3
+    texels = [_texel(texel, channels) for texel in flat]
+    return np.array(texels, np.float64).reshape(len(rows), -1, channels)
 
 
 def _texel(texel: object, channels: int) -> list[float]:
@@ -227,15 +261,20 @@ def _texel(texel: object, channels: int) -> list[float]:
 def _from_words(rows: Any) -> NDArray[Any]:
     words = [row.lower().split() if isinstance(row, str) else [] for row in rows]
     digits = {len(word) for row in words for word in row}
-    if len({len(row) for row in words}) != 1 or len(digits) != 1 or not digits <= {2, 4, 6, 12}:
+    if (
+        len({len(row) for row in words}) != 1
+        or len(digits) != 1
+        or not digits <= {2, 4, 6, 8, 12, 16}
+    ):
         raise invalid(
-            "rows must have equally many words, each of 2 or 6 (or 4 or 12) hexadecimal digits"
+            "rows must have equally many words, each of 2, 6 or 8 (or 4, 12 or 16) "
+            "hexadecimal digits"
         )
     text = "".join(word for row in words for word in row)
     if not re.fullmatch(r"[0-9a-f]+", text):
         raise invalid("texels must be hexadecimal digits 0-9 and a-f")
     (count,) = digits
-    kind, channels = (">u1", count // 2) if count in (2, 6) else (">u2", count // 4)
+    kind, channels = (">u1", count // 2) if count in (2, 6, 8) else (">u2", count // 4)
     numbers = np.frombuffer(bytes.fromhex(text), kind)
     return numbers.astype(kind.replace(">", "=")).reshape(len(words), -1, channels)
 

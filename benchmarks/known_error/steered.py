@@ -104,6 +104,7 @@ def gain(names: Sequence[str], runs: int, truth_spp: int) -> None:
     for name in names:
         runner = Runner(name)
         truth = Truth(runner, truth_spp)
+        same, cost = ideal_gain(runner, truth)
         error, seconds = np.zeros((runs, 2)), np.zeros((runs, 2))
         for i in range(runs):
             for j, make in enumerate((_even_picture, adaptive_picture)):
@@ -112,14 +113,27 @@ def gain(names: Sequence[str], runs: int, truth_spp: int) -> None:
                 seconds[i, j] = time.process_time() - begin
                 error[i, j] = truth.relmse(picture)
         ratios = error[:, 0] / error[:, 1]
-        cost = np.median(seconds[:, 1]) / np.median(seconds[:, 0])
+        ratio = np.median(seconds[:, 1] / seconds[:, 0])
         mean = error[:, 0].mean() / error[:, 1].mean()
         doubt = ratios.std(ddof=1) / math.sqrt(runs)
         print(
-            f"{name}: error {mean:.2f} +- {doubt:.2f} times less at {cost:.2f} times the "
-            f"processor time: gain {mean / cost:.2f}",
+            f"{name}: error {mean:.2f} +- {doubt:.2f} times less (ideal {same:.2f}) at "
+            f"{ratio:.2f} times the processor time: gain {mean / ratio:.2f} (ideal {cost:.2f})",
             flush=True,
         )
+
+
+def ideal_gain(runner: Runner, truth: Truth) -> tuple[float, float]:
+    """The gain of one who knows each cell's variance and cost: at equal samples, and at equal time.
+
+    With V / n the relMSE of a cell of cost c a sample, n ~ sqrt(V) is best for the samples, and
+    n ~ sqrt(V / c) for the time; the pilot costs nothing, and n may be anything.
+    """
+    relative = (truth.variance / truth.scale).mean(axis=2)
+    V = relative.reshape(SIDE // 8, 8, SIDE // 8, 8).mean(axis=(1, 3))
+    c = runner.rays(32)
+    samples = V.mean() / np.sqrt(V).mean() ** 2
+    return samples, V.mean() * c.mean() / np.sqrt(V * c).mean() ** 2
 
 
 def _even_picture(runner: Runner, seed: int, spp: int) -> np.ndarray:

@@ -10,16 +10,24 @@ from pictures import IMAGES
 import alight
 
 SCENES = (
+    "blurred-foreground",
+    "cloud",
+    "clear-day",
     "coated-plastics",
     "depth-of-field",
     "environment-map",
+    "fog",
     "infinite-plane",
     "instances",
     "lambert-and-uniform-scatter",
+    "lamp-profiles",
+    "lamp-and-glass",
+    "milk",
     "mirror-and-glass",
     "phong-exponents",
     "rough-glass",
     "rough-metals",
+    "soft-shadows",
     "transform-tree",
     "uniform-and-cosine-sampling",
     "veach-plates",
@@ -27,7 +35,16 @@ SCENES = (
 WIDTH = 400
 #: Samples per pixel, more for scenes with caustics and blurred highlights.
 SPP = 96
-MORE = {"environment-map": 256, "mirror-and-glass": 256, "rough-glass": 256, "veach-plates": 192}
+MORE = {
+    "cloud": 384,
+    "environment-map": 256,
+    "fog": 512,
+    "lamp-and-glass": 256,
+    "milk": 512,
+    "mirror-and-glass": 256,
+    "rough-glass": 256,
+    "veach-plates": 192,
+}
 #: Its noise is what it shows: that of 16 samples in the scene's own size, four pixels as one.
 FEW = {"uniform-and-cosine-sampling": 64}
 

@@ -16,7 +16,7 @@ from alight.lab.report.pictures import exposure_for
 from alight.lab.report.scenes import crops_of
 from alight.lab.report.style import BASELINE, FAINT, GREY, Look, looks, new_figure, paper_style
 from alight.lab.results import CurveResult, SceneResult, StudyResult
-from alight.outputs.tone_mapping import Display
+from alight.outputs.display import Display
 
 #: Inches.
 WIDTH, PANEL, CROP = 7.4, 2.3, 1.3

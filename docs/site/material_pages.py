@@ -7,6 +7,7 @@ picture shows is chosen here; without a choice it is the model's first example.
 from __future__ import annotations
 
 import inspect
+import math
 import re
 from pathlib import Path
 from types import ModuleType, UnionType
@@ -25,11 +26,37 @@ _CHECKS = "{type: checkerboard, color0: 0, color1: 1, scale: [16, 8]}"
 _CLOTH = (
     f"{{type: mask, opacity: {_CHECKS}, bsdf: {{type: diffuse, reflectance: [0.12, 0.4, 0.5]}}}}"
 )
+# Four slopes between which the picture is interpolated: rows of cushions.
+_CUSHIONS = (
+    "{type: bitmap, pixels: [[[0.3, 0.7, 0.9], [0.7, 0.7, 0.9]],"
+    " [[0.3, 0.3, 0.9], [0.7, 0.3, 0.9]]], color_space: linear, to_uv: {scale: [16, 8]}}"
+)
 #: What stands on the ball.
 SHOWN = {
     "diffuse": "{type: diffuse, reflectance: [0.75, 0.3, 0.12]}",
     "uniform_scatter": "{type: uniform_scatter, reflectance: [0.75, 0.3, 0.12]}",
     "oren_nayar": "{type: oren_nayar, reflectance: [0.75, 0.3, 0.12], sigma: 40}",
+    "eon": "{type: eon, reflectance: [0.75, 0.3, 0.12], roughness: 0.8}",
+    "principled": (
+        "{type: principled, base_color: [0.5, 0.03, 0.03], roughness: 0.4, metallic: 0.6,"
+        " anisotropy: 0.5, clearcoat: 1, iridescence: 0.3}"
+    ),
+    "burley": (
+        "{type: burley, base_color: [0.05, 0.2, 0.4], roughness: 0.5, sheen: 1, clearcoat: 1,"
+        " clearcoat_gloss: 0.8}"
+    ),
+    "burley_thin": (
+        "{type: burley_thin, base_color: [0.9, 0.85, 0.6], spec_trans: 0.4, through: 0.4,"
+        " roughness: 0.3}"
+    ),
+    "normal_map": (
+        f"{{type: normal_map, texture: {_CUSHIONS},"
+        " bsdf: {type: rough_conductor, metal: copper, alpha: 0.2}}"
+    ),
+    "bump_map": (
+        "{type: bump_map, texture: {type: noise, scale: 8}, scale: 0.1,"
+        " bsdf: {type: plastic, diffuse_reflectance: [0.05, 0.25, 0.1]}}"
+    ),
     "mirror": "{type: mirror, reflectance: 0.95}",
     "phong": "{type: phong, diffuse: [0.06, 0.2, 0.45], specular: 0.3, exponent: 100}",
     "conductor": "{type: conductor, metal: gold}",
@@ -40,6 +67,10 @@ SHOWN = {
     "plastic": "{type: plastic, diffuse_reflectance: [0.55, 0.03, 0.03]}",
     "rough_plastic": (
         "{type: rough_plastic, diffuse_reflectance: [0.05, 0.35, 0.12], nonlinear: true}"
+    ),
+    "diffuse_transmission": (
+        "{type: diffuse_transmission, reflectance: [0.1, 0.25, 0.04], "
+        "transmittance: [0.35, 0.5, 0.1]}"
     ),
     "two_sided": f"{{type: two_sided, bsdf: {_CLOTH}}}",
     "mask": _CLOTH,
@@ -74,7 +105,7 @@ def shown(module: ModuleType) -> str:
 
 def samples(module: ModuleType) -> int:
     """Samples per pixel of the picture: light inside of clear materials takes more."""
-    return 512 if type(module.EXAMPLES[0]).transmissive else 256
+    return 512 if any(example.transmissive for example in module.EXAMPLES) else 256
 
 
 def page(module: ModuleType) -> str:
@@ -264,6 +295,8 @@ def _flow(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     # In YAML null is a value of its own.
+    if value == math.inf:
+        return ".inf"
     return f"{value:g}" if isinstance(value, float) else str(value).replace("null", '"null"')
 
 

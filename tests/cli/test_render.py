@@ -140,9 +140,22 @@ def test_a_scene_without_light_says_so(alight, tmp_path):
     assert (tmp_path / "dark.png").exists()
 
 
+def test_the_automatic_exposure_is_said(alight):
+    lines = alight("render", *SMALL, "-o", "a.png", "-o", "a.npy", "--exposure", "auto").stdout
+    middle = np.log2(read_image("a.npy") @ np.array([0.2126, 0.7152, 0.0722])).mean()
+    assert f"exposure: {np.log2(0.18) - middle:+.2f} stops" in lines.splitlines()
+    assert "exposure" not in alight("render", *SMALL, "-o", "a.exr", "--exposure", "auto").stdout
+
+
+def test_denoising_asks_for_the_layers_that_help(alight, monkeypatch):
+    monkeypatch.setattr("alight.films.denoising.check_denoiser", lambda: None)
+    alight("render", *SMALL, "-o", "a.alight", "--denoise", "--aov", "albedo,albedo_through")
+    assert alight.stub.options["aovs"] == ("albedo", "albedo_through", "normal_through")
+
+
 def test_options_without_effect_are_warned_of(alight):
     result = alight("render", *SMALL, "-o", "a.npy", "--tone-map", "aces", "--aov", "direct")
-    assert "--exposure, --tone-map and --bits change display formats" in result.stderr
+    assert "--exposure, --white-balance, --tone-map and --bits change" in result.stderr
     assert "--aov: only EXR keeps layers" in result.stderr
 
 
@@ -201,7 +214,7 @@ MISTAKES = {
     "sampler": (["--sampler", "sobl"], 'unknown sampler "sobl"; did you mean "sobol"?'),
     "filter": (["--filter", "gausian"], 'unknown filter "gausian"; did you mean "gaussian"?'),
     "tone map": (["--tone-map", "acess"], 'unknown tone map "acess"; did you mean "aces"?'),
-    "exposure": (["--exposure", "1000"], "exposure must lie in [-100, 100] stops, got 1000"),
+    "exposure": (["--exposure", "1000"], 'lie in [-100, 100] stops, got "1000"'),
     "bits": (["--bits", "9"], "bits per channel must be 8 or 16, got 9"),
     "size": (["--size", "big"], '--size: must be WIDTHxHEIGHT in pixels as 512x512, got "big"'),
     "no pixels": (["--size", "0x4"], "film.size"),

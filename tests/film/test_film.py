@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import FilmError
-from alight.films import Film, PartialFilm, SampleRanges, fixed_point
+from alight.films import Film, PartialFilm, SampleRanges, fixed_point, readout
 from alight.films.fixed_point import to_limbs
 from alight.rendering.tile import compiled_add_rows
 
@@ -367,3 +367,24 @@ def test_machine_code_adds_tiles_as_numpy_does():
             tile = PartialFilm(x0, y0, sums.copy(), np.ones(shape, np.int64), 0, 0)
             film.add_tile(tile, add_rows)
     np.testing.assert_array_equal(films[1].sums, films[0].sums)
+
+
+@pytest.mark.parametrize("channels", [("R", "G", "B"), ("R", "G", "B", "A")])
+def test_machine_code_reads_films_as_numpy_does(monkeypatch, channels):
+    """More rows than a band, a cut band at the end, negative sums, and empty replicates."""
+    rng = np.random.default_rng(4)
+    film = Film(21, 37, replicates=3, channels=channels)
+    film.sums[...] = rng.integers(-(2**50), 2**50, film.sums.shape)
+    fixed_point.carry(film.sums)
+    film.counts[...] = rng.integers(0, 5, film.counts.shape)
+    image, (means, counts) = film.image, film.replicate_means()
+    monkeypatch.setattr(readout, "_LARGE", 0)
+    np.testing.assert_array_equal(film.image, image)
+    again, held = film.replicate_means()
+    np.testing.assert_array_equal(again, means)
+    np.testing.assert_array_equal(held, counts)
+    # So many samples that their sum could overflow are left to NumPy.
+    film.counts[0, 0], film.sums[0, 0, ..., 0] = fixed_point.MAX_SAMPLES, 2**62
+    full = film.image
+    monkeypatch.setattr(readout, "_LARGE", 2**40)
+    np.testing.assert_array_equal(film.image, full)

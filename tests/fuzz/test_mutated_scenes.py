@@ -12,7 +12,10 @@ from tests.fuzz.extremes import extremes
 from tests.fuzz.in_the_twin import Outcome, serve
 from tests.fuzz.mesh_files import meshes
 from tests.fuzz.mitsuba_files import copy_files, mitsuba_files
+from tests.fuzz.model_files import copy_models, models
+from tests.fuzz.pbrt_files import pbrt_files, write_files
 from tests.fuzz.pictures import pictures
+from tests.fuzz.usd_files import copy_pictures, usd_files
 from tests.scene.mutate import Mutation, mutations
 
 #: Processor time that one scene may take; the slowest takes less than a tenth of it.
@@ -93,6 +96,35 @@ def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
     check(mitsuba_files(seed=3, n=200), tmp_path)
 
 
+def test_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
+    copy_models(tmp_path)
+    check(models(seed=3, n=100), tmp_path)
+
+
+@pytest.mark.proofs
+def test_three_thousand_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
+    copy_models(tmp_path)
+    check(models(seed=4, n=3000), tmp_path)
+
+
+def test_mutated_files_of_pbrt_render_or_are_refused(tmp_path):
+    write_files(tmp_path)
+    check(pbrt_files(seed=3, n=60), tmp_path)
+
+
+def test_mutated_files_of_openusd_render_or_are_refused(tmp_path):
+    pytest.importorskip("pxr")
+    copy_pictures(tmp_path)
+    check(usd_files(seed=3, n=60), tmp_path)
+
+
+@pytest.mark.proofs
+def test_three_hundred_mutated_files_of_openusd_render_or_are_refused(tmp_path):
+    pytest.importorskip("pxr")
+    copy_pictures(tmp_path)
+    check(usd_files(seed=4, n=300), tmp_path)
+
+
 @pytest.mark.proofs
 def test_two_thousand_mutated_scenes_render_or_are_refused(tmp_path):
     check(mutations(seed=4, n=2000), tmp_path)
@@ -117,3 +149,9 @@ def test_two_thousand_scenes_with_mutated_meshes_render_or_are_refused(tmp_path)
 def test_two_thousand_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
     copy_files(tmp_path)
     check(mitsuba_files(seed=4, n=2000), tmp_path)
+
+
+@pytest.mark.proofs
+def test_six_hundred_mutated_files_of_pbrt_render_or_are_refused(tmp_path):
+    write_files(tmp_path)
+    check(pbrt_files(seed=4, n=600), tmp_path)

@@ -26,6 +26,7 @@ from typing import Any
 import mitsuba_facets  # noqa: F401  (this and those below: their scenes enter themselves
 import mitsuba_layers  # noqa: F401  (into `mitsuba_scenes.SCENES`)
 import mitsuba_lights  # noqa: F401
+import mitsuba_media  # noqa: F401
 import mitsuba_models
 import mitsuba_scenes
 import mitsuba_textures  # noqa: F401

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import alight
-from alight.films import Film
+from alight.films import Film, readout
 from alight.films.ledger import Bias, joined
 from alight.outputs import exr
 from alight.rendering.cycles import Cycles
 from alight.rendering.depth_cap import _series
 from alight.rendering.stopping import Promise
+from tests.rendering.interrupted import cancelled_after
 
 # A closed white box that shines: depth d brings Le rho^(d - 1), so a cap D loses rho^D of it.
 BOX = """
@@ -91,6 +92,69 @@ def test_a_render_that_was_cut_short_is_not_silent(box, tmp_path):
     cancel.set()
     film = alight.render(box("{type: path, max_depth: 3}"), spp=8, cancel=cancel)
     assert film.biases == (Bias("depth cap", "paths end at depth 3"),)
+
+
+def test_a_cancelled_render_knows_its_effect_too(box, monkeypatch):
+    scene = box("{type: path, max_depth: 3}")
+    whole = alight.render(scene, spp=64)
+    with cancelled_after(2, monkeypatch) as cancel:
+        film = alight.render(scene, spp=64, cancel=cancel, threads=1, spp_per_pass=8)
+    assert film.spp < 64
+    (bias,) = film.biases
+    # The ledger's pilot does not depend on how far the picture came.
+    assert film.recorded == whole.recorded
+    assert bias.effect < -0.05
+
+
+def test_a_random_walk_owns_that_it_may_have_missed_the_light(tmp_path):
+    """A lamp that few paths find: what the cap cuts off lies within the doubt, all the same."""
+    path = tmp_path / "lamp.yaml"
+    lamp = "{type: sphere, center: [0.5, 0.6, 0.5], radius: 0.05}"
+    dark = BOX.replace("    light: {type: area, radiance: [1, 2, 3]}\n", "")
+    dark = dark.replace("integrator: INTEGRATOR\n", "")
+    path.write_text(
+        dark
+        + f"  lamp: {{shape: {lamp}, bsdf: {{type: diffuse, reflectance: 0}}, "
+        + "light: {type: area, radiance: 400}}\n"
+    )
+    changes = ["film.size=[32,32]", "integrator.max_depth=4"]
+    known, found = (
+        [
+            alight.render(
+                alight.load(path, [*changes, f"integrator.type={kind}"]), spp=spp, seed=seed
+            ).biases[0]
+            for seed in range(3)
+        ]
+        for kind, spp in (("path", 64), ("random_walk", 256))
+    )
+    truth = np.mean([bias.effect for bias in known])
+    assert truth < -0.03
+    for bias in found:
+        assert bias.effect == pytest.approx(truth, abs=2.0 * bias.error)
+        # The brightest sample alone is worth so much.
+        assert bias.error > 3 / 1.96 / 2**14
+
+
+def test_the_picture_can_be_added_to_while_its_ledger_is_read(box, monkeypatch):
+    """The mean of a large picture takes long; tiles must not wait for it."""
+    film = alight.render(box("{type: path, max_depth: 3}"), spp=8)
+    film._mean_of = -1, 0.0
+    free = []
+
+    def slow(film):
+        def try_lock():
+            free.append(film.lock.acquire(blocking=False))
+            if free[-1]:
+                film.lock.release()
+
+        thread = threading.Thread(target=try_lock)
+        thread.start()
+        thread.join()
+        return np.ones((2, 2, 3))
+
+    monkeypatch.setattr(readout, "image_of", slow)
+    assert film.biases[0].effect < 0.0
+    assert free == [True]
 
 
 def test_the_surest_effect_is_kept():

@@ -74,6 +74,17 @@ def test_a_promise_is_kept_and_not_paid_twice():
     assert 1.0 < np.mean(ratios) < 1.5
 
 
+def test_a_look_asks_for_the_error_that_is_not_exceeded():
+    _, means, counts = noisy(np.random.default_rng(7), 100)
+    promise, means = Promise(0.1), means.astype(np.float32)
+    achieved = [judge_means(means, counts, promise, look).achieved for look in (0, 3, 9)]
+    estimate = estimate_relmse(means, counts)
+    # Ever less of the doubt is left to be spent.
+    for value, doubt in zip(achieved, (0.05 / 2, 0.05 / 20, 0.05 / 110), strict=True):
+        assert value == pytest.approx(estimate.relrmse_below(1.0 - doubt), rel=1e-9)
+    assert estimate.relrmse.value < achieved[0] < achieved[1] < achieved[2]
+
+
 def test_doubt_is_spent_once_over_all_looks():
     promise = Promise(0.1, confidence=0.9)
     assert sum(promise.doubt_at(k) for k in range(100000)) == pytest.approx(0.1, rel=1e-4)
@@ -95,6 +106,10 @@ def test_one_spike_makes_a_noiseless_picture_uncertain():
         15 / 1024 / math.sqrt(1.01)
     )
     judgement = judge_means(means.astype(np.float32), counts, Promise(0.03), 0)
+    assert not judgement.met
+    # All pixels but one are within the error, and still something may be hidden.
+    judgement = judge_means(means.astype(np.float32), counts, Promise(0.03, metric="pixel"), 0)
+    assert judgement.within
     assert not judgement.met
 
 
@@ -191,10 +206,12 @@ def test_cycles_rule_is_its_formula():
     )
 
 
-@pytest.mark.parametrize(("threshold", "samples"), [(0.1, 48), (0.01, 80), (0.001, 144), (1, 32)])
+@pytest.mark.parametrize(
+    ("threshold", "samples"), [(0.1, 48), (0.111, 48), (0.01, 80), (0.001, 144), (1, 32)]
+)
 def test_cycles_decides_first_where_cycles_does(threshold, samples):
-    # By its integrator: ceil(16 / threshold^0.3) is 32, 64, 128, 16; the index of the last sample
-    # is above that, and 15 more than a multiple of 16.
+    # By its integrator: ceil(16 / threshold^0.3) is 32, 31, 64, 128, 16; the last sample has an
+    # index above that, and 15 more than a multiple of 16.
     assert first_decision(threshold) == samples
 
 
@@ -235,12 +252,31 @@ def test_cycles_needs_two_halves():
 
 def test_a_plan_follows_the_slope_of_the_pilot():
     pilot = Pilot(Promise(0.01), seen=[(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)],
-                  seconds=[0.0, 0.1, 0.2, 0.4], need=4.2)  # fmt: skip
+                  passes=[0.2, 0.1, 0.2], looks=[0.03, 0.02, 0.02], need=4.2)  # fmt: skip
     plan = plan_of(pilot, 4)
     assert plan.slope.value == pytest.approx(-1.0)
     assert plan.spp.low <= 4.0 * 64 <= plan.spp.high
     assert plan.spp.high / plan.spp.low < 2.5
-    assert plan.seconds.value == pytest.approx(plan.spp.value * 0.4 / 64)
+    # A start of 0.1 s, 6.25 ms for a sample per pixel, and 14 looks.
+    looks = 1
+    spp = first_look(4)
+    while spp < plan.spp.value:
+        looks, spp = looks + 1, next_look(spp, 4)
+    assert looks == 14
+    expected = 0.1 + plan.spp.value * 0.00625 + looks * 0.02
+    assert plan.seconds.value == pytest.approx(expected)
+    assert plan.seconds.low < expected / 1.25
+    assert plan.seconds.high > expected * 1.25
+
+
+def test_a_plan_doubts_its_seconds_as_much_as_the_pilots_passes_differ():
+    seen = [(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)]
+    steady, restless = (
+        plan_of(Pilot(Promise(0.01), seen, [0.1, second, 0.2], [0.01] * 3, 4.2), 4).seconds
+        for second in (0.1, 0.2)
+    )
+    assert steady.high / steady.low < 5.0
+    assert restless.high / restless.low > 2.0 * steady.high / steady.low
 
 
 @pytest.mark.parametrize("wrong", [{"error": 0.0}, {"error": 11.0}, {"error": 0.1, "share": 1.0},

@@ -48,6 +48,10 @@ SCENE_MISTAKES = [
     ("light_sampling: bsdf", "light_smapling: bsdf", ['option "light_smapling"', "light_sampling"]),
     ("light_sampling: bsdf", "sampler: soboll", ['"soboll"', '"sobol"', "study.yaml:7:"]),
     ("light_sampling: bsdf", "bsdfs.whit.sampling: uniform", ["bsdfs.whit", "arms.bsdf"]),
+    ("light_sampling: bsdf", "schedule: adaptve", ['unknown schedule "adaptve"', '"adaptive"']),
+    ("light_sampling: bsdf", "schedule: {type: cycles, threshold: 0}", ["in (0, 1], got 0"]),
+    ("light_sampling: bsdf", "schedule: {type: cycles, treshold: 1}", ['"treshold"', "threshold"]),
+    ("light_sampling: bsdf", "schedule: {type: adaptive, threshold: 1}", ["only cycles has"]),
     ("light_sampling: bsdf", "builder: shh", ['unknown builder "shh"', "sah"]),
     ("light_sampling: bsdf", "max_depth: 4", ["another picture", "max_depth 4", "study.yaml:7:"]),
     ("light_sampling: bsdf", "filter: gaussian", ["another picture", "filter"]),
@@ -96,6 +100,7 @@ def test_what_changes_the_noise_only_needs_no_declaration():
         "sampler: {type: stratified, strata: 8}", "heuristic: balance", "rr_depth: 2",
         "russian_roulette: none", "light_choice: uniform", "replicates: 1", "builder: median",
         "bsdfs.white.sampling: uniform", "light_sampling: emitter", "structure: bvh",
+        "schedule: adaptive", "schedule: {type: cycles, threshold: 0.1}",
     )  # fmt: skip
     for option in options:
         study = parse_study(_broken("light_sampling: bsdf", option))
@@ -120,8 +125,8 @@ def test_ready_studies_are_valid(name):
             assert max(next(iter(arms.values())).film.size) <= (128 if quick else 256)
 
 
-def test_ten_studies_are_ready():
-    assert len(ready_names()) == 10
+def test_eleven_studies_are_ready():
+    assert len(ready_names()) == 11
 
 
 @pytest.mark.parametrize("text", ["0%", "100%", "-1", "x", "2"])
@@ -131,6 +136,6 @@ def test_shares_out_of_range(text):
 
 
 def test_scenes_of_the_studies_load():
-    for name in ("cosine-sky", "matt-room", "many-lights", "zone-plate"):
+    for name in ("cosine-sky", "matt-room", "many-lights", "rare-spikes", "zone-plate"):
         assert name in builtin_names()
         assert not load(name).warnings

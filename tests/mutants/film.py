@@ -38,7 +38,7 @@ FILM = (
     ),
     Mutant(
         "weight of the pixel filter forgotten",
-        "rendering/tile_kernel.py",
+        "integrators/walk.py",
         (("lanes_vec3(1.0) * weight", "lanes_vec3(1.0)"),),
         f"{TWIN}::test_an_edge_rings_as_the_mitchell_filter_says",
     ),

@@ -2,10 +2,23 @@
 
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
+from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import MATERIALS, TEXTURES
+from tests.mutants.media import MEDIA
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.transport import TRANSPORT
 
-MUTANTS = SCATTERING + LIGHT + TRANSPORT + RAYS + FILM + FACETS + TEXTURES + MATERIALS
+MUTANTS = (
+    SCATTERING
+    + LIGHT
+    + TRANSPORT
+    + RAYS
+    + FILM
+    + FACETS
+    + TEXTURES
+    + MATERIALS
+    + MEDIA
+    + KNOWN_ERROR
+)

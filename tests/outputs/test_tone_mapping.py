@@ -5,7 +5,8 @@ import pytest
 
 from alight.core.errors import OptionError
 from alight.core.srgb import decode_srgb, encode_srgb
-from alight.outputs.tone_mapping import TONE_MAPS, Display
+from alight.outputs.display import Display
+from alight.outputs.tone_mapping import TONE_MAPS
 
 
 def grey(value):
@@ -22,10 +23,14 @@ def grey(value):
         ("aces", 1.0, 0.8037975),
         ("hable", 5.6, 1.0),
         ("hable", 0.0, 0.0),
+        # 0.18 lies at position 0.606 of AgX's stops, where its curve is 0.4971.
+        ("agx", 0.18, 0.2145),
     ],
 )
 def test_known_points(name, value, expected):
-    assert TONE_MAPS[name](grey(value))[0, 0, 0] == pytest.approx(expected, abs=1e-6)
+    assert TONE_MAPS[name](grey(value))[0, 0, 0] == pytest.approx(
+        expected, abs=1e-4 if name == "agx" else 1e-6
+    )
 
 
 @pytest.mark.parametrize("name", TONE_MAPS)
@@ -43,8 +48,34 @@ def test_reinhard_keeps_the_ratios_of_the_channels():
     np.testing.assert_allclose(mapped / mapped[..., 2:], colour)
 
 
+def test_agx_keeps_grey_and_pales_bright_colours():
+    shown = TONE_MAPS["agx"](np.logspace(-3, 2, 50)[:, None, None] * np.ones(3))
+    np.testing.assert_allclose(shown, shown.mean(axis=-1, keepdims=True) * np.ones(3), rtol=2e-3)
+    dim, bright = (
+        TONE_MAPS["agx"](level * np.array([[[1.0, 0.0, 0.0]]]))[0, 0] for level in (0.1, 50)
+    )
+    assert dim[1] / dim[0] < 0.1 < 0.5 < bright[1] / bright[0]
+
+
 def test_one_stop_doubles():
     np.testing.assert_allclose(Display(1.0).apply(grey(0.2)), Display().apply(grey(0.4)))
+
+
+def test_automatic_exposure_makes_the_middle_grey():
+    picture = np.array([0.02, 0.5, 8.0, 0.0])[None, :, None] * np.ones(3)
+    shown = decode_srgb(Display("auto").apply(picture))
+    # The geometric mean of the lit pixels is 0.08^(1/3).
+    expected = np.minimum(picture * 0.18 / 0.08 ** (1 / 3), 1.0)
+    np.testing.assert_allclose(shown, expected, rtol=1e-6)
+    assert Display("auto").developed(np.zeros((2, 2, 3))).exposure == 0.0
+
+
+def test_parts_of_a_picture_are_developed_as_the_whole():
+    picture = np.random.default_rng(1).uniform(0.0, 2.0, (8, 4, 3)) * np.array([1.0, 0.7, 0.3])
+    display = Display("auto", "agx", white_balance="auto")
+    development = display.developed(picture)
+    parts = np.concatenate([development.apply(picture[:3]), development.apply(picture[3:])])
+    np.testing.assert_array_equal(parts, display.apply(picture))
 
 
 def test_srgb_and_back():
@@ -60,6 +91,11 @@ def test_srgb_and_back():
         ({"tone_map": "acess"}, 'unknown tone map "acess"; did you mean "aces"'),
         ({"exposure": float("nan")}, r"\[-100, 100\] stops, got nan"),
         ({"exposure": 101.0}, r"\[-100, 100\] stops, got 101"),
+        ({"exposure": "bright"}, r'auto or lie in \[-100, 100\] stops, got "bright"'),
+        ({"white_balance": "900K"}, r'\[1000K, 15000K\] as 3200K, .*; got "900k"'),
+        ({"white_balance": "3200"}, 'got "3200"'),
+        ({"white_balance": "1,nan,1"}, 'got "1,nan,1"'),
+        ({"white_balance": "0,0,0"}, 'got "0,0,0"'),
         ({"bits": 12}, "8 or 16, got 12"),
     ],
 )

@@ -19,9 +19,11 @@ from alight.core.view import View
 from alight.films import fixed_point
 from alight.laws.integrators import ROOM
 from alight.rendering.observation import closest_of_all, occlude_by_all
+from alight.scene.description import FilmSettings
 from alight.scene.files import loads
 from alight.shapes.hit import Hit
 from tests.docs.pages import ROOT
+from tests.media.scenes import bodies
 
 
 def room(size=(24, 24), integrator="path", sampler="independent", filter_type="box"):
@@ -42,6 +44,7 @@ RENDERS = {
     "random_walk": lambda: room(
         integrator="random_walk", sampler="multijittered", filter_type="gaussian"
     ),
+    "volpath": lambda: bodies(0.8, g=0.3).replaced(film=FilmSettings(size=(24, 24))),
     "ambient_occlusion": lambda: room(integrator="ambient_occlusion", sampler="stratified"),
 }
 SAMPLE, SEED = 5, 3

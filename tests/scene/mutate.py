@@ -59,6 +59,8 @@ class Mutation(NamedTuple):
     text: str
     mesh_name: str
     mesh: bytes
+    #: Of the scene; its ending may decide the format.
+    name: str = "scene.yaml"
 
 
 def mutations(seed: int, n: int) -> Iterator[Mutation]:

@@ -18,17 +18,20 @@ SIDE = 8
 #: Not those whose thousands of shapes the twin would test one by one, nor those whose light BSDF
 #: sampling alone must find.
 SCENES = (
+    "blurred-foreground",
     "coated-plastics",
     "cornell-box",
     "depth-of-field",
     "environment-map",
     "infinite-plane",
     "lambert-and-uniform-scatter",
+    "lamp-and-glass",
     "material-ball",
     "mirror-and-glass",
     "phong-exponents",
     "rough-glass",
     "rough-metals",
+    "soft-shadows",
     "veach-plates",
 )
 

@@ -58,6 +58,20 @@ SCENES = {
     "unknown-metal": CAMERA + "bsdfs: {g: {type: conductor, metal: god}}\n",
     "half-a-metal": CAMERA + "bsdfs: {g: {type: conductor, eta: 1}}\n",
     "metal-and-eta": CAMERA + "bsdfs: {g: {type: conductor, metal: gold, eta: 1, k: 1}}\n",
+    "media-unseen": CAMERA + "medium: {type: homogeneous}\nintegrator: path\n",
+    "misspelt-medium": CAMERA
+    + "media: {fog: {type: homogeneous}}\nnodes: {a: {shape: sphere, interior: fgo}}\n",
+    "medium-without-border": CAMERA + "nodes: {a: {interior: {type: homogeneous}}}\n",
+    "medium-named-vacuum": CAMERA + "media: {vacuum: {type: homogeneous}}\n",
+    "medium-given-two-ways": CAMERA + "medium: {type: homogeneous, sigma_t: 1, sigma_s: 1}\n",
+    "medium-too-forward": CAMERA
+    + "medium: {type: homogeneous, phase: {type: henyey_greenstein, g: 1}}\n",
+    "grid-without-values": CAMERA + "medium: {type: grid}\n",
+    "grid-of-a-missing-file": CAMERA + "medium: {type: grid, file: smoke.npy}\n",
+    "grid-of-an-unknown-cloud": CAMERA + 'medium: {type: grid, file: "builtin:clowd"}\n',
+    "grid-not-square": CAMERA + "medium: {type: grid, values: [[[1, 2], [3]]]}\n",
+    "grid-negative": CAMERA + "medium: {type: grid, values: [[[1, -2]]]}\n",
+    "grid-upside-down": CAMERA + "medium: {type: grid, values: [[[1]]], high: [1, -1, 1]}\n",
     "phong-makes-energy": CAMERA + "bsdfs: {p: {type: phong, diffuse: 0.8, specular: 0.3}}\n",
     "phong-makes-energy-by-name": CAMERA
     + "textures: {t: {type: constant, color: 0.9}}\n"
@@ -284,7 +298,7 @@ def test_files_that_cannot_be_read(tmp_path):
         "cornel-box": 'did you mean "cornell-box"?',
         str(tmp_path): "is a folder",
         str(tmp_path / "scene.yml"): 'did you mean "',
-        str(tmp_path / "scene.blend"): "must be a scene file (.yaml, .yml, .json, .xml)",
+        str(tmp_path / "scene.blend"): "must be a scene file (.yaml, .yml, .json, .xml, ",
         str(tmp_path / "latin.yaml"): "must be UTF-8 text, got byte 0xe4 at 2",
     }
     (tmp_path / "scenes.yml").write_text("alight: 1")

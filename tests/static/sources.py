@@ -14,6 +14,8 @@ FAMILIES = (
     "cameras",
     "samplers",
     "filters",
+    "phases",
+    "media",
     "integrators",
 )
 CODE_FOLDERS = ("alight", "tests", "benchmarks", "docs", "examples")

@@ -8,13 +8,14 @@ from alight.bsdfs.diffuse import Diffuse
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.core.jit import instantiate
+from alight.core.vec3 import Vec3
 from alight.core.view import View
 from alight.textures import fetch
 
 Scene = namedtuple("Scene", "materials shapes")
 Shapes = namedtuple("Shapes", "info")
 #: The fields of `alight.shapes.hit.Surface` that textures look at.
-Surface = namedtuple("Surface", "u v shape color")
+Surface = namedtuple("Surface", "u v shape color p", defaults=[None])
 
 
 def scene_of(*textures):
@@ -31,5 +32,5 @@ def look_up(texture, u, v):
     kernel = instantiate(fetch.color, program, compiled=False)
     zeros = np.zeros(len(u), np.uint32)
     with np.errstate(all="ignore"):
-        found = kernel(scene, zeros, Surface(u, v, zeros, None))
+        found = kernel(scene, zeros, Surface(u, v, zeros, None, Vec3(u, v, np.zeros_like(u))))
     return np.stack([np.broadcast_to(c, len(u)) for c in (found.x, found.y, found.z)], axis=1)

@@ -302,3 +302,18 @@ def test_what_is_no_bitmap_is_refused(fields, message):
     with pytest.raises(SceneError) as caught:
         Bitmap(**fields)
     assert message in str(caught.value)
+
+
+def test_the_two_directions_may_wrap_differently():
+    u, v = (4 * np.random.default_rng(8).random((2, 200)) - 2).astype(np.float32)
+    both = Bitmap(pixels=RAMP, wrap="mirror", wrap_v="clamp")
+    # Inside the square in one direction the other one's way decides.
+    inside = np.clip(v, 0.0, 1.0)
+    wanted = look_up(Bitmap(pixels=RAMP, wrap="mirror"), u, inside)
+    np.testing.assert_allclose(look_up(both, u, v), wanted, atol=1e-6)
+    other = Bitmap(pixels=RAMP, wrap="repeat", wrap_v="mirror")
+    wanted = look_up(Bitmap(pixels=RAMP, wrap="mirror"), u - np.floor(u), v)
+    same = look_up(Bitmap(pixels=RAMP), u, v - np.floor(v))
+    middle = (u % 1 > 0.125) & (u % 1 < 0.875)
+    np.testing.assert_allclose(look_up(other, u, v)[middle], wanted[middle], atol=1e-5)
+    assert not np.allclose(look_up(other, u, v), same)

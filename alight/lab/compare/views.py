@@ -16,8 +16,9 @@ from alight.lab.report.page import render_page
 from alight.lab.report.style import require_packages
 from alight.metrics.relmse import default_epsilon
 from alight.outputs.atomic import check_folder, replacing
+from alight.outputs.display import Display
 from alight.outputs.image import write_image
-from alight.outputs.tone_mapping import LUMINANCE, Display
+from alight.outputs.tone_mapping import LUMINANCE
 
 #: Linear formats that keep values below 0, for the plain difference.
 _LINEAR = (".exr", ".npy", ".pfm")

@@ -27,8 +27,9 @@ from alight.core.simd import where
 from alight.core.vec import Vec3
 from alight.laws.materials import stacked
 from alight.laws.scene.findings import Finding
-from alight.laws.statistics import chi_square, chi_square_tail, length_error
-from alight.lights.sampling import choose_light, environment_pdf, light_pdf, sample_light
+from alight.laws.statistics import chi_square, chi_square_tail, length_error, unit_vectors
+from alight.lights.sampling import LIGHTS, choose_light, environment_pdf, light_pdf, sample_light
+from alight.lights.tree import choose_by_tree
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.surfaces import make_surface
 
@@ -97,7 +98,7 @@ def check_lights(flat: FlatScene, compiled: CompiledScene, seed: int) -> Iterato
     if not compiled.program.lights:
         return
     if not compiled.program.single_light:
-        yield _choice(compiled, rng)
+        yield _choice(compiled, _box(flat), rng)
     shining = [shape for shape in flat.shapes if shape.light is not None and not _is_dark(shape)]
     parts = [(shape.name, _alone(flat, shapes=[shape])) for shape in shining]
     parts += [(light.name, _alone(flat, lights=[light])) for light in flat.lights]
@@ -133,17 +134,32 @@ def _box(flat: FlatScene) -> tuple[np.ndarray, np.ndarray]:
     return places.min(axis=0), places.max(axis=0)
 
 
-def _choice(compiled: CompiledScene, rng: np.random.Generator) -> Finding:
+def _choice(
+    compiled: CompiledScene, box: tuple[np.ndarray, np.ndarray], rng: np.random.Generator
+) -> Finding:
     """Whether each light is chosen as often as its probability says."""
-    u = rng.random(100_000, np.float32)
-    index, pmf, rest = instantiate(choose_light, compiled.program, compiled=False)(
-        compiled.tables, u
-    )
+    n = 100_000
+    u = rng.random((3, n), np.float32)
+    law = "lights are chosen as often as their probability says"
     lights = compiled.tables.lights.info.size // 4
+    if compiled.program.light_tree:
+        place, normal = rng.uniform(*box), unit_vectors(1, int(rng.integers(1 << 30)))[:, 0]
+        p, up = (Vec3(*(np.full(n, c, np.float32) for c in v)) for v in (place, normal))
+        run = instantiate(choose_by_tree, compiled.program, compiled=False)
+        with np.errstate(all="ignore"):
+            found = run(compiled.tables, p, up, u[0], (u[1], u[2]), np.ones(n, bool))
+        # A mesh light's triangles are chosen one by one.
+        keys = found.index.astype(np.int64) << 24 | np.floor(found.rest).astype(np.int64)
+        keys = np.where(found.pmf > 0.0, keys, -1)
+        names, first, counts = np.unique(keys, return_index=True, return_counts=True)
+        said, none = found.pmf[first].astype(float), counts[names < 0].sum()
+        counts, said = np.append(counts[names >= 0], none), said[names >= 0]
+        return Finding("lights", law, p=chi_square(counts, said), detail=f"{lights} lights")
+    choose = instantiate(choose_light, compiled.program, compiled=False)
+    index, pmf, rest = choose(compiled.tables, u[0])
     said = np.zeros(lights)
     said[index] = pmf
     counts = np.append(np.bincount(index, minlength=lights), 0)
-    law = "lights are chosen as often as their probability says"
     if not ((rest >= 0.0) & (rest < 1.0)).all():
         return Finding("lights", law, holds=False, detail="what is left of u is outside of [0, 1)")
     return Finding("lights", law, p=chi_square(counts, said), detail=f"{lights} lights")
@@ -179,7 +195,7 @@ def _of_one(
 
 
 def _is_delta(scene: CompiledScene) -> bool:
-    return not ({"area", "constant", "environment"} & set(scene.program.lights))
+    return all(LIGHTS[name].DELTA for name in scene.program.lights if name in LIGHTS)
 
 
 def _sampled(
@@ -190,7 +206,8 @@ def _sampled(
     u = rng.random((3, N), np.float32)
     sample = instantiate(sample_light, scene.program, compiled=False)
     with np.errstate(all="ignore"):
-        light = sample(scene.tables, point, point, u[0], (u[1], u[2]), np.ones(N, bool))
+        # Without a normal the probabilities of a light tree are those that MIS knows.
+        light = sample(scene.tables, point, point * 0.0, u[0], (u[1], u[2]), np.ones(N, bool))
     return light, stacked(light.wi, N).astype(float), np.broadcast_to(light.pdf, N).astype(float)
 
 

@@ -11,6 +11,10 @@ plus clouds, which are octaves of smooth random numbers on a plane overhead. The
 radius 0.6 degrees with a soft edge, twice as large as the real one, so that a texel is smaller
 than it. Its irradiance is about three times that of the sky.
 
+``builtin:studio`` is a room for a single object: a wide soft box overhead and to the left of the
+front (+z), a weaker one to the right, a strip behind, soft grey walls that grow darker downwards.
+White paper shows 0.9 where it faces the light, 0.6 in front.
+
 ``builtin:zone-plate`` is a test picture of rings that grow finer with the distance from a corner.
 
 Source: the sky's shape (gradient to the horizon, circumsolar glow, Rayleigh's 1 + cos^2) is that of
@@ -34,6 +38,13 @@ Array = NDArray[np.float64]
 PREFIX = "builtin:"
 
 WIDTH, HEIGHT = 1024, 512
+STUDIO_ROWS, WALLS = 128, (0.94, 0.97, 1.0)
+#: Direction (+x right, +y up, +z front), angle to the edge (degrees), radiance, colour.
+SOFT_BOXES = (
+    ((-0.8, 1.0, 0.7), 34.0, 3.4, (1.0, 0.96, 0.9)),
+    ((1.0, 0.45, 0.5), 24.0, 1.2, (0.9, 0.95, 1.0)),
+    ((0.3, 0.6, -1.0), 20.0, 1.8, (1.0, 1.0, 1.0)),
+)
 RINGS = 1024  # texels on the side of the zone plate
 SUN_HEIGHT, SUN_AZIMUTH, SUN_RADIUS = 38.0, 140.0, 0.6  # degrees
 SUN = (7600.0, 6500.0, 4900.0)  # W/(m^2 sr), as all that follow
@@ -65,6 +76,21 @@ def sky() -> NDArray[np.float32]:
     picture = np.full((HEIGHT, WIDTH, 3), GROUND)
     above = _smoothstep(y, -0.01, 0.005)[:, :, None]
     picture[:rows] += above * (clear - picture[:rows])
+    return picture.astype(np.float32)
+
+
+def studio() -> NDArray[np.float32]:
+    """Radiance of a photographer's room, linear sRGB, shape (128, 256, 3), top row first."""
+    azimuth = (np.arange(2 * STUDIO_ROWS) + 0.5) * (np.pi / STUDIO_ROWS)
+    theta = (np.arange(STUDIO_ROWS) * (np.pi / (STUDIO_ROWS - 1)))[:, None]
+    x, y, z = np.sin(theta) * np.sin(azimuth), np.cos(theta), -np.sin(theta) * np.cos(azimuth)
+    walls = 0.15 + 0.2 * _smoothstep(y, -0.6, 1.0)
+    picture = _spread(walls * np.ones_like(x), WALLS)
+    for (right, up, front), width, strength, color in SOFT_BOXES:
+        size = np.sqrt(right * right + up * up + front * front)
+        cosine = np.clip((x * right + y * up + z * front) / size, -1.0, 1.0)
+        edge = np.radians([0.6 * width, width])
+        picture += _spread(strength * (1.0 - _smoothstep(np.arccos(cosine), *edge)), color)
     return picture.astype(np.float32)
 
 
@@ -109,7 +135,11 @@ def _noise(lattice: Array, x: Array, y: Array) -> Array:
     return upper + t * (lower - upper)
 
 
-PICTURES: dict[str, Callable[[], NDArray[np.float32]]] = {"sky": sky, "zone-plate": zone_plate}
+PICTURES: dict[str, Callable[[], NDArray[np.float32]]] = {
+    "sky": sky,
+    "studio": studio,
+    "zone-plate": zone_plate,
+}
 
 
 def is_builtin(name: str) -> bool:

@@ -1,12 +1,16 @@
 """Wavefront OBJ meshes: positions, texture coordinates, normals, vertex colours, polygons.
 
-Materials are ignored: a scene gives a mesh one BSDF. A vertex that appears with different texture
-coordinates or normals is stored once for each, because kernels index all arrays alike.
+As a mesh of a scene it has no materials: the scene gives it one BSDF. Opened by itself it is read
+by `alight.scene.formats.obj_scene`. A vertex that appears with different texture coordinates or
+normals is stored once for each, because kernels index all arrays alike.
 
 Source: Wavefront Technologies, Object files (.obj), appendix B1 of the Advanced Visualizer manual.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,21 +40,66 @@ def read(data: bytes) -> MeshArrays:
     SceneError
         If the file is broken; messages name the line.
     """
-    tables: dict[bytes, list[list[float]]] = {b"v": [], b"vt": [], b"vn": []}
-    corners: list[tuple[int, int, int]] = []
-    sizes: list[int] = []
+    content = parse(data)
+    return assemble(content.tables, content.corners, content.sizes)
+
+
+class Statement(NamedTuple):
+    """A line that is neither a vertex nor a face: its words, line number, and faces before it."""
+
+    words: list[bytes]
+    line: int
+    faces: int
+
+
+@dataclass
+class Content:
+    """What a file says.
+
+    Attributes
+    ----------
+    tables : dict
+        ``v``, ``vt`` and ``vn``: rows of numbers.
+    corners : list of (int, int, int)
+        Rows of the three tables, of all faces one after the other; -1 where there is none.
+    sizes : list of int
+        Corners of each face.
+    statements : list of Statement
+        The rest, in order.
+    """
+
+    tables: dict[bytes, list[list[float]]] = field(
+        default_factory=lambda: {b"v": [], b"vt": [], b"vn": []}
+    )
+    corners: list[tuple[int, int, int]] = field(default_factory=list)
+    sizes: list[int] = field(default_factory=list)
+    statements: list[Statement] = field(default_factory=list)
+
+
+def parse(data: bytes) -> Content:
+    """Split a file into its statements.
+
+    Raises
+    ------
+    SceneError
+        If a vertex or a face is broken; messages name the line.
+    """
+    content = Content()
+    tables = content.tables
     text = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
     for number, line in enumerate(text.splitlines(), 1):
         words = line.split()
-        if not words:
+        if not words or words[0].startswith(b"#"):
             continue
         if words[0] in tables:
             tables[words[0]].append(_parse_row(words, number))
         elif words[0] == b"f":
             counts = (len(tables[b"v"]), len(tables[b"vt"]), len(tables[b"vn"]))
-            corners.extend(_parse_corner(word, counts, number) for word in words[1:])
-            sizes.append(len(words) - 1)
-    return _assemble(tables, corners, sizes)
+            content.corners.extend(_parse_corner(word, counts, number) for word in words[1:])
+            content.sizes.append(len(words) - 1)
+        else:
+            content.statements.append(Statement(words, number, len(content.sizes)))
+    return content
 
 
 def _parse_row(words: list[bytes], number: int) -> list[float]:
@@ -86,9 +135,16 @@ def _parse_corner(word: bytes, counts: tuple[int, int, int], number: int) -> tup
     return result[0], result[1], result[2]
 
 
-def _assemble(
+def assemble(
     tables: dict[bytes, list[list[float]]], corners: list[tuple[int, int, int]], sizes: list[int]
 ) -> MeshArrays:
+    """Make arrays of some faces.
+
+    Raises
+    ------
+    SceneError
+        If a face uses rows that are not there.
+    """
     # A row per distinct (v, vt, vn), in the order of v, so that plain files keep their order.
     keys = np.array(corners, np.int64).reshape(-1, 3)
     _check_indices(tables, keys)

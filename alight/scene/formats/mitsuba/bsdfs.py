@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from alight.core.errors import unknown_name
@@ -9,7 +10,7 @@ from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.media import MEDIA, METALS, PERFECT
-from alight.scene.formats.mitsuba.textures import color_or_texture, number_or_texture
+from alight.scene.formats.mitsuba.textures import color_or_texture, number_or_texture, texture_value
 from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number
 
 #: What takes the place of a material that is not covered.
@@ -178,6 +179,76 @@ def _phong(draft: Draft) -> None:
     draft.number("exponent", 30.0)
 
 
+def _normal_map(draft: Draft) -> None:
+    color_or_texture(draft, "texture", name="normalmap")
+    if not draft.properties.has("normalmap"):
+        draft.context.report.error(draft.element, 'needs <texture name="normalmap" ...>')
+    _as_mitsuba_bends(draft)
+    draft.put("follow_uv", False)
+    _nested(draft, "bsdf")
+
+
+def _bump_map(draft: Draft) -> None:
+    p = draft.properties
+    # Its texture may have any name.
+    names = [name for name, child in p.named.items() if child.tag == "texture"]
+    textures = [*p.take("texture"), *filter(None, (p.find(name) for name in names))]
+    if len(textures) != 1:
+        draft.context.report.error(draft.element, f"must hold one texture, got {len(textures)}")
+    else:
+        path = f"{draft.path}.texture"
+        draft.put("texture", texture_value(draft.context, textures[0], path, as_number=True))
+    draft.number("scale", 1.0)
+    _as_mitsuba_bends(draft)
+    _nested(draft, "bsdf")
+
+
+def _as_mitsuba_bends(draft: Draft) -> None:
+    """Fold normals that turn away from the viewer, and fade light out, unless told not to."""
+    folded = draft.properties.flag("flip_invalid_normals", True)
+    draft.put("rims", "folded" if folded else "black", "flip_invalid_normals")
+    fading = draft.properties.flag("use_shadowing_function", True)
+    draft.put("fading", None if fading else False, "use_shadowing_function")
+
+
+def _principled(draft: Draft) -> None:
+    p = draft.properties
+    color_or_texture(draft, "base_color", 0.5)
+    for name in ("metallic", "clearcoat", "clearcoat_gloss"):
+        number_or_texture(draft, name)
+    _burley_lobes(draft)
+    if p.has("eta"):
+        draft.number("ior", 1.5, "eta")
+        if p.has("specular"):
+            draft.context.report.error(draft.element, "takes either eta or specular, got both")
+    else:
+        specular = p.number("specular", 0.5) or 0.0
+        draft.put("ior", 2.0 / (1.0 - math.sqrt(0.08 * max(specular, 0.0))) - 1.0, "specular")
+    rates = "main_specular_sampling_rate", "clearcoat_sampling_rate"
+    p.ignore(_RATES, *rates, "diffuse_reflectance_sampling_rate")
+
+
+def _principled_thin(draft: Draft) -> None:
+    color_or_texture(draft, "base_color", 0.5)
+    # Ours is the share itself.
+    number_or_texture(draft, "through", name="diff_trans", scale=0.5)
+    _burley_lobes(draft)
+    draft.number("ior", 1.5, "eta")
+    kinds = [f"{a}_{b}" for a in ("specular", "diffuse") for b in ("reflectance", "transmittance")]
+    draft.properties.ignore(_RATES, *(f"{kind}_sampling_rate" for kind in kinds))
+
+
+#: Why sampling rates play no part.
+_RATES = "how often a lobe is sampled does not change the picture"
+
+
+def _burley_lobes(draft: Draft) -> None:
+    number_or_texture(draft, "roughness", 0.5)
+    names = "anisotropic", "spec_trans", "spec_tint", "sheen", "sheen_tint", "flatness"
+    for name in names:
+        number_or_texture(draft, name)
+
+
 def _two_sided(draft: Draft) -> None:
     _nested(draft, "bsdf")
 
@@ -201,13 +272,17 @@ def _nothing(draft: Draft) -> None:
 #: Plug-ins of Mitsuba that alight has models for: our name, and what reads the parameters.
 COVERED: dict[str, tuple[str, Callable[[Draft], None]]] = {
     "blendbsdf": ("blend", _blend),
+    "bumpmap": ("bump_map", _bump_map),
     "conductor": ("conductor", _conductor),
     "dielectric": ("dielectric", _dielectric),
     "diffuse": ("diffuse", _diffuse),
     "mask": ("mask", _mask),
+    "normalmap": ("normal_map", _normal_map),
     "null": ("null", _nothing),
     "phong": ("phong", _phong),
     "plastic": ("plastic", _plastic),
+    "principled": ("burley", _principled),
+    "principledthin": ("burley_thin", _principled_thin),
     "roughconductor": ("rough_conductor", _rough_conductor),
     "roughdielectric": ("rough_dielectric", _rough_dielectric),
     "roughplastic": ("rough_plastic", _rough_plastic),

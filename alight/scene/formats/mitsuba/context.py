@@ -34,9 +34,11 @@ class Context:
     places : dict of str to str
         Key path of the native description -> ``file:line:column``.
     tables : dict of str to dict
-        ``bsdfs``, ``textures`` and ``prototypes`` by name, as the native format has them.
+        ``bsdfs``, ``textures``, ``media`` and ``prototypes`` by name, as in the native format.
     loaded : dict
         Meshes that have been read.
+    sees_media, uses_media : bool
+        Whether the file's integrator knows of media; whether there are any.
     """
 
     report: Report
@@ -45,6 +47,8 @@ class Context:
     places: dict[str, str] = field(default_factory=dict)
     tables: dict[str, dict[str, Data]] = field(default_factory=dict)
     loaded: dict[Any, Any] = field(default_factory=dict)
+    sees_media: bool = False
+    uses_media: bool = False
     _names: dict[tuple[str, str], str] = field(default_factory=dict)
     _taken: set[tuple[str, str]] = field(default_factory=set)
     _open: list[Element] = field(default_factory=list)
@@ -55,7 +59,7 @@ class Context:
     def __post_init__(self) -> None:
         """Open the tables."""
         self.colors = Colors(self.report, self.reach)
-        self.tables = {"bsdfs": {}, "textures": {}, "prototypes": {}}
+        self.tables = {"bsdfs": {}, "textures": {}, "media": {}, "prototypes": {}}
 
     def target(self, element: Element, *tags: str) -> Element | None:
         """Find what a ``<ref>`` refers to; other elements stand for themselves."""

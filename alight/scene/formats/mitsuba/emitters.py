@@ -9,8 +9,10 @@ import numpy as np
 
 from alight.core.errors import join_path
 from alight.scene.formats.mitsuba.context import Context, Data
+from alight.scene.formats.mitsuba.daylight import sky_and_sun
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
+from alight.scene.formats.mitsuba.projectors import projector, textured_spot
 from alight.scene.formats.mitsuba.properties import COLORS
 from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.mitsuba.textures import NUMBERS, texture_value
@@ -18,6 +20,8 @@ from alight.scene.formats.mitsuba.transforms import Step, steps_of
 
 #: How lights are chosen is not the file's business; the picture is the same.
 _UNUSED = ("sampling_weight",)
+#: Why a light need not know where it stands.
+LIT_MEDIUM = "shadow rays find the media on their way by the borders that they cross"
 
 
 def area_light(context: Context, element: Element, path: str) -> Data | None:
@@ -46,6 +50,9 @@ def node_light(context: Context, element: Element, path: str) -> Data | None:
     light = Draft(context, element, join_path(path, "light"), element.type)
     light.properties = p
     steps = NODES[element.type](light)
+    for medium in p.take("medium"):
+        context.report.note(medium, LIT_MEDIUM)
+    p.ignore(LIT_MEDIUM, "medium")
     p.finish()
     draft.put("transform", steps or None, "to_world")
     draft.put("light", light.data)
@@ -78,9 +85,7 @@ def _spot(light: Draft) -> list[Step]:
     light.number("cutoff_angle", 20.0)
     light.number("beam_width")
     texture = light.properties.find("texture")
-    if texture is not None:
-        light.context.report.not_covered(texture, "a spot has no texture here", "left out")
-    return steps
+    return steps if texture is None else textured_spot(light, texture, steps)
 
 
 def _steps_or(light: Draft, name: str) -> list[Step]:
@@ -141,6 +146,10 @@ NODES: dict[str, Callable[[Draft], list[Step]]] = {
     "directional": _directional,
     "spot": _spot,
     "envmap": _map,
+    "projector": projector,
+    "sunsky": sky_and_sun,
+    "sky": sky_and_sun,
+    "sun": sky_and_sun,
 }
 #: Emitters that surround the scene.
-ENVIRONMENTS = ("constant", "envmap")
+ENVIRONMENTS = ("constant", "envmap", "sunsky", "sky", "sun")

@@ -5,14 +5,15 @@ from __future__ import annotations
 from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
+from alight.scene.formats.mitsuba.interiors import SEEING
 
 #: Integrators that hold another one, and why nothing is lost without them.
 WRAPPERS = {
     "moment": "is taken off: the variance of every pixel is part of every film",
     "aov": "is taken off: layers are asked for with --aov",
 }
-#: Integrators that follow paths; without media, which are refused, they agree.
-PATHS = ("path", "volpath", "volpathmis")
+#: Integrators that follow paths; without media they agree.
+PATHS = ("path", *SEEING)
 COVERED = (*PATHS, "direct", *WRAPPERS)
 
 
@@ -26,7 +27,8 @@ def convert(context: Context, element: Element) -> Data | None:
         return {"type": "path"}
     draft = Draft(context, element, "integrator", "direct" if kind == "direct" else "path")
     p = draft.properties
-    p.only("hide_emitters", False, "lights are seen")
+    if p.flag("hide_emitters"):
+        draft.put("hide_emitters", True)
     p.ignore("it is an option of the command line", "block_size", "samples_per_pass", "timeout")
     if kind == "direct":
         _direct(draft)
@@ -38,6 +40,19 @@ def convert(context: Context, element: Element) -> Data | None:
             p.only("strict_normals", False, "shading normals are taken as they are")
     p.finish()
     return draft.data
+
+
+def sees_media(elements: list[Element]) -> bool:
+    """Whether the integrator of a file, perhaps inside another one, knows of media."""
+    for element in elements[:1]:
+        inner = [child for child in element.children if child.tag == "integrator"]
+        return element.type in SEEING or (element.type in WRAPPERS and sees_media(inner))
+    return False
+
+
+def for_media(description: Data | None) -> Data:
+    """The integrator of a scene in which there are media."""
+    return {**(description or {}), "type": "volpath"}
 
 
 def _unwrapped(context: Context, element: Element) -> Data | None:

@@ -34,8 +34,8 @@ OBJECTS = (
     "texture",
     "volume",
 )
-#: Objects about what is between surfaces.
-MEDIA = ("medium", "phase", "subsurface", "volume")
+#: Objects about what is below surfaces, beside media.
+BELOW = ("subsurface",)
 
 
 class Properties:
@@ -191,8 +191,8 @@ class Properties:
                 self.report.not_covered(element, known, "ignored")
         for element in self.objects:
             text = f"has no use in {self.element.label}"
-            if element.tag in MEDIA:
-                text = "is not covered: there is nothing between surfaces"
+            if element.tag in BELOW:
+                text = "is not covered: give the shape an interior medium"
             self.report.not_covered(element, text, "ignored")
 
 

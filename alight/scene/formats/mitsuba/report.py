@@ -3,32 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 
 from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.scene.formats.mitsuba.elements import Element
+from alight.scene.formats.report import Report as AnyReport
 
 
-@dataclass
-class Report:
-    """Collects problems and remarks about elements.
-
-    Attributes
-    ----------
-    lenient : bool
-        Whether what is not covered becomes a remark instead of a problem.
-    issues : list of Issue
-        Problems.
-    notes : list of str
-        What is left out without harm, a line each.
-    warnings : list of str
-        What was replaced or is suspicious, a line each.
-    """
-
-    lenient: bool = False
-    issues: list[Issue] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
+class Report(AnyReport):
+    """Collects problems and remarks about elements."""
 
     def error(self, element: Element, message: str) -> None:
         """Report a problem, which nothing mends but an edit."""

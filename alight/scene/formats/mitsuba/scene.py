@@ -4,48 +4,28 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from alight.core.errors import Issue, join_path, unknown_name
 from alight.scene.build import FORMAT_VERSION
-from alight.scene.formats.mitsuba import bsdfs, emitters, integrators, sensors, shapes, textures
+from alight.scene.formats.mitsuba import (
+    bsdfs,
+    emitters,
+    integrators,
+    interiors,
+    sensors,
+    shapes,
+    textures,
+)
 from alight.scene.formats.mitsuba.context import Context
 from alight.scene.formats.mitsuba.document import Document, read_document
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.report import Report
+from alight.scene.formats.parsed import Parsed
 
 #: Kinds of objects at the top level, in the order in which they are converted.
-TOP = ("sensor", "integrator", "texture", "bsdf", "shape", "emitter")
-
-
-@dataclass
-class Parsed:
-    """What a file says.
-
-    Attributes
-    ----------
-    data : dict
-        Plain data as of a native file.
-    places : dict of str to str
-        Key path -> ``file:line:column``.
-    issues : list of Issue
-        Problems.
-    notes : list of str
-        What plays no part in the picture.
-    warnings : list of str
-        What was replaced or is suspicious.
-    spp : int or None
-        Samples per pixel that the file asks for.
-    """
-
-    data: dict[str, Any]
-    places: dict[str, str] = field(default_factory=dict)
-    issues: list[Issue] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    spp: int | None = None
+TOP = ("sensor", "integrator", "texture", "bsdf", "medium", "shape", "emitter")
 
 
 def is_xml(text: str) -> bool:
@@ -84,7 +64,8 @@ def parse(
     _collect_ids(context, objects, document)
     data, spp = _convert(context, objects)
     places = context.places | {"": f"{name}:1:1"}
-    return Parsed(data, places, _in_order(report.issues), report.notes, report.warnings, spp)
+    report.issues = _in_order(report.issues)
+    return Parsed.of(data, places, report, spp)
 
 
 def _in_order(issues: list[Issue]) -> list[Issue]:
@@ -124,11 +105,13 @@ def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], 
     for element in objects:
         if element.tag in by_kind:
             by_kind[element.tag].append(element)
+            context.report.count(f"{element.tag}s")
         else:
             text = unknown_name("element", element.tag, TOP, listed_as="covered")
             context.report.not_covered(element, text, "left out")
     data: dict[str, Any] = {"alight": FORMAT_VERSION}
     spp = None
+    context.sees_media = integrators.sees_media(by_kind["integrator"])
     for surplus in by_kind["sensor"][1:]:
         context.report.warn(surplus, "is not used: the picture is that of the first sensor")
     for sensor in by_kind["sensor"][:1]:
@@ -141,8 +124,12 @@ def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], 
         textures.texture_value(context, texture, "textures")
     for bsdf in by_kind["bsdf"]:
         bsdfs.convert(context, bsdf, "bsdfs")
+    for medium in by_kind["medium"]:
+        interiors.medium(context, medium, "media")
     nodes = shapes.convert_all(context, by_kind["shape"], "nodes")
     _emitters(context, by_kind["emitter"], data, nodes)
+    if context.uses_media:
+        data["integrator"] = integrators.for_media(data.get("integrator"))
     return {**data, **context.tables, "nodes": nodes}, spp
 
 

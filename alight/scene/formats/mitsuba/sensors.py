@@ -6,6 +6,7 @@ import math
 import re
 
 from alight.core.errors import quote
+from alight.scene.formats.mitsuba import interiors
 from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
@@ -35,6 +36,7 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
     draft = Draft(context, element, "camera", COVERED[kind])
     p = draft.properties
     films, samplers = p.take("film"), p.take("sampler")
+    interiors.of_camera(draft)
     for surplus in (*films[1:], *samplers[1:]):
         context.report.error(surplus, "a sensor has one film and one sampler at most")
     data["film"] = film(context, films[0] if films else None)

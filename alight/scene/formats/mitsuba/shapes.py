@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from alight.core.errors import SceneError, join_path
-from alight.scene.formats.mitsuba import bsdfs
+from alight.scene.formats.mitsuba import bsdfs, interiors
 from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
@@ -51,6 +51,7 @@ def _shape(context: Context, element: Element, path: str) -> Data | None:
     draft.put("transform", steps or None, "to_world")
     shape = COVERED[element.type](draft, steps)
     context.places[join_path(path, "shape")] = element.place
+    interiors.of_shape(draft)
     lights = p.take("emitter")
     if lights:
         draft.put("light", area_light(context, lights[0], join_path(path, "light")))

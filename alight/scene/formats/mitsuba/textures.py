@@ -40,14 +40,20 @@ def color_or_texture(
 
 
 def number_or_texture(
-    draft: Draft, key: str, default: float | None = None, name: str | None = None
+    draft: Draft,
+    key: str,
+    default: float | None = None,
+    name: str | None = None,
+    scale: float = 1.0,
 ) -> None:
-    """Set a key to a number that may vary over the surface."""
+    """Set a key to a number that may vary over the surface, times a scale."""
     element = draft.properties.find(name or key)
     if element is None or element.tag in NUMBERS:
-        draft.number(key, default, name)
+        number = draft.properties.number(name or key, default)
+        draft.put(key, None if number is None else scale * number, name)
         return
-    value = texture_value(draft.context, element, f"{draft.path}.{key}", as_number=True)
+    path = f"{draft.path}.{key}"
+    value = texture_value(draft.context, element, path, as_number=True, scale=scale)
     if isinstance(value, list):
         if len(set(value)) > 1:
             draft.context.report.error(element, "must be one number, got a colour")
@@ -55,13 +61,17 @@ def number_or_texture(
     draft.put(key, default if value is None else value, name)
 
 
-def texture_value(context: Context, element: Element, path: str, as_number: bool = False) -> Value:
+def texture_value(
+    context: Context, element: Element, path: str, as_number: bool = False, scale: float = 1.0
+) -> Value:
     """Read what gives a colour on a surface: numbers, a texture, or a reference to one.
 
     Parameters
     ----------
     as_number : bool, default False
         Whether a number is wanted, for which Mitsuba looks textures up in another way.
+    scale : float, default 1
+        Factor of checkerboards; other textures must do without.
     """
     if element.tag in (*COLORS, *NUMBERS):
         return context.colors.read(element, "reflectance")
@@ -80,10 +90,19 @@ def texture_value(context: Context, element: Element, path: str, as_number: bool
     def build(path: str) -> Data:
         data = _build(context, target, path)
         # Mitsuba 3's checkerboard has its colours the other way round where it gives a number.
-        return {**data, "color0": data["color1"], "color1": data["color0"]} if swapped else data
+        if swapped:
+            data = {**data, "color0": data["color1"], "color1": data["color0"]}
+        if scale != 1.0:
+            colors = {key: data[key] for key in ("color0", "color1", "color") if key in data}
+            if not colors:
+                text = f"is not covered: only checkerboards can be multiplied by {scale:g}"
+                context.report.not_covered(target, text, "taken as it is")
+            data |= {key: [scale * channel for channel in c] for key, c in colors.items()}
+        return data
 
     if "id" in target:
-        return context.named("textures", target, build, " as number" if swapped else "")
+        variant = (" as number" if swapped else "") + (f" times {scale:g}" if scale != 1.0 else "")
+        return context.named("textures", target, build, variant)
     return build(path)
 
 
@@ -141,6 +160,17 @@ def _checkerboard(context: Context, element: Element, path: str) -> Data:
     return draft.data
 
 
+def _raw_constant(context: Context, element: Element, path: str) -> Data:
+    draft = Draft(context, element, path, "constant")
+    p = draft.properties
+    if p.has("value") and p.named["value"].tag == "vector":
+        draft.put("color", p.triple("value"), "value")
+    else:
+        draft.put("color", [p.number("value", 0.0) or 0.0] * 3, "value")
+    p.finish()
+    return draft.data
+
+
 def _mesh_attribute(context: Context, element: Element, path: str) -> Data:
     draft = Draft(context, element, path, "vertex_color")
     p = draft.properties
@@ -182,4 +212,5 @@ COVERED: dict[str, Callable[[Context, Element, str], Data]] = {
     "bitmap": _bitmap,
     "checkerboard": _checkerboard,
     "mesh_attribute": _mesh_attribute,
+    "rawconstant": _raw_constant,
 }

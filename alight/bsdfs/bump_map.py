@@ -1,0 +1,79 @@
+r"""Bump map: the normals of a surface that rises and falls by a picture.
+
+.. math::
+    n \propto \left( \frac{\partial p}{\partial u} + z\, c\, \frac{\partial h}{\partial u} \right)
+        \times \left( \frac{\partial p}{\partial v}
+        + z\, c\, \frac{\partial h}{\partial v} \right)
+
+with the height h, its luminance if it is a colour, the scale c and the surface's normal z. So
+c h is a height in metres where the surface's point p is. See `alight.bsdfs.relief` for the rims. Of
+several maps on one material the innermost one counts.
+
+Source: Blinn 1978, Simulation of wrinkled surfaces; the plug-in ``bumpmap`` of Mitsuba 3.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part
+from alight.bsdfs.relief import BENT, HEIGHTS, IS_HEIGHT, packed_modes
+from alight.bsdfs.relief import SLOTS as RELIEF_SLOTS
+from alight.core.spec import Interval, NestedBsdf, NumberOrTexture, Texture, Truth
+from alight.textures.checkerboard import Checkerboard
+
+Height = Annotated[float | Texture | str, NumberOrTexture(Interval(), other=(str, Texture))]
+Number = Annotated[float, Interval()]
+
+
+class BumpMap(Nested):
+    """Wrapper that gives a material the normals of a relief.
+
+    Parameters
+    ----------
+    texture : float or texture, default 0
+        The height; a bitmap needs ``color_space: linear`` if it has 8 or 16 bits.
+    scale : float, metres, default 1
+        Factor of the height; below 0 hills become hollows.
+    rims : {"lit", "folded", "black"}, default "lit"
+        What becomes of normals that turn away from the viewer.
+    fading : bool, default True
+        Whether light fades out towards the line where the true surface turns away from it.
+    bsdf : Bsdf or str, default Diffuse()
+        The material, or its name.
+    """
+
+    bends_normals: ClassVar[bool] = True
+    type: Literal["bump_map"] = "bump_map"
+    texture: Height = 0.0
+    scale: Number = 1.0
+    rims: Literal["lit", "folded", "black"] = "lit"
+    fading: Truth = True
+    bsdf: NestedBsdf = Diffuse()
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The material."""
+        return (Part(self.bsdf),)
+
+
+EXAMPLES = (
+    BumpMap(),
+    BumpMap(texture=Checkerboard(), scale=0.01, bsdf=Diffuse(reflectance=1.0)),
+    BumpMap(texture=Checkerboard(), rims="black", fading=False, bsdf=Diffuse(reflectance=0.5)),
+)
+
+SLOTS = RELIEF_SLOTS | {"texture": 1}
+
+
+def pack(spec: BumpMap, packer) -> None:
+    """Fill the row of the map."""
+    packer.scalar("texture", spec.texture)
+    packer.numbers("scale", spec.scale)
+    packer.numbers("modes", packed_modes(spec.rims, spec.fading) + IS_HEIGHT)
+
+
+def features(spec: BumpMap) -> tuple[str, ...]:
+    """What must be compiled for this map; its frame is that of the shape's tangents."""
+    return (BENT, HEIGHTS, "anisotropic")

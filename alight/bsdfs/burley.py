@@ -1,0 +1,351 @@
+r"""Burley's principled material as Mitsuba has it: the look of scenes that were made for it.
+
+.. math::
+    f &= (1 - m)(1 - t) \left[ \tfrac{\rho}{\pi} f_d \right] + (1 - m)\, s\, c_s F_d
+        + \frac{F D\, G}{4 \cos\theta_o \cos\theta_i} + (1 - m)\, t \sqrt\rho\, f_t
+        + \tfrac{c}{4} F_c D_c G_c
+
+with the metal m, glass t, sheen s and coat c, :math:`F_d = (1 - \cos\theta_d)^5`, and Burley's
+diffuse law f_d with its bright rim of rough surfaces, which `flatness` turns towards one of skin.
+F mixes Fresnel's equations with Schlick's term of the metal and of a tinted plastic; D and G are
+GGX with alpha = roughness^2, along the tangent divided by
+:math:`\sqrt{1 - 0.9\, \text{anisotropic}}` and across multiplied by it; f_t is as in
+`rough_dielectric`; the coat's D_c is GTR1 of the roughness 0.1 to 0.001, its G_c of 0.25 always.
+
+What is reflected on top of the diffuse part is not taken from it, and sheen comes in addition, so
+bright colours send out up to 1.3 times what they get towards the rim; light between facets is lost.
+`principled` has neither fault. Reciprocal. From behind all but glass is black.
+
+Source: Burley 2012 and 2015, Physically Based Shading at Disney; the plug-in ``principled`` of
+Mitsuba 3 (https://mitsuba.readthedocs.io).
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Literal
+
+from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.flags import REFLECTION, TRANSMISSION
+from alight.core.constants import INV_PI
+from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
+from alight.core.jit import kernel
+from alight.core.maths import exp, log, sincos_2pi
+from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
+from alight.core.simd import absolute, lanes, lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
+from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
+from alight.core.vec import Vec3, dot, lerp, luminance, normalize, reflect, renormalize
+from alight.core.warps import square_to_cosine_hemisphere
+from alight.textures.fetch import color, scalar, textured_scalar
+
+#: Glass has at least this index: the facet that refracts is found from it.
+LEAST_IOR = 1.001
+LEAST_ALPHA = 1e-3
+
+
+class Burley(Bsdf):
+    """Material of a scene made for Burley's model.
+
+    Parameters
+    ----------
+    base_color : ColorTexture, default 0.5
+        Colour of what is diffuse, of the metal, and the square of that of glass.
+    metallic, spec_trans : UnitTexture, defaults 0
+        Share of metal, and of glass in what is not metal.
+    roughness, anisotropic : UnitTexture, defaults 0.5 and 0
+        Root of alpha, and how far it differs by direction.
+    spec_tint, sheen, sheen_tint, flatness : UnitTexture, defaults 0
+        Tint of what plastic reflects, strength and tint of the sheen, share of the flat law.
+    clearcoat, clearcoat_gloss : UnitTexture, defaults 0
+        Strength of the coat and how smooth it is.
+    ior : float in [1, 5], default 1.5
+        Index of refraction; glass has at least 1.001.
+    """
+
+    type: Literal["burley"] = "burley"
+    base_color: ColorTexture = (0.5, 0.5, 0.5)
+    metallic: UnitTexture = 0.0
+    roughness: UnitTexture = 0.5
+    anisotropic: UnitTexture = 0.0
+    spec_trans: UnitTexture = 0.0
+    spec_tint: UnitTexture = 0.0
+    sheen: UnitTexture = 0.0
+    sheen_tint: UnitTexture = 0.0
+    flatness: UnitTexture = 0.0
+    clearcoat: UnitTexture = 0.0
+    clearcoat_gloss: UnitTexture = 0.0
+    ior: IndexOfRefraction = 1.5
+
+    @property
+    def transmissive(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Whether it has two sides already."""
+        return self.spec_trans != 0.0
+
+
+EXAMPLES = (
+    Burley(),
+    Burley(base_color=(0.9, 0.5, 0.1), metallic=1.0, roughness=0.6, anisotropic=0.7),
+    Burley(base_color=0.4, roughness=0.8, sheen=0.3, sheen_tint=0.5, flatness=0.5, spec_tint=0.4),
+    Burley(base_color=(0.6, 0.3, 0.2), clearcoat=1.0, clearcoat_gloss=0.1, metallic=0.3),
+    Burley(base_color=(0.9, 1.0, 0.8), spec_trans=0.8, roughness=0.6, metallic=0.2),
+)
+
+
+# ---------------------------------------------------------------- laws, checked for every example
+
+
+def is_lossless(spec: Burley) -> bool:
+    """Light between facets is lost."""
+    return False
+
+
+def is_reciprocal(spec: Burley) -> bool:
+    """f(wo, wi) = f(wi, wo)."""
+    return True
+
+
+def relative_ior(spec: Burley) -> float:
+    """Index inside over that outside."""
+    return max(spec.ior, LEAST_IOR) if spec.transmissive else spec.ior
+
+
+# ---------------------------------------------------------------- tables
+
+_NUMBERS = (
+    "metallic", "roughness", "anisotropic", "spec_trans", "spec_tint", "sheen", "sheen_tint",
+    "flatness", "clearcoat", "clearcoat_gloss",
+)  # fmt: skip
+SLOTS = {"base_color": 3} | dict.fromkeys(_NUMBERS, 1) | {"eta": 1}
+ETA = 13
+Params = namedtuple(
+    "BurleyParams",
+    "base metallic roughness facets glass spec_tint sheen sheen_tint flatness coat gloss eta",
+)
+
+
+def pack(spec: Burley, packer) -> None:
+    """Fill the row of one material."""
+    packer.color("base_color", spec.base_color)
+    for name in _NUMBERS:
+        packer.scalar(name, getattr(spec, name))
+    packer.numbers("eta", relative_ior(spec))
+
+
+def features(spec: Burley) -> tuple[str, ...]:
+    """What must be compiled for this material beyond the model's usual path."""
+    return () if spec.anisotropic == 0.0 else (ANISOTROPIC,)
+
+
+@kernel
+def burley_facets(roughness, anisotropic):
+    """GGX with alpha = roughness^2, stretched along the tangent."""
+    alpha, aspect = roughness * roughness, sqrt(1.0 - 0.9 * minimum(anisotropic, 1.0))
+    along, across = maximum(alpha / aspect, LEAST_ALPHA), maximum(alpha * aspect, LEAST_ALPHA)
+    return Facets(along, across, lanes(0.0))
+
+
+@kernel
+def load(scene, base, surface):
+    """The parameters at a point of a surface."""
+    roughness = textured_scalar(scene, base + 4, surface)
+    return Params(
+        color(scene, base, surface),
+        textured_scalar(scene, base + 3, surface),
+        roughness,
+        burley_facets(roughness, textured_scalar(scene, base + 5, surface)),
+        textured_scalar(scene, base + 6, surface),
+        textured_scalar(scene, base + 7, surface),
+        textured_scalar(scene, base + 8, surface),
+        textured_scalar(scene, base + 9, surface),
+        textured_scalar(scene, base + 10, surface),
+        textured_scalar(scene, base + 11, surface),
+        textured_scalar(scene, base + 12, surface),
+        scalar(scene, base + ETA, surface),
+    )
+
+
+@kernel
+def inner_index(scene, base, surface):
+    """Index inside over that outside, where there is glass."""
+    glass = textured_scalar(scene, base + 6, surface) > 0.0
+    return where(glass, scalar(scene, base + ETA, surface), 1.0)
+
+
+# ---------------------------------------------------------------- parts, shared with the thin sheet
+
+
+@kernel
+def schlick_weight(cosine):
+    """(1 - cos)^5."""
+    return fresnel_schlick(cosine, lanes(0.0))
+
+
+@kernel
+def tinted(base):
+    """The colour with luminance 1; white where it is black."""
+    y = luminance(base)
+    return where(y > 0.0, base / where(y > 0.0, y, 1.0), lanes_vec3(1.0))
+
+
+@kernel
+def schlick_of_tint(base, eta, cosine):
+    """Schlick's term from the tinted reflectance at the normal."""
+    root = (eta - 1.0) / (eta + 1.0)
+    return lerp(schlick_weight(cosine), tinted(base) * (root * root), lanes_vec3(1.0))
+
+
+@kernel
+def burley_diffuse(roughness, flatness, cos_o, cos_i, cos_d):
+    """pi f / rho of the diffuse part, for cosines above the surface; cos_d: to the half vector."""
+    o, i = schlick_weight(cos_o), schlick_weight(cos_i)
+    smooth = (1.0 - 0.5 * o) * (1.0 - 0.5 * i)
+    rough = 2.0 * roughness * cos_d * cos_d
+    retro = rough * (o + i + o * i * (rough - 1.0))
+    rim = 0.5 * rough
+    flat = lerp(o, 1.0, rim) * lerp(i, 1.0, rim)
+    flat = 1.25 * (flat * (1.0 / maximum(cos_o + cos_i, 1e-6) - 0.5) + 0.5)
+    return lerp(flatness, smooth + retro, flat)
+
+
+@kernel
+def burley_sheen(base, sheen, tint, cos_d):
+    """f of the sheen."""
+    return lerp(tint, lanes_vec3(1.0), tinted(base)) * (sheen * schlick_weight(cos_d))
+
+
+# ---------------------------------------------------------------- scattering
+
+
+@kernel
+def _gtr1(gloss, cos_h):
+    """(D, alpha^2) of the coat."""
+    alpha = lerp(gloss, 0.1, 0.001)
+    squared = alpha * alpha
+    below = 1.0 + (squared - 1.0) * cos_h * cos_h
+    return INV_PI * (squared - 1.0) / (log(squared) * below), squared
+
+
+@kernel
+def _smith(w):
+    """G1 of GGX with alpha = 0.25."""
+    z2 = maximum(w.z * w.z, 1e-18)
+    return 2.0 / (1.0 + sqrt(1.0 + 0.0625 * maximum(1.0 - z2, 0.0) / z2))
+
+
+@kernel
+def _shares(params, inside):
+    """Probabilities of the facets, the coat and the diffuse part."""
+    matte = (1.0 - params.metallic) * (1.0 - params.glass)
+    coat = where(inside, 0.0, 0.25 * params.coat)
+    matte = where(inside, 0.0, matte)
+    per = 1.0 / (1.0 + coat + matte)
+    return per, coat * per, matte * per
+
+
+@kernel
+def _share_reflected(params, inside, fresnel):
+    """Probability of reflection at a facet."""
+    clear = (1.0 - params.metallic) * params.glass
+    return where(inside, fresnel, 1.0 - clear * (1.0 - fresnel))
+
+
+@kernel
+def _mirrored(mask, w):
+    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
+
+
+@kernel
+def _values(params, inside, wo, wi):
+    """(f cos theta_i, pdf) from above, wi mirrored as wo was."""
+    eta = where(inside, 1.0 / params.eta, params.eta)
+    rest = 1.0 - params.metallic
+    clear, matte = rest * params.glass, rest * (1.0 - params.glass)
+    valid = (wo.z > 0.0) & (wi.z != 0.0) & (~inside | (clear > 0.0))
+    up = Vec3(0.0, 0.0, 1.0)
+    wo, wi = where(valid, wo, up), where(valid, wi, up)
+    reflects = wi.z > 0.0
+    wm = wo + where(reflects, 1.0, eta) * wi
+    wm = normalize(where(wm.z < 0.0, -wm, wm))
+    cos_o, cos_i = dot(wo, wm), dot(wi, wm)
+    cosine = minimum(maximum(cos_o, 0.0), 1.0)
+    plain, _ = fresnel_dielectric(cosine, eta)
+    metal = lerp(schlick_weight(cosine), params.base, lanes_vec3(1.0))
+    colored = schlick_of_tint(params.base, params.eta, cosine)
+    fresnel = metal * params.metallic + colored * (rest * params.spec_tint)
+    fresnel = fresnel + rest * (1.0 - params.spec_tint) * plain
+    fresnel = where(inside, lanes_vec3(1.0) * (clear * plain), fresnel)
+    # Density of wi over that of wm, as in `alight.bsdfs.rough_dielectric`.
+    projected = cos_o + eta * cos_i
+    stretched = eta / where(projected == 0.0, 1.0, projected)
+    jacobian = where(reflects, 0.25, -cos_o * cos_i * (stretched * stretched))
+    density = jacobian * ggx_density(params.facets, wm) / ggx_visible_area(params.facets, wo)
+    right = (reflects & (cos_i > 0.0)) | (~reflects & (cos_i < 0.0) & (clear > 0.0))
+    right = right & (cos_o > 0.0)
+    density = where(right, density, 0.0)
+    masking = absolute(wi.z) / ggx_visible_area(params.facets, wi)
+    base = params.base
+    root = Vec3(sqrt(base.x), sqrt(base.y), sqrt(base.z)) * (clear * (1.0 - plain) / (eta * eta))
+    f_cos = where(reflects, fresnel, root) * (masking * density)
+    # What only the outside has.
+    outside = reflects & ~inside
+    diffuse = burley_diffuse(params.roughness, params.flatness, wo.z, wi.z, cos_i)
+    both = base * (matte * INV_PI * diffuse)
+    sheen = burley_sheen(base, params.sheen * rest, params.sheen_tint, cos_i)
+    both = both + where(matte > 0.0, sheen, lanes_vec3(0.0))
+    d, _ = _gtr1(params.gloss, wm.z)
+    schlick = fresnel_schlick(cosine, lanes(0.04))
+    coat = 0.25 * params.coat * schlick * d * _smith(wo) * _smith(wi)
+    coat = where(right, coat, 0.0)
+    f_cos = f_cos + where(outside, (both + coat) * wi.z, lanes_vec3(0.0))
+    to_facets, to_coat, to_matte = _shares(params, inside)
+    share = _share_reflected(params, inside, plain)
+    pdf = to_facets * density * where(reflects, share, 1.0 - share)
+    coat_pdf = where(right, 0.25 * d * wm.z / maximum(cos_o, 1e-9), 0.0)
+    others = to_coat * coat_pdf + to_matte * INV_PI * wi.z
+    pdf = pdf + where(outside, others, 0.0)
+    return where(valid, f_cos, 0.0), where(valid, pdf, 0.0)
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(f cos theta_i, pdf per steradian)."""
+    inside = (wo.z < 0.0) & (params.glass > 0.0)
+    return _values(params, inside, _mirrored(inside, wo), _mirrored(inside, wi))
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
+    inside = (wo.z < 0.0) & (params.glass > 0.0)
+    wo = _mirrored(inside, wo)
+    eta = where(inside, 1.0 / params.eta, params.eta)
+    to_facets, to_coat, _ = _shares(params, inside)
+    facets, coat = u < to_facets, (u >= to_facets) & (u < to_facets + to_coat)
+    wm = sample_ggx_visible(params.facets, wo, u2)
+    # The coat's normals have the density D cos theta.
+    _, squared = _gtr1(params.gloss, lanes(1.0))
+    height2 = (1.0 - exp(log(squared) * (1.0 - u2[1]))) / (1.0 - squared)
+    flat = sqrt(maximum(1.0 - height2, 0.0))
+    s, c = sincos_2pi(u2[0])
+    wm = where(coat, Vec3(flat * c, flat * s, sqrt(maximum(height2, 0.0))), wm)
+    cos_o = dot(wo, wm)
+    cosine = minimum(maximum(cos_o, 0.0), 1.0)
+    plain, cos_t = fresnel_dielectric(cosine, eta)
+    passes = facets & (u / to_facets >= _share_reflected(params, inside, plain))
+    refracted = (cosine / eta - cos_t) * wm - wo / eta
+    wi = renormalize(where(passes, refracted, reflect(wo, wm)))
+    wi = where(facets | coat, wi, square_to_cosine_hemisphere(u2))
+    # On the wrong side it would be taken for the other lobe.
+    above = wi.z > 0.0
+    right = (above & ~passes) | (~above & passes)
+    wi = where(right, wi, Vec3(1.0, 0.0, 0.0))
+    f_cos, pdf = _values(params, inside, wo, wi)
+    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
+    flags = where(passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
+    return _mirrored(inside, wi), weight, pdf, flags
+
+
+@kernel
+def albedo(params):
+    """A colour, without light and angle."""
+    return params.base

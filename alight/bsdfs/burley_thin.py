@@ -1,0 +1,226 @@
+r"""Burley's thin sheet as Mitsuba has it: paper, leaves, panes and cloth that light comes through.
+
+.. math::
+    f_r &= t \frac{F D\, G}{4 \cos\theta_o \cos\theta_i}
+        + (1 - t)(1 - d) \left[ \tfrac{\rho}{\pi} f_d + s\, c_s F_d \right], \\
+    f_t &= t\, \rho \frac{(1 - F) D'\, G'}{4 \cos\theta_o |\cos\theta_i|}
+        + (1 - t)\, d\, \tfrac{\rho}{\pi}
+
+with the glass t, the part d of the rest that goes through, and the lobes of `burley`; what passes
+is mirrored to the other side, by facets whose roughness is multiplied by 0.65 eta - 0.35. Both
+sides are alike. Reciprocal; sheen comes in addition, so bright sheets may send out more than they
+get.
+
+Source: Burley 2015, Extending the Disney BRDF to a BSDF; the plug-in ``principledthin`` of
+Mitsuba 3 (https://mitsuba.readthedocs.io).
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Literal
+
+from alight.bsdfs.burley import (
+    burley_diffuse,
+    burley_facets,
+    burley_sheen,
+    schlick_of_tint,
+)
+from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.flags import REFLECTION, TRANSMISSION
+from alight.core.constants import INV_PI
+from alight.core.fresnel import fresnel_dielectric
+from alight.core.jit import kernel
+from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
+from alight.core.simd import lanes, lanes_u32, lanes_vec3, maximum, minimum, where
+from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
+from alight.core.vec import Vec3, dot, lerp, normalize, reflect, renormalize
+from alight.core.warps import square_to_cosine_hemisphere
+from alight.textures.fetch import color, scalar, textured_scalar
+
+
+class BurleyThin(Bsdf):
+    """Thin sheet of a scene made for Burley's model.
+
+    Parameters
+    ----------
+    base_color : ColorTexture, default 0.5
+        Colour of what is diffuse, and of what the sheet lets through.
+    roughness, anisotropic : UnitTexture, defaults 0.5 and 0
+        Root of alpha, and how far it differs by direction.
+    spec_trans : UnitTexture, default 0
+        Share of clear glass.
+    through : UnitTexture, default 0
+        The part of the diffuse light that goes through; half of Mitsuba's ``diff_trans``.
+    spec_tint, sheen, sheen_tint, flatness : UnitTexture, defaults 0
+        As in `burley`.
+    ior : float in [1, 5], default 1.5
+        Index of refraction.
+    """
+
+    transmissive = True
+    type: Literal["burley_thin"] = "burley_thin"
+    base_color: ColorTexture = (0.5, 0.5, 0.5)
+    roughness: UnitTexture = 0.5
+    anisotropic: UnitTexture = 0.0
+    spec_trans: UnitTexture = 0.0
+    through: UnitTexture = 0.0
+    spec_tint: UnitTexture = 0.0
+    sheen: UnitTexture = 0.0
+    sheen_tint: UnitTexture = 0.0
+    flatness: UnitTexture = 0.0
+    ior: IndexOfRefraction = 1.5
+
+
+EXAMPLES = (
+    BurleyThin(through=0.3),
+    BurleyThin(base_color=(0.9, 0.5, 0.1), spec_trans=0.7, anisotropic=0.5, ior=1.33),
+    BurleyThin(base_color=0.4, through=0.7, sheen=0.4, sheen_tint=0.5, flatness=0.5),
+    BurleyThin(base_color=0.6, spec_trans=1.0, spec_tint=0.5, roughness=0.7),
+)
+
+
+# ---------------------------------------------------------------- laws, checked for every example
+
+
+def is_lossless(spec: BurleyThin) -> bool:
+    """Light between facets is lost."""
+    return False
+
+
+def is_reciprocal(spec: BurleyThin) -> bool:
+    """f(wo, wi) = f(wi, wo)."""
+    return True
+
+
+def relative_ior(spec: BurleyThin) -> float:
+    """The medium on both sides is the same."""
+    return 1.0
+
+
+# ---------------------------------------------------------------- tables
+
+_NUMBERS = (
+    "roughness", "anisotropic", "spec_trans", "through", "spec_tint", "sheen", "sheen_tint",
+    "flatness",
+)  # fmt: skip
+SLOTS = {"base_color": 3} | dict.fromkeys(_NUMBERS, 1) | {"eta": 1}
+Params = namedtuple(
+    "BurleyThinParams",
+    "base roughness facets passing glass through spec_tint sheen sheen_tint flatness eta",
+)
+
+
+def pack(spec: BurleyThin, packer) -> None:
+    """Fill the row of one material."""
+    packer.color("base_color", spec.base_color)
+    for name in _NUMBERS:
+        packer.scalar(name, getattr(spec, name))
+    packer.numbers("eta", spec.ior)
+
+
+def features(spec: BurleyThin) -> tuple[str, ...]:
+    """What must be compiled for this material beyond the model's usual path."""
+    return () if spec.anisotropic == 0.0 else (ANISOTROPIC,)
+
+
+@kernel
+def load(scene, base, surface):
+    """The parameters at a point of a surface."""
+    roughness = textured_scalar(scene, base + 3, surface)
+    anisotropic = textured_scalar(scene, base + 4, surface)
+    eta = scalar(scene, base + 11, surface)
+    return Params(
+        color(scene, base, surface),
+        roughness,
+        burley_facets(roughness, anisotropic),
+        burley_facets((0.65 * eta - 0.35) * roughness, anisotropic),
+        textured_scalar(scene, base + 5, surface),
+        textured_scalar(scene, base + 6, surface),
+        textured_scalar(scene, base + 7, surface),
+        textured_scalar(scene, base + 8, surface),
+        textured_scalar(scene, base + 9, surface),
+        textured_scalar(scene, base + 10, surface),
+        eta,
+    )
+
+
+# ---------------------------------------------------------------- scattering
+
+
+@kernel
+def _mirrored(mask, w):
+    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
+
+
+@kernel
+def _chosen(mask, a, b):
+    """The facets a where the mask holds, else b."""
+    along, across = where(mask, a.alpha_x, b.alpha_x), where(mask, a.alpha_y, b.alpha_y)
+    return Facets(along, across, lanes(0.0))
+
+
+@kernel
+def _values(params, wo, wi):
+    """(f cos theta_i, pdf) from above."""
+    valid = (wo.z > 0.0) & (wi.z != 0.0)
+    up = Vec3(0.0, 0.0, 1.0)
+    wo, wi = where(valid, wo, up), where(valid, wi, up)
+    reflects = wi.z > 0.0
+    w = _mirrored(~reflects, wi)
+    wm = normalize(wo + w)
+    cosine = minimum(maximum(dot(wo, wm), 0.0), 1.0)
+    facets = _chosen(reflects, params.facets, params.passing)
+    density = 0.25 * ggx_density(facets, wm) / ggx_visible_area(facets, wo)
+    # As Mitsuba has it: what passes must leave behind the facet that mirrors it.
+    density = where(reflects | (dot(wi, wm) < 0.0), density, 0.0)
+    masking = w.z / ggx_visible_area(facets, w)
+    plain, _ = fresnel_dielectric(cosine, params.eta)
+    colored = schlick_of_tint(params.base, params.eta, cosine)
+    mirror = lerp(params.spec_tint, lanes_vec3(1.0) * plain, colored)
+    clear = where(reflects, mirror, params.base * (1.0 - plain)) * params.glass
+    f_cos = clear * (masking * density)
+    rest = 1.0 - params.glass
+    diffuse = burley_diffuse(params.roughness, params.flatness, wo.z, w.z, cosine)
+    sheen = burley_sheen(params.base, params.sheen, params.sheen_tint, cosine)
+    back = (params.base * (INV_PI * diffuse) + sheen) * (1.0 - params.through)
+    through = params.base * (INV_PI * params.through)
+    f_cos = f_cos + where(reflects, back, through) * (rest * w.z)
+    share = where(reflects, 1.0 - params.through, params.through)
+    pdf = 0.5 * params.glass * density + rest * share * INV_PI * w.z
+    return where(valid, f_cos, 0.0), where(valid, pdf, 0.0)
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(f cos theta_i, pdf per steradian)."""
+    below = wo.z < 0.0
+    return _values(params, _mirrored(below, wo), _mirrored(below, wi))
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
+    below = wo.z < 0.0
+    wo = _mirrored(below, wo)
+    clear = u < params.glass
+    # Which of both sides: half of the clear light, and the stated part of the rest.
+    matte = (u - params.glass) / maximum(1.0 - params.glass, 1e-9)
+    passes = where(clear, u, 0.0) >= 0.5 * params.glass
+    passes = (clear & passes) | (~clear & (matte < params.through))
+    facets = _chosen(passes, params.passing, params.facets)
+    w = renormalize(reflect(wo, sample_ggx_visible(facets, wo, u2)))
+    w = where(clear, w, square_to_cosine_hemisphere(u2))
+    # Light that its facet sends below the surface is lost.
+    w = where(w.z > 0.0, w, Vec3(1.0, 0.0, 0.0))
+    wi = _mirrored(passes, w)
+    f_cos, pdf = _values(params, wo, wi)
+    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
+    flags = where(passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
+    return _mirrored(below, wi), weight, pdf, flags
+
+
+@kernel
+def albedo(params):
+    """A colour, without light and angle."""
+    return params.base

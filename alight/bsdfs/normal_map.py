@@ -1,0 +1,80 @@
+r"""Normal map: the normals of another surface in the place of the own ones, from a picture.
+
+.. math:: n \propto (c\,(2 r - 1),\; c\,(2 g - 1),\; 2 b - 1)
+
+with the picture's channels r, g, b (read as they are, without a decoding of colours) and the scale
+c. x runs along growing u, y along growing v, z along the surface's normal, on charts that are
+mirrored too; with `follow_uv` off, y is always z times x, as Mitsuba has it. See
+`alight.bsdfs.relief` for the rims. Of several maps on one material the innermost one counts.
+
+Source: Blinn 1978, Simulation of wrinkled surfaces; glTF 2.0, section 3.9.3, for the scale; the
+plug-in ``normalmap`` of Mitsuba 3.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part
+from alight.bsdfs.plastic import Plastic
+from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, packed_modes
+from alight.bsdfs.relief import SLOTS as RELIEF_SLOTS
+from alight.bsdfs.rough_conductor import RoughConductor
+from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Truth
+
+
+class NormalMap(Nested):
+    """Wrapper that gives a material other normals.
+
+    Parameters
+    ----------
+    texture : ColorTexture, default (0.5, 0.5, 1)
+        The normals; a bitmap needs ``color_space: linear`` if it has 8 or 16 bits.
+    scale : float >= 0, default 1
+        Factor of the slopes.
+    rims : {"lit", "folded", "black"}, default "lit"
+        What becomes of normals that turn away from the viewer.
+    fading : bool, default True
+        Whether light fades out towards the line where the true surface turns away from it.
+    follow_uv : bool, default True
+        Whether y runs along growing v; else it is at right angles to x by the right hand.
+    bsdf : Bsdf or str, default Diffuse()
+        The material, or its name.
+    """
+
+    bends_normals: ClassVar[bool] = True
+    type: Literal["normal_map"] = "normal_map"
+    texture: ColorTexture = (0.5, 0.5, 1.0)
+    scale: NonNegative = 1.0
+    rims: Literal["lit", "folded", "black"] = "lit"
+    fading: Truth = True
+    follow_uv: Truth = True
+    bsdf: NestedBsdf = Diffuse()
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The material."""
+        return (Part(self.bsdf),)
+
+
+EXAMPLES = (
+    NormalMap(texture=(0.65, 0.4, 0.9), bsdf=Diffuse(reflectance=1.0)),
+    NormalMap(texture=(0.8, 0.5, 0.7), rims="black", bsdf=Diffuse(reflectance=(0.9, 0.5, 0.1))),
+    NormalMap(texture=(0.3, 0.6, 0.9), rims="folded", bsdf=RoughConductor(alpha=0.3)),
+    NormalMap(texture=(0.6, 0.6, 0.9), scale=0.5, bsdf=Plastic(diffuse_reflectance=1.0)),
+)
+
+SLOTS = RELIEF_SLOTS | {"texture": 3}
+
+
+def pack(spec: NormalMap, packer) -> None:
+    """Fill the row of the map."""
+    packer.color("texture", spec.texture)
+    packer.numbers("scale", spec.scale)
+    packer.numbers("modes", packed_modes(spec.rims, spec.fading) + FOLLOWS_UV * spec.follow_uv)
+
+
+def features(spec: NormalMap) -> tuple[str, ...]:
+    """What must be compiled for this map; its frame is that of the shape's tangents."""
+    return (BENT, NORMALS, "anisotropic")

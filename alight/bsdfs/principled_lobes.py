@@ -1,0 +1,320 @@
+"""The lobes of `principled`, evaluated and sampled; see `alight.bsdfs.principled_view`."""
+
+from __future__ import annotations
+
+from alight.bsdfs.albedo_table import (
+    REFLECTED,
+    WHITE,
+    place_of,
+    read_curve,
+)
+from alight.bsdfs.flags import REFLECTION, TRANSMISSION
+from alight.bsdfs.principled_view import (
+    COAT,
+    COAT_IOR,
+    FILM,
+    GLASS,
+    SHEEN,
+    along_facets,
+    film_reflectance,
+    from_facets,
+    mirrored_if,
+    mixed,
+    rows_from,
+    schlick,
+    view_from,
+)
+from alight.bsdfs.sheen import sheen_f_cos
+from alight.core.constants import INV_PI, INV_TWO_PI
+from alight.core.fresnel import fresnel_dielectric
+from alight.core.jit import kernel, specialised
+from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
+from alight.core.simd import (
+    absolute,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    where,
+)
+from alight.core.vec import (
+    Vec3,
+    dot,
+    lerp,
+    luminance,
+    normalize,
+    reflect,
+    renormalize,
+)
+from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
+
+# ---------------------------------------------------------------- facets of the base
+
+
+@kernel
+def _facet_terms(params, view, cosine):
+    """(metal, dielectric, F): Fresnel's terms at a facet, and the dielectric's plain one."""
+    plain, _ = fresnel_dielectric(cosine, view.eta)
+    dielectric = view.a + view.b * plain
+    metal = schlick(cosine, params.base)
+    share, film = film_reflectance(params, view.inside, view.a, view.b, cosine)
+    return mixed(share, metal, film), mixed(share, dielectric, film), plain
+
+
+@specialised
+def _share_reflected(program):
+    """``(params, view, metal, dielectric) -> probability`` of reflection at a facet."""
+    if GLASS not in program.bsdfs:
+        return _all_reflected
+
+    @kernel
+    def share(params, view, metal, dielectric):
+        rest = 1.0 - params.metallic
+        f = luminance(dielectric)
+        opaque = where(view.inside, 0.0, params.metallic * luminance(metal))
+        plastic = where(view.inside, params.transmission, 1.0) * rest
+        back = opaque + plastic * f
+        through = rest * params.transmission * maximum(1.0 - f, 0.0) * luminance(params.base)
+        return back / maximum(back + through, 1e-9)
+
+    return share
+
+
+@kernel
+def _all_reflected(params, view, metal, dielectric):
+    return lanes(1.0)
+
+
+@kernel
+def _reflection_factor(params, view, metal, dielectric):
+    """Of the facets' mirrored light: metal, plastic and glass."""
+    rest, t = 1.0 - params.metallic, params.transmission
+    opaque = metal * view.metal * params.metallic + dielectric * (rest * (1.0 - t))
+    return where(view.inside, lanes_vec3(0.0), opaque) + dielectric * view.glass * (rest * t)
+
+
+@specialised
+def _facets_f_cos(program):
+    """``(params, view, wi) -> (f_cos, pdf)`` of the base's facets, without the layers above."""
+    return _facets_of_glass if GLASS in program.bsdfs else _facets_above
+
+
+@kernel
+def _facets_above(params, view, wi):
+    wm = normalize(view.wo + wi)
+    cosine = minimum(maximum(dot(view.wo, wm), 0.0), 1.0)
+    pdf = 0.25 * ggx_density(params.facets, wm) / ggx_visible_area(params.facets, view.wo)
+    metal, dielectric, _ = _facet_terms(params, view, cosine)
+    masking = wi.z / ggx_visible_area(params.facets, wi)
+    factor = _reflection_factor(params, view, metal, dielectric)
+    return factor * (masking * pdf), pdf
+
+
+@kernel
+def _facets_of_glass(params, view, wi):
+    reflects = wi.z > 0.0
+    # A sheet lets pass what it would reflect, mirrored to its other side.
+    bends = ~reflects & ~params.thin
+    w = mirrored_if(~reflects & params.thin, wi)
+    wm = view.wo + where(bends, view.eta, 1.0) * w
+    wm = normalize(where(wm.z < 0.0, -wm, wm))
+    cos_o, cos_i = dot(view.wo, wm), dot(w, wm)
+    metal, dielectric, _ = _facet_terms(params, view, minimum(maximum(cos_o, 0.0), 1.0))
+    # Density of wi over that of wm, as in `alight.bsdfs.rough_dielectric`.
+    projected = cos_o + view.eta * cos_i
+    stretched = view.eta / where(projected == 0.0, 1.0, projected)
+    refracted = -cos_o * cos_i * (stretched * stretched)
+    jacobian = where(bends, refracted, 0.25)
+    pdf = jacobian * ggx_density(params.facets, wm) / ggx_visible_area(params.facets, view.wo)
+    turned = (bends & (cos_i < 0.0)) | (~bends & (cos_i > 0.0))
+    pdf = where(turned & (cos_o > 0.0), pdf, 0.0)
+    masking = absolute(wi.z) / ggx_visible_area(params.facets, wi)
+    masking = where(bends, masking / (view.eta * view.eta), masking)
+    clear = lanes_vec3(1.0) - dielectric
+    through = clear * view.glass * params.base * ((1.0 - params.metallic) * params.transmission)
+    factor = where(reflects, _reflection_factor(params, view, metal, dielectric), through)
+    share = _share_reflected(params, view, metal, dielectric)
+    return factor * (masking * pdf), pdf * where(reflects, share, 1.0 - share)
+
+
+# ---------------------------------------------------------------- layers
+
+
+@specialised
+def _coat_f_cos(program):
+    """``(params, view, wi) -> (f_cos, pdf)`` of the coat, as a number."""
+    if COAT not in program.bsdfs:
+        return _nothing
+
+    @kernel
+    def coat(params, view, wi):
+        facets = params.coat.facets
+        wm = normalize(view.wo + wi)
+        cosine = minimum(maximum(dot(view.wo, wm), 0.0), 1.0)
+        pdf = 0.25 * ggx_density(facets, wm) / ggx_visible_area(facets, view.wo)
+        fresnel, _ = fresnel_dielectric(cosine, lanes(COAT_IOR))
+        masking = wi.z / ggx_visible_area(facets, wi)
+        return view.coat * (fresnel * masking * pdf), view.to_coat * pdf
+
+    return coat
+
+
+@specialised
+def _sheen_f_cos(program):
+    """``(params, view, wi) -> (f_cos, pdf)`` of the sheen."""
+    if SHEEN not in program.bsdfs:
+        return _nothing
+
+    @kernel
+    def sheen(params, view, wi):
+        value = sheen_f_cos(params.sheen.rows, params.sheen.roughness, view.wo, wi)
+        return view.sheen * value, view.to_sheen * INV_TWO_PI
+
+    return sheen
+
+
+@kernel
+def _nothing(params, view, wi):
+    return lanes(0.0), lanes(0.0)
+
+
+@kernel
+def _diffuse_factor(params, view, wi):
+    """f / (diffuse / pi): what enters the plastic on the way of wi."""
+    place, rows = place_of(wi.z), rows_from(params, wi)
+    white = read_curve(rows, lanes_u32(WHITE), place)
+    reflected = read_curve(rows, lanes_u32(REFLECTED), place)
+    left = lanes_vec3(1.0) - (view.a * white + view.b * reflected)
+    return _without_film(params, left)
+
+
+@specialised
+def _without_film(program):
+    """``(params, left) -> left``, and 1 for the film's share, which only looks at the viewer."""
+    if FILM not in program.bsdfs:
+        return _left_alone
+
+    @kernel
+    def without(params, left):
+        return mixed(params.film.share, left, lanes_vec3(1.0))
+
+    return without
+
+
+@kernel
+def _left_alone(params, left):
+    return left
+
+
+# ---------------------------------------------------------------- all together
+
+
+@specialised
+def _values(program):
+    """``(params, view, wi) -> (f_cos, pdf)``, wi mirrored as the viewer is."""
+    glass = GLASS in program.bsdfs
+
+    @kernel
+    def values(params, view, wi):
+        above = view.seen & (wi.z > 0.0)
+        valid = above
+        if glass:
+            valid = above | (view.seen & (wi.z < 0.0))
+        # Elsewhere the overhead direction stands in: nothing there is used.
+        wi = where(valid, wi, Vec3(0.0, 0.0, 1.0))
+        f_cos, pdf = _facets_f_cos(params, view, wi)
+        f_cos, pdf = f_cos * view.base, pdf * view.to_facets
+        # Lobes of the viewer's own side.
+        w = mirrored_if(wi.z < 0.0, wi)
+        upper = above & ~view.inside
+        matte = view.diffuse * _diffuse_factor(params, view, w) * (view.base * INV_PI * w.z)
+        coat, coat_pdf = _coat_f_cos(params, view, w)
+        sheen, sheen_pdf = _sheen_f_cos(params, view, w)
+        f_cos = f_cos + where(upper, matte + sheen + coat, lanes_vec3(0.0))
+        others = coat_pdf + sheen_pdf + view.to_diffuse * INV_PI * w.z
+        pdf = pdf + where(upper, others, 0.0)
+        return where(valid, f_cos, 0.0), where(valid, pdf, 0.0)
+
+    return values
+
+
+@kernel
+def evaluate(params, wo, wi):
+    """(f cos theta_i, pdf per steradian)."""
+    view = view_from(params, along_facets(params.turn, wo))
+    return _values(params, view, mirrored_if(view.below, along_facets(params.turn, wi)))
+
+
+@specialised
+def _facets_to_sample(program):
+    """``(params, coat) -> Facets``: those of the coat where the mask holds."""
+    if COAT not in program.bsdfs:
+        return _base_facets
+
+    @kernel
+    def either(params, coat):
+        along = where(coat, params.coat.facets.alpha_x, params.facets.alpha_x)
+        across = where(coat, params.coat.facets.alpha_y, params.facets.alpha_y)
+        return Facets(along, across, lanes(0.0))
+
+    return either
+
+
+@kernel
+def _base_facets(params, coat):
+    return params.facets
+
+
+@specialised
+def _facet_direction(program):
+    """``(params, view, wm, u, coat) -> (wi, passes)``: mirrored at a facet, or let through."""
+    if GLASS not in program.bsdfs:
+        return _mirrored_at_facet
+
+    @kernel
+    def direction(params, view, wm, u, coat):
+        cos_o = minimum(maximum(dot(view.wo, wm), 0.0), 1.0)
+        metal, dielectric, _ = _facet_terms(params, view, cos_o)
+        passes = (u >= _share_reflected(params, view, metal, dielectric)) & ~coat
+        _, cos_t = fresnel_dielectric(cos_o, view.eta)
+        mirrored = reflect(view.wo, wm)
+        refracted = (cos_o / view.eta - cos_t) * wm - view.wo / view.eta
+        through = where(params.thin, mirrored_if(params.thin, mirrored), refracted)
+        wi = renormalize(where(passes, through, mirrored))
+        above = wi.z > 0.0
+        right = (above & ~passes) | (~above & passes)
+        # In the surface it has neither density nor weight.
+        return where(right, wi, Vec3(1.0, 0.0, 0.0)), passes
+
+    return direction
+
+
+@kernel
+def _mirrored_at_facet(params, view, wm, u, coat):
+    return renormalize(reflect(view.wo, wm)), lanes_mask(False)
+
+
+@kernel
+def sample(params, wo, u, u2):
+    """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
+    view = view_from(params, along_facets(params.turn, wo))
+    to_coat = view.to_facets + view.to_coat
+    to_sheen = to_coat + view.to_sheen
+    facets, coat = u < view.to_facets, (u >= view.to_facets) & (u < to_coat)
+    wm = sample_ggx_visible(_facets_to_sample(params, coat), view.wo, u2)
+    mirrored, passes = _facet_direction(params, view, wm, u / view.to_facets, coat)
+    wi = where(u < to_sheen, square_to_uniform_hemisphere(u2), square_to_cosine_hemisphere(u2))
+    wi = where(facets | coat, mirrored, wi)
+    f_cos, pdf = _values(params, view, wi)
+    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
+    flags = where(facets & passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
+    return from_facets(params.turn, mirrored_if(view.below, wi)), weight, pdf, flags
+
+
+@kernel
+def albedo(params):
+    """A colour, without light and angle."""
+    root = (params.eta - 1.0) / (params.eta + 1.0)
+    return lerp(params.metallic, params.base * (1.0 - root * root), params.base)

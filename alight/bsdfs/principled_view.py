@@ -1,0 +1,329 @@
+"""The lobes of `principled`: their parameters, and how they are weighed against each other.
+
+What depends on the viewer's direction alone is a `View`. There the viewer is above the surface: if
+he is below it, all directions are mirrored at it. Lobes that no material of a program has are not
+compiled; their parameters are then a number that nothing reads.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.bsdfs.albedo_table import (
+    MEANS,
+    PASSED,
+    REFLECTED,
+    REFRACTED,
+    ROW,
+    WHITE,
+    place_of,
+    read_curve,
+    read_row,
+    rows_at,
+)
+from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.sheen import sheen_albedo
+from alight.bsdfs.thin_film import film_fresnel
+from alight.core.fresnel import fresnel_schlick
+from alight.core.jit import kernel, specialised
+from alight.core.simd import (
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    sqrt,
+    where,
+)
+from alight.core.vec import (
+    Vec3,
+    lerp,
+    luminance,
+    max_component,
+)
+
+#: What programs call lobes that not every material has.
+GLASS, COAT = "principled:glass", "principled:coat"
+SHEEN, FILM = "principled:sheen", "principled:film"
+#: Index of the clear coat.
+COAT_IOR = 1.5
+#: Least probability of the facets, before all are scaled to add up to 1.
+LEAST_SHARE = 0.02
+
+#: Parameters at a point: base and specular_color are colours, facets and table those of the base,
+#: thin and compensated masks; the last three are lobes or nothing.
+Params = namedtuple(
+    "PrincipledParams",
+    "base metallic facets turn table eta specular specular_color transmission thin compensated "
+    "coat sheen film",
+)
+#: Where the facets' long axis lies: sine and cosine of its angle from the tangent.
+Turn = namedtuple("Turn", "sine cosine")
+NO_TURN = Turn(0.0, 1.0)
+Coat = namedtuple("Coat", "strength facets rows")
+Sheen = namedtuple("Sheen", "color roughness rows")
+Film = namedtuple("Film", "share ior thickness")
+
+#: What follows from the viewer's direction `wo`, which is above the surface. rows: of the
+#: albedos from there; seen: from `wo`, which is the normal where not; below: wo was mirrored;
+#: inside: and the surface bounds a body; eta: index beyond the surface over that before it; a, b:
+#: Fresnel's term of plastic and glass is a + b F; metal, glass, diffuse: their factors; coat,
+#: sheen, base: what each layer gets of the light; to_coat, to_sheen, to_facets, to_diffuse:
+#: probabilities.
+View = namedtuple(
+    "View",
+    "wo rows seen below inside eta a b metal glass diffuse coat sheen base "
+    "to_coat to_sheen to_facets to_diffuse",
+)
+
+
+@kernel
+def mirrored_if(mask, w):
+    """w with its height turned over where the mask holds."""
+    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
+
+
+# ---------------------------------------------------------------- frames
+
+
+@specialised
+def along_facets(program):
+    """``(turn, w) -> w`` in the frame whose x axis is the facets' long one."""
+    return _turned if ANISOTROPIC in program.bsdfs else _as_it_is
+
+
+@specialised
+def from_facets(program):
+    """``(turn, w) -> w``: the way back."""
+    return _turned_back if ANISOTROPIC in program.bsdfs else _as_it_is
+
+
+@kernel
+def _turned(turn, w):
+    return Vec3(turn.cosine * w.x + turn.sine * w.y, turn.cosine * w.y - turn.sine * w.x, w.z)
+
+
+@kernel
+def _turned_back(turn, w):
+    return Vec3(turn.cosine * w.x - turn.sine * w.y, turn.cosine * w.y + turn.sine * w.x, w.z)
+
+
+@kernel
+def _as_it_is(turn, w):
+    return w
+
+
+# ---------------------------------------------------------------- Fresnel's terms
+
+
+@kernel
+def _plain_terms(params, inside):
+    """(a, b) of the term a + b F: tinted at the normal, white towards the rim."""
+    root = (params.eta - 1.0) / (params.eta + 1.0)
+    f0 = root * root
+    tinted = params.specular_color * f0
+    tinted = Vec3(minimum(tinted.x, 1.0), minimum(tinted.y, 1.0), minimum(tinted.z, 1.0))
+    b = (lanes_vec3(1.0) - tinted) * (params.specular / (1.0 - f0))
+    a = tinted * params.specular - b * f0
+    # From inside nothing is tinted: all of the light must be reflected where none can pass.
+    return where(inside, lanes_vec3(0.0), a), where(inside, lanes_vec3(1.0), b)
+
+
+@specialised
+def film_reflectance(program):
+    """``(params, inside, a, b, cosine) -> (share, F)`` of the film, one for metal and plastic."""
+    if FILM not in program.bsdfs:
+        return _no_film
+
+    @kernel
+    def film(params, inside, a, b, cosine):
+        root = (params.eta - 1.0) / (params.eta + 1.0)
+        f0 = lerp(params.metallic, a + b * (root * root), params.base)
+        found = film_fresnel(cosine, params.film.ior, params.film.thickness, f0)
+        return where(inside, 0.0, params.film.share), found
+
+    return film
+
+
+@kernel
+def _no_film(params, inside, a, b, cosine):
+    return lanes(0.0), lanes_vec3(0.0)
+
+
+@kernel
+def schlick(cosine, f0):
+    """Schlick's term from a colour at the normal."""
+    return Vec3(
+        fresnel_schlick(cosine, f0.x), fresnel_schlick(cosine, f0.y), fresnel_schlick(cosine, f0.z)
+    )
+
+
+@specialised
+def mixed(program):
+    """``(share, a, b) -> a + share (b - a)``, a alone where there is no film."""
+    return lerp if FILM in program.bsdfs else _first
+
+
+@kernel
+def _first(share, a, b):
+    return a
+
+
+# ---------------------------------------------------------------- what the viewer's side decides
+
+
+@specialised
+def _sides(program):
+    """``(params, wo) -> (below, inside)``."""
+    return _two_sides if GLASS in program.bsdfs else _one_side
+
+
+@kernel
+def _two_sides(params, wo):
+    below = (wo.z < 0.0) & (params.thin | (params.transmission > 0.0))
+    return below, below & ~params.thin
+
+
+@kernel
+def _one_side(params, wo):
+    return lanes_mask(False), lanes_mask(False)
+
+
+@specialised
+def rows_from(program):
+    """``(params, w) -> Rows`` of the base's albedos, seen from w."""
+    return _rows_of_anisotropic if ANISOTROPIC in program.bsdfs else _rows_of_isotropic
+
+
+@kernel
+def _rows_of_isotropic(params, w):
+    return rows_at(params.table, sqrt(params.facets.alpha_x), ROW)
+
+
+@kernel
+def _rows_of_anisotropic(params, w):
+    # Isotropic facets that lose less than these do, from any side: a fit from below.
+    ax, ay = params.facets.alpha_x, params.facets.alpha_y
+    part = 0.4 * w.z * minimum(4.0 * w.z, 1.0)
+    squared = ay * ay + part * (ax * ax - ay * ay)
+    # Seen edge-on they lose even less than the smoother ones.
+    edge = 1.0 - 0.75 * (1.0 - ay / ax) * maximum(1.0 - 8.0 * w.z, 0.0)
+    squared = squared * (edge * edge)
+    return rows_at(params.table, sqrt(sqrt(maximum(squared, 0.0))), ROW)
+
+
+@specialised
+def _glass_scale(program):
+    """``(params, rows, place, inside, a, b, W, share) -> Vec3``: what makes glass lossless."""
+    if GLASS not in program.bsdfs:
+        return _no_glass
+
+    @kernel
+    def scale(params, rows, place, inside, a, b, white, share):
+        side = where(inside, lanes_u32(3), lanes_u32(0))
+        reflected = read_curve(rows, side + REFLECTED, place)
+        refracted = read_curve(rows, side + REFRACTED, place)
+        passed = read_curve(rows, side + PASSED, place)
+        total = passed + a * (white - passed) + b * (reflected + refracted - passed)
+        # A film's share of the light is not known here; neither way loses less than this.
+        total = mixed(share, total, lanes_vec3(1.0) * maximum(white, passed))
+        total = where(params.thin, lanes_vec3(1.0) * white, total)
+        # Without transmission nothing of this is used, and nothing may pass at all.
+        needed = params.compensated & (params.transmission > 0.0)
+        return where(needed, 1.0 / where(needed, total, lanes_vec3(1.0)), 1.0)
+
+    return scale
+
+
+@kernel
+def _no_glass(params, rows, place, inside, a, b, white, share):
+    return lanes_vec3(1.0)
+
+
+@specialised
+def _coat_part(program):
+    """``(params, place, inside) -> (strength, albedo)`` of the coat."""
+    if COAT not in program.bsdfs:
+        return _no_layer
+
+    @kernel
+    def part(params, place, inside):
+        found = read_curve(params.coat.rows, lanes_u32(REFLECTED), place)
+        return where(inside, 0.0, params.coat.strength), found
+
+    return part
+
+
+@kernel
+def _no_layer(params, place, inside):
+    return lanes(0.0), lanes(0.0)
+
+
+@specialised
+def _sheen_part(program):
+    """``(params, wo, inside) -> (color, albedo)`` of the sheen."""
+    if SHEEN not in program.bsdfs:
+        return _no_sheen
+
+    @kernel
+    def part(params, wo, inside):
+        color = where(inside, lanes_vec3(0.0), params.sheen.color)
+        return color, sheen_albedo(params.sheen.rows, wo.z)
+
+    return part
+
+
+@kernel
+def _no_sheen(params, wo, inside):
+    return lanes_vec3(0.0), lanes(0.0)
+
+
+@kernel
+def view_from(params, wo):
+    """The `View` from wo, in the facets' frame."""
+    below, inside = _sides(params, wo)
+    wo = mirrored_if(below, wo)
+    seen = wo.z > 0.0
+    wo = where(seen, wo, Vec3(0.0, 0.0, 1.0))
+    eta = where(inside, 1.0 / params.eta, params.eta)
+    place, rows = place_of(wo.z), rows_from(params, wo)
+    white = maximum(read_curve(rows, lanes_u32(WHITE), place), 1e-3)
+    reflected = read_curve(rows, lanes_u32(REFLECTED), place)
+    a, b = _plain_terms(params, inside)
+    share, film = film_reflectance(params, inside, a, b, wo.z)
+    glass = _glass_scale(params, rows, place, inside, a, b, white, share)
+    # Rough facets see a film at other angles too: a margin, so that no light is made.
+    margin = 0.1 * maximum(params.facets.alpha_x, params.facets.alpha_y)
+    bright = film + margin
+    bright = Vec3(minimum(bright.x, 1.0), minimum(bright.y, 1.0), minimum(bright.z, 1.0))
+    taken = mixed(share, a * white + b * reflected, bright * white)
+    f0 = mixed(share, params.base, film)
+    given = where(params.compensated, (1.0 - white) / white, 0.0)
+    metal = lanes_vec3(1.0) + f0 * given
+    # What each layer gets.
+    coat, coat_albedo = _coat_part(params, place, inside)
+    sheen, sheen_own = _sheen_part(params, wo, inside)
+    under_coat = 1.0 - coat * coat_albedo
+    base = under_coat * (1.0 - max_component(sheen) * sheen_own)
+    rest = 1.0 - params.metallic
+    matte = where(inside, 0.0, rest * (1.0 - params.transmission))
+    mean = a * read_row(rows, lanes_u32(MEANS))
+    mean = mean + b * read_row(rows, lanes_u32(MEANS + 1))
+    # What a film takes is not split between both directions.
+    split = mixed(share, lanes_vec3(1.0) - mean, lanes_vec3(1.0))
+    diffuse = params.base * (lanes_vec3(1.0) - taken) * matte / split
+    # Probabilities, by how much light each lobe sends out.
+    to_coat = coat * coat_albedo
+    to_sheen = under_coat * luminance(sheen) * sheen_own
+    facets = params.metallic * luminance(schlick(wo.z, f0))
+    facets = facets + rest * (params.transmission + (1.0 - params.transmission) * luminance(taken))
+    facets = maximum(base * facets, LEAST_SHARE)
+    matte_light = base * matte * luminance(params.base) * (1.0 - luminance(taken))
+    per_total = 1.0 / (to_coat + to_sheen + facets + maximum(matte_light, 0.0))
+    return View(
+        wo, rows, seen, below, inside, eta, a, b, metal, glass, diffuse,
+        coat, sheen * under_coat, base,
+        to_coat * per_total, to_sheen * per_total, facets * per_total,
+        maximum(matte_light, 0.0) * per_total,
+    )  # fmt: skip

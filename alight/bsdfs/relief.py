@@ -1,0 +1,201 @@
+r"""Surfaces whose normals are bent by a picture, while their shape stays as it is.
+
+The nested material sees directions in the frame of another normal n. Two things then go wrong:
+the viewer, or what he sees mirrored, may lie behind the bent surface, which gives black rims; and
+light is cut off in a hard line where the true surface turns away from it.
+
+Rims that are ``lit``: n is moved towards the surface's normal z until the mirrored direction of the
+viewer w is above the surface. For n + k z that is a quadratic equation,
+:math:`w_z k^2 + 2 (n \cdot w)\, k + 2 (n \cdot w)\, n_z - (1 + \epsilon)\, w_z = 0`. Rims that
+are ``folded``: where n turns away from the viewer, its slope is taken the other way round. Those
+that are ``black``: nothing is done.
+
+With ``fading``, light is faded out before the line by Smith's masking function of GGX,
+:math:`G = 2 / (1 + \sqrt{1 + \alpha^2 \tan^2\theta_i})` with
+:math:`\alpha^2 = \tan^2(n, z) / 8`, at most 1; mirrors and what passes are left alone. Where a
+direction is on one side of the true surface and on the other one of the bent surface, nothing is
+scattered. All of this only takes light away, so a white surface never makes any; none of it is
+reciprocal.
+
+Source: Estevez, Lecocq and Stein 2019, A Microfacet-Based Shadowing Function to Solve the Bump
+Terminator Problem (Ray Tracing Gems, chapter 12); Schuessler, Heitz, Hanika and Dachsbacher 2017,
+Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing, for the folding, as in Mitsuba
+3.9; the quadratic is our own.
+"""
+
+from __future__ import annotations
+
+from alight.bsdfs.flags import DELTA
+from alight.core.frame import frame_from_tangent, to_local, to_world
+from alight.core.jit import kernel, specialised
+from alight.core.simd import gather, lanes, maximum, minimum, sqrt, where
+from alight.core.vec import Vec3, cross, dot, normalize, renormalize
+from alight.shapes.derivatives import uv_derivatives
+from alight.shapes.hit import Surface
+from alight.textures.fetch import color, scalar, textured_scalar
+
+#: What programs call it that a material has a normal or bump map, and which of them.
+BENT, NORMALS, HEIGHTS = "bent", "bent:normals", "bent:heights"
+#: Slots of both maps before those of the texture; modes is a sum of the bits below.
+SLOTS = {"scale": 1, "modes": 1}
+IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0
+#: The mirrored viewer stays this part of his height above the surface.
+MARGIN = 0.1
+#: Distance of two heights whose difference is a slope, in texture coordinates.
+STEP = 2.0**-13
+
+
+# ---------------------------------------------------------------- the bent normal
+
+
+@specialised
+def bent_normal(program):
+    """``(scene, base, surface, height, follows) -> n`` in the local frame, n.z > 0."""
+    if HEIGHTS not in program.bsdfs:
+        return _from_normals
+    if NORMALS not in program.bsdfs:
+        return _from_heights
+
+    @kernel
+    def either(scene, base, surface, height, follows):
+        a = _from_normals(scene, base, surface, height, follows)
+        b = _from_heights(scene, base, surface, height, follows)
+        return where(height, b, a)
+
+    return either
+
+
+@kernel
+def _from_normals(scene, base, surface, height, follows):
+    texel, scale = color(scene, base + 2, surface), scalar(scene, base, surface)
+    along, across = uv_derivatives(scene, surface)
+    # The second axis of the picture, on charts that are mirrored too.
+    turned = dot(cross(surface.ns, surface.s), across) * dot(surface.s, along) < 0.0
+    x, y = scale * (2.0 * texel.x - 1.0), scale * (2.0 * texel.y - 1.0)
+    return normalize(Vec3(x, where(turned & follows, -y, y), maximum(2.0 * texel.z - 1.0, 1e-3)))
+
+
+@kernel
+def _moved(surface, du, dv, shift):
+    """The surface with its texture coordinates moved, and its point with them."""
+    return Surface(
+        surface.p + shift, surface.error, surface.ng, surface.ns, surface.s, surface.t,
+        surface.u + du, surface.v + dv, surface.shape, surface.prim, surface.bsdf, surface.light,
+        surface.color,
+    )  # fmt: skip
+
+
+@kernel
+def _from_heights(scene, base, surface, height, follows):
+    scale = scalar(scene, base, surface)
+    here = textured_scalar(scene, base + 2, surface)
+    along, across = uv_derivatives(scene, surface)
+    right = textured_scalar(scene, base + 2, _moved(surface, STEP, 0.0, STEP * along))
+    above = textured_scalar(scene, base + 2, _moved(surface, 0.0, STEP, STEP * across))
+    a = _risen(surface, along, scale * (right - here) * (1.0 / STEP))
+    b = _risen(surface, across, scale * (above - here) * (1.0 / STEP))
+    n = cross(a, b)
+    n = where(n.z < 0.0, -n, n)
+    squared = dot(n, n)
+    usable = (squared > 0.0) & (n.z * n.z > 1e-12 * squared)
+    return normalize(where(usable, n, Vec3(0.0, 0.0, 1.0)))
+
+
+@kernel
+def _risen(surface, w, rise):
+    """A derivative of the point in the local frame, with another height."""
+    return Vec3(dot(w, surface.s), dot(w, surface.t), rise)
+
+
+# ---------------------------------------------------------------- frames
+
+
+@kernel
+def _lit(n, wo):
+    """n moved towards z until the mirror image of the viewer is above the surface."""
+    w = where(wo.z < 0.0, -wo, wo)
+    along = dot(n, w)
+    c = 2.0 * along * n.z - (1.0 + MARGIN) * w.z
+    height = maximum(w.z, 1e-6)
+    root = sqrt(maximum(along * along - height * c, 0.0))
+    # The larger root of the quadratic, so that nothing cancels.
+    k = where(along > 0.0, -c / maximum(root + along, 1e-9), (root - along) / height)
+    moved = normalize(Vec3(n.x, n.y, n.z + maximum(k, 0.0)))
+    return where((c < 0.0) | (along <= 0.0), moved, n)
+
+
+@kernel
+def _fading(n, fades, wi):
+    """G of Estevez et al., or 1."""
+    cos2 = maximum(n.z * n.z, 1e-6)
+    alpha2 = minimum(0.125 * (1.0 - cos2) / cos2, 1.0)
+    height2 = maximum(wi.z * wi.z, 1e-12)
+    g = 2.0 / (1.0 + sqrt(1.0 + alpha2 * maximum(1.0 - height2, 0.0) / height2))
+    return where(fades, g, 1.0)
+
+
+@kernel
+def _modes(code):
+    """(height, follows, fades, lit, folded) of a sum of bits."""
+    folded = code >= IS_FOLDED
+    code = where(folded, code - IS_FOLDED, code)
+    lit = code >= IS_LIT
+    code = where(lit, code - IS_LIT, code)
+    fades = code >= FADES
+    code = where(fades, code - FADES, code)
+    follows = code >= FOLLOWS_UV
+    code = where(follows, code - FOLLOWS_UV, code)
+    return code >= IS_HEIGHT, follows, fades, lit, folded
+
+
+@kernel
+def _frame(scene, surface, relief, stride, wo):
+    """(s, t, n, fades) of the bent frame, in the local one; z itself without a map."""
+    has = relief != 0
+    base = where(has, relief - 1, 0) * stride
+    code = where(has, gather(scene.materials.data, base + 1), 0.0)
+    height, follows, fades, lit, folded = _modes(code)
+    n = bent_normal(scene, base, surface, height, follows)
+    folded = folded & (dot(n, wo) * wo.z <= 0.0)
+    n = where(folded, Vec3(-n.x, -n.y, n.z), where(lit, _lit(n, wo), n))
+    n = where(has, n, Vec3(0.0, 0.0, 1.0))
+    s, t = frame_from_tangent(n, Vec3(lanes(1.0), 0.0 * n.x, 0.0 * n.x))
+    return s, t, n, fades
+
+
+def packed_modes(rims: str, fading: bool) -> float:
+    """The bits that both maps have."""
+    return FADES * fading + {"black": 0.0, "lit": IS_LIT, "folded": IS_FOLDED}[rims]
+
+
+def bent_evaluate(one_sided, stride, relief_of):
+    """`evaluate_row` with the bent normals of maps; arguments as in `alight.bsdfs.switch`."""
+
+    @kernel
+    def evaluate_row(scene, surface, row, wo, wi, active):
+        s, t, n, fades = _frame(scene, surface, relief_of(scene, row), stride, wo)
+        inner = to_local(s, t, n, wi)
+        f_cos, pdf = one_sided(scene, surface, row, to_local(s, t, n, wo), inner, active)
+        agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
+        fading = where(wo.z * wi.z > 0.0, _fading(n, fades, wi), 1.0)
+        return where(agrees, f_cos * fading, 0.0), where(agrees, pdf, 0.0)
+
+    return evaluate_row
+
+
+def bent_sample(one_sided, stride, relief_of):
+    """`sample_row` with the bent normals of maps; arguments as in `alight.bsdfs.switch`."""
+
+    @kernel
+    def sample_row(scene, surface, row, wo, u, u2, active):
+        s, t, n, fades = _frame(scene, surface, relief_of(scene, row), stride, wo)
+        inner, weight, pdf, flags = one_sided(
+            scene, surface, row, to_local(s, t, n, wo), u, u2, active
+        )
+        wi = renormalize(to_world(s, t, n, inner))
+        agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
+        faded = (wo.z * wi.z > 0.0) & ((flags & DELTA) == 0)
+        fading = where(faded, _fading(n, fades, wi), 1.0)
+        return wi, where(agrees, weight * fading, 0.0), where(agrees, pdf, 0.0), flags
+
+    return sample_row

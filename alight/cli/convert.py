@@ -1,0 +1,42 @@
+"""``alight convert``: any scene that can be read, in the native format or as far as glTF goes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from alight.cli import arguments
+from alight.cli.reporting import show_remarks
+
+
+def convert(
+    scene: arguments.SceneName,
+    output: Annotated[
+        Path,
+        typer.Argument(help="File to write: .yaml, .yml, .json or .glb."),
+    ],
+    camera: arguments.CameraName = None,
+    assignments: arguments.Assignments = None,
+    define: arguments.Definitions = None,
+    lenient: arguments.Lenient = False,
+) -> None:
+    """Write a scene in the native format with its meshes and pictures beside it, or as glTF."""
+    from alight.cli.options import changes_of, parse_definitions
+    from alight.core.errors import OutputError
+    from alight.scene import flatten, load, save
+    from alight.scene.formats.gltf.write import write
+
+    changes = changes_of({"camera": camera}, assignments or [])
+    description = load(scene, changes, definitions=parse_definitions(define), lenient=lenient)
+    show_remarks(description)
+    try:
+        if output.suffix.lower() == ".glb":
+            for line in write(flatten(description), output):
+                typer.echo(f"glTF cannot hold: {line}", err=True)
+        else:
+            save(description, output)
+    except OSError as error:
+        raise OutputError(f"cannot write {output}: {error.strerror or error}") from None
+    typer.echo(f"scene: {output}")

@@ -1,0 +1,201 @@
+"""The lights of a scene as leaves of a tree, and the tables of its choice."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.compiled.shapes import CompiledShapes
+from alight.core.constants import PI
+from alight.core.distributions import cumulative
+from alight.core.spec import Triple
+from alight.core.vec import luminance
+from alight.core.vec3 import Vec3
+from alight.lights.tree import OUTER_CDF
+from alight.lights.tree_build import Leaves, build_tree
+from alight.shapes.hit import FLIP
+from alight.shapes.hit import INFO as SHAPE_INFO
+
+#: Shares of the samples that lights without a place get, if there are others: their power counts
+#: the whole scene, of which one point sees little.
+LEAST_OUTER, MOST_OUTER = 0.15, 0.85
+
+#: Intensity over radiance times area, for shapes that face all directions: a sphere is seen as a
+#: disk, a cylinder from the side as a rectangle.
+_ROUND = {"sphere": 0.25, "cylinder": 1.0 / PI}
+
+
+class LightRow(NamedTuple):
+    """A light before it is a row of the tables.
+
+    Attributes
+    ----------
+    kind : str
+    color : triple
+    numbers : (n,) float64
+        Its own.
+    mean : triple
+        Mean colour, for its power.
+    texture : int
+        Number of the texture of its radiance + 1, 0 if there is none.
+    shape : int
+        Row of its shape, -1 if there is none.
+    areas : (n,) float64, m^2
+        Of its triangles, or of its shape.
+    cone : ((3,) float64, float, float) or None
+        Of a lamp at a point: its axis, and the angles of `Leaves` in radians.
+    table : (n,) float32 or None
+        Further numbers of it, such as a picture: they start where its `LightTables.info` says.
+    """
+
+    kind: str
+    color: Triple
+    numbers: NDArray[np.float64]
+    mean: Triple
+    texture: int = 0
+    shape: int = -1
+    areas: NDArray[np.float64] = np.zeros(0)
+    cone: tuple[NDArray[np.float64], float, float] | None = None
+    table: NDArray[np.float32] | None = None
+
+    @property
+    def brightness(self) -> float:
+        """Luminance of the mean colour."""
+        return float(luminance(Vec3(*self.mean)))
+
+
+class Choosing(NamedTuple):
+    """How a light is chosen.
+
+    Attributes
+    ----------
+    tables : list of (n,) float32
+        To be joined to `LightTables.cdf`.
+    starts : (lights,) uint32
+        Where the triangles of each light begin in them.
+    probabilities : (lights,) float
+        Of each light; in a program with a tree only of those beside it.
+    """
+
+    tables: list[NDArray[np.float32]]
+    starts: NDArray[np.uint32]
+    probabilities: NDArray[np.floating]
+
+
+def find_leaves(
+    rows: list[LightRow], powers: NDArray[np.float64], shapes: CompiledShapes
+) -> Leaves:
+    """All lights that have a place and shine, triangle by triangle.
+
+    Parameters
+    ----------
+    rows : list of LightRow
+    powers : (n,) float64, W
+    shapes : CompiledShapes
+    """
+    boxes = {index: (low, high) for _, index, _, low, high in shapes.analytic}
+    parts = [_no_leaf()]
+    for number, (row, power) in enumerate(zip(rows, powers, strict=True)):
+        if power <= 0.0:
+            continue
+        if row.shape >= 0:
+            parts.append(_on_shape(number, row, shapes, boxes))
+        elif row.cone is not None:
+            parts.append(_at_point(number, row, float(power)))
+    joined = [np.concatenate(columns) for columns in zip(*parts, strict=True)]
+    return Leaves(*joined)
+
+
+def _no_leaf() -> Leaves:
+    vectors, numbers, words = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.uint32)
+    return Leaves(vectors, vectors, vectors, numbers, numbers, numbers, words, words)
+
+
+def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:
+    kind = shapes.rows[row.shape].kind
+    info = shapes.tables.info.array[row.shape * SHAPE_INFO :][:SHAPE_INFO]
+    if kind == "mesh":
+        return _triangles(number, row, shapes, info)
+    low, high = (np.array([bound], float) for bound in boxes[row.shape])
+    axis, spread, factor = np.array([[0.0, 0.0, 1.0]]), PI, _ROUND.get(kind)
+    if factor is None:
+        # The row of a flat shape begins with its outer normal.
+        axis = shapes.tables.data.array[info[3] : info[3] + 3].astype(float).reshape(1, 3)
+        spread, factor = 0.0, 1.0
+    strength = factor * row.brightness * row.areas
+    word = np.array([number], np.uint32)
+    return Leaves(
+        low, high, axis, np.array([spread]), np.array([0.5 * PI]), strength, word, word * 0
+    )
+
+
+def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndarray) -> Leaves:
+    first, count = int(info[5]), int(info[7])
+    faces = shapes.tables.faces.array.reshape(-1, 3)[first : first + count]
+    corners = shapes.tables.vertices.array.reshape(-1, 3)[faces].astype(float)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    # Triangles without area cannot be hit, nor chosen.
+    kept = row.areas > 0.0
+    corners, normal = corners[kept], normal[kept]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    n = len(normal)
+    return Leaves(
+        corners.min(axis=1),
+        corners.max(axis=1),
+        -normal if info[4] & FLIP else normal,
+        np.zeros(n),
+        np.full(n, 0.5 * PI),
+        row.brightness * row.areas[kept],
+        np.full(n, number, np.uint32),
+        np.flatnonzero(kept).astype(np.uint32),
+    )
+
+
+def _at_point(number: int, row: LightRow, power: float) -> Leaves:
+    assert row.cone is not None
+    axis, spread, dark = row.cone
+    solid_angle = 2.0 * PI * (1.0 - np.cos(min(spread + dark, PI)))
+    place, word = np.reshape(row.numbers[:3], (1, 3)), np.array([number], np.uint32)
+    return Leaves(
+        place,
+        place,
+        np.reshape(axis, (1, 3)),
+        np.array([spread]),
+        np.array([dark]),
+        np.array([power / max(solid_angle, 1e-9)]),
+        word,
+        word * 0,
+    )
+
+
+def chosen_by_tree(
+    rows: list[LightRow], powers: NDArray[np.float64], leaves: Leaves, shapes: CompiledShapes
+) -> Choosing:
+    """The tree, the lights beside it, and for each triangle the way to its leaf."""
+    inner = np.zeros(len(rows))
+    np.add.at(inner, leaves.row, 1.0)
+    outer = np.where(inner > 0.0, 0.0, powers)
+    # Dark rows are in neither; nor are shapes without area.
+    outer[[row.shape >= 0 for row in rows]] = 0.0
+    total = float(powers.sum())
+    share = float(outer.sum()) / total if total > 0.0 else 1.0
+    if 0.0 < share < 1.0:
+        share = min(max(share, LEAST_OUTER), MOST_OUTER)
+    cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
+    start = OUTER_CDF + cdf.size
+    tree = build_tree(leaves, start)
+    header = np.array([share, len(rows), start, 0.0], np.float32)
+    tables, starts = [header, cdf, tree.nodes.ravel()], np.zeros(len(rows), np.uint32)
+    at = start + tree.nodes.size
+    for number, row in enumerate(rows):
+        if row.shape < 0:
+            continue
+        mine = leaves.row == number
+        ways = np.zeros(max(len(row.areas), 1), np.uint32)
+        ways[leaves.prim[mine]] = tree.ways[mine]
+        tables.append(ways.view(np.float32))
+        starts[number] = at
+        at += ways.size
+    return Choosing(tables, starts, np.float32(share) * np.diff(cdf)[: len(rows)])

@@ -1,0 +1,103 @@
+"""Media, and the shapes that bound them -> tables for kernels (`alight.media.tables`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from alight.compiled.shapes import CompiledShapes
+from alight.core.registry import Models, Numbers
+from alight.core.view import View
+from alight.media.coefficients import Coefficients, extinction, scattering_albedo
+from alight.media.tables import (
+    ALBEDO,
+    ALBEDOS,
+    CHROMATIC,
+    DENSITIES,
+    EXTINCTION,
+    INFO,
+    KEEP,
+    KIND,
+    PARAMETER,
+    PHASE,
+    STRIDE,
+    MediaTables,
+)
+from alight.scene.flatten import FlatScene
+
+
+@dataclass
+class MediumPacker:
+    """Puts one medium into its rows.
+
+    Attributes
+    ----------
+    info : (INFO,) uint32
+    data : (STRIDE,) float32
+    voxels : list of (n,) float32
+        Values of the grids of the whole scene.
+    """
+
+    info: np.ndarray
+    data: np.ndarray
+    voxels: list[np.ndarray]
+
+    def grid(self, word: int, values: np.ndarray) -> None:
+        """Put a grid of shape (nz, ny, nx, c) into the table, and where it is from a word on."""
+        nz, ny, nx, _ = values.shape
+        self.info[word : word + 4] = sum(v.size for v in self.voxels), nx, ny, nz
+        self.voxels.append(np.ascontiguousarray(values, np.float32).reshape(-1))
+
+
+def compile_media(
+    flat: FlatScene, shapes: CompiledShapes
+) -> tuple[MediaTables, tuple[str, ...], tuple[str, ...]]:
+    """Make the tables of a scene that has media.
+
+    Returns
+    -------
+    tables : MediaTables
+    media, phases : tuple of str
+        For `Program`: models in use in the order of the registries, and features of the media.
+    """
+    voxels = [np.zeros(1, np.float32)]
+    rows = [_blank(), *(_packed(spec, voxels) for spec in flat.media)]
+    borders = np.full((len(shapes.rows) + 1, 2), KEEP, np.uint32)
+    for index, row in enumerate(shapes.rows):
+        border = flat.shapes[row.source].border
+        if border is not None:
+            borders[index] = border
+    tables = MediaTables(
+        View(np.stack([info for info, _ in rows])),
+        View(np.stack([data for _, data in rows])),
+        View(np.concatenate(voxels)),
+        View(borders),
+        View(np.array([flat.start_medium], np.uint32)),
+    )
+    media = {spec.type_name() for spec in flat.media}
+    phases = {spec.phase.type_name() for spec in flat.media}
+    chromatic = any(len(set(extinction(spec))) > 1 for spec in flat.media)
+    return (
+        tables,
+        (*(name for name in Numbers("media") if name in media), *(CHROMATIC,) * chromatic),
+        tuple(name for name in Numbers("phases") if name in phases),
+    )
+
+
+def _blank() -> tuple[np.ndarray, np.ndarray]:
+    """Rows from which every model finds valid indices: grids of one cell."""
+    info, data = np.zeros(INFO, np.uint32), np.zeros(STRIDE, np.float32)
+    info[DENSITIES + 1 : DENSITIES + 4] = info[ALBEDOS + 1 : ALBEDOS + 4] = 1
+    return info, data
+
+
+def _packed(spec: Coefficients, voxels: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    info, data = _blank()
+    kind, phase = spec.type_name(), spec.phase.type_name()
+    info[KIND], info[PHASE] = Numbers("media")[kind], Numbers("phases")[phase]
+    data[EXTINCTION : EXTINCTION + 3] = extinction(spec)
+    data[ALBEDO : ALBEDO + 3] = scattering_albedo(spec)
+    data[PARAMETER] = Models("phases")[phase].parameter(spec.phase)
+    Models("media")[kind].pack(spec, MediumPacker(info, data, voxels))
+    return info, data

@@ -1,0 +1,432 @@
+r"""Volumetric path tracing: surfaces as `path`, and media between them that absorb and scatter.
+
+.. math::
+    L(x, \omega) = \int_0^{s} T(t)\, \sigma_s(t) \int p(\omega, \omega')\, L(\omega')\, d\omega'\,
+    dt + T(s)\, L_o(s)
+
+Distances are chosen by the media, directions in them by their phase functions. Lights are sampled
+at surfaces and in media alike; shadow rays go through surfaces that are not there (`null`) and are
+dimmed by the media on their way. Directions and light sampling are combined by the balance
+heuristic, together with the three channels (`alight.integrators.volume_walk`).
+
+Source: PBR4 section 14.2.3 (VolPathIntegrator); Miller, Georgiev and Jarosz, SIGGRAPH 2019.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, Self
+
+from pydantic import model_validator
+
+from alight.accel import intersect_closest
+from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
+from alight.bsdfs.flags import DELTA
+from alight.bsdfs.switch import concentration, refracts
+from alight.core.constants import INFINITY
+from alight.core.jit import kernel, specialised
+from alight.core.simd import (
+    any_lane,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    where,
+)
+from alight.core.spec import Depth, Integrator, Truth, invalid
+from alight.core.vec import length, max_component
+from alight.integrators.path import BY_BSDF, BY_LIGHT, MAX_SURVIVAL, MIS, STRATEGIES
+from alight.integrators.volume_walk import (
+    FREE_FLIGHT,
+    VolumePath,
+    come_through,
+    has_null,
+    is_null,
+    mean,
+    medium_beyond,
+)
+from alight.integrators.volume_walk import empty_paths as empty_paths
+from alight.integrators.volume_walk import put_more as put_more
+from alight.integrators.volume_walk import start_paths as start_paths
+from alight.integrators.volume_walk import take_more as take_more
+from alight.integrators.walk import (
+    BSDF_CHOICE,
+    BSDF_DIRECTION,
+    LIGHT_CHOICE,
+    LIGHT_POINT,
+    ROULETTE,
+    count_lanes,
+    to_local,
+    to_world,
+    vertex_dimension,
+)
+from alight.lights.sampling import (
+    emitted,
+    environment_of,
+    environment_pdf,
+    environment_radiance,
+    has_delta_lights,
+    light_pdf,
+    lit_normal,
+    sample_light,
+    shadow_ray,
+)
+from alight.media.sampling import evaluate_phase, fly, sample_phase
+from alight.media.tables import stream_of
+from alight.samplers.sampling import get_1d, get_2d
+from alight.shapes.hit import shadow_length, spawn_origin
+from alight.shapes.surfaces import make_surface
+
+
+class VolPath(Integrator):
+    """Volumetric path tracer.
+
+    Parameters
+    ----------
+    light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
+        How direct light is found: by sampling BSDFs and phase functions, by light sampling, or by
+        both combined. All compute the same picture.
+    russian_roulette : {"throughput", "none"}, default "throughput"
+        Whether dim paths end at random, with weights that keep the mean.
+    rr_depth : int >= 1, default 5
+        Depth from which roulette is played.
+    max_depth : int >= 1, optional
+        Longest path, counted in edges after the camera; scattering in a medium ends an edge,
+        passing a `null` surface does not. Unlimited by default, which needs roulette.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        As for `path`.
+    hide_emitters : bool, default False
+        Whether the camera sees through lights: surfaces that shine, and the environment. They
+        light the scene as ever.
+    """
+
+    sees_media: ClassVar[bool] = True
+    type: Literal["volpath"] = "volpath"
+    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
+    russian_roulette: Literal["throughput", "none"] = "throughput"
+    rr_depth: Depth = 5
+    max_depth: Depth | None = None
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
+    hide_emitters: Truth = False
+
+    @model_validator(mode="after")
+    def _paths_end(self) -> Self:
+        if self.max_depth is None and self.russian_roulette == "none":
+            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
+        return self
+
+
+EXAMPLES = (
+    VolPath(),
+    VolPath(max_depth=8, rr_depth=5),
+    VolPath(light_sampling="bsdf", russian_roulette="none", max_depth=4),
+    VolPath(light_sampling="emitter", light_choice="uniform"),
+    VolPath(hide_emitters=True),
+)
+
+
+def step(program):
+    """The kernel that carries paths on to the next surface or collision."""
+    strategy = STRATEGIES[program.option("light_sampling")]
+    by_light = strategy in (BY_LIGHT, MIS) and bool(program.lights)
+    samples_lights = by_light or has_delta_lights(program)
+    found_weight, chosen_weight = _weights_of(strategy)
+    area_lights, nulls = "area" in program.lights, has_null(program)
+    environment = environment_of(program) is not None
+    roulette = program.option("russian_roulette") == "throughput"
+    reach_environment = _write_reach_environment(found_weight)
+    reach_lamp = _write_reach_lamp(found_weight, nulls)
+    add_direct_light = _write_add_direct_light(chosen_weight, by_light)
+    play_roulette = _write_play_roulette(refracts(program))
+    hides = program.option("hide_emitters", False)
+
+    @kernel
+    def volpath_step(scene, settings, path):
+        """One more surface or collision of each path."""
+        rays = path.rays + count_lanes(path.active)
+        hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
+        # The media on the way: a collision comes before the surface, or none does.
+        path, scattered, t = pass_media(scene, path, hit.t)
+        depth = path.depth + 1
+        missed = path.active & ~scattered & (hit.t == INFINITY)
+        met = path.active & ~scattered & (hit.t < INFINITY)
+        L, L_direct = path.L, path.L_direct
+        if hides:
+            missed = missed & (path.depth > 0)
+        if environment:
+            L, L_direct = reach_environment(scene, path, depth, missed, L, L_direct)
+        surface = make_surface(scene, hit, path.o, path.d, met)
+
+        # Surfaces that are not there are no vertices, nor lights that the camera looks through.
+        passing, shining = lanes_mask(False), met
+        if nulls:
+            passing = met & is_null(scene, surface)
+        if hides:
+            hidden = met & (path.depth == 0) & (surface.light != 0)
+            passing, shining = passing | hidden, met & ~hidden
+        if area_lights:
+            L, L_direct = reach_lamp(scene, path, hit, surface, depth, shining, L, L_direct)
+        active = (met | scattered) & ~passing & (depth < settings.max_depth)
+        p = where(scattered, path.o + t * path.d, surface.p)
+        wo = to_local(surface, -path.d)
+        if samples_lights:
+            L, L_direct, rays = add_direct_light(
+                scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays
+            )
+
+        # Where the path goes on.
+        dimension = vertex_dimension(path.steps)
+        u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+        u = get_1d(path.sampler, dimension + BSDF_CHOICE)
+        wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, active & ~scattered)
+        d = to_world(surface, wi)
+        delta = (flags & DELTA) != 0
+        d, weight, pdf, delta = turn_in_medium(
+            scene, path, u2, active & scattered, d, weight, pdf, delta
+        )
+        beta = path.beta * weight
+        # Not "largest > 0": a NaN must live on and be counted by the film.
+        active = active & ~(max_component(beta) <= 0.0)
+        if roulette:
+            beta, active = play_roulette(
+                scene, settings, path, surface, wi, scattered, depth, beta, active
+            )
+        lights = where(delta, lanes_vec3(0.0), path.ours * (1.0 / maximum(pdf, 1e-30)))
+        d = where(passing, path.d, d)
+        o = spawn_origin(surface.p, surface.error, surface.ng, d)
+        medium = medium_beyond(scene, surface, d, path.medium)
+        return VolumePath(
+            where(scattered, p, o), d, where(passing, path.p, p), L, L_direct,
+            where(passing, path.beta, beta), where(passing, path.pdf, pdf),
+            where(passing, path.delta, delta), where(passing, path.depth, depth), path.sampler,
+            active | passing, rays, where(scattered, path.medium, medium), path.channel,
+            path.steps, path.ours, where(passing, path.lights, lights),
+        )  # fmt: skip
+
+    return volpath_step
+
+
+# ---------------------------------------------------------------- media
+
+
+@specialised
+def pass_media(program):
+    """``(scene, path, t) -> (path, scattered, t)``: collide before the surface at t, or do not.
+
+    The path that comes back is one step on, with its throughput and densities up to there.
+    """
+    return _fly if program.media else _pass_nothing
+
+
+@kernel
+def _pass_nothing(scene, path, t):
+    return _moved(path, path.medium, path.beta, path.ours, path.lights), lanes_mask(False), t
+
+
+@kernel
+def _fly(scene, path, t):
+    first = path.steps == 0
+    medium = where(first, lanes_u32(0) + scene.media.start[0], path.medium)
+    within = path.active & (medium != 0)
+    beta, ours, lights, scattered = path.beta, path.ours, path.lights, lanes_mask(False)
+    if any_lane(within):
+        u = get_1d(path.sampler, vertex_dimension(path.steps + 1) + FREE_FLIGHT)
+        stream = stream_of(path.sampler, 2 * path.steps)
+        flight = fly(scene, medium, path.o, path.d, t, path.channel, u, stream, within)
+        scattered = within & flight.scattered
+        t = where(scattered, flight.t, t)
+        beta = where(within, beta * flight.factor, beta)
+        beta = where(scattered, beta * flight.albedo, beta)
+        ours = where(within, ours * flight.factor, ours)
+        lights = where(within, lights * flight.light, lights)
+    return _moved(path, medium, beta, ours, lights), scattered, t
+
+
+@kernel
+def _moved(path, medium, beta, ours, lights):
+    """The path with one more step, and these."""
+    return VolumePath(
+        path.o, path.d, path.p, path.L, path.L_direct, beta, path.pdf, path.delta, path.depth,
+        path.sampler, path.active, path.rays, medium, path.channel, path.steps + 1, ours, lights,
+    )  # fmt: skip
+
+
+@specialised
+def turn_in_medium(program):
+    """``(scene, path, u2, scattered, d, weight, pdf, delta)``: the last four anew.
+
+    By the phase function, where the mask `scattered` holds.
+    """
+    return _turn if program.media else _keep_direction
+
+
+@kernel
+def _keep_direction(scene, path, u2, scattered, d, weight, pdf, delta):
+    return d, weight, pdf, delta
+
+
+@kernel
+def _turn(scene, path, u2, scattered, d, weight, pdf, delta):
+    if any_lane(scattered):
+        wi, density = sample_phase(scene, path.medium, path.d, u2, scattered)
+        d = where(scattered, wi, d)
+        weight = where(scattered, lanes_vec3(1.0), weight)
+        pdf = where(scattered, density, pdf)
+        delta = delta & ~scattered
+    return d, weight, pdf, delta
+
+
+@specialised
+def phase_towards_light(program):
+    """``(scene, path, wi, scattered, f, pdf) -> (f, pdf)``: the phase function in their place."""
+    return _towards_light if program.media else _keep_values
+
+
+@kernel
+def _keep_values(scene, path, wi, scattered, f, pdf):
+    return f, pdf
+
+
+@kernel
+def _towards_light(scene, path, wi, scattered, f, pdf):
+    if any_lane(scattered):
+        density = evaluate_phase(scene, path.medium, path.d, wi, scattered)
+        f = where(scattered, lanes_vec3(1.0) * density, f)
+        pdf = where(scattered, density, pdf)
+    return f, pdf
+
+
+# ---------------------------------------------------------------- light
+
+
+def _write_reach_environment(found_weight):
+    """``(scene, path, depth, missed, L, L_direct) -> (L, L_direct)``: rays that left the scene."""
+
+    @kernel
+    def reach_environment(scene, path, depth, missed, L, L_direct):
+        if any_lane(missed):
+            # Other lanes look at one place of a map: that costs no memory traffic.
+            d = where(missed, path.d, 0.0)
+            Le = environment_radiance(scene, d)
+            w = found_weight(path, environment_pdf(scene, d))
+            L = where(missed, L + path.beta * Le * w, L)
+            L_direct = where(missed & (depth <= 2), L, L_direct)
+        return L, L_direct
+
+    return reach_environment
+
+
+def _write_reach_lamp(found_weight, nulls):
+    """``(scene, path, hit, surface, depth, met, L, L_direct) -> (L, L_direct)``: lights hit."""
+
+    @kernel
+    def reach_lamp(scene, path, hit, surface, depth, met, L, L_direct):
+        shining = met & (surface.light != 0)
+        if any_lane(shining):
+            distance = hit.t
+            if nulls:
+                # From the last vertex, not from a surface that is not there.
+                distance = length(surface.p - path.p)
+            Le = emitted(scene, surface, -path.d)
+            pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
+            w = found_weight(path, pdf)
+            L = where(shining, L + path.beta * Le * w, L)
+            L_direct = where(shining & (depth <= 2), L, L_direct)
+        return L, L_direct
+
+    return reach_lamp
+
+
+def _write_add_direct_light(chosen_weight, by_light):
+    """Light sampling at surfaces and in media.
+
+    ``(scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays)`` gives the last
+    three anew. Only delta lights count unless `by_light`.
+    """
+
+    @kernel
+    def add_direct_light(scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays):
+        dimension = vertex_dimension(path.steps)
+        # Media have no normal.
+        n = where(scattered, lanes_vec3(0.0), lit_normal(surface.ns, wo))
+        light = sample_light(
+            scene, p, n, get_1d(path.sampler, dimension + LIGHT_CHOICE),
+            get_2d(path.sampler, dimension + LIGHT_POINT), active,
+        )  # fmt: skip
+        lit = active & (light.pdf > 0.0)
+        if not by_light:
+            lit = lit & light.delta
+        if any_lane(lit):
+            wi = to_local(surface, light.wi)
+            f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit & ~scattered)
+            f_cos, pdf = phase_towards_light(scene, path, light.wi, lit & scattered, f_cos, pdf)
+            lit = lit & ~(max_component(f_cos) <= 0.0)
+            o, end = shadow_ray(surface, light)
+            o = where(scattered, p, o)
+            free = shadow_length(light.distance, light.cosine, light.error, 0.0)
+            end = where(scattered, free, end)
+            medium = medium_beyond(scene, surface, light.wi, path.medium)
+            medium = where(scattered, path.medium, medium)
+            stream = stream_of(path.sampler, 2 * path.steps + 1)
+            crossing, rays = come_through(
+                scene, o, light.wi, end, medium, path.channel, stream, lit, rays
+            )
+            lit = lit & (max_component(crossing.passed) > 0.0)
+            w = chosen_weight(path, light, pdf, crossing) * crossing.boost
+            L = where(lit, L + path.beta * f_cos * light.radiance * crossing.passed * w, L)
+            L_direct = where(lit & (depth <= 1), L, L_direct)
+        return L, L_direct, rays
+
+    return add_direct_light
+
+
+def _write_play_roulette(refracting):
+    """Ends dim paths at random, and lets the survivors carry their light.
+
+    ``(scene, settings, path, surface, wi, scattered, depth, beta, active) -> (beta, active)``
+    """
+
+    @kernel
+    def play_roulette(scene, settings, path, surface, wi, scattered, depth, beta, active):
+        # What the path would bring of a white light: the weight of a channel alone may be large.
+        bright = max_component(beta) / mean(path.ours)
+        if refracting:
+            # A path in glass is not dim: what it lost on the way in comes back on the way out.
+            bright = bright * where(scattered, 1.0, concentration(scene, surface, wi))
+        survival = minimum(bright, MAX_SURVIVAL)
+        playing = depth >= settings.rr_depth
+        survived = get_1d(path.sampler, vertex_dimension(path.steps) + ROULETTE) < survival
+        active = active & (survived | ~playing)
+        return where(playing, beta / survival, beta), active
+
+    return play_roulette
+
+
+def _weights_of(strategy):
+    """The kernels (found_weight, chosen_weight) of a strategy.
+
+    Both are 1 over the mean density over the channels: of the path that came upon a light, and of
+    one that light sampling chose.
+    """
+
+    @kernel
+    def found_weight(path, light_density):
+        alone = 1.0 / mean(path.ours)
+        if strategy == BY_BSDF:
+            return alone
+        if strategy == MIS:
+            both = path.ours + path.lights * light_density
+            return where(path.delta, alone, 1.0 / mean(both))
+        return where(path.delta, alone, 0.0)
+
+    @kernel
+    def chosen_weight(path, light, density, crossing):
+        chosen = path.ours * crossing.light * light.pdf
+        alone = 1.0 / mean(chosen)
+        if strategy == MIS:
+            both = chosen + path.ours * crossing.passed * density
+            return where(light.delta, alone, 1.0 / mean(both))
+        return alone
+
+    return found_weight, chosen_weight

@@ -1,0 +1,260 @@
+"""What paths through media keep beside a `Path`, and how they and shadow rays cross borders.
+
+**The rule of borders.** A path is in one medium. A shape with an interior or an exterior is a
+border: whoever leaves it against its outer normal, in whatever way, is in its interior then, and
+whoever leaves it along the normal in its exterior. Other shapes change nothing.
+
+**Three channels.** Where media extinguish red, green and blue differently, one channel chooses all
+distances of a path. The densities with which each of the three would have chosen the same path are
+carried along, over that of the one that did, and contributions are weighted by the balance
+heuristic over the channels and over light sampling.
+
+Source: Wilkie et al., Hero wavelength spectral sampling, EGSR 2014; Miller, Georgiev and Jarosz, A
+null-scattering path integral formulation of light transport, SIGGRAPH 2019; PBR4 section 14.2.2.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.accel import intersect_closest, is_occluded
+from alight.bsdfs.switch import models_of
+from alight.core.constants import INFINITY
+from alight.core.jit import kernel, specialised
+from alight.core.simd import (
+    any_lane,
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    load_lanes,
+    to_uint,
+    where,
+)
+from alight.core.vec import dot, max_component
+from alight.integrators.queue import (
+    MORE_FLOATS,
+    MORE_UINTS,
+    ROOM,
+    put_row,
+    put_vector,
+    vector_at,
+)
+from alight.integrators.walk import Path, begin_paths, count_lanes, no_paths
+from alight.media.sampling import cross
+from alight.media.tables import CHROMATIC, KEEP, Crossing, segment_of
+from alight.samplers.sampling import get_1d
+from alight.shapes.hit import side_of, spawn_origin
+from alight.shapes.surfaces import make_surface
+
+#: A `Path`, and: medium (u32), row of the tables that the path is in, 0 for none; channel (u32),
+#: which chooses distances; steps (u32), surfaces and collisions so far, borders too; ours (Vec3):
+#: densities of the path so far in the three channels; lights (Vec3): those with light sampling at
+#: its last vertex; both over the density that it was chosen with, for `lights` that of the last
+#: direction included.
+VolumePath = namedtuple(
+    "VolumePath", (*Path._fields, "medium", "channel", "steps", "ours", "lights")
+)
+
+#: Dimension of the camera that chooses the channel; place of the free flight among a vertex's.
+CHANNEL = 5
+FREE_FLIGHT = 7
+
+#: Name of the surface that is not there.
+NULL_NAME = "null"
+
+
+@kernel
+def with_media(path, medium, channel, steps, ours, lights):
+    """A `VolumePath` from a `Path` and what it has more."""
+    return VolumePath(
+        path.o, path.d, path.p, path.L, path.L_direct, path.beta, path.pdf, path.delta, path.depth,
+        path.sampler, path.active, path.rays, medium, channel, steps, ours, lights,
+    )  # fmt: skip
+
+
+@kernel
+def put_more(queue, at, order, path):
+    """Write what a path through media has more than others, for the time that it waits."""
+    put_vector(queue.floats, MORE_FLOATS, at, order, path.ours)
+    put_vector(queue.floats, MORE_FLOATS + 3, at, order, path.lights)
+    put_row(queue.uints, MORE_UINTS, at, order, path.medium)
+    put_row(queue.uints, MORE_UINTS + 1, at, order, path.channel)
+    put_row(queue.uints, MORE_UINTS + 2, at, order, path.steps)
+
+
+@kernel
+def take_more(queue, at, path):
+    """A `Path` that has waited, with what it has more."""
+    return with_media(
+        path,
+        load_lanes(queue.uints, MORE_UINTS * ROOM + at),
+        load_lanes(queue.uints, (MORE_UINTS + 1) * ROOM + at),
+        load_lanes(queue.uints, (MORE_UINTS + 2) * ROOM + at),
+        vector_at(queue.floats, MORE_FLOATS, at),
+        vector_at(queue.floats, MORE_FLOATS + 3, at),
+    )
+
+
+@kernel
+def empty_paths():
+    """Paths of which none is active."""
+    zero = lanes_u32(0)
+    return with_media(no_paths(), zero, zero, zero, lanes_vec3(1.0), lanes_vec3(0.0))
+
+
+@kernel
+def start_paths(new, o, d, weight, sampler, path):
+    """As `alight.integrators.walk.begin_paths`; in which medium, the first step finds out."""
+    return with_media(
+        begin_paths(new, o, d, weight, sampler, path),
+        path.medium,
+        where(new, first_channel(sampler), path.channel),
+        where(new, lanes_u32(0), path.steps),
+        where(new, lanes_vec3(1.0), path.ours),
+        where(new, lanes_vec3(0.0), path.lights),
+    )
+
+
+@specialised
+def first_channel(program):
+    """``first_channel(sampler)``: each of the three with probability 1/3, where they differ."""
+    if CHROMATIC in program.media:
+
+        @kernel
+        def one_of_three(sampler):
+            return to_uint(3.0 * get_1d(sampler, CHANNEL))
+
+        return one_of_three
+
+    @kernel
+    def the_first(sampler):
+        return lanes_u32(0)
+
+    return the_first
+
+
+@kernel
+def mean(v):
+    """Mean of three channels."""
+    return (v.x + v.y + v.z) * (1.0 / 3.0)
+
+
+# ---------------------------------------------------------------- borders
+
+
+def has_null(program) -> bool:
+    """Whether the program has surfaces that are not there."""
+    return NULL_NAME in program.bsdfs
+
+
+@specialised
+def is_null(program):
+    """``is_null(scene, surface) -> mask``: the whole material is `null`."""
+    numbers = [u.number for u in models_of(program) if u.model.EXAMPLES[0].type_name() == NULL_NAME]
+    if not numbers:
+
+        @kernel
+        def never(scene, surface):
+            return lanes_mask(False)
+
+        return never
+    (number,) = numbers
+
+    @kernel
+    def by_kind(scene, surface):
+        return gather(scene.materials.info, 2 * surface.bsdf) == number
+
+    return by_kind
+
+
+@specialised
+def medium_beyond(program):
+    """``medium_beyond(scene, surface, w, medium)``: what rays are in that leave along w."""
+    if not program.media:
+
+        @kernel
+        def empty(scene, surface, w, medium):
+            return medium
+
+        return empty
+
+    @kernel
+    def by_side(scene, surface, w, medium):
+        at = 2 * surface.shape
+        inner, outer = gather(scene.media.borders, at), gather(scene.media.borders, at + 1)
+        found = where(side_of(w, surface.ng) < 0.0, inner, outer)
+        return where(found == KEEP, medium, found)
+
+    return by_side
+
+
+# ---------------------------------------------------------------- shadow rays
+
+
+@specialised
+def come_through(program):
+    """``come_through(scene, o, d, end, medium, channel, stream, lit, rays) -> (Crossing, rays)``.
+
+    What of the light comes through on the way from o along the unit d to the distance end; nothing
+    where a surface stands in the way that is there. `medium` is what the rays start in.
+    """
+    if has_null(program):
+        return _through_borders
+    return _along_one_segment if program.media else _through_empty_space
+
+
+@kernel
+def _through_empty_space(scene, o, d, end, medium, channel, stream, lit, rays):
+    dark = is_occluded(scene, o, d, end, lit)
+    passed = where(dark, lanes_vec3(0.0), lanes_vec3(1.0))
+    return Crossing(passed, lanes_vec3(1.0), lanes(1.0)), rays + count_lanes(lit)
+
+
+@kernel
+def _along_one_segment(scene, o, d, end, medium, channel, stream, lit, rays):
+    dark = is_occluded(scene, o, d, end, lit)
+    found = cross(scene, medium, o, d, end, channel, stream, lit & ~dark)
+    passed = where(dark, lanes_vec3(0.0), found.passed)
+    return Crossing(passed, found.light, found.boost), rays + count_lanes(lit)
+
+
+@specialised
+def _cross_segment(program):
+    """`alight.media.sampling.cross`, or nothing to cross."""
+    if program.media:
+        return cross
+
+    @kernel
+    def empty(scene, medium, o, d, t_max, channel, stream, active):
+        return Crossing(lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0))
+
+    return empty
+
+
+@kernel
+def _through_borders(scene, o, d, end, medium, channel, stream, lit, rays):
+    passed, light, boost = lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0)
+    going, segment = lit, lanes_u32(0)
+    while any_lane(going):
+        rays += count_lanes(going)
+        hit = intersect_closest(scene, o, d, end, going)
+        met = going & (hit.t < INFINITY)
+        t = where(met, hit.t, end)
+        part = segment_of(stream, segment)
+        found = _cross_segment(scene, medium, o, d, t, channel, part, going)
+        passed = where(going, passed * found.passed, passed)
+        light = where(going, light * found.light, light)
+        boost = where(going, boost * found.boost, boost)
+        surface = make_surface(scene, hit, o, d, met)
+        through = met & is_null(scene, surface)
+        passed = where(met & ~through, lanes_vec3(0.0), passed)
+        beyond = spawn_origin(surface.p, surface.error, surface.ng, d)
+        # The new origin lies beyond the border: measured from there, the end is nearer.
+        end = where(through, end - dot(beyond - o, d), end)
+        medium = where(through, medium_beyond(scene, surface, d, medium), medium)
+        o = where(through, beyond, o)
+        going = through & (max_component(passed) > 0.0)
+        segment = segment + 1
+    return Crossing(passed, light, boost), rays

@@ -1,0 +1,304 @@
+r"""Light tree: which light a point is lit by, chosen by where the lights are and where they face.
+
+A binary tree over all lights that have a place; each triangle of a shining mesh is one of them. A
+child is known by a sphere around its lights, a cone of the directions they face, and their
+intensity. From the root a path goes down at random, to each child in proportion to a guess at the
+light that it sends to the point,
+
+.. math::
+    \frac{I \cos(\theta_w - \theta_o - \theta_u)}{d^2} \cdot \cos(\theta_i - \theta_u)
+
+with :math:`\theta_w` from the cone's axis, :math:`\theta_o` the cone's half angle, :math:`\theta_u`
+the half angle under which the sphere is seen, and :math:`\theta_i` from the normal of the point;
+negative differences count as 0, and a child whose lights cannot shine there gets nothing. Nearer
+than the sphere's radius its lights can be anywhere, and no angle counts.
+
+A path that comes upon a lamp weighs itself against light sampling by a density that leaves the
+normal out: paths do not keep the normals of the vertices that they come from. Both sides of
+multiple importance sampling use that one (`Choice.plain`), so that the weights add up to 1; light
+sampling divides by the probability that it really had.
+
+Once the sphere of a child is small from where it is seen, and its lights face much the same way,
+they only differ by their intensity, and below it that alone decides: four numbers a node, not
+twenty-four.
+
+Lights without a place (environments, directional ones) are chosen beside the tree, by their power.
+
+Source: Conty Estevez and Kulla, Importance sampling of many lights with adaptive tree splitting,
+Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018 (without the splitting); PBR4 section 12.6.3 for
+bounding both cosines.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.core.constants import ONE_MINUS_EPSILON
+from alight.core.distributions import UNIT, sample_discrete
+from alight.core.jit import kernel, specialised
+from alight.core.rng import unit_float
+from alight.core.simd import (
+    any_lane,
+    as_int,
+    float_bits,
+    gather,
+    lanes,
+    lanes_u32,
+    maximum,
+    minimum,
+    rsqrt,
+    sqrt,
+    to_float,
+    where,
+)
+from alight.core.vec import dot, gather_vec3
+from alight.lights.tables import INFO
+
+#: `LightTables.cdf` of a program with a tree starts with: probability of the lights beside the
+#: tree; how many rows of `LightTables.info` there are; start of the tree; then the distribution of
+#: the lights beside it. After the tree follow, light by light, the ways to its leaves.
+OUTER, ROWS, START, OUTER_CDF = 0, 1, 2, 4
+
+#: Numbers of a child: centre, radius squared; axis, intensity; cosines of the cone's half angle and
+#: of the angle beyond it where it is dark; where to go on (bits); triangle (bits) of a light, and
+#: of others the squared distance from which only intensity counts. Two children are a node.
+CHILD = 12
+INTENSITY, COS_SPREAD, COS_DARK, NEXT, PRIM, FAR = 7, 8, 9, 10, 11, 11
+
+#: `FAR` over the squared radius; infinite where directions differ by more than `ALIKE`, radians.
+FAR_AWAY, ALIKE = 36.0, 0.5
+
+#: In NEXT: the rest of the word is the row of a light, not the offset of a node.
+LEAF = 0x80000000
+
+#: Deepest way: its bits, one a node and from the root on, fit a float32 that is not NaN.
+MOST_LEVELS = 30
+
+#: Smallest cosine at the lit point that counts where light from behind may matter.
+BEHIND = 0.1
+
+#: Within a sphere, its lights count as if at least this share of the squared radius away: what is
+#: nearest gives most of the light, not what is in the mean. Measured (decision 19).
+CLOSEST = 0.1
+
+#: Materials that only light from the viewer's side of the shading normal reaches, other than by
+#: delta lobes, and those that are made of others. What is not in here may do anything.
+ONE_SIDED = frozenset(
+    {
+        "blend",
+        "burley",
+        "conductor",
+        "dielectric",
+        "diffuse",
+        "eon",
+        "mask",
+        "mirror",
+        "null",
+        "oren_nayar",
+        "phong",
+        "plastic",
+        "rough_conductor",
+        "rough_plastic",
+        "thin_dielectric",
+        "two_sided",
+    }
+)
+
+#: index: row of a light; pmf: the probability that it had; plain: that for MIS, without the normal;
+#: rest: number of its triangle (exact; 0 for others than meshes).
+Choice = namedtuple("Choice", "index pmf plain rest")
+
+#: After so many levels u has few digits left.
+SPENT = 10
+
+# Bounds are rounded; a light must not be dark where it shines a little.
+_GRAZING, _LEAST = 1e-3, 1e-3
+
+
+@kernel
+def importance(cdf, k, p, n, everywhere, behind):
+    """What a child may send to a point, and the squared distance of its centre.
+
+    Parameters
+    ----------
+    cdf : View
+    k : uint32
+        Offset of the child.
+    p, n : Vec3
+        The point, and its unit normal on the side that is lit.
+    everywhere : mask
+        The point has no normal.
+    behind : float
+        Least cosine at the point.
+
+    Returns
+    -------
+    plain, importance, squared : float
+        Without and with the cosine at the point; m^2.
+    """
+    to_center = gather_vec3(cdf, k) - p
+    squared, axis = gather(cdf, k + 3), gather_vec3(cdf, k + 4)
+    far = maximum(dot(to_center, to_center), 1e-30)
+    inverse = rsqrt(far)
+    inside = far <= squared
+    sin2_u = minimum(squared * inverse * inverse, 1.0)
+    cos_u, sin_u = sqrt(1.0 - sin2_u), sqrt(sin2_u)
+    # At the lights: the angle from the axis, less that of the cone, less that of the sphere.
+    cos_o = gather(cdf, k + COS_SPREAD)
+    cos_w = maximum(minimum(-dot(axis, to_center) * inverse, 1.0), -1.0)
+    sin_w, sin_o = sqrt(1.0 - cos_w * cos_w), sqrt(maximum(1.0 - cos_o * cos_o, 0.0))
+    within = cos_w >= cos_o
+    cos_x = where(within, 1.0, cos_w * cos_o + sin_w * sin_o)
+    sin_x = where(within, 0.0, sin_w * cos_o - cos_w * sin_o)
+    cos_l = where(inside | (cos_x >= cos_u), 1.0, cos_x * cos_u + sin_x * sin_u)
+    shines = inside | (cos_l > gather(cdf, k + COS_DARK) - _GRAZING)
+    plain = gather(cdf, k + INTENSITY) * maximum(cos_l, _LEAST) / maximum(far, CLOSEST * squared)
+    plain = where(shines, plain, 0.0)
+    # At the lit point likewise.
+    cos_i = maximum(minimum(dot(n, to_center) * inverse, 1.0), -1.0)
+    sin_i = sqrt(1.0 - cos_i * cos_i)
+    near = inside | everywhere | (cos_i >= cos_u)
+    cos_r = where(near, 1.0, cos_i * cos_u + sin_i * sin_u)
+    cos_r = where(cos_r > -_GRAZING, maximum(cos_r, _LEAST), 0.0)
+    return plain, plain * maximum(cos_r, behind), far
+
+
+@kernel
+def divide(u, share):
+    """Choose the first of two with probability `share`: (is it, its probability, rest of u)."""
+    first = u < share
+    mine = where(first, share, 1.0 - share)
+    rest = where(first, u, u - share) / where(mine > 0.0, mine, 1.0)
+    return first, mine, minimum(maximum(rest, 0.0), ONE_MINUS_EPSILON)
+
+
+@kernel
+def more_digits(u, extra, pmf):
+    """What is left of u after choices of probability `pmf`, with digits below its last."""
+    return minimum(u + extra * (UNIT / maximum(pmf, UNIT)), ONE_MINUS_EPSILON)
+
+
+def least_cosine(program) -> float:
+    """`BEHIND` where a material of the program may scatter light from there, else 0."""
+    return 0.0 if set(program.bsdfs) <= ONE_SIDED else BEHIND
+
+
+@specialised
+def choose_leaf(program):
+    """Go down the tree: ``choose_leaf(scene, p, n, u, extra, active) -> Choice``.
+
+    `extra` in [0, 1) carries on the digits of u; pmf is 0 where no light can shine.
+    """
+    behind = least_cosine(program)
+
+    @kernel
+    def from_the_root(scene, p, n, u, extra, active):
+        cdf = scene.lights.cdf
+        root = as_int(cdf[START])
+        everywhere = dot(n, n) < 0.5
+        k, chosen = lanes_u32(root), lanes_u32(root)
+        pmf, plain = lanes(1.0), lanes(1.0)
+        walking, coasting = active & (pmf > 0.0), active & (pmf > 1.0)
+        level = 0
+        while any_lane(walking):
+            plain_a, a, far_a = importance(cdf, k, p, n, everywhere, behind)
+            plain_b, b, far_b = importance(cdf, k + CHILD, p, n, everywhere, behind)
+            total, plain_total = a + b, plain_a + plain_b
+            alive = total > 0.0
+            share = where(alive, a / where(alive, total, 1.0), 0.0)
+            first, mine, rest = divide(u, share)
+            u = where(walking, rest, u)
+            pmf = where(walking, where(alive, pmf * mine, 0.0), pmf)
+            weight = where(first, plain_a, plain_b) / where(alive, plain_total, 1.0)
+            plain = where(walking, plain * weight, plain)
+            chosen = where(walking, where(first, k, k + CHILD), chosen)
+            onward = float_bits(gather(cdf, chosen + NEXT))
+            walking = walking & alive & (onward < LEAF)
+            k = where(walking, onward, k)
+            apart = walking & (where(first, far_a, far_b) > gather(cdf, chosen + FAR))
+            coasting = coasting | apart
+            walking = walking & ~apart
+            level += 1
+            if level == SPENT:
+                u = where(walking, more_digits(u, extra, pmf), u)
+                extra = where(walking, 0.0, extra)
+        if any_lane(coasting):
+            u = where(coasting, more_digits(u, extra, pmf), u)
+        while any_lane(coasting):
+            a, b = gather(cdf, k + INTENSITY), gather(cdf, k + (CHILD + INTENSITY))
+            first, mine, rest = divide(u, a / (a + b))
+            u = where(coasting, rest, u)
+            pmf, plain = where(coasting, pmf * mine, pmf), where(coasting, plain * mine, plain)
+            chosen = where(coasting, where(first, k, k + CHILD), chosen)
+            onward = float_bits(gather(cdf, chosen + NEXT))
+            coasting = coasting & (onward < LEAF)
+            k = where(coasting, onward, k)
+        word = float_bits(gather(cdf, chosen + NEXT))
+        ended = active & (pmf > 0.0) & (word >= LEAF)
+        index = where(ended, word & (LEAF - 1), 0)
+        prim = where(ended, float_bits(gather(cdf, chosen + PRIM)), 0)
+        return Choice(index, where(ended, pmf, 0.0), plain, to_float(prim))
+
+    return from_the_root
+
+
+@kernel
+def choose_by_tree(scene, p, n, u, u2, active):
+    """A `Choice` among all lights; u2 is used for the digits that u lacks."""
+    cdf = scene.lights.cdf
+    outer = cdf[OUTER]
+    bits = (float_bits(u2[0]) * 0x9E3779B1) ^ (float_bits(u2[1]) * 0x85EBCA77)
+    extra = unit_float((bits ^ (bits >> 15)) * 0x2C1B3C6D)
+    aside = active & (u < outer)
+    index, pmf, plain, rest = lanes_u32(0), lanes(0.0), lanes(0.0), lanes(0.0)
+    if any_lane(aside):
+        scaled = minimum(u / maximum(outer, UNIT), ONE_MINUS_EPSILON)
+        found, share, left = sample_discrete(cdf, OUTER_CDF, as_int(cdf[ROWS]), scaled)
+        index, rest = where(aside, found, index), where(aside, left, rest)
+        pmf = where(aside, share * outer, pmf)
+        plain = pmf
+    local = active & ~aside
+    if any_lane(local):
+        inner = 1.0 - outer
+        scaled = maximum(u - outer, 0.0) / maximum(inner, UNIT)
+        leaf = choose_leaf(scene, p, n, minimum(scaled, ONE_MINUS_EPSILON), extra, local)
+        index = where(local, leaf.index, index)
+        pmf = where(local, leaf.pmf * inner, pmf)
+        plain = where(local, leaf.plain * inner, plain)
+        rest = where(local, leaf.rest, rest)
+    return Choice(index, pmf, plain, rest)
+
+
+@kernel
+def plain_probability(scene, index, prim, p, active):
+    """`Choice.plain` of a light that was found otherwise: a triangle of it, seen from p."""
+    cdf = scene.lights.cdf
+    start = gather(scene.lights.info, index * INFO + 3)
+    way = float_bits(gather(cdf, where(active, start + prim, 0)))
+    k, plain = lanes_u32(as_int(cdf[START])), lanes(1.0)
+    none = p * 0.0
+    walking, coasting = active & (plain > 0.0), active & (plain > 1.0)
+    while any_lane(walking):
+        a, _, far_a = importance(cdf, k, p, none, walking, 0.0)
+        b, _, far_b = importance(cdf, k + CHILD, p, none, walking, 0.0)
+        second = (way & 1) != 0
+        total = a + b
+        share = where(second, b, a) / where(total > 0.0, total, 1.0)
+        plain = where(walking, plain * share, plain)
+        way = where(walking, way >> 1, way)
+        chosen = where(second, k + CHILD, k)
+        onward = float_bits(gather(cdf, chosen + NEXT))
+        walking = walking & (onward < LEAF) & (plain > 0.0)
+        apart = walking & (where(second, far_b, far_a) > gather(cdf, chosen + FAR))
+        k = where(walking, onward, k)
+        coasting = coasting | apart
+        walking = walking & ~apart
+    while any_lane(coasting):
+        second = (way & 1) != 0
+        a, b = gather(cdf, k + INTENSITY), gather(cdf, k + (CHILD + INTENSITY))
+        plain = where(coasting, plain * (where(second, b, a) / (a + b)), plain)
+        way = way >> 1
+        onward = float_bits(gather(cdf, where(second, k + CHILD, k) + NEXT))
+        coasting = coasting & (onward < LEAF)
+        k = where(coasting, onward, k)
+    return plain * (1.0 - cdf[OUTER])

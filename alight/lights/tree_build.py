@@ -1,0 +1,232 @@
+"""Building the light tree: from lights with bounds to the table that kernels walk.
+
+Level by level from the root, all nodes of a level at once: the lights of each node are counted into
+bins along the three axes, and split where the sum over both sides of intensity times squared
+diagonal times solid angle of the directions is smallest (the surface area heuristic of
+Conty Estevez and Kulla 2018, equations 1 and 2, with the diagonal that our bounding spheres have).
+The spread of directions in a bin is known from the length of the sum of their axes, which adds up
+over bins; the cones that are stored in the end bound all of their lights.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.lights.tree import ALIKE, CHILD, FAR_AWAY, LEAF, MOST_LEVELS
+
+BINS = 12
+
+
+class Leaves(NamedTuple):
+    """Lights with a place, a row each.
+
+    Attributes
+    ----------
+    low, high : (n, 3) float64, metres
+        Bounds.
+    axis : (n, 3) float64
+        Unit vector in the middle of the directions that it faces.
+    spread, dark : (n,) float64, radians
+        It faces directions up to `spread` from the axis, and is dark from `dark` beyond them.
+    intensity : (n,) float64, W/sr
+        Along the directions that it faces; above 0.
+    row, prim : (n,) uint32
+        Of the light, and of the triangle.
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    spread: NDArray[np.float64]
+    dark: NDArray[np.float64]
+    intensity: NDArray[np.float64]
+    row: NDArray[np.uint32]
+    prim: NDArray[np.uint32]
+
+
+class LightTree(NamedTuple):
+    """What kernels walk.
+
+    Attributes
+    ----------
+    nodes : (m, 24) float32
+        Two children a node, see `alight.lights.tree`; the root comes first.
+    ways : (n,) uint32
+        Of each leaf: bit i says whether level i goes to the second child.
+    """
+
+    nodes: NDArray[np.float32]
+    ways: NDArray[np.uint32]
+
+
+def build_tree(leaves: Leaves, start: int) -> LightTree:
+    """Make the tree.
+
+    Parameters
+    ----------
+    leaves : Leaves
+    start : int
+        Where the table will begin; the offsets in it count from 0 of the array it is put in.
+    """
+    count = len(leaves.row)
+    ways = np.zeros(count, np.uint32)
+    if count < 2:
+        nodes = np.zeros((1, 2 * CHILD), np.float32)
+        nodes[:, :CHILD] = _children(leaves, np.arange(count), np.zeros(min(count, 1), int), 1)
+        return LightTree(nodes, ways)
+    levels: list[np.ndarray] = []
+    items, sizes, made = np.arange(count), np.array([count]), 1
+    for level in range(MOST_LEVELS):
+        items, sizes = _split(leaves, items, sizes, MOST_LEVELS - level)
+        starts = np.cumsum(sizes) - sizes
+        second = np.repeat(np.arange(len(sizes)) & 1, sizes).astype(np.uint32)
+        ways[items] |= second << np.uint32(level)
+        rows = _children(leaves, items, starts, len(sizes))
+        inner = sizes > 1
+        number = made + np.cumsum(inner) - 1
+        words = rows.view(np.uint32)
+        words[inner, 10] = start + 2 * CHILD * number[inner]
+        levels.append(rows.reshape(-1, 2 * CHILD))
+        made += int(inner.sum())
+        items, sizes = items[np.repeat(inner, sizes)], sizes[inner]
+        if not len(sizes):
+            break
+    return LightTree(np.concatenate(levels), ways)
+
+
+def _children(
+    leaves: Leaves, items: np.ndarray, starts: np.ndarray, rows: int
+) -> NDArray[np.float32]:
+    """Rows of groups of lights that begin at `starts`, as if each were one leaf; (rows, CHILD)."""
+    table = np.zeros((rows, CHILD), np.float32)
+    if not len(items):
+        return table
+    sizes = np.diff(np.append(starts, len(items)))
+    low = np.minimum.reduceat(leaves.low[items], starts)
+    high = np.maximum.reduceat(leaves.high[items], starts)
+    center = (0.5 * (low + high)).astype(np.float32)
+    # From the rounded centre, and a little more for the rounding of kernels.
+    reach = np.maximum(np.abs(high - center), np.abs(low - center))
+    squared = np.sum(reach * reach, axis=1) * (1.0 + 1e-5)
+    mean = np.add.reduceat(leaves.axis[items], starts)
+    length = np.linalg.norm(mean, axis=1)
+    axis = mean / np.where(length > 1e-9, length, 1.0)[:, None]
+    cosine = np.sum(np.repeat(axis, sizes, axis=0) * leaves.axis[items], axis=1)
+    turn, own = np.arccos(np.clip(cosine, -1.0, 1.0)), leaves.spread[items]
+    spread = np.maximum.reduceat(turn + own, starts)
+    # What shines everywhere may be turned as it likes.
+    differ = np.maximum.reduceat(np.where(own < np.pi, turn, 0.0), starts)
+    differ += np.maximum.reduceat(own, starts) - np.minimum.reduceat(own, starts)
+    differ = np.where((length > 1e-9) | (np.minimum.reduceat(own, starts) >= np.pi), differ, np.pi)
+    spread = np.where(length > 1e-9, np.minimum(spread + 1e-3, np.pi), np.pi)
+    # A lone light's cone is not widened: that it faces one way is known.
+    spread = np.where(sizes == 1, leaves.spread[items[starts]], spread)
+    dark = np.maximum.reduceat(leaves.dark[items], starts)
+    table[:, :3], table[:, 3] = center, squared
+    table[:, 4:7], table[:, 7] = axis, np.add.reduceat(leaves.intensity[items], starts)
+    table[:, 8], table[:, 9] = np.cos(spread), np.cos(np.minimum(dark, np.pi))
+    words = table.view(np.uint32)
+    first, alone = items[starts], sizes == 1
+    table[:, 11] = np.where(differ < ALIKE, FAR_AWAY * squared, np.inf)
+    words[:, 10] = leaves.row[first] | np.uint32(LEAF)
+    words[alone, 11] = leaves.prim[first[alone]]
+    return table
+
+
+def _split(
+    leaves: Leaves, items: np.ndarray, sizes: np.ndarray, levels_left: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Divide each group in two: the items in their new order, and the sizes of all halves."""
+    groups = len(sizes)
+    group = np.repeat(np.arange(groups), sizes)
+    starts = np.cumsum(sizes) - sizes
+    center = 0.5 * (leaves.low + leaves.high)[items]
+    low, high = np.minimum.reduceat(center, starts), np.maximum.reduceat(center, starts)
+    extent = high - low
+    best = np.full(groups, np.inf)
+    axis, at = np.argmax(extent, axis=1), np.zeros(groups, int)
+    bins = np.zeros((3, len(items)), np.int64)
+    for k in range(3):
+        scale = BINS / np.where(extent[:, k] > 0.0, extent[:, k], 1.0)
+        bins[k] = np.minimum((center[:, k] - low[group, k]) * scale[group], BINS - 1)
+        costs = _costs(leaves, items, group * BINS + bins[k], groups)
+        # Thin slices of long groups are no gain: the other extents stay as they are.
+        flat = extent[:, k] <= 0.0
+        longer = extent.max(axis=1) / np.where(flat, 1.0, extent[:, k])
+        costs *= np.where(flat, 1.0, longer)[:, None]
+        costs[flat] = np.inf
+        found = np.argmin(costs, axis=1)
+        cost = costs[np.arange(groups), found]
+        better = cost < best
+        best, axis = np.where(better, cost, best), np.where(better, k, axis)
+        at = np.where(better, found, at)
+    side = bins[axis[group], np.arange(len(items))] > at[group]
+    # Where all centres agree, or the way grows too long: halves.
+    deep = np.ceil(np.log2(sizes)) >= levels_left
+    halve = deep | ~np.isfinite(best)
+    if halve.any():
+        along = center[np.arange(len(items)), axis[group]]
+        rank = np.zeros(len(items), np.int64)
+        rank[np.lexsort((along, group))] = np.arange(len(items)) - starts[group]
+        side = np.where(halve[group], rank >= (sizes // 2)[group], side)
+    halves = np.bincount(2 * group + side, minlength=2 * groups)
+    return items[np.argsort(2 * group + side, kind="stable")], halves
+
+
+def _costs(leaves: Leaves, items: np.ndarray, cell: np.ndarray, groups: int) -> np.ndarray:
+    """Cost of the splits behind each bin of each group; (groups, BINS), the last is infinite."""
+    cells = groups * BINS
+    ones = np.bincount(cell, minlength=cells).reshape(groups, BINS)
+    low, high = np.full((cells, 3), np.inf), np.full((cells, 3), -np.inf)
+    sums = np.zeros((cells, 6))
+    weights = (*leaves.axis.T, leaves.intensity, leaves.spread, leaves.dark)
+    for k in range(3):
+        np.minimum.at(low[:, k], cell, leaves.low[items, k])
+        np.maximum.at(high[:, k], cell, leaves.high[items, k])
+    for k, weight in enumerate(weights):
+        sums[:, k] = np.bincount(cell, weight[items], minlength=cells)
+    low, high = low.reshape(groups, BINS, 3), high.reshape(groups, BINS, 3)
+    sums = sums.reshape(groups, BINS, 6)
+    before = _cost_of(
+        np.cumsum(ones, 1),
+        np.minimum.accumulate(low, 1),
+        np.maximum.accumulate(high, 1),
+        np.cumsum(sums, 1),
+    )
+    back = slice(None, None, -1)
+    after = _cost_of(
+        np.cumsum(ones[:, back], 1),
+        np.minimum.accumulate(low[:, back], 1),
+        np.maximum.accumulate(high[:, back], 1),
+        np.cumsum(sums[:, back], 1),
+    )[:, back]
+    total = np.full((groups, BINS), np.inf)
+    total[:, :-1] = before[:, :-1] + after[:, 1:]
+    return total
+
+
+def _cost_of(
+    count: np.ndarray, low: np.ndarray, high: np.ndarray, sums: np.ndarray
+) -> NDArray[np.float64]:
+    """Intensity times squared diagonal times solid angle; infinite for nothing."""
+    there = count > 0
+    number = np.where(there, count, 1)
+    diagonal = np.where(there[..., None], high - low, 0.0)
+    # Directions spread evenly over a cap have a mean of length (1 + cos) / 2.
+    length = np.linalg.norm(sums[..., :3], axis=-1) / number
+    spread = np.arccos(np.clip(2.0 * length - 1.0, -1.0, 1.0)) + sums[..., 4] / number
+    spread = np.minimum(spread, np.pi)
+    angle = _solid_angle(spread, sums[..., 5] / number)
+    cost = sums[..., 3] * np.sum(diagonal * diagonal, axis=-1) * angle
+    return np.where(there, cost, np.inf)
+
+
+def _solid_angle(spread: np.ndarray, dark: np.ndarray) -> NDArray[np.float64]:
+    """Conty Estevez and Kulla's measure of a cone of directions that fades by the cosine."""
+    end = np.minimum(spread + dark, np.pi)
+    cap = 2.0 * np.pi * (1.0 - np.cos(spread))
+    rim = 2.0 * end * np.sin(spread) - np.cos(spread - 2.0 * end)
+    return cap + 0.5 * np.pi * (rim - 2.0 * spread * np.sin(spread) + np.cos(spread))

@@ -1,0 +1,70 @@
+"""How much a medium extinguishes and scatters: what all media have in common."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self
+
+from pydantic import model_validator
+
+from alight.core.spec import Color, Medium, Model, PhaseFunction, Positive, Reflectance, invalid
+from alight.core.spec import Triple as Triple
+from alight.phases.isotropic import Isotropic
+
+#: What a medium is that says nothing: as in Mitsuba.
+DEFAULT_EXTINCTION, DEFAULT_ALBEDO = 1.0, 0.75
+
+
+class Coefficients(Medium):
+    """Base class of media.
+
+    Parameters
+    ----------
+    sigma_t : Color, 1/m, optional
+        Extinction: absorption and scattering. 1 by default.
+    albedo : Reflectance, optional
+        Share of the extinction that is scattering. 0.75 by default.
+    sigma_a, sigma_s : Color, 1/m, optional
+        Absorption and scattering, in the place of both; one alone leaves the other 0.
+    scale : float > 0, default 1
+        Factor of all coefficients.
+    phase : PhaseFunction, default isotropic
+        Where scattered light goes.
+    """
+
+    sigma_t: Color | None = None
+    albedo: Reflectance | None = None
+    sigma_a: Color | None = None
+    sigma_s: Color | None = None
+    scale: Positive = 1.0
+    phase: Annotated[PhaseFunction, Model("phase function", "phases")] = Isotropic()
+
+    @model_validator(mode="after")
+    def _given_one_way(self) -> Self:
+        first = self.sigma_t is not None or self.albedo is not None
+        second = self.sigma_a is not None or self.sigma_s is not None
+        if first and second:
+            raise invalid("takes sigma_t and albedo, or sigma_a and sigma_s, got some of both")
+        return self
+
+
+def extinction(spec: Any) -> Triple:
+    """Extinction of each channel, 1/m."""
+    total = [DEFAULT_EXTINCTION] * 3 if spec.sigma_t is None else spec.sigma_t
+    if spec.sigma_a is not None or spec.sigma_s is not None:
+        total = [a + s for a, s in zip(*_parts(spec), strict=True)]
+    red, green, blue = (spec.scale * channel for channel in total)
+    return red, green, blue
+
+
+def scattering_albedo(spec: Any) -> Triple:
+    """Share of scattering in the extinction of each channel; 0 where there is none."""
+    if spec.sigma_a is None and spec.sigma_s is None:
+        return (DEFAULT_ALBEDO,) * 3 if spec.albedo is None else spec.albedo
+    pairs = zip(*_parts(spec), strict=True)
+    red, green, blue = (s / (a + s) if s > 0.0 else 0.0 for a, s in pairs)
+    return red, green, blue
+
+
+def _parts(spec: Any) -> tuple[Triple, Triple]:
+    black = (0.0, 0.0, 0.0)
+    return spec.sigma_a or black, spec.sigma_s or black

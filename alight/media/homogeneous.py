@@ -1,0 +1,75 @@
+r"""Homogeneous medium: the same everywhere.
+
+.. math:: T(t) = e^{-\sigma_t t}, \qquad p(t) = \sigma_t e^{-\sigma_t t}
+
+Source: Beer's law; PBR4 sections 11.2 and 11.4.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from alight.core.jit import kernel
+from alight.core.maths import exp, log
+from alight.core.simd import lanes, lanes_vec3, maximum, minimum, where
+from alight.core.vec import Vec3, gather_vec3
+from alight.media.coefficients import Coefficients
+from alight.media.tables import (
+    ALBEDO,
+    EXTINCTION,
+    FARTHEST,
+    STRIDE,
+    Crossing,
+    Flight,
+    decay,
+    pick,
+    share,
+)
+from alight.phases.henyey_greenstein import HenyeyGreenstein
+
+
+class Homogeneous(Coefficients):
+    """The same everywhere."""
+
+    type: Literal["homogeneous"] = "homogeneous"
+
+
+EXAMPLES = (
+    Homogeneous(),
+    Homogeneous(sigma_t=2.0, albedo=(0.9, 0.5, 0.1), phase=HenyeyGreenstein(g=0.8)),
+    Homogeneous(sigma_a=(0.0, 0.1, 1.0), sigma_s=(1.0, 0.5, 0.0), scale=10.0),
+    Homogeneous(sigma_a=0.3),
+)
+
+
+def pack(spec: Homogeneous, packer) -> None:
+    """Nothing beyond the coefficients."""
+
+
+@kernel
+def fly(scene, medium, o, d, t_max, channel, u, stream, active):
+    """A `Flight` along rays of unit direction d, to the surface at t_max, metres."""
+    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
+    chosen = pick(extinction, channel)
+    t = -log(1.0 - u) / maximum(chosen, 1e-30)
+    scattered = active & (t < t_max) & (chosen > 0.0)
+    distance = minimum(where(scattered, t, t_max), FARTHEST)
+    passed = decay(extinction, chosen, distance)
+    factor = where(scattered, passed * share(extinction, chosen), passed)
+    # Light sampling would have come all the way.
+    light = where(scattered, 1.0, exp(chosen * distance))
+    albedo = gather_vec3(scene.media.data, medium * STRIDE + ALBEDO)
+    return Flight(scattered, distance, factor, lanes_vec3(1.0) * light, albedo)
+
+
+@kernel
+def cross(scene, medium, o, d, t_max, channel, stream, active):
+    """A `Crossing` along shadow rays of unit direction d and length t_max, metres."""
+    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
+    distance = minimum(t_max, FARTHEST)
+    passed = Vec3(
+        exp(-extinction.x * distance),
+        exp(-extinction.y * distance),
+        exp(-extinction.z * distance),
+    )
+    return Crossing(passed, lanes_vec3(1.0), lanes(1.0))

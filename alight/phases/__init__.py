@@ -1,0 +1,13 @@
+r"""Where light goes that a medium scatters, one model per file; a new one is a line here too.
+
+With :math:`\mu` the cosine between the direction before and after, a phase function p is a density
+on the sphere. Kernels work with :math:`1 - \mu`, which is accurate where forward peaks are sharp.
+"""
+
+from alight.phases import henyey_greenstein, isotropic, rayleigh
+
+MODELS = (
+    isotropic,
+    henyey_greenstein,
+    rayleigh,
+)

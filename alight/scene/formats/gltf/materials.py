@@ -1,0 +1,297 @@
+"""Materials -> `principled`, with what alight has for normal textures, opacity and emission.
+
+Where a number is a product of a factor and a texture, it becomes a `multiply`; the channels that
+glTF packs into one picture are taken apart by `channel`.
+
+Source: Khronos Group, glTF 2.0 specification, section 3.9, and the extensions KHR_materials_*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from alight.scene.formats.gltf.container import Document
+from alight.scene.formats.gltf.textures import Data, Textures
+from alight.scene.formats.gltf.values import Item
+
+ALPHA_MODES = ("OPAQUE", "MASK", "BLEND")
+LARGEST_IOR = 5.0
+#: Extensions of materials that are read.
+COVERED = (
+    "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior", "KHR_materials_iridescence", "KHR_materials_sheen",
+    "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_materials_volume",
+)  # fmt: skip
+#: Where textures stand: owner's extension ("" for the material, "pbr" for its core) and keys.
+TEXTURE_KEYS = {
+    "": ("normalTexture", "emissiveTexture"),
+    "pbr": ("baseColorTexture", "metallicRoughnessTexture"),
+    "KHR_materials_anisotropy": ("anisotropyTexture",),
+    "KHR_materials_clearcoat": ("clearcoatTexture", "clearcoatRoughnessTexture"),
+    "KHR_materials_iridescence": ("iridescenceTexture", "iridescenceThicknessTexture"),
+    "KHR_materials_sheen": ("sheenColorTexture", "sheenRoughnessTexture"),
+    "KHR_materials_specular": ("specularTexture", "specularColorTexture"),
+    "KHR_materials_transmission": ("transmissionTexture",),
+}
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a material becomes.
+
+    Attributes
+    ----------
+    bsdf : dict
+        Description.
+    emission : color, texture or None
+        Radiance of the surfaces that have it.
+    coordinates : int
+        Set of texture coordinates that it uses.
+    is_unlit : bool
+    """
+
+    bsdf: Data
+    emission: Any = None
+    coordinates: int = 0
+    is_unlit: bool = False
+
+
+class Materials:
+    """Builds materials, each once for meshes with and without vertex colours."""
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        self.textures = Textures(document)
+        self._built: dict[tuple[int | None, bool], Material] = {}
+
+    def get(self, index: int | None, has_colors: bool) -> Material:
+        """The material with an index; None is the default one."""
+        key = (index, has_colors)
+        if key not in self._built:
+            root = self.document.root
+            empty = Item({}, "/materials", root.name, root.report)
+            item = empty if index is None else self.document.list("materials")[index]
+            self._built[key] = self._build(item, has_colors)
+        return self._built[key]
+
+    def _build(self, item: Item, has_colors: bool) -> Material:
+        self._say_what_is_dropped(item)
+        empty = Item({}, item.at("pbrMetallicRoughness"), item.name, item.report)
+        pbr = item.object("pbrMetallicRoughness") or empty
+        *color, opacity = pbr.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0), 0.0, 1.0)
+        picture = self.textures.bitmap(pbr, "baseColorTexture", is_color=True)
+        base = product(list(color), picture)
+        if has_colors:
+            base = product(base, {"type": "vertex_color", "fallback": 1.0})
+        unlit = item.extension("KHR_materials_unlit") is not None
+        if unlit:
+            self.document.report.approximate(
+                "KHR_materials_unlit: such surfaces shine with their colour, and light others"
+            )
+            bsdf: Data = {"type": "diffuse", "reflectance": 0.0}
+        else:
+            bsdf = {"type": "principled", "base_color": base, **self._metal(pbr)}
+            self._extend(item, bsdf)
+            bsdf = self._bumpy(item, bsdf)
+            if "transmission" not in bsdf_core(bsdf):
+                bsdf = {"type": "two_sided", "bsdf": bsdf}
+        bsdf = self._cut_out(item, bsdf, opacity, picture)
+        emission = base if unlit else self._emission(item)
+        return Material(bsdf, emission, self._coordinates(item, pbr), unlit)
+
+    def _metal(self, pbr: Item) -> Data:
+        picture = self.textures.bitmap(pbr, "metallicRoughnessTexture", is_color=False)
+        metallic = pbr.number("metallicFactor", 1.0, 0.0, 1.0)
+        roughness = pbr.number("roughnessFactor", 1.0, 0.0, 1.0)
+        return {
+            "metallic": scaled(metallic, picture, "b"),
+            "roughness": scaled(roughness, picture, "g"),
+        }
+
+    def _bumpy(self, item: Item, bsdf: Data) -> Data:
+        picture = self.textures.bitmap(item, "normalTexture", is_color=False)
+        info = item.object("normalTexture")
+        if picture is None or info is None:
+            return bsdf
+        scale = info.number("scale", 1.0)
+        return {"type": "normal_map", "texture": picture, "scale": scale, "bsdf": bsdf}
+
+    def _cut_out(self, item: Item, bsdf: Data, opacity: float, picture: Data | None) -> Data:
+        mode = item.text("alphaMode", "OPAQUE", ALPHA_MODES)
+        cutoff = item.number("alphaCutoff", 0.5, 0.0)
+        if mode == "OPAQUE":
+            return bsdf
+        alpha: Any = scaled(opacity, picture, "a")
+        if mode == "MASK":
+            if isinstance(alpha, float):
+                alpha = float(alpha >= cutoff)
+            else:
+                alpha = {"type": "threshold", "texture": alpha, "cutoff": cutoff}
+        return bsdf if alpha == 1.0 else {"type": "mask", "opacity": alpha, "bsdf": bsdf}
+
+    def _emission(self, item: Item) -> Any:
+        factor = item.numbers("emissiveFactor", (0.0, 0.0, 0.0), 0.0)
+        extension = item.extension("KHR_materials_emissive_strength")
+        strength = extension.number("emissiveStrength", 1.0, 0.0) if extension else 1.0
+        color = [strength * c for c in factor]
+        picture = self.textures.bitmap(item, "emissiveTexture", is_color=True)
+        return product(color, picture) if max(color) > 0.0 else None
+
+    def _extend(self, item: Item, bsdf: Data) -> None:
+        """Add what the extensions say."""
+        add = _Extensions(item, bsdf, self.textures)
+        add.ior_and_specular()
+        add.transmission_and_volume()
+        add.clearcoat_and_sheen()
+        add.anisotropy_and_iridescence()
+
+    def _say_what_is_dropped(self, item: Item) -> None:
+        report = self.document.report
+        if item.has("occlusionTexture"):
+            report.drop("occlusionTexture: the light itself is traced")
+        extensions = item.object("extensions")
+        for name in extensions.value if extensions else ():
+            if name not in COVERED:
+                report.approximate(f"materials: {name} is not covered and was left out")
+
+    def _coordinates(self, item: Item, pbr: Item) -> int:
+        """The set of coordinates of the first texture; a mesh of ours has one set."""
+        used = []
+        for owner_name, keys in TEXTURE_KEYS.items():
+            owner = {"": item, "pbr": pbr}.get(owner_name) or item.extension(owner_name)
+            if owner is not None:
+                present = [key for key in keys if owner.has(key)]
+                used += [self.textures.coordinates(owner, key) for key in present]
+        if len(set(used)) > 1:
+            self.document.report.approximate(
+                f"{item.pointer}: its textures use several sets of coordinates; "
+                f"TEXCOORD_{used[0]} is taken for all"
+            )
+        return used[0] if used else 0
+
+
+class _Extensions:
+    """Adds what the extensions of a material say to a description."""
+
+    def __init__(self, item: Item, bsdf: Data, textures: Textures) -> None:
+        self.item = item
+        self.bsdf = bsdf
+        self.textures = textures
+
+    def _number(
+        self, owner: Item, name: str, default: float, channel: str, *, high: float = 1.0
+    ) -> Any:
+        picture = self.textures.bitmap(owner, f"{name}Texture", is_color=False)
+        return scaled(owner.number(f"{name}Factor", default, 0.0, high), picture, channel)
+
+    def _color(self, owner: Item, name: str, default: float) -> Any:
+        factor = list(owner.numbers(f"{name}Factor", (default,) * 3, 0.0, 1.0))
+        return product(factor, self.textures.bitmap(owner, f"{name}Texture", is_color=True))
+
+    def ior_and_specular(self) -> None:
+        """KHR_materials_ior, KHR_materials_specular."""
+        ior = self.item.extension("KHR_materials_ior")
+        if ior is not None:
+            index = ior.number("ior", 1.5, 0.0)
+            if index == 0.0 or index > LARGEST_IOR:
+                self.item.report.approximate(f"{ior.pointer}: ior {index:g} became {LARGEST_IOR:g}")
+                index = LARGEST_IOR
+            elif index < 1.0:
+                ior.wrong("ior", f"must be 0 or >= 1, got {index:g}")
+                index = 1.0
+            self.bsdf["ior"] = index
+        specular = self.item.extension("KHR_materials_specular")
+        if specular is not None:
+            self.bsdf["specular"] = self._number(specular, "specular", 1.0, "a")
+            factor = specular.numbers("specularColorFactor", (1.0, 1.0, 1.0), 0.0)
+            if max(factor) > 1.0:
+                text = f"{specular.pointer}: specularColorFactor was cut to 1"
+                self.item.report.approximate(text)
+            picture = self.textures.bitmap(specular, "specularColorTexture", is_color=True)
+            self.bsdf["specular_color"] = product([min(c, 1.0) for c in factor], picture)
+
+    def transmission_and_volume(self) -> None:
+        """KHR_materials_transmission, KHR_materials_volume."""
+        transmission = self.item.extension("KHR_materials_transmission")
+        if transmission is None:
+            return
+        share = self._number(transmission, "transmission", 0.0, "r")
+        if share == 0.0:
+            return
+        self.bsdf["transmission"] = share
+        volume = self.item.extension("KHR_materials_volume")
+        thickness = 0.0 if volume is None else volume.number("thicknessFactor", 0.0, 0.0)
+        if volume is None or thickness == 0.0:
+            self.bsdf["thin"] = True
+            return
+        if volume.has("thicknessTexture"):
+            self.item.report.drop("thicknessTexture: the mesh itself says how thick it is")
+        self.bsdf["attenuation_color"] = list(
+            volume.numbers("attenuationColor", (1.0, 1.0, 1.0), 0.0, 1.0)
+        )
+        if volume.has("attenuationDistance"):
+            self.bsdf["attenuation_distance"] = volume.number("attenuationDistance", 1.0, 1e-9)
+
+    def clearcoat_and_sheen(self) -> None:
+        """KHR_materials_clearcoat, KHR_materials_sheen."""
+        coat = self.item.extension("KHR_materials_clearcoat")
+        if coat is not None:
+            self.bsdf["clearcoat"] = self._number(coat, "clearcoat", 0.0, "r")
+            self.bsdf["clearcoat_roughness"] = self._number(coat, "clearcoatRoughness", 0.0, "g")
+            if coat.has("clearcoatNormalTexture"):
+                text = "clearcoatNormalTexture: the coat has the normals of what is below it"
+                self.item.report.approximate(text)
+        sheen = self.item.extension("KHR_materials_sheen")
+        if sheen is not None:
+            self.bsdf["sheen_color"] = self._color(sheen, "sheenColor", 0.0)
+            self.bsdf["sheen_roughness"] = self._number(sheen, "sheenRoughness", 0.0, "a")
+
+    def anisotropy_and_iridescence(self) -> None:
+        """KHR_materials_anisotropy, KHR_materials_iridescence."""
+        turned = self.item.extension("KHR_materials_anisotropy")
+        if turned is not None:
+            picture = self.textures.bitmap(turned, "anisotropyTexture", is_color=False)
+            strength = turned.number("anisotropyStrength", 0.0, 0.0, 1.0)
+            self.bsdf["anisotropy"] = scaled(strength, picture, "b")
+            self.bsdf["anisotropy_rotation"] = turned.number("anisotropyRotation", 0.0)
+            if picture is not None:
+                text = "anisotropyTexture: its strength is used, its directions are not"
+                self.item.report.approximate(text)
+        film = self.item.extension("KHR_materials_iridescence")
+        if film is not None:
+            self.bsdf["iridescence"] = self._number(film, "iridescence", 0.0, "r")
+            self.bsdf["iridescence_ior"] = film.number("iridescenceIor", 1.3, 1.0, LARGEST_IOR)
+            thickest = film.number("iridescenceThicknessMaximum", 400.0, 0.0, 1e5)
+            thinnest = film.number("iridescenceThicknessMinimum", 100.0, 0.0, 1e5)
+            picture = self.textures.bitmap(film, "iridescenceThicknessTexture", is_color=False)
+            thickness: Any = thickest
+            if picture is not None:
+                share = {"type": "channel", "texture": picture, "channel": "g"}
+                thickness = {"type": "mix", "a": thinnest, "b": thickest, "weight": share}
+            self.bsdf["iridescence_thickness"] = thickness
+
+
+def bsdf_core(bsdf: Data) -> Data:
+    """The material inside the wrappers."""
+    while "bsdf" in bsdf:
+        bsdf = bsdf["bsdf"]
+    return bsdf
+
+
+def product(factor: Any, texture: Data | None) -> Any:
+    """A colour or texture times a texture."""
+    if texture is None:
+        return factor
+    if isinstance(factor, list) and set(factor) == {1.0}:
+        return texture
+    return {"type": "multiply", "a": factor, "b": texture}
+
+
+def scaled(factor: float, picture: Data | None, channel: str) -> Any:
+    """A number times a channel of a picture."""
+    if picture is None or factor == 0.0:
+        return factor
+    part: Data = {"type": "channel", "texture": picture, "channel": channel}
+    return part if factor == 1.0 else {"type": "multiply", "a": factor, "b": part}

@@ -1,0 +1,116 @@
+"""A glTF file -> a description in the native format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from alight.core.errors import SceneError, nearest
+from alight.scene.build import FORMAT_VERSION
+from alight.scene.formats.gltf.accessors import COMPRESSED
+from alight.scene.formats.gltf.container import Document, open_document
+from alight.scene.formats.gltf.materials import COVERED as MATERIALS
+from alight.scene.formats.gltf.materials import Materials
+from alight.scene.formats.gltf.nodes import Graph
+from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.report import Report
+from alight.scene.formats.surroundings import SIZE, add_camera, add_light
+
+#: Extensions that are read.
+COVERED = (
+    *MATERIALS, "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
+)  # fmt: skip
+_HEIGHT = 600
+
+
+def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    data, name : bytes and str
+        Content of the file (.gltf or .glb), and its name for messages.
+    folder : Path, optional
+        Where it lies; files outside are refused. The current folder by default.
+
+    Raises
+    ------
+    SceneError
+        If the file is no scene at all.
+    """
+    report = Report()
+    document = open_document(data, name, folder, report)
+    _check_extensions(document)
+    graph = Graph(document, Materials(document))
+    graph.build()
+    _say_what_is_dropped(document)
+    scene: dict[str, Any] = {
+        "alight": FORMAT_VERSION,
+        "bsdfs": graph.bsdfs,
+        "prototypes": graph.prototypes,
+        "nodes": graph.nodes,
+    }
+    if not graph.is_lit:
+        add_light(scene, report)
+    if graph.cameras:
+        _use_camera(document, graph, scene)
+    else:
+        add_camera(scene, report, graph.bounds)
+    report.count("nodes", len(document.list("nodes")))
+    return Parsed.of(scene, graph.places | {"": name}, report)
+
+
+def _use_camera(document: Document, graph: Graph, scene: dict[str, Any]) -> None:
+    """Show what the first camera sees."""
+    path, index = graph.cameras[0]
+    if len(graph.cameras) > 1:
+        others = ", ".join(path for path, _ in graph.cameras[1:])
+        document.report.approximate(
+            f"the picture is that of the first camera, {path}; others: {others} "
+            "(choose with --camera)"
+        )
+    scene["camera"] = path
+    item = document.list("cameras")[index]
+    perspective = item.object("perspective")
+    orthographic = item.object("orthographic")
+    aspect = SIZE[0] / SIZE[1]
+    if perspective is not None and perspective.has("aspectRatio"):
+        aspect = perspective.number("aspectRatio", aspect, 1e-3, 1e3)
+    elif orthographic is not None:
+        height = orthographic.number("ymag", 1.0, 1e-9)
+        aspect = orthographic.number("xmag", height, 1e-9) / height
+    scene["film"] = {"size": [max(1, min(round(_HEIGHT * aspect), 2**14)), _HEIGHT]}
+
+
+def _check_extensions(document: Document) -> None:
+    """Refuse what must be understood and is not; list the rest."""
+    root = document.root
+    required = root.value.get("extensionsRequired", [])
+    used = root.value.get("extensionsUsed", [])
+    for key, names in (("extensionsRequired", required), ("extensionsUsed", used)):
+        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
+            raise root.fatal(key, "must be a list of names")
+    for name in required:
+        if name in COMPRESSED:
+            root.wrong("extensionsRequired", COMPRESSED[name])
+        elif name not in COVERED:
+            near = nearest(name, COVERED)
+            hint = f'; did you mean "{near}"?' if near else ""
+            text = f'requires "{name}", which is not covered{hint}'
+            root.wrong("extensionsRequired", f"{text}  (covered: {', '.join(sorted(COVERED))})")
+    for name in used:
+        if name not in COVERED and name not in required:
+            document.report.approximate(f"{name} is not covered and was left out")
+    if document.report.issues:
+        raise SceneError(document.report.issues)
+
+
+def _say_what_is_dropped(document: Document) -> None:
+    animations = document.list("animations")
+    if animations:
+        document.report.drop(f"animations ({len(animations)}): the scene is shown at rest")
+    if document.list("samplers"):
+        document.report.drop("minification filters: many samples do the same")
+    asset = document.root.object("asset")
+    if document.root.has("extras") or (asset is not None and asset.has("extras")):
+        document.report.drop("extras: data of other programs")

@@ -1,0 +1,186 @@
+"""OBJ files opened by themselves: groups, materials, with light and a camera around them.
+
+A node is made for each group and material. Without vertex normals a surface is shaded flat, unless
+a smoothing group is on; then the normals of the faces around a vertex are averaged.
+
+Source: Wavefront Technologies, Object files (.obj), appendix B1 of the Advanced Visualizer manual.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import Issue, SceneError, quote, unknown_name
+from alight.scene.build import FORMAT_VERSION
+from alight.scene.formats import mtl, obj
+from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
+from alight.scene.formats.names import free_name
+from alight.scene.formats.normals import vertex_normals
+from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.report import Report
+from alight.scene.formats.surroundings import Bounds, add_camera, add_light
+from alight.scene.meshes import mesh_problem
+from alight.shapes.mesh import Mesh
+
+MOST_LIBRARY_BYTES = 16 * 2**20
+_IGNORED = {b"vp", b"cstype", b"deg", b"curv", b"curv2", b"surf", b"parm", b"trim", b"hole", b"end"}
+GREY: dict[str, Any] = {
+    "type": "two_sided", "bsdf": {"type": "principled", "base_color": 0.6, "roughness": 0.6},
+}  # fmt: skip
+COLORED: dict[str, Any] = {
+    "type": "two_sided",
+    "bsdf": {
+        "type": "principled",
+        "base_color": {"type": "vertex_color", "fallback": 0.6},
+        "roughness": 0.6,
+    },
+}
+
+
+@dataclass
+class _Part:
+    """Faces that share a group, a material and a way of shading."""
+
+    group: str
+    material: str
+    smooth: bool
+    faces: list[tuple[int, int]] = field(default_factory=list)
+
+
+def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+    """Read an OBJ file as a scene.
+
+    Parameters
+    ----------
+    data, name : bytes and str
+        Content of the file, and its name for messages.
+    folder : Path, optional
+        Where it lies; material libraries and pictures are looked up there and below.
+
+    Raises
+    ------
+    SceneError
+        If the file is broken; messages name the line.
+    """
+    report, reach = Report(), Reach(folder)
+    try:
+        content = obj.parse(data)
+    except SceneError as error:
+        raise SceneError([Issue("", issue.message, name) for issue in error.issues]) from None
+    materials: dict[str, mtl.Material] = {}
+    parts = _parts(content, name, reach, report, materials)
+    if report.issues:
+        raise SceneError(report.issues)
+    bounds, nodes, bsdfs, is_lit = Bounds(), {}, {}, False
+    names: dict[str, str] = {}
+    starts = np.concatenate([[0], np.cumsum(content.sizes)]).astype(np.int64)
+    for part in parts:
+        mesh = _mesh(content, part, starts, name)
+        if mesh is None:
+            continue
+        assert mesh.vertices is not None
+        bounds.add(mesh.vertices, np.eye(4))
+        material = materials.get(part.material)
+        bsdf = material.bsdf if material else COLORED if mesh.colors is not None else GREY
+        key = part.material if material else f"grey {mesh.colors is not None}"
+        if key not in names:
+            names[key] = free_name(part.material if material else "grey", bsdfs, "material")
+            bsdfs[names[key]] = bsdf
+        node: dict[str, Any] = {"shape": mesh, "bsdf": names[key]}
+        if material is not None and material.emission is not None:
+            node["light"], is_lit = {"type": "area", "radiance": material.emission}, True
+        nodes[free_name(part.group, nodes, "mesh")] = node
+        report.count("meshes")
+    if not nodes:
+        raise SceneError([Issue("", "must hold at least one triangle, got an empty mesh", name)])
+    report.count("materials", len(materials))
+    scene: dict[str, Any] = {"alight": FORMAT_VERSION, "bsdfs": bsdfs, "nodes": nodes}
+    if not is_lit:
+        add_light(scene, report)
+    add_camera(scene, report, bounds)
+    return Parsed.of(scene, {"": name}, report)
+
+
+def _parts(
+    content: obj.Content,
+    name: str,
+    reach: Reach,
+    report: Report,
+    materials: dict[str, mtl.Material],
+) -> list[_Part]:
+    """Ranges of faces by group and material, in the order of their first face."""
+    parts: dict[tuple[str, str, bool], _Part] = {}
+    group, material, smooth, start = "", "", False, 0
+    used: dict[str, str] = {}
+    end = obj.Statement([b""], 0, len(content.sizes))
+    for words, line, faces in [*content.statements, end]:
+        if faces > start:
+            part = parts.setdefault((group, material, smooth), _Part(group, material, smooth))
+            part.faces.append((start, faces))
+            start = faces
+        texts = [word.decode("utf-8", "replace") for word in words]
+        rest = " ".join(texts[1:])
+        if words[0] in (b"g", b"o"):
+            group = rest
+        elif words[0] == b"usemtl":
+            material = rest
+            used.setdefault(material, f"{name}:{line}:1")
+        elif words[0] == b"s":
+            smooth = rest not in ("off", "0", "")
+        elif words[0] == b"mtllib":
+            _library(rest, f"{name}:{line}:1", reach, report, materials)
+        elif words[0] in (b"l", b"p"):
+            report.drop("points and lines have no surface")
+        elif words[0] in _IGNORED:
+            report.drop(f"{texts[0]}: curves and free-form surfaces are not covered")
+    for material, place in used.items():
+        if material not in materials and materials:
+            report.problem(place, "usemtl", unknown_name("material", material, materials))
+    return list(parts.values())
+
+
+def _library(
+    text: str, place: str, reach: Reach, report: Report, materials: dict[str, mtl.Material]
+) -> None:
+    """Read the libraries of a statement: one name with spaces, or several names."""
+    for name in [text] if text.lower().endswith(".mtl") and ".mtl " not in text else text.split():
+        try:
+            path = reach.find(name)
+        except OutOfReachError as error:
+            report.approximate(f"{place}: {error}; its materials are grey")
+            continue
+        try:
+            if path.stat().st_size > MOST_LIBRARY_BYTES:
+                raise mtl.broken(place, f"{quote(name)} must be at most 16 MB")
+            content = path.read_bytes().decode("utf-8", "replace")
+        except OSError as error:
+            raise mtl.broken(place, f"cannot read {quote(name)}: {error.strerror}") from None
+        materials.update(mtl.read(content, path.name, reach, report))
+
+
+def _mesh(content: obj.Content, part: _Part, starts: np.ndarray, name: str) -> Mesh | None:
+    """The mesh of a part; None if it has no triangle."""
+    corners, sizes = [], []
+    for first, last in part.faces:
+        corners += content.corners[int(starts[first]) : int(starts[last])]
+        sizes += content.sizes[first:last]
+    try:
+        arrays = obj.assemble(content.tables, corners, sizes)
+    except SceneError as error:
+        raise SceneError([Issue("", issue.message, name) for issue in error.issues]) from None
+    if len(arrays.faces) == 0:
+        return None
+    # Only the vertices that these faces use.
+    used, faces = np.unique(arrays.faces, return_inverse=True)
+    kept = {n: t[used] for n, t in arrays._asdict().items() if t is not None and n != "faces"}
+    arrays = arrays._replace(**kept, faces=faces.reshape(-1, 3).astype(np.int32))
+    problem = mesh_problem(arrays)
+    if problem:
+        raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])
+    if arrays.normals is None and part.smooth:
+        arrays = arrays._replace(normals=vertex_normals(arrays.vertices, arrays.faces))
+    return Mesh(**arrays._asdict())

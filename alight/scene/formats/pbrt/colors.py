@@ -1,0 +1,202 @@
+"""Parameters that are colours: RGB, temperatures, spectra of every kind -> linear sRGB.
+
+pbrt 4 renders with spectra and shows them as seen by the CIE's observer; a light given as RGB
+shines as D65 of that colour, so that 1 1 1 is white, and any other spectrum of a light is scaled to
+the luminance 1 before ``scale`` or ``power`` count. Spectra of surfaces are reduced as seen in
+daylight (see `alight.scene.formats.mitsuba.spectra`). pbrt 3 renders in RGB and scales nothing, but
+the largest value of a ``blackbody`` to 1.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from alight.core.errors import quote, unknown_name
+from alight.scene.formats.mitsuba.media import METALS
+from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
+from alight.scene.formats.mitsuba.spectra import TO_SRGB, blackbody, to_linear_srgb
+from alight.scene.formats.pbrt.directives import Parameter
+from alight.scene.formats.pbrt.packed import content_of
+from alight.scene.formats.pbrt.report import Report
+
+Color = list[float]
+Pairs = tuple[np.ndarray, np.ndarray]
+#: What a colour is for: it decides how a spectrum is reduced.
+Role = Literal["reflectance", "index", "light"]
+
+KINDS = ("rgb", "spectrum", "blackbody", "xyz")
+LARGEST = 1e15
+MOST_BYTES = 2**20
+
+#: Indices of refraction of glasses at 587.6 nm (catalogue of Schott).
+GLASSES = {
+    "glass-BK7": 1.5168, "glass-BAF10": 1.6700, "glass-FK51A": 1.4866, "glass-LASF9": 1.8503,
+    "glass-SF5": 1.6727, "glass-SF10": 1.7283, "glass-SF11": 1.7847,
+    "glass-F5": 1.6727, "glass-F10": 1.7283, "glass-F11": 1.7847,
+}  # fmt: skip
+#: Metals by pbrt's names; brass is Querry's, reduced likewise.
+_BRASS = ([0.444, 0.527, 1.094], [3.695, 2.765, 1.829])
+_CONDUCTORS = {name: METALS[name] for name in ("Ag", "Al", "Au", "Cu", "MgO", "TiO2")}
+_CONDUCTORS["CuZn"] = _BRASS
+INDICES: dict[str, Color] = {
+    f"metal-{name}-{part}": pair[i]
+    for name, pair in _CONDUCTORS.items()
+    for i, part in enumerate(("eta", "k"))
+} | {name: [index] * 3 for name, index in GLASSES.items()}
+#: Illuminants by their correlated colour temperature, K; 0 stands for white.
+_LAMPS = {"stdillum-A": 2856.0, "stdillum-D50": 5003.0, "stdillum-D65": 0.0}
+
+# From the primaries of a colour space to those of sRGB, white kept (Bradford from ACES' white).
+_SPACES = {
+    "srgb": np.eye(3),
+    "rec2020": np.array(
+        [[1.6605, -0.5876, -0.0728], [-0.1246, 1.1329, -0.0083], [-0.0182, -0.1006, 1.1187]]
+    ),
+    "dci-p3": np.array(
+        [[1.2249, -0.2247, -0.0002], [-0.0420, 1.0419, 0.0001], [-0.0196, -0.0786, 1.0982]]
+    ),
+    "aces2065-1": np.array(
+        [[2.5217, -1.1341, -0.3876], [-0.2765, 1.3727, -0.0962], [-0.0154, -0.1530, 1.1684]]
+    ),
+}
+SPACES = tuple(_SPACES)
+
+
+class NoColorError(ValueError):
+    """A parameter that is no colour; the message says why."""
+
+
+class Colors:
+    """Reads colours.
+
+    Parameters
+    ----------
+    report : Report
+    reach : Reach
+        Finds files with spectra.
+
+    Attributes
+    ----------
+    space : str
+        Of RGB values, one of `SPACES`.
+    old : bool
+        Whether the scene is one of pbrt 3.
+    """
+
+    def __init__(self, report: Report, reach: Reach) -> None:
+        self.report = report
+        self.reach = reach
+        self.space = "srgb"
+        self.old = False
+        self._files: dict[object, Pairs] = {}
+
+    def read(self, parameter: Parameter, role: Role) -> Color | None:
+        """Read a parameter that gives a colour.
+
+        Returns
+        -------
+        list of 3 floats, or None
+            Linear sRGB; None after a problem, which has been reported.
+        """
+        try:
+            color = self._read(parameter, role)
+        except (NoColorError, OutOfReachError) as error:
+            self.report.error(parameter, str(error))
+            return None
+        if max(color) > LARGEST:
+            self.report.error(parameter, f"must be at most {LARGEST:g}, got {max(color):g}")
+            return None
+        return color
+
+    def _read(self, parameter: Parameter, role: Role) -> Color:
+        values, kind = parameter.values, parameter.kind
+        if kind in ("rgb", "xyz"):
+            if len(values) != 3:
+                raise NoColorError(f"must hold 3 numbers, got {len(values)}")
+            matrix = TO_SRGB if kind == "xyz" else _SPACES[self.space]
+            # Colours that sRGB cannot show lose what is negative, here as in spectra.
+            found = (matrix @ values).tolist()
+            return found if min(values) < 0.0 else [max(0.0, channel) for channel in found]
+        if kind == "float" and len(values) == 1:
+            return [float(values[0])] * 3
+        if kind == "blackbody":
+            return self._hot(values)
+        if kind != "spectrum":
+            raise NoColorError(f"must be a colour (rgb, spectrum, blackbody), got {kind}")
+        return self._spectrum(parameter, role)
+
+    def _hot(self, values: np.ndarray) -> Color:
+        if not 1 <= len(values) <= 2:
+            text = "must hold a temperature in K (and in pbrt 3 a scale)"
+            raise NoColorError(f"{text}, got {len(values)} numbers")
+        if not 100.0 <= values[0] <= 1e6:
+            raise NoColorError(f"temperature must be in [100, 1e+06] K, got {values[0]:g}")
+        wavelengths, radiance = blackbody(float(values[0]))
+        if self.old:
+            scale = float(values[1]) if len(values) == 2 else 1.0
+            return to_linear_srgb(wavelengths, scale * radiance / radiance.max(), shines=True)
+        return _of_luminance_one((wavelengths, radiance))
+
+    def _spectrum(self, parameter: Parameter, role: Role) -> Color:
+        if not parameter.is_text:
+            return self._reduced(_pairs(np.asarray(parameter.values)), role)
+        if len(parameter.values) != 1:
+            raise NoColorError(f"must name one spectrum, got {len(parameter.values)}")
+        name = parameter.values[0]
+        if name in INDICES and role != "light":
+            return list(INDICES[name])
+        if name in _LAMPS and role == "light":
+            kelvin = _LAMPS[name]
+            return _of_luminance_one(blackbody(kelvin)) if kelvin else [1.0] * 3
+        if name in INDICES or name in _LAMPS or "." not in name:
+            known = _LAMPS if role == "light" else INDICES
+            raise NoColorError(unknown_name("spectrum", name, known, listed_as="spectra"))
+        path = self.reach.find(name)
+        if path not in self._files:
+            self._files[path] = _read_pairs(path, name)
+        return self._reduced(self._files[path], role)
+
+    def _reduced(self, pairs: Pairs, role: Role) -> Color:
+        if role == "light" and not self.old:
+            return _of_luminance_one(pairs)
+        color = to_linear_srgb(*pairs, shines=role == "light")
+        return [min(channel, 1.0) for channel in color] if role == "reflectance" else color
+
+
+def _of_luminance_one(pairs: Pairs) -> Color:
+    color = to_linear_srgb(*pairs, shines=True)
+    luminance = float(np.linalg.inv(TO_SRGB)[1] @ color)
+    return [channel / luminance for channel in color] if luminance > 0.0 else [0.0] * 3
+
+
+def _pairs(numbers: np.ndarray) -> Pairs:
+    if len(numbers) < 4 or len(numbers) % 2:
+        raise NoColorError(
+            f"must hold pairs of wavelength in nm and value, at least 2, got {len(numbers)} numbers"
+        )
+    wavelengths, values = numbers[0::2], numbers[1::2]
+    if not (np.diff(wavelengths) > 0.0).all():
+        raise NoColorError("wavelengths must ascend")
+    if values.min() < 0.0 or values.max() > LARGEST:
+        worst = values.min() if values.min() < 0.0 else values.max()
+        raise NoColorError(f"values must be in [0, {LARGEST:g}], got {worst:g}")
+    return wavelengths, values
+
+
+def _read_pairs(path: Path, name: str) -> Pairs:
+    """Read a file of lines "wavelength value", ``#`` before remarks."""
+    text = content_of(path, MOST_BYTES).decode("utf-8", "replace")
+    words = " ".join(line.partition("#")[0] for line in text.splitlines()).split()
+    try:
+        numbers = np.array(words, np.float64)
+    except ValueError:
+        raise NoColorError(f"{quote(name)} holds words that are no numbers") from None
+    if not np.isfinite(numbers).all():
+        raise NoColorError(f"{quote(name)} holds numbers that are not finite")
+    try:
+        return _pairs(numbers)
+    except NoColorError as error:
+        raise NoColorError(f"{quote(name)}: {error}") from None

@@ -1,0 +1,67 @@
+"""What the converters of all kinds of directives share: names, places, files, problems."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from alight.scene.description import name_problem
+from alight.scene.formats.mitsuba.reach import Reach
+from alight.scene.formats.pbrt.colors import Colors
+from alight.scene.formats.pbrt.report import Report
+
+Data = dict[str, Any]
+
+
+@dataclass
+class Context:
+    """State of one conversion.
+
+    Attributes
+    ----------
+    report : Report
+    reach : Reach
+        Finds files.
+    old : bool
+        Whether the scene is one of pbrt 3.
+    sees_media : bool
+        Whether the integrator of the file does.
+    exposure : float
+        Factor of all light: what the film makes of a radiance of 1.
+    places : dict of str to str
+        Key path of the native description -> ``file:line:column``.
+    tables : dict of str to dict
+        ``bsdfs``, ``textures`` and ``prototypes`` by name, as the native format has them.
+    loaded : dict
+        Meshes that have been read.
+    """
+
+    report: Report
+    reach: Reach
+    old: bool = False
+    sees_media: bool = True
+    exposure: float = 1.0
+    places: dict[str, str] = field(default_factory=dict)
+    tables: dict[str, dict[str, Data]] = field(
+        default_factory=lambda: {"textures": {}, "bsdfs": {}, "prototypes": {}}
+    )
+    loaded: dict[Any, Any] = field(default_factory=dict)
+    _taken: set[tuple[str, str]] = field(default_factory=set)
+    _last: dict[tuple[str, str], int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Make the reader of colours."""
+        self.colors = Colors(self.report, self.reach)
+
+    def name(self, table: str, wanted: str) -> str:
+        """Make a name of the native format that nothing else in the table has."""
+        plain = re.sub(r"[/.\[\]=]+", "-", wanted).strip()[:80]
+        plain = "".join(c for c in plain if c.isprintable()).strip() or "unnamed"
+        name, number = plain, self._last.get((table, plain), 1)
+        while (table, name) in self._taken or name_problem(name):
+            number += 1
+            name = f"{plain} {number}"
+        self._last[table, plain] = number
+        self._taken.add((table, name))
+        return name

@@ -1,0 +1,213 @@
+"""``MakeNamedMedium`` and ``MediumInterface`` -> media of the native format.
+
+A surface is a border of media in pbrt only where the names of both sides differ; elsewhere a path
+stays in the medium that it is in. Which medium is meant is settled at the end of the file, so that
+names may be used before they are explained.
+
+Between the centres of the outermost cells of a grid and its box the density of pbrt falls to what
+lies outside, 0; ours stays. So grids get a rim of empty cells: the same density everywhere in the
+box that the file gives.
+
+Source: pbrt-v4, documentation of the file format, "Participating media"; PBR4 section 11.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from alight.core.errors import join_path, unknown_name
+from alight.media.volumes import Volume
+from alight.scene.description import VACUUM
+from alight.scene.formats.pbrt.context import Context, Data
+from alight.scene.formats.pbrt.directives import Directive, Parameter
+from alight.scene.formats.pbrt.parameters import Parameters
+from alight.scene.formats.pbrt.transforms import scaling, translation
+
+#: Our names of pbrt's media; the last one is pbrt 3's word for a grid.
+COVERED = {"homogeneous": "homogeneous", "uniformgrid": "grid", "heterogeneous": "grid"}
+#: Integrators that see media; the others pass through them as through empty space.
+SEEING = ("volpath", "simplevolpath", "bdpt", "mlt")
+#: What media absorb and scatter that say nothing: whole milk, per mm.
+_MILK = {"sigma_a": (0.0011, 0.0024, 0.014), "sigma_s": (2.55, 3.21, 3.77)}
+_LARGEST_G = 0.99
+#: What takes the place of a medium that is none of these.
+EMPTY: Data = {"type": "homogeneous", "sigma_t": 0.0}
+
+
+class Media:
+    """The media of a scene by name.
+
+    Parameters
+    ----------
+    context : Context
+        Its table ``media`` receives those that are used.
+    """
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        self._made: dict[str, tuple[Directive, Data]] = {}
+        # By pbrt's name: ours, and the directive that asked first.
+        self._used: dict[str, tuple[str, Directive]] = {}
+        # Nothing in the file may have the name of empty space.
+        context.name("media", VACUUM)
+
+    def define(
+        self, directive: Directive, defaults: Sequence[Parameter], matrix: np.ndarray
+    ) -> None:
+        """Follow MakeNamedMedium.
+
+        Parameters
+        ----------
+        directive : Directive
+        defaults : sequence of Parameter
+            Those of ``Attribute``.
+        matrix : (4, 4) float64
+            From the space of the medium to the world.
+        """
+        report = self.context.report
+        if directive.type in self._made:
+            first = self._made[directive.type][0].place
+            report.error(directive, f"is given twice, first at {first}")
+            return
+        p = Parameters(directive, report, defaults)
+        self._made[directive.type] = (directive, _medium(self.context, p, matrix))
+        p.finish()
+
+    def sides(self, interface: Directive | None) -> Data:
+        """The keys ``interior`` and ``exterior`` of a surface; none where it is no border."""
+        if interface is None or interface.texts[0] == interface.texts[1]:
+            return {}
+        inside, outside = (self._name(interface, text) for text in interface.texts)
+        return {"interior": inside, "exterior": outside} if self.context.sees_media else {}
+
+    def around_camera(self, interface: Directive | None) -> Data:
+        """The key ``medium`` of a camera; none in empty space."""
+        if interface is None or not interface.texts[1]:
+            return {}
+        name = self._name(interface, interface.texts[1])
+        return {"medium": name} if self.context.sees_media else {}
+
+    def _name(self, interface: Directive, wanted: str) -> str:
+        """Our name of a medium that a directive asks for."""
+        if not wanted:
+            return VACUUM
+        if not self.context.sees_media:
+            text = "plays no part: the integrator does not see media"
+            self.context.report.note(interface, text)
+        if wanted not in self._used:
+            self._used[wanted] = (self.context.name("media", wanted), interface)
+        return self._used[wanted][0]
+
+    def close(self) -> bool:
+        """Report what is missing and what is not used; tell whether any medium plays a part."""
+        report = self.context.report
+        for wanted, (name, interface) in self._used.items():
+            if wanted not in self._made:
+                known = unknown_name("medium", wanted, self._made, listed_as="named media")
+                report.error(interface, known)
+            if self.context.sees_media:
+                directive, data = self._made.get(wanted, (interface, EMPTY))
+                self.context.tables.setdefault("media", {})[name] = data
+                self.context.places[join_path("media", name)] = directive.place
+        for wanted, (directive, _) in self._made.items():
+            if wanted not in self._used:
+                report.note(directive, "is not used: no surface has it")
+        return self.context.sees_media and bool(self._used)
+
+
+def _medium(context: Context, p: Parameters, matrix: np.ndarray) -> Data:
+    """Convert the parameters of a medium; empty space after a problem."""
+    kind = p.text("type")
+    if kind not in COVERED:
+        if p.has("type"):
+            context.report.unknown(p.directive, "medium", kind, COVERED, "empty space is taken")
+        else:
+            context.report.error(p.directive, 'needs "string type"')
+        p.forget()
+        return EMPTY
+    data: Data = {"type": COVERED[kind]}
+    # A grid of pbrt 4 has coefficients of 1, all others those of milk.
+    milk = kind != "uniformgrid"
+    for key, usual in _MILK.items():
+        data[key] = _color(context, p, key, usual if milk else (1.0, 1.0, 1.0))
+    scale = p.number("scale", 1.0)
+    if scale < 0.0:
+        context.report.error(p.named["scale"], f"must be >= 0, got {scale:g}")
+    elif scale != 1.0:
+        # A factor of 0 makes empty space, which ours do not allow.
+        for key in _MILK:
+            data[key] = [scale * channel for channel in data[key]]
+    if p.find("preset") is not None:
+        text = "is not covered: give sigma_a and sigma_s"
+        context.report.not_covered(p.named["preset"], text, "whole milk is taken")
+    _shine(context, p)
+    _phase(context, p, data)
+    if data["type"] == "grid":
+        _grid(context, p, data, matrix)
+    return data
+
+
+def _color(context: Context, p: Parameters, key: str, usual: Sequence[float]) -> list[float]:
+    """Coefficients of the three channels, 1/m where the scene is in metres."""
+    found = p.find(key)
+    color = None if found is None else context.colors.read(found, "index")
+    if found is not None and color is not None and min(color) < 0.0:
+        context.report.error(found, f"must be >= 0, got {min(color):g}")
+        color = None
+    return list(usual) if color is None else color
+
+
+def _shine(context: Context, p: Parameters) -> None:
+    """Refuse media that glow."""
+    for key in ("Le", "temperature"):
+        found = p.find(key)
+        if found is not None:
+            context.report.not_covered(found, "is not covered: media do not shine", "left out")
+    why = "media do not shine"
+    p.ignore(why, "Lescale", "temperaturescale", "temperatureoffset", "temperaturecutoff")
+
+
+def _phase(context: Context, p: Parameters, data: Data) -> None:
+    g = p.number("g", 0.0)
+    if not -1.0 < g < 1.0:
+        context.report.error(p.named["g"], f"must be in (-1, 1), got {g:g}")
+    elif g != 0.0:
+        cut = min(max(g, -_LARGEST_G), _LARGEST_G)
+        if cut != g:
+            context.report.approximated(p.named["g"], f"was cut to {cut:g}")
+        data["phase"] = {"type": "henyey_greenstein", "g": cut}
+
+
+def _grid(context: Context, p: Parameters, data: Data, matrix: np.ndarray) -> None:
+    """Densities, and the matrix from the unit cube to the world."""
+    report = context.report
+    count = [p.integer(key, 1) for key in ("nx", "ny", "nz")]
+    a, b = p.triple("p0", (0.0, 0.0, 0.0)), p.triple("p1", (1.0, 1.0, 1.0))
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    data["values"] = Volume(np.zeros((1, 1, 1, 1), np.float32))
+    found = p.values("density", "float")
+    if found is None:
+        if not p.has("density"):
+            report.error(p.directive, 'needs "float density"')
+        return
+    densities = np.asarray(found.values, np.float64)
+    nx, ny, nz = count
+    if min(count) < 1 or len(densities) != nx * ny * nz:
+        text = f"must hold nx * ny * nz = {nx} * {ny} * {nz} numbers, got {len(densities)}"
+        report.error(found, text)
+    elif not 0.0 <= densities.min() <= densities.max() <= 1e15:
+        wrong = densities.min() if densities.min() < 0.0 else densities.max()
+        report.error(found, f"must be in [0, 1e+15], got {wrong:g}")
+    elif not (low < high).all():
+        report.error(p.directive, "p0 and p1 must differ in x, y and z")
+    elif not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+        report.error(p.directive, "its transformation must be affine")
+    else:
+        cells = densities.reshape(nz, ny, nx, 1).astype(np.float32)
+        rim = ((1, 1), (1, 1), (1, 1), (0, 0))
+        data["values"] = Volume(np.pad(cells, rim))
+        side = (high - low) / count
+        box = translation(*(low - side)) @ scaling(*(high - low + 2.0 * side))
+        data["matrix"] = (matrix @ box)[:3].ravel().tolist()

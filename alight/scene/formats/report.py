@@ -1,0 +1,54 @@
+"""What became of a file of another program: read, approximated, dropped, or wrong.
+
+Every reader fills one; `alight info` shows it whole, and a render in short. Nothing is left out
+silently: what alight has no counterpart for is a problem, an approximation or a drop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from alight.core.errors import Issue
+
+
+@dataclass
+class Report:
+    """Collects problems and remarks.
+
+    Attributes
+    ----------
+    lenient : bool
+        Whether what is not covered becomes a remark instead of a problem.
+    issues : list of Issue
+        Problems.
+    notes : list of str
+        What was dropped without harm to the picture, a line each.
+    warnings : list of str
+        What was approximated, replaced, made up, or is suspicious, a line each.
+    counts : dict of str to int
+        What was read: kind -> how many.
+    """
+
+    lenient: bool = False
+    issues: list[Issue] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def problem(self, place: str, path: str, message: str) -> None:
+        """Report what nothing mends but an edit: file or line, what it is about, what is wrong."""
+        self.issues.append(Issue(path, message, place))
+
+    def drop(self, text: str) -> None:
+        """Say once what is left out."""
+        if text not in self.notes:
+            self.notes.append(text)
+
+    def approximate(self, text: str) -> None:
+        """Say once what is not quite what the file says."""
+        if text not in self.warnings:
+            self.warnings.append(text)
+
+    def count(self, kind: str, number: int = 1) -> None:
+        """Count what was read."""
+        self.counts[kind] = self.counts.get(kind, 0) + number

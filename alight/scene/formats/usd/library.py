@@ -1,0 +1,13 @@
+"""The modules of `usd-core` that are used; they come without types."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+Tf: Any = import_module("pxr.Tf")
+Usd: Any = import_module("pxr.Usd")
+UsdGeom: Any = import_module("pxr.UsdGeom")
+UsdLux: Any = import_module("pxr.UsdLux")
+UsdShade: Any = import_module("pxr.UsdShade")
+UsdUtils: Any = import_module("pxr.UsdUtils")

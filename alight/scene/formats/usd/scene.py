@@ -1,0 +1,64 @@
+"""A file of OpenUSD -> a description in the native format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from alight.core.errors import SceneError
+from alight.scene.build import FORMAT_VERSION
+from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.report import Report
+from alight.scene.formats.surroundings import add_camera, add_light
+from alight.scene.formats.usd.graph import Graph
+from alight.scene.formats.usd.stage import open_stage, to_world, world_matrix
+
+_HEIGHT = 600
+
+
+def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    data, name : bytes and str
+        Content of the file, which OpenUSD reads again itself; and its name for messages.
+    folder : Path, optional
+        Where it lies. The current folder by default.
+
+    Raises
+    ------
+    SceneError
+        If the file is no scene at all.
+    """
+    report = Report()
+    path = (folder or Path()) / Path(name).name
+    stage = open_stage(path, name, report)
+    steps = to_world(stage.stage)
+    graph = Graph(stage, world_matrix(steps))
+    graph.build(steps)
+    if report.issues:
+        raise SceneError(report.issues)
+    scene: dict[str, Any] = {
+        "alight": FORMAT_VERSION,
+        "bsdfs": graph.bsdfs,
+        "prototypes": graph.prototypes,
+        "nodes": graph.nodes,
+    }
+    if graph.environment is not None:
+        scene["environment"] = graph.environment
+    if not graph.is_lit:
+        add_light(scene, report)
+    if graph.cameras:
+        camera, aspect = graph.cameras[0]
+        scene["camera"] = camera
+        scene["film"] = {"size": [max(1, min(round(_HEIGHT * aspect), 2**14)), _HEIGHT]}
+        if len(graph.cameras) > 1:
+            others = ", ".join(path for path, _ in graph.cameras[1:])
+            report.approximate(
+                f"the picture is that of the first camera, {camera}; others: {others} "
+                "(choose with --camera)"
+            )
+    else:
+        add_camera(scene, report, graph.bounds)
+    return Parsed.of(scene, graph.places | {"": name}, report)

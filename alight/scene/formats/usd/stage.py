@@ -1,0 +1,113 @@
+"""Opening a stage: what it is made of must lie beside it, and what OpenUSD complains of is said."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import Issue, SceneError
+from alight.scene.formats.mitsuba.reach import Reach
+from alight.scene.formats.report import Report
+from alight.scene.formats.usd.library import Tf, Usd, UsdGeom, UsdUtils
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage at one time.
+
+    Attributes
+    ----------
+    stage : Usd.Stage
+    time : Usd.TimeCode
+        The first time that has samples, or the default.
+    name : str
+        Of the file, for messages.
+    reach : Reach
+        Where files may lie.
+    report : Report
+    """
+
+    stage: Any
+    time: Any
+    name: str
+    reach: Reach
+    report: Report
+
+    def value(self, attribute: Any, default: Any = None) -> Any:
+        """Value of an attribute; the default if there is none."""
+        found = attribute.Get(self.time) if attribute else None
+        return default if found is None else found
+
+    def problem(self, prim: Any, message: str) -> None:
+        """Report what nothing mends but an edit."""
+        self.report.problem(self.name, str(prim.GetPath()), message)
+
+
+def open_stage(path: Path, name: str, report: Report) -> Stage:
+    """Open a file with everything that it refers to.
+
+    Raises
+    ------
+    SceneError
+        If it is no stage, or refers to layers that are missing or lie elsewhere.
+    """
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        stage = Usd.Stage.Open(str(path.resolve()))
+    except Tf.ErrorException as error:
+        raise SceneError([Issue("", f"is no OpenUSD stage: {_first_line(error)}", name)]) from None
+    finally:
+        warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
+    reach = Reach(path.parent)
+    errors = stage.GetCompositionErrors()
+    issues = [Issue("", f"does not fit together: {_first_line(error)}", name) for error in errors]
+    if not issues:
+        for text in warnings:
+            report.approximate(f"OpenUSD: {_first_line(text)}")
+    for layer in stage.GetUsedLayers():
+        real = layer.realPath
+        if real and not Path(real.partition("[")[0]).resolve().is_relative_to(reach.root):
+            text = f"refers to a layer outside of its own folder: {Path(real).name}"
+            issues.append(Issue("", text, name))
+    if issues:
+        raise SceneError(issues[:20])
+    has_times = stage.HasAuthoredTimeCodeRange()
+    time = Usd.TimeCode(stage.GetStartTimeCode()) if has_times else Usd.TimeCode.EarliestTime()
+    if has_times and stage.GetEndTimeCode() > stage.GetStartTimeCode():
+        report.drop(f"times after {stage.GetStartTimeCode():g}: the scene is shown at that one")
+    return Stage(stage, time, name, reach, report)
+
+
+def to_world(stage: Any) -> list[dict[str, Any]]:
+    """Steps from a stage's space to ours: metres, +y up."""
+    steps: list[dict[str, Any]] = []
+    meters = UsdGeom.GetStageMetersPerUnit(stage)
+    if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
+        steps.append({"rotate": {"axis": "x", "angle": -90}})
+    if meters != 1.0:
+        steps.append({"scale": meters})
+    return steps
+
+
+def world_matrix(steps: list[dict[str, Any]]) -> np.ndarray:
+    """The (4, 4) matrix of what `to_world` gives."""
+    matrix = np.eye(4)
+    for step in steps:
+        if "scale" in step:
+            matrix[:3] *= step["scale"]
+        else:
+            # -90 degrees about x: y goes to -z, z to y.
+            matrix = matrix[[0, 2, 1, 3]] * np.array([[1.0], [1.0], [-1.0], [1.0]])
+    return matrix
+
+
+def _first_line(error: object) -> str:
+    """The first of OpenUSD's complaints, without where in its own source it was noticed."""
+    text = " ".join(str(error).split())
+    found = re.search(r"in file \S+ : '(.*?)'(?: Error in |$)", text)
+    text = found[1] if found else text
+    return text[:300] + ("..." if len(text) > 300 else "")

@@ -1,0 +1,209 @@
+r"""Noise: a random pattern in space, smooth at its smallest scale, alike on every machine.
+
+.. math::
+    n(x) &= \sum_{c \in \{0, 1\}^3} \Bigl(\prod_i s_i\Bigr)\; g_{\lfloor x \rfloor + c} \cdot
+            (x - \lfloor x \rfloor - c), \qquad s(t) = 6 t^5 - 15 t^4 + 10 t^3 \\
+    f(x) &= \frac{\sum_{k < K} r^k\, n(2^k x)}{\sum_{k < K} r^k}, \qquad
+    c = \text{mix}(\text{color}_0, \text{color}_1,\; \tfrac12 + \tfrac12 f)
+
+with :math:`s_i` the fade s or 1 - s of the coordinate i, K octaves and r their `gain`. Gradients g
+are the twelve directions from a cube's centre to the middles of its edges, chosen by a hash of
+the corner's whole coordinates. |n| never exceeds 1.04; the weight is cut to [0, 1].
+"turbulence" has \|n\| in the place of n, and \|f\| as weight.
+
+x is the place in the world (metres), or (u, v, 0), times `scale` plus `offset`. Beyond 2^20 cells
+from the origin float32 has no digits left to vary with.
+
+Source: Perlin, An image synthesizer, SIGGRAPH 1985, and Improving noise, SIGGRAPH 2002; Musgrave in
+Ebert et al., Texturing and modeling, 3rd ed., chapter 16 for the sum; Jarzynski and Olano, Hash
+functions for GPU rendering, JCGT 9(3), 2020, for the hash.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from alight.core.jit import kernel
+from alight.core.rng import pcg4d
+from alight.core.simd import (
+    absolute,
+    any_lane,
+    floor,
+    gather,
+    lanes,
+    lanes_u32,
+    maximum,
+    minimum,
+    to_uint,
+    where,
+)
+from alight.core.spec import (
+    Interval,
+    Numbers,
+    Reflectance,
+    Texture,
+    Triple,
+    UnitInterval,
+    Vector3,
+)
+from alight.core.vec import Vec3
+
+Octaves = Annotated[int, Interval(1, 16, integer=True)]
+Scale3 = Annotated[Triple, Numbers(3, Interval(), spread=True)]
+
+
+class Noise(Texture):
+    """Random pattern in space.
+
+    Parameters
+    ----------
+    color0, color1 : Reflectance, defaults 0 and 1
+        Colours of the lowest and the highest values.
+    pattern : {"fbm", "turbulence"}, default "fbm"
+        Sum of waves, or of their sizes.
+    space : {"world", "uv"}, default "world"
+        Where the pattern lives.
+    scale : float or (3,) float, cells per metre (or per unit of u and v), default 1
+        Of the largest waves.
+    offset : (3,) float, cells, default 0
+        Shift of the pattern.
+    octaves : int in [1, 16], default 4
+        Waves of 1, 1/2, 1/4, ... cells.
+    gain : float in [0, 1], default 0.5
+        Size of each octave relative to the one before.
+    """
+
+    type: Literal["noise"] = "noise"
+    color0: Reflectance = (0.0, 0.0, 0.0)
+    color1: Reflectance = (1.0, 1.0, 1.0)
+    pattern: Literal["fbm", "turbulence"] = "fbm"
+    space: Literal["world", "uv"] = "world"
+    scale: Scale3 = (1.0, 1.0, 1.0)
+    offset: Vector3 = (0.0, 0.0, 0.0)
+    octaves: Octaves = 4
+    gain: UnitInterval = 0.5
+
+    def maximum(self) -> Triple:
+        """Largest value of each channel."""
+        red, green, blue = (max(pair) for pair in zip(self.color0, self.color1, strict=True))
+        return red, green, blue
+
+    def mean(self) -> Triple:
+        """Of fbm the mean of the pattern over all of space; of turbulence an estimate."""
+        red, green, blue = (0.5 * sum(pair) for pair in zip(self.color0, self.color1, strict=True))
+        return red, green, blue
+
+
+EXAMPLES = (
+    Noise(space="uv", scale=4.0),
+    Noise(color0=(0.2, 0.1, 0.0), color1=(0.9, 0.8, 0.1), space="uv", octaves=1),
+    Noise(pattern="turbulence", space="uv", scale=(3.0, -1.5, 1.0), offset=(7.0, 0.25, -3.0)),
+    Noise(octaves=16, gain=1.0, color0=0.75, color1=0.25),
+)
+
+SLOTS = {
+    "color0": 3,
+    "color1": 3,
+    "scale": 3,
+    "offset": 3,
+    "octaves": 1,
+    "gain": 1,
+    "turbulence": 1,
+    "uv": 1,
+}
+
+
+def pack(spec: Noise, packer) -> None:
+    """Fill the row of one texture."""
+    packer.color("color0", spec.color0)
+    packer.color("color1", spec.color1)
+    packer.numbers("scale", *spec.scale)
+    packer.numbers("offset", *spec.offset)
+    packer.numbers("octaves", float(spec.octaves))
+    packer.numbers("gain", spec.gain)
+    packer.numbers("turbulence", float(spec.pattern == "turbulence"))
+    packer.numbers("uv", float(spec.space == "uv"))
+
+
+#: Coordinates are kept in this range, in which whole numbers are exact.
+FARTHEST = 2.0**22
+
+
+@kernel
+def _hash_word(x, y, z):
+    word, _, _, _ = pcg4d(x, y, z, lanes_u32(0))
+    return word
+
+
+@kernel
+def _slope(h, x, y, z):
+    """The gradient that a hash chooses, times (x, y, z): a sum of two of them with signs."""
+    # h in 0..11: of the three pairs of axes, each with four signs.
+    pair, signs = h >> 2, h & 3
+    a = where(pair == 2, y, x)
+    b = where(pair == 0, y, z)
+    return where((signs & 1) != 0, -a, a) + where((signs & 2) != 0, -b, b)
+
+
+@kernel
+def _fade(t):
+    return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
+
+
+@kernel
+def noise_at(x, y, z):
+    """Gradient noise at a point, about -1 to 1, 0 at whole coordinates."""
+    x0, y0, z0 = floor(x), floor(y), floor(z)
+    fx, fy, fz = x - x0, y - y0, z - z0
+    # Shifted to be positive: the hash wants whole numbers without sign.
+    i, j, k = to_uint(x0 + FARTHEST), to_uint(y0 + FARTHEST), to_uint(z0 + FARTHEST)
+    sx, sy, sz = _fade(fx), _fade(fy), _fade(fz)
+    value = lanes(0.0)
+    corner = lanes_u32(0)
+    while any_lane(corner < 8):
+        one_x, one_y, one_z = (corner & 1) != 0, (corner & 2) != 0, (corner & 4) != 0
+        word = _hash_word(i + (corner & 1), j + ((corner >> 1) & 1), k + (corner >> 2))
+        # The high bits are the best; 12 * word / 2^32 without a division.
+        chosen = ((word >> 16) * 12) >> 16
+        slope = _slope(
+            chosen,
+            where(one_x, fx - 1.0, fx),
+            where(one_y, fy - 1.0, fy),
+            where(one_z, fz - 1.0, fz),
+        )
+        weight = where(one_x, sx, 1.0 - sx) * where(one_y, sy, 1.0 - sy)
+        value = value + slope * weight * where(one_z, sz, 1.0 - sz)
+        corner = corner + 1
+    return value
+
+
+@kernel
+def _kept(x):
+    """A coordinate in range; NaN becomes 0."""
+    return minimum(maximum(x, -0.5 * FARTHEST), 0.5 * FARTHEST)
+
+
+@kernel
+def evaluate(scene, base, surface):
+    """The pattern's colour at a point of a surface."""
+    data = scene.materials.texture_data
+    in_uv = gather(data, base + 15) > 0.0
+    x = where(in_uv, surface.u, surface.p.x) * gather(data, base + 6) + gather(data, base + 9)
+    y = where(in_uv, surface.v, surface.p.y) * gather(data, base + 7) + gather(data, base + 10)
+    z = where(in_uv, 0.0, surface.p.z) * gather(data, base + 8) + gather(data, base + 11)
+    octaves, gain = gather(data, base + 12), gather(data, base + 13)
+    turbulent = gather(data, base + 14) > 0.0
+    total, sizes, size, k = lanes(0.0), lanes(0.0), lanes(1.0), lanes(0.0)
+    more = k < octaves
+    while any_lane(more):
+        wave = noise_at(_kept(x), _kept(y), _kept(z))
+        wave = where(turbulent, absolute(wave), wave)
+        total = where(more, total + size * wave, total)
+        sizes = where(more, sizes + size, sizes)
+        x, y, z, size, k = x + x, y + y, z + z, size * gain, k + 1.0
+        more = k < octaves
+    mean = total / where(sizes > 0.0, sizes, 1.0)
+    weight = minimum(maximum(where(turbulent, mean, 0.5 + 0.5 * mean), 0.0), 1.0)
+    low = Vec3(gather(data, base), gather(data, base + 1), gather(data, base + 2))
+    high = Vec3(gather(data, base + 3), gather(data, base + 4), gather(data, base + 5))
+    return low * (1.0 - weight) + high * weight

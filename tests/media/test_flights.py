@@ -1,0 +1,119 @@
+"""Free flights and shadow rays, by the text of the kernels alone: many lanes at once, no compiler.
+
+Weighted by the densities that they carry, what comes through is the transmittance in every channel,
+whichever of them chose the distances.
+"""
+
+import numpy as np
+import pytest
+
+from alight.compiled.scene import compile_scene
+from alight.core.jit import instantiate
+from alight.core.simd import lanes
+from alight.core.vec3 import Vec3
+from alight.media.sampling import cross, fly
+from alight.media.tables import Stream
+from alight.scene import flatten
+from tests.media.scenes import DENSITIES, SIGMAS, bodies
+
+COUNT = 80_000
+#: Thick enough for the roulette of shadow rays, and thicker in one channel than in another.
+EXTINCTION = (6.0, 3.0, 0.5)
+HOMOGENEOUS, GRID = 1, 2
+
+
+class Bench:
+    """The kernels of a scene, ready for lanes of one ray."""
+
+    def __init__(self):
+        compiled = compile_scene(flatten(bodies(0.5, EXTINCTION)), structure="list")
+        self.scene = compiled.tables
+        self.fly, self.cross = (
+            np.errstate(all="ignore")(instantiate(k, compiled.program, compiled=False))
+            for k in (fly, cross)
+        )
+
+    def arguments(self, medium, origin, direction, length):
+        rng = np.random.default_rng(4)
+        ones = np.ones(COUNT, np.float32)
+        o = Vec3(*(np.float32(c) * ones for c in origin))
+        d = Vec3(*(np.float32(c) * ones for c in direction))
+        channel = rng.integers(0, 3, COUNT).astype(np.uint32)
+        u = rng.random(COUNT, np.float32)
+        keys = (rng.integers(0, 2**32, COUNT, np.uint32) for _ in range(3))
+        rows = np.full(COUNT, medium, np.uint32)
+        return rows, o, d, lanes(length) * ones, channel, u, Stream(*keys)
+
+
+@pytest.fixture(scope="module")
+def bench():
+    return Bench()
+
+
+#: A ray of 1.2 m in the medium without cells, and one that enters and leaves the box of the other.
+RAYS = {
+    "homogeneous": (HOMOGENEOUS, (0.0, 0.0, 0.0), (0.0, 0.6, 0.8), 1.2),
+    "grid": (GRID, (0.9, 0.15, -0.3), (0.96, 0.0, 0.28), 3.0),
+}
+
+
+def optical_depth(medium, origin, direction, length):
+    """Density times distance along a ray, by small steps in float64."""
+    if medium == HOMOGENEOUS:
+        return length
+    n = 200_000
+    t = (np.arange(n) + 0.5) / n * length
+    p = (np.array(origin) + t[:, None] * np.array(direction) - (1.2, -0.8, -0.8)) / 1.6
+    inside = ((p >= 0.0) & (p <= 1.0)).all(1)
+    values = np.array(DENSITIES)
+    counts = np.array(values.shape[::-1])
+    at = np.clip(p * counts - 0.5, 0, counts - 1)
+    first = np.minimum(at.astype(int), counts - 2)
+    f = at - first
+    total = 0.0
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod(np.where(corner, f, 1.0 - f), axis=1)
+        i, j, k = (first + corner).T
+        total = total + weight * values[k, j, i]
+    return float((total * inside).mean() * length)
+
+
+def assert_mean(samples, expected):
+    mean, error = samples.mean(), samples.std() / np.sqrt(len(samples))
+    assert abs(mean - expected) < SIGMAS * error + 2e-6 * expected, (mean / expected, error)
+
+
+def columns(v):
+    return np.stack([np.broadcast_to(np.float64(part), COUNT) for part in (v.x, v.y, v.z)], 1)
+
+
+@pytest.mark.parametrize("ray", RAYS.values(), ids=RAYS)
+def test_flights_come_through_as_the_transmittance_says(bench, ray):
+    active = np.ones(COUNT, bool)
+    rows, o, d, length, channel, u, stream = bench.arguments(*ray)
+    flight = bench.fly(bench.scene, rows, o, d, length, channel, u, stream, active)
+    factor, through = columns(flight.factor), ~flight.scattered
+    expected = np.exp(-optical_depth(*ray) * np.array(EXTINCTION))
+    weight = factor / factor.mean(1, keepdims=True)
+    for c in range(3):
+        assert_mean(np.where(through, weight[:, c], 0.0), expected[c])
+        # And all that does not come through is scattered.
+        assert_mean(np.where(through, 0.0, weight[:, c]), 1.0 - expected[c])
+    # The densities of light sampling are those of ratio tracking: their mean over paths is 1.
+    light = columns(flight.light)
+    for c in range(3):
+        own = through & (channel == c)
+        assert_mean(own / (channel == c).mean() * light[:, c], 1.0)
+
+
+@pytest.mark.parametrize("ray", RAYS.values(), ids=RAYS)
+def test_shadow_rays_come_through_as_the_transmittance_says(bench, ray):
+    active = np.ones(COUNT, bool)
+    rows, o, d, length, channel, _, stream = bench.arguments(*ray)
+    crossing = bench.cross(bench.scene, rows, o, d, length, channel, stream, active)
+    passed = columns(crossing.passed) * np.broadcast_to(crossing.boost, COUNT)[:, None]
+    light = columns(crossing.light)
+    weight = passed / light.mean(1, keepdims=True)
+    expected = np.exp(-optical_depth(*ray) * np.array(EXTINCTION))
+    for c in range(3):
+        assert_mean(weight[:, c], expected[c])

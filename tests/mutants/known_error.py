@@ -1,0 +1,84 @@
+"""Bugs of a picture's known error, of stopping, steering and planning."""
+
+from tests.mutants.mutant import Mutant
+
+PROMISES = "tests/known_error/test_promises.py"
+BIASES = "tests/known_error/test_biases.py"
+
+KNOWN_ERROR = (
+    Mutant(
+        "an interval half as wide as the spread says",
+        "metrics/own_error.py",
+        (("2.0 * ratio * spread / value**2", "0.5 * ratio * spread / value**2"),),
+        f"{PROMISES}::test_the_interval_covers_and_is_no_wider_than_it_must_be",
+    ),
+    Mutant(
+        "the estimate in the place of what is not exceeded",
+        "rendering/stopping.py",
+        (
+            (
+                "achieved = estimate.relrmse_below(1.0 - promise.doubt_at(look))",
+                "achieved = estimate.relrmse.value",
+            ),
+        ),
+        f"{PROMISES}::test_a_look_asks_for_the_error_that_is_not_exceeded",
+    ),
+    Mutant(
+        "all the doubt at every look",
+        "rendering/stopping.py",
+        (("((look + 1) * (look + 2))", "1.0"),),
+        f"{PROMISES}::test_doubt_is_spent_once_over_all_looks",
+    ),
+    Mutant(
+        "rare light passed over",
+        "rendering/stopping.py",
+        (("met = within and unseen.figure <= promise.error", "met = within"),),
+        f"{PROMISES}::test_one_spike_makes_a_noiseless_picture_uncertain",
+    ),
+    Mutant(
+        "a pilot that is in the picture",
+        "rendering/steering.py",
+        (
+            (
+                "return Goal.uniform(film, self.first, pilot, round=1)",
+                "return Goal.uniform(film, self.first, pilot)",
+            ),
+        ),
+        f"{PROMISES}::test_a_steered_render_asks_for_pilot_and_picture_in_different_films",
+    ),
+    Mutant(
+        "samples by the variance, not by its root",
+        "rendering/adaptive.py",
+        (
+            (
+                "return np.sqrt((1.0 - _AROUND) * variance + _AROUND * box(variance))",
+                "return (1.0 - _AROUND) * variance + _AROUND * box(variance)",
+            ),
+        ),
+        f"{PROMISES}::test_samples_go_where_the_noise_is",
+    ),
+    Mutant(
+        "Cycles' rule one decision too early",
+        "rendering/cycles.py",
+        (("((least + 1) // STEP + 1)", "(least // STEP + 1)"),),
+        f"{PROMISES}::test_cycles_decides_first_where_cycles_does",
+    ),
+    Mutant(
+        "a plan that forgets the looks",
+        "rendering/plan.py",
+        (("rate * samples + look * count", "rate * samples"),),
+        f"{PROMISES}::test_a_plan_follows_the_slope_of_the_pilot",
+    ),
+    Mutant(
+        "an effect as a share of the biased mean",
+        "films/ledger.py",
+        (("whole = mean - self.effect", "whole = mean"),),
+        f"{BIASES}::test_cycles_rule_is_recorded_with_its_effect",
+    ),
+    Mutant(
+        "a compiled picture that overflows",
+        "films/readout.py",
+        (("(film.counts.max(initial=0)) * replicates <=", "(film.counts.max(initial=0)) <="),),
+        "tests/film/test_film.py::test_machine_code_reads_films_as_numpy_does",
+    ),
+)

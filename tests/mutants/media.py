@@ -1,0 +1,70 @@
+"""Bugs of media."""
+
+from tests.mutants.mutant import Mutant
+
+FORMS = "tests/media/test_closed_forms.py"
+FLIGHTS = "tests/media/test_flights.py"
+PHASES = "tests/media/test_phases.py"
+
+MEDIA = (
+    Mutant(
+        "light sampling's way through a medium as if it were a free flight too",
+        "media/homogeneous.py",
+        (("exp(chosen * distance))", "0.0 * distance + 1.0)"),),
+        f"{FLIGHTS}::test_flights_come_through_as_the_transmittance_says[homogeneous]",
+    ),
+    Mutant(
+        "collisions without the extinction of each channel",
+        "media/homogeneous.py",
+        (("passed * share(extinction, chosen)", "passed"),),
+        f"{FLIGHTS}::test_flights_come_through_as_the_transmittance_says[homogeneous]",
+    ),
+    Mutant(
+        "collisions that do nothing taken for certain",
+        "media/grid.py",
+        (("where(null, 1.0 / (1.0 - real), 1.0)", "1.0"),),
+        f"{FLIGHTS}::test_flights_come_through_as_the_transmittance_says[grid]",
+    ),
+    Mutant(
+        "cells looked up at their corners",
+        "media/grid.py",
+        (("to_float(count) - 0.5", "to_float(count)"),),
+        f"{FLIGHTS}::test_shadow_rays_come_through_as_the_transmittance_says[grid]",
+    ),
+    Mutant(
+        "shadow rays that survive the roulette do not carry the others",
+        "media/grid.py",
+        (("boost * (1.0 / KEPT)", "boost"),),
+        f"{FLIGHTS}::test_shadow_rays_come_through_as_the_transmittance_says[grid]",
+    ),
+    Mutant(
+        "Henyey and Greenstein sampled with a wrong sign",
+        "phases/henyey_greenstein.py",
+        (("(1.0 + g * u)", "(1.0 - g * u)"),),
+        f"{PHASES}::test_samples_follow_the_density",
+    ),
+    Mutant(
+        "borders turned inside out",
+        "integrators/volume_walk.py",
+        (("side_of(w, surface.ng) < 0.0", "side_of(w, surface.ng) > 0.0"),),
+        f"{FORMS}::test_leaving_a_body_leads_into_its_exterior",
+    ),
+    Mutant(
+        "blue never chooses a distance",
+        "integrators/volume_walk.py",
+        (("3.0 * get_1d(sampler, CHANNEL)", "2.0 * get_1d(sampler, CHANNEL)"),),
+        f"{FORMS}::test_transmittance_of_a_ball_is_beers_law",
+    ),
+    Mutant(
+        "surfaces that are not there count as edges",
+        "integrators/volpath.py",
+        (("where(passing, path.depth, depth)", "depth"),),
+        f"{FORMS}::test_light_scattered_once_is_the_integral_along_the_ray",
+    ),
+    Mutant(
+        "light scattered forward goes backward",
+        "media/sampling.py",
+        (("length_squared(wi - d)", "length_squared(wi + d)"),),
+        f"{FORMS}::test_light_scattered_once_is_the_integral_along_the_ray",
+    ),
+)

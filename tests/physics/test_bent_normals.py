@@ -1,0 +1,72 @@
+"""Normal and bump maps: the normals that they make, and what becomes of light at the rims."""
+
+import numpy as np
+import pytest
+
+from alight.bsdfs.bump_map import BumpMap
+from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.normal_map import NormalMap
+from alight.bsdfs.two_sided import TwoSided
+from alight.laws.materials import Material, direction, random_numbers
+from alight.laws.statistics import unit_vectors
+from alight.textures.bitmap import Bitmap
+
+PLAIN = {"rims": "black", "fading": False}
+
+
+def upper(n, seed):
+    w = unit_vectors(n, seed)
+    w[2] = np.abs(w[2])
+    return w
+
+
+def lambert(normal, wo, wi):
+    """f cos theta_i of white diffuse stuff with another normal."""
+    normal = np.asarray(normal) / np.linalg.norm(normal)
+    seen, lit = normal @ wo, normal @ wi
+    return np.where((seen > 0.0) & (lit > 0.0), lit / np.pi, 0.0)
+
+
+def test_normals_of_a_map_are_its_colours():
+    bsdf = NormalMap(texture=(0.7, 0.4, 0.9), bsdf=Diffuse(reflectance=1.0), **PLAIN)
+    wo, wi = upper(500, 1), upper(500, 2)
+    value, _ = Material(bsdf).evaluate(wo, wi)
+    np.testing.assert_allclose(value[0], lambert((0.4, -0.2, 0.8), wo, wi), atol=1e-6)
+    half, _ = Material(bsdf.replaced(scale=0.5)).evaluate(wo, wi)
+    np.testing.assert_allclose(half[0], lambert((0.2, -0.1, 0.8), wo, wi), atol=1e-6)
+
+
+def test_slopes_of_a_bump_map_are_those_of_its_picture():
+    # Along u the height rises by 0.5 a texel, of which 4 make a unit; along v it falls by 0.25.
+    rows = [[0.5 * x + 0.25 * y for x in range(4)] for y in range(4)]
+    picture = Bitmap(pixels=np.array(rows), wrap="clamp")
+    bsdf = BumpMap(texture=picture, scale=0.1, bsdf=Diffuse(reflectance=1.0), **PLAIN)
+    wo, wi = upper(500, 1), upper(500, 2)
+    value, _ = Material(bsdf, uv=(0.4, 0.55)).evaluate(wo, wi)
+    # dh/du = 2, dh/dv = -1, in a frame where u and v are metres.
+    np.testing.assert_allclose(value[0], lambert((-0.2, 0.1, 1.0), wo, wi), atol=1e-4)
+
+
+@pytest.mark.parametrize("rims", ["lit", "folded", "black"])
+def test_white_surfaces_never_gain(rims):
+    bsdf = NormalMap(texture=(0.9, 0.3, 0.75), rims=rims, bsdf=Diffuse(reflectance=1.0))
+    for cosine in (1.0, 0.3, 0.05):
+        for azimuth in (0.6, 3.7):
+            wo = direction(cosine, azimuth=azimuth)
+            _, weight, _, _ = Material(bsdf).sample(wo, random_numbers(20_000, 3))
+            assert weight.max() <= 1.0 + 1e-5
+            # Rims are black from behind only where nothing is done about it.
+            normal = np.array([0.8, -0.4, 0.5])
+            hidden = float(normal @ wo[:, 0]) < 0.0
+            assert (weight.mean() < 1e-9) == (rims == "black" and hidden)
+
+
+def test_backs_of_two_sided_maps_look_like_their_fronts():
+    inside = NormalMap(texture=(0.7, 0.4, 0.9), bsdf=Diffuse(reflectance=1.0))
+    material = Material(TwoSided(bsdf=inside))
+    wo, wi = upper(200, 1), upper(200, 2)
+    mirror = np.array([[1.0], [1.0], [-1.0]], np.float32)
+    front, _ = material.evaluate(wo, wi)
+    back, _ = material.evaluate(wo * mirror, wi * mirror)
+    np.testing.assert_array_equal(front, back)
+    assert front.any()

@@ -1,0 +1,175 @@
+"""The principled material against furnaces and formulas, and Oren-Nayar's kin without loss."""
+
+import numpy as np
+import pytest
+
+from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.eon import Eon
+from alight.bsdfs.principled import Principled
+from alight.core.vec3 import Vec3
+from alight.laws.compiled import N as LANES_OF_LAW
+from alight.laws.compiled import scatter
+from alight.laws.materials import Material, direction, random_numbers, refracts
+from alight.textures.checkerboard import Checkerboard
+
+N = 30_000
+WHITE = {"base_color": 1.0}
+FURNACES = {
+    "metal": {"metallic": 1.0},
+    "plastic": {},
+    "glass": {"transmission": 1.0},
+    "water": {"transmission": 1.0, "ior": 1.33},
+    "sheet": {"transmission": 1.0, "thin": True},
+    "half and half": {"metallic": 0.5, "transmission": 0.5, "thin": True},
+    "layers": {"clearcoat": 1.0, "clearcoat_roughness": 0.4, "sheen_color": 0.6},
+}
+ROUGHNESSES = (0.1, 0.35, 0.65, 1.0)
+
+
+def power(spec, cosine, seed=3):
+    """(mean, standard error) of the part of the light from wo that leaves again, in green."""
+    material = Material(spec)
+    _, weight, _, flags = material.sample(direction(cosine), random_numbers(N, seed))
+    leaving = weight[1] * material.radiance_scale(cosine, refracts(flags))
+    return float(leaving.mean()), float(leaving.std() / np.sqrt(N))
+
+
+@pytest.mark.parametrize("name", FURNACES)
+@pytest.mark.parametrize("roughness", ROUGHNESSES)
+def test_white_loses_less_than_one_percent_and_gains_nothing(name, roughness):
+    spec = Principled(**WHITE, roughness=roughness, **FURNACES[name])
+    for cosine in (0.9, 0.3, -0.6) if spec.transmissive else (0.9, 0.3, 0.1):
+        mean, error = power(spec, cosine)
+        assert abs(mean - 1.0) < 0.004 + 3.5 * min(error, 0.0015), (cosine, mean, error)
+
+
+def test_glass_beside_leaves_matte_materials_as_they_are():
+    """Programs with glass work out its scale for all: what lets nothing pass must not divide."""
+    glass, matte = Principled(transmission=1.0), Principled(specular=0.0, roughness=1.0)
+    alone, ids = scatter([matte], np.zeros(LANES_OF_LAW, np.uint32), False), np.ones(LANES_OF_LAW)
+    beside = scatter([glass, matte], ids.astype(np.uint32), False)
+    assert np.isfinite(beside).all()
+    # Values and densities; a direction that gives nothing may be another one.
+    np.testing.assert_allclose(beside[7:10], alone[7:10], rtol=1e-4, atol=1e-5)
+
+
+def test_textured_roughness_is_compensated_too():
+    for value in (0.13, 0.77):
+        texture = Checkerboard(color0=value, color1=value)
+        mean, error = power(Principled(**WHITE, metallic=1.0, roughness=texture), 0.5)
+        assert abs(mean - 1.0) < 0.004 + 3.5 * error
+
+
+def test_without_compensation_rough_metal_is_a_third_too_dark():
+    mean, _ = power(Principled(**WHITE, metallic=1.0, roughness=1.0, compensation=False), 0.9)
+    assert 0.3 < mean < 0.45
+
+
+@pytest.mark.parametrize("anisotropy", [0.3, 0.6, 1.0])
+def test_anisotropic_metal_never_gains(anisotropy):
+    for roughness in (0.1, 0.5):
+        for cosine in (1.0, 0.5, 0.1, 0.02):
+            spec = Principled(**WHITE, metallic=1.0, roughness=roughness, anisotropy=anisotropy)
+            mean, error = power(spec, cosine)
+            assert mean < 1.002 + 3.5 * error
+            assert mean > (0.85 if anisotropy < 0.5 else 0.5)
+
+
+def test_metal_is_ggx_with_alpha_roughness_squared():
+    color, alpha = np.array([0.9, 0.5, 0.1]), 0.36
+    wo, wi = direction(0.7), direction(0.4, azimuth=2.0)
+    found, _ = Material(
+        Principled(base_color=tuple(color), metallic=1.0, roughness=0.6, compensation=False)
+    ).evaluate(wo, wi)
+    h = wo[:, 0] + wi[:, 0]
+    h /= np.linalg.norm(h)
+    d = alpha**2 / (np.pi * (h[2] ** 2 * (alpha**2 - 1.0) + 1.0) ** 2)
+    tan2 = lambda c: 1.0 / c**2 - 1.0  # noqa: E731
+    g = [2.0 / (1.0 + np.sqrt(1.0 + alpha**2 * tan2(c))) for c in (0.7, 0.4)]
+    f = color + (1.0 - color) * (1.0 - float(h @ wo[:, 0])) ** 5
+    np.testing.assert_allclose(found[:, 0], f * d * g[0] * g[1] / (4.0 * 0.7), rtol=1e-4)
+
+
+def test_parts_that_are_off_change_nothing():
+    plain = Principled(base_color=(0.9, 0.5, 0.1), roughness=0.4)
+    wo, wi = direction(0.6), direction(0.3, azimuth=2.5)
+    value, _ = Material(plain).evaluate(wo, wi)
+    for change in (
+        {"clearcoat": Checkerboard(color0=0.0, color1=0.0)},
+        {"iridescence": Checkerboard(color0=0.0, color1=0.0)},
+        {"transmission": Checkerboard(color0=0.0, color1=0.0)},
+        {"anisotropy": Checkerboard(color0=0.0, color1=0.0)},
+    ):
+        other, _ = Material(plain.replaced(**change)).evaluate(wo, wi)
+        # Rows between which the roughness is interpolated are 1e-3 apart.
+        np.testing.assert_allclose(other, value, rtol=2e-3, err_msg=str(change))
+
+
+def test_film_is_the_sum_of_all_wavelengths():
+    """Belcour and Barla's sum against Airy's formula, over Gaussians of the eye's response."""
+    from alight.bsdfs.thin_film import film_fresnel
+
+    f = np.float32
+    for cosine in (1.0, 0.6):
+        for thickness in (250.0, 600.0):
+            f0 = Vec3(f(0.2), f(0.2), f(0.2))
+            found = film_fresnel(f(cosine), f(1.4), f(thickness), f0)
+            airy = _airy(cosine, 1.4, (1.0 + 0.2**0.5) / (1.0 - 0.2**0.5), thickness)
+            # The sum ends with the second order.
+            np.testing.assert_allclose([found.x, found.y, found.z], airy, atol=0.03)
+
+
+def _airy(cosine, film, base, thickness):
+    """Linear sRGB of the unpolarised Airy reflectance."""
+    k = np.linspace(1.0e6, 3.2e6, 4000)  # wave numbers, 1/m
+    cos2 = np.sqrt(1.0 - (1.0 - cosine**2) / film**2)
+    r12 = _unpolarised(cosine, cos2, film)
+    r0 = ((base - film) / (base + film)) ** 2
+    r23 = r0 + (1.0 - r0) * (1.0 - cos2) ** 5
+    turn = 2.0 * np.pi * 2.0 * film * thickness * 1e-9 * cos2 * k + np.pi * (base < film)
+    both = np.sqrt(r12 * r23)
+    total = (r12 + r23 + 2.0 * both * np.cos(turn)) / (1.0 + r12 * r23 + 2.0 * both * np.cos(turn))
+    lobes = (
+        ((0.84659, 1.6810e6, 4.3278e9), (0.15387, 2.2399e6, 4.5282e9)),
+        ((1.00022, 1.7953e6, 9.3046e9),),
+        ((1.00112, 2.2084e6, 6.6121e9),),
+    )
+    xyz = []
+    for parts in lobes:
+        # What the kernel has is the transform of these.
+        response = sum(
+            a * np.exp(-((k - k0) ** 2) / (4.0 * w)) / np.sqrt(4.0 * np.pi * w)
+            for a, k0, w in parts
+        )
+        xyz.append(np.sum(response * total) * (k[1] - k[0]))
+    to_rgb = np.array(
+        [
+            [3.2404542, -1.5371385, -0.4985314],
+            [-0.9692660, 1.8760108, 0.0415560],
+            [0.0556434, -0.2040259, 1.0572252],
+        ]
+    )
+    return to_rgb @ np.array(xyz)
+
+
+def _unpolarised(cos1, cos2, eta):
+    s = (cos1 - eta * cos2) / (cos1 + eta * cos2)
+    p = (eta * cos1 - cos2) / (eta * cos1 + cos2)
+    return 0.5 * (s * s + p * p)
+
+
+# ---------------------------------------------------------------- EON
+
+
+def test_eon_without_grooves_is_lambert():
+    wo, wi = direction(0.3), direction(0.8, azimuth=2.0)
+    smooth, _ = Material(Eon(reflectance=0.7, roughness=0.0)).evaluate(wo, wi)
+    lambert, _ = Material(Diffuse(reflectance=0.7)).evaluate(wo, wi)
+    np.testing.assert_allclose(smooth, lambert, rtol=1e-6)
+
+
+@pytest.mark.parametrize("roughness", [0.1, 0.5, 1.0])
+def test_eon_loses_nothing(roughness):
+    for cosine in (1.0, 0.5, 0.1):
+        mean, error = power(Eon(reflectance=1.0, roughness=roughness), cosine)
+        assert abs(mean - 1.0) < 4.0 * error + 1e-6

@@ -1,0 +1,217 @@
+"""OBJ, PLY and STL files opened by themselves: parts, materials, maps, what is said."""
+
+import math
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from alight.core.errors import SceneError
+from alight.scene import flatten, load
+from alight.scene.formats import mtl
+from alight.scene.formats.mitsuba.reach import Reach
+from alight.scene.formats.obj_scene import parse
+from alight.scene.formats.report import Report
+from tests.scene.mutate import STL, mesh_file
+
+OBJ = b"""mtllib a.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+g left
+usemtl red
+f 1/1 2/2 3/3
+g right
+usemtl lamp
+f 1/1 3/3 4/4
+usemtl red
+s 1
+f 4/4 3/3 1/1
+"""
+MTL = """newmtl red
+Kd 0.8 0.1 0.1
+Ks 0.5 0.5 0.5
+Ns 98
+newmtl lamp
+Ke 3 2 1
+"""
+
+
+def material(text, tmp_path=None):
+    """What the statements of one material become."""
+    report = Report()
+    found = mtl.read(f"newmtl it\n{text}", "a.mtl", Reach(tmp_path), report)
+    assert not report.issues, report.issues
+    return found["it"], report
+
+
+def core(bsdf):
+    while "bsdf" in bsdf:
+        bsdf = bsdf["bsdf"]
+    return bsdf
+
+
+def test_groups_and_materials_become_nodes(tmp_path):
+    (tmp_path / "a.obj").write_bytes(OBJ)
+    (tmp_path / "a.mtl").write_text(MTL)
+    scene = load(tmp_path / "a.obj")
+    assert list(scene.nodes) == ["left", "right", "right-2"]
+    assert set(scene.bsdfs) == {"red", "lamp"}
+    flat = flatten(scene)
+    assert [len(g.vertices) for g in flat.geometries] == [3, 3, 3]
+    assert scene.nodes["left"].shape.normals is None
+    np.testing.assert_allclose(scene.nodes["right-2"].shape.normals, [[0, 0, -1]] * 3)
+    assert scene.nodes["right"].light.radiance == (3.0, 2.0, 1.0)
+    # The lamp is light enough.
+    assert not any("studio" in w for w in scene.warnings)
+
+
+def test_legacy_highlights_are_those_of_a_varnish():
+    bsdf = core(material("Kd 0.2 0.4 0.6\nKs 0.5 0.25 0.5\nNs 98")[0].bsdf)
+    assert bsdf["base_color"] == [0.2, 0.4, 0.6]
+    assert bsdf["roughness"] == pytest.approx(math.sqrt(math.sqrt(2 / 100)))
+    assert bsdf["specular"] == 0.5
+    assert bsdf["specular_color"] == [1.0, 0.5, 1.0]
+    assert core(material("Kd 1 1 1\nKs 1 1 1\nillum 1")[0].bsdf)["specular"] == 0.0
+    metal = core(material("Kd 0.1 0.1 0.1\nKs 0.9 0.8 0.7\nillum 3")[0].bsdf)
+    assert metal["metallic"] == 1.0
+    assert metal["base_color"] == [0.9, 0.8, 0.7]
+
+
+def test_physical_keys_come_first():
+    text = "Kd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nPr 0.3\nPm 0.7\nPs 0.2\nPc 0.5\nPcr 0.1\naniso 0.4"
+    bsdf = core(material(text + "\nanisor 0.25\nKe 1 1 1")[0].bsdf)
+    assert (bsdf["roughness"], bsdf["metallic"], bsdf["specular"]) == (0.3, 0.7, 1.0)
+    assert (bsdf["clearcoat"], bsdf["clearcoat_roughness"]) == (0.5, 0.1)
+    assert (bsdf["anisotropy"], bsdf["sheen_color"]) == (0.4, 0.2)
+    assert bsdf["anisotropy_rotation"] == pytest.approx(math.pi / 2)
+
+
+def test_opacity_and_glass():
+    assert material("d 0.25")[0].bsdf["opacity"] == 0.25
+    assert material("Tr 0.25")[0].bsdf["opacity"] == 0.75
+    glass = material("illum 7\nNi 1.33\nTf 1 0.5 1\nd 0.1\nKs 1 1 1")[0].bsdf
+    assert glass["type"] == "principled"
+    assert (glass["transmission"], glass["ior"]) == (1.0, 1.33)
+    assert glass["base_color"] == [1.0, 0.5, 1.0]
+
+
+def test_maps_and_their_options(tmp_path):
+    Image.new("RGBA", (2, 2), (255, 0, 0, 128)).save(tmp_path / "a b.png")
+    Image.new("L", (2, 2), 9).save(tmp_path / "grey.png")
+    text = """Kd 0 0 0
+map_Kd -s 2 3 1 -o 0.5 -clamp on a b.png
+map_d a b.png
+map_Pr -imfchan g -mm 0.25 0.5 grey.png
+bump -bm 0.3 C:\\work\\grey.png
+Ka 1 1 1
+"""
+    found, report = material(text, tmp_path)
+    bsdf = core(found.bsdf)
+    assert bsdf["base_color"]["file"] == "a b.png"
+    assert bsdf["base_color"]["wrap"] == "clamp"
+    steps = [{"scale": [2.0, 3.0]}, {"translate": [0.5, 0.0]}]
+    assert bsdf["base_color"]["to_uv"] == steps
+    assert found.bsdf["opacity"]["channel"] == "a"
+    assert bsdf["roughness"]["type"] == "add"
+    assert bsdf["roughness"]["b"]["b"]["channel"] == "g"
+    assert bsdf["roughness"]["b"]["b"]["texture"]["color_space"] == "linear"
+    assert found.bsdf["bsdf"]["bsdf"]["type"] == "bump_map"
+    assert found.bsdf["bsdf"]["bsdf"]["scale"] == 0.3
+    assert any("was found as" in w for w in report.warnings)
+    assert any('"ka"' in note for note in report.notes)
+
+
+def pictures(folder):
+    Image.new("RGBA", (2, 2), (255, 0, 0, 128)).save(folder / "a.png")
+    Image.new("L", (2, 2), 9).save(folder / "grey.png")
+
+
+def test_maps_of_transparency_are_turned_over_and_channels_chosen(tmp_path):
+    pictures(tmp_path)
+    opacity = material("map_Tr grey.png", tmp_path)[0].bsdf["opacity"]
+    assert (opacity["type"], opacity["a"], opacity["b"]) == ("mix", 1.0, 0.0)
+    assert opacity["weight"]["file"] == "grey.png"
+    for word, channel in (("r", "r"), ("m", "a")):
+        text = f"map_Kd a.png\nmap_d -imfchan {word} a.png\nmap_Pr -imfchan {word} a.png"
+        bsdf = material(text, tmp_path)[0].bsdf
+        assert (bsdf["opacity"]["type"], bsdf["opacity"]["channel"]) == ("channel", channel)
+        assert core(bsdf)["roughness"]["channel"] == channel
+    # A picture of its own is grey, whatever its alpha.
+    assert material("map_d a.png", tmp_path)[0].bsdf["opacity"]["type"] == "bitmap"
+
+
+def test_factors_of_maps(tmp_path):
+    pictures(tmp_path)
+    found, report = material("Kd 0 0 0\nmap_Kd -texres 8 a.png\nKe 0 0 0\nmap_Ke a.png", tmp_path)
+    assert core(found.bsdf)["base_color"]["type"] == "bitmap"
+    assert found.emission["file"] == "a.png"
+    assert any("-texres" in note for note in report.notes)
+    bsdf = core(material("Kd 0.5 1 1\nmap_Kd a.png\nPr 0\nmap_Pr grey.png", tmp_path)[0].bsdf)
+    assert bsdf["roughness"]["type"] == "bitmap"
+    found = material("Ke 4 2 1\nmap_Ke a.png\nmap_Bump -mm 0.25 0.5 grey.png", tmp_path)[0]
+    assert (found.emission["a"], found.emission["b"]["file"]) == ([4.0, 2.0, 1.0], "a.png")
+    bump = found.bsdf["bsdf"]
+    assert bump["type"] == "bump_map"
+    # Base, then gain.
+    assert (bump["texture"]["a"], bump["texture"]["b"]["a"]) == (0.25, 0.5)
+
+
+def test_metals_reflect_more_than_they_scatter():
+    bsdf = core(material("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nillum 3")[0].bsdf)
+    assert "metallic" not in bsdf
+    assert bsdf["specular"] == 0.5
+
+
+def test_parts_that_come_again_keep_all_faces_and_smoothing_ends(tmp_path):
+    again = b"g left\nusemtl red\ns off\nf 1/1 2/2 4/4\n"
+    (tmp_path / "a.obj").write_bytes(OBJ + again)
+    (tmp_path / "a.mtl").write_text(MTL)
+    nodes = load(tmp_path / "a.obj").nodes
+    assert list(nodes) == ["left", "right", "right-2"]
+    assert len(nodes["left"].shape.faces) == 2
+    assert nodes["left"].shape.normals is None
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("Ns a", 'a.mtl:2:1  ns\n  must be numbers, got "a"'),
+        ("d 1.5", "must be in [0, 1], got 1.5"),
+        ("Kd spectral a.rfl", "spectral is not covered"),
+        ("map_Kd grey.pn", 'did you mean "grey.png"?'),
+        ("map_Kd ../a.png", "no such file"),
+    ],
+)
+def test_problems_have_a_line(line, words, tmp_path):
+    (tmp_path / "grey.png").write_bytes(b"")
+    (tmp_path / "a.obj").write_bytes(OBJ)
+    (tmp_path / "a.mtl").write_text(f"newmtl red\n{line}\nnewmtl lamp\n")
+    with pytest.raises(SceneError) as caught:
+        load(tmp_path / "a.obj")
+    assert words in str(caught.value)
+
+
+def test_a_missing_library_leaves_the_shape(tmp_path):
+    (tmp_path / "a.obj").write_bytes(OBJ)
+    scene = load(tmp_path / "a.obj")
+    assert any("a.mtl" in w and "grey" in w for w in scene.warnings)
+    assert len(flatten(scene).shapes) == 3
+
+
+def test_unknown_materials_are_named():
+    report = parse(OBJ.replace(b"mtllib a.mtl\n", b""), "a.obj")
+    assert list(report.data["bsdfs"]) == ["grey"]
+
+
+def test_ply_and_stl_stand_upright(tmp_path):
+    (tmp_path / "a.stl").write_bytes(STL)
+    (tmp_path / "a.ply").write_bytes(mesh_file("<"))
+    (shape,) = flatten(load(tmp_path / "a.stl")).shapes
+    np.testing.assert_allclose(shape.to_world @ [0, 0, 1, 0], [0, 1, 0, 0], atol=1e-12)
+    assert len(flatten(load(tmp_path / "a.ply")).shapes) == 1

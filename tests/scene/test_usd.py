@@ -1,0 +1,383 @@
+"""OpenUSD: units, axes, geometry, instances, materials, lights, cameras, and what is refused."""
+
+import zipfile
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+import alight
+from alight.cli.main import app
+from alight.core.errors import SceneError
+from alight.scene.flatten import flatten
+from tests.scene.usd_stage import SQUARE, shapes, stage_text, usd_loader, world_points
+
+pytest.importorskip("pxr")
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Load a stage given as text."""
+    return usd_loader(tmp_path)
+
+
+def extreme_points(item):
+    """World points of a shape that reach as far as it does along the axes."""
+    unit = np.vstack([np.eye(3), -np.eye(3)])
+    points = {
+        "mesh": lambda s: s.vertices,
+        "sphere": lambda s: s.radius * unit,
+        "cube": lambda s: np.sign(np.indices((2, 2, 2)).reshape(3, 8).T - 0.5),
+        "rectangle": lambda s: np.array([[x, y, 0.0] for x in (-1, 1) for y in (-1, 1)]),
+    }[item.shape.type](item.shape)
+    return points @ item.to_world[:3, :3].T + item.to_world[:3, 3]
+
+
+# ---------------------------------------------------------------------------- geometry
+
+
+def test_axes_and_units_become_ours(load):
+    scene = load(f'def Mesh "m" {{{SQUARE}}}', up="Z", unit=0.01)
+    points = world_points(scene)
+    # Centimetres; what is up (z) there is y here, and y goes away from the viewer.
+    assert np.abs(points - [0, 0, 0]).max() == pytest.approx(0.02)
+    np.testing.assert_allclose(np.ptp(points, axis=0), [0.02, 0.0, 0.01], atol=1e-9)
+    assert points[:, 2].min() == pytest.approx(-0.01)
+
+
+def test_transforms_are_nested_and_can_be_reset(load):
+    scene = load(f"""
+def Xform "a" {{
+    double3 xformOp:translate = (1, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Mesh "turned" {{ {SQUARE}
+        float xformOp:rotateZ = 90
+        uniform token[] xformOpOrder = ["xformOp:rotateZ"]
+    }}
+    def Mesh "reset" {{ {SQUARE}
+        double3 xformOp:translate = (0, 0, 5)
+        uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]
+    }}
+}}""")
+    points = world_points(scene)
+    np.testing.assert_allclose(points[:4].max(axis=0), [1.0, 2.0, 0.0], atol=1e-6)
+    np.testing.assert_allclose(points[4:].min(axis=0), [0.0, 0.0, 5.0], atol=1e-6)
+
+
+def test_left_handed_faces_are_turned_around(load):
+    def normal(extra):
+        (node,) = shapes(load(f'def Mesh "m" {{{SQUARE}{extra}}}')).values()
+        a, b, c = node.shape.vertices[node.shape.faces[0]]
+        return np.cross(b - a, c - a)[2]
+
+    assert normal("") > 0.0 > normal('uniform token orientation = "leftHanded"')
+
+
+def test_holes_and_lone_edges_are_left_out(load):
+    (node,) = shapes(
+        load("""
+def Mesh "m" {
+    int[] faceVertexCounts = [3, 2, 3]
+    int[] faceVertexIndices = [0, 1, 2, 0, 1, 0, 2, 3]
+    int[] holeIndices = [0]
+    point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+    uniform token subdivisionScheme = "none"
+}""")
+    ).values()
+    assert len(node.shape.faces) == 1
+    np.testing.assert_allclose(node.shape.vertices.max(axis=0), [2, 1, 0])
+
+
+def test_meshes_are_subdivided_unless_they_say_otherwise(load):
+    text = f'def Mesh "m" {{{SQUARE}}}'
+    assert len(next(iter(shapes(load(text)).values())).shape.faces) == 2
+    scene = load(text.replace("none", "catmullClark"))
+    assert len(next(iter(shapes(scene).values())).shape.faces) == 32
+    assert any("Catmull" in line for line in scene.warnings)
+    assert len(next(iter(shapes(load(text.replace("none", "bilinear"))).values())).shape.faces) == 2
+
+
+@pytest.mark.parametrize(
+    ("how", "values"),
+    [
+        ("faceVarying", "[(0, 0), (1, 0), (1, 1), (0, 1)]"),
+        ("vertex", "[(0, 0), (1, 0), (1, 1), (0, 1)]"),
+    ],
+)
+def test_texture_coordinates_follow_the_points(load, how, values):
+    text = f'texCoord2f[] primvars:st = {values} (interpolation = "{how}")'
+    (node,) = shapes(load(f'def Mesh "m" {{{SQUARE}{text}}}')).values()
+    np.testing.assert_allclose(node.shape.uvs, node.shape.vertices[:, :2] / [2, 1])
+
+
+@pytest.mark.parametrize(
+    ("prim", "extent"),
+    [
+        ('def Sphere "s" { double radius = 2 }', [4, 4, 4]),
+        ('def Cube "s" { double size = 3 }', [3, 3, 3]),
+        ('def Cylinder "s" { double radius = 1; double height = 5; token axis = "X" }', [5, 2, 2]),
+        ('def Cone "s" { double radius = 1; double height = 5; token axis = "Y" }', [2, 5, 2]),
+        ('def Capsule "s" { double radius = 1; double height = 5; token axis = "Z" }', [2, 2, 7]),
+        ('def Plane "s" { double width = 3; double length = 4; token axis = "Z" }', [3, 4, 0]),
+    ],
+)
+def test_solids_have_their_size(load, prim, extent):
+    points = [extreme_points(item) for item in flatten(load(prim)).shapes]
+    np.testing.assert_allclose(np.ptp(np.concatenate(points), axis=0), extent, atol=0.01)
+
+
+def test_invisible_and_helping_geometry_is_left_out_and_said(load):
+    scene = load(f"""
+def Mesh "shown" {{{SQUARE}; uniform token model:drawMode = "cards" }}
+def Mesh "hidden" {{{SQUARE} token visibility = "invisible" }}
+def Mesh "helper" {{{SQUARE} uniform token purpose = "guide" }}
+def BasisCurves "hair" {{ int[] curveVertexCounts = [4] }}
+""")
+    assert list(shapes(scene)) == ["shown"]
+    notes = "\n".join(scene.source.remarks.notes)
+    assert "/hidden: invisible" in notes
+    assert "/helper: guide geometry" in notes
+    assert "model:drawMode: models are shown as they are" in scene.warnings
+    assert "/hair: BasisCurves is not covered" in notes
+
+
+# ---------------------------------------------------------------------------- instances
+
+
+def test_instances_share_what_they_show(load):
+    scene = load(f"""
+class "_thing" {{ def Mesh "m" {{{SQUARE}}} }}
+def Xform "a" (instanceable = true; inherits = </_thing>) {{
+    double3 xformOp:translate = (10, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+def Xform "b" (instanceable = true; inherits = </_thing>) {{ }}
+""")
+    assert len(scene.prototypes) == 1
+    assert {node.instance for node in scene.nodes.values()} == set(scene.prototypes)
+    assert sorted(item.to_world[0, 3] for item in flatten(scene).shapes) == [0.0, 10.0]
+
+
+def test_point_instancers_place_their_prototypes(load):
+    scene = load(f"""
+def PointInstancer "p" {{
+    rel prototypes = [</p/one>, </p/two>]
+    int[] protoIndices = [0, 1, 0]
+    point3f[] positions = [(0, 0, 1), (0, 0, 2), (0, 0, 3)]
+    float3[] scales = [(1, 1, 1), (2, 2, 2), (1, 1, 1)]
+    int64[] invisibleIds = [2]
+    def Mesh "one" {{{SQUARE}}}
+    def Xform "two" {{ def Sphere "s" {{ }} }}
+}}""")
+    placed = [
+        (type(item.shape).__name__, item.to_world[2, 3], item.to_world[0, 0])
+        for item in flatten(scene).shapes
+    ]
+    assert sorted(placed) == [("Mesh", 1.0, 1.0), ("Sphere", 2.0, 2.0)]
+
+
+# ---------------------------------------------------------------------------- materials
+
+
+MATERIAL = """
+def Material "m" {
+    token outputs:surface.connect = </m/s.outputs:surface>
+    def Shader "s" {
+        uniform token info:id = "UsdPreviewSurface"
+        %s
+        token outputs:surface
+    }
+    def Shader "picture" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @p.png@
+        token inputs:wrapS = "mirror"
+        float4 inputs:scale = (0.5, 0.5, 0.5, 1)
+        float2 inputs:st.connect = </m/place.outputs:result>
+        float3 outputs:rgb
+        float outputs:g
+    }
+    def Shader "place" {
+        uniform token info:id = "UsdTransform2d"
+        float2 inputs:in.connect = </m/reader.outputs:result>
+        float2 inputs:scale = (2, 3)
+        float2 outputs:result
+    }
+    def Shader "reader" {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "uv2"
+        float2 outputs:result
+    }
+}
+def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) { %s
+    rel material:binding = </m>
+    texCoord2f[] primvars:uv2 = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+}
+"""
+
+
+def bsdf_of(load, tmp_path, inputs):
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "p.png")
+    scene = load(MATERIAL % (inputs, SQUARE))
+    bsdf = scene.bsdfs["m"]
+    return scene, bsdf
+
+
+def test_a_preview_surface_becomes_principled(load, tmp_path):
+    scene, bsdf = bsdf_of(
+        load,
+        tmp_path,
+        """
+        color3f inputs:diffuseColor = (0.1, 0.2, 0.3)
+        float inputs:metallic = 0.25
+        float inputs:roughness = 0.75
+        float inputs:ior = 1.4
+        float inputs:clearcoat = 0.5
+        color3f inputs:emissiveColor = (0, 2, 0)
+    """,
+    )
+    inner = bsdf.bsdf
+    assert inner.base_color == pytest.approx((0.1, 0.2, 0.3))
+    assert (inner.metallic, inner.roughness) == (0.25, 0.75)
+    assert inner.ior == pytest.approx(1.4)
+    assert (inner.clearcoat, inner.clearcoat_roughness) == (0.5, pytest.approx(0.01))
+    (node,) = shapes(scene).values()
+    assert node.light.radiance == (0.0, 2.0, 0.0)
+    assert not any("no light" in line for line in scene.warnings)
+
+
+def test_textures_are_wired_with_scale_and_place(load, tmp_path):
+    scene, bsdf = bsdf_of(
+        load,
+        tmp_path,
+        """
+        color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>
+        float inputs:roughness.connect = </m/picture.outputs:g>
+    """,
+    )
+    color, roughness = bsdf.bsdf.base_color, bsdf.bsdf.roughness
+    assert color.a == (0.5, 0.5, 0.5)
+    assert (color.b.file, color.b.wrap, color.b.wrap_v) == ("p.png", "mirror", "repeat")
+    assert color.b.to_uv.matrix.tolist() == [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]]
+    assert color.b.color_space == "auto"
+    assert (roughness.b.channel, roughness.b.texture.color_space) == ("g", "linear")
+    (node,) = shapes(scene).values()
+    assert node.shape.uvs is not None
+
+
+def test_opacity_is_a_chance_and_a_threshold_a_cut(load, tmp_path):
+    _, bsdf = bsdf_of(load, tmp_path, "float inputs:opacity = 0.5")
+    assert (bsdf.type, bsdf.opacity) == ("mask", 0.5)
+    _, bsdf = bsdf_of(
+        load, tmp_path, "float inputs:opacity = 0.5; float inputs:opacityThreshold = 0.6"
+    )
+    assert bsdf.opacity == 0.0
+
+
+def test_the_specular_workflow_keeps_the_reflectance_at_normal_incidence(load, tmp_path):
+    _, bsdf = bsdf_of(
+        load,
+        tmp_path,
+        """
+        int inputs:useSpecularWorkflow = 1
+        color3f inputs:specularColor = (0.08, 0.04, 0)
+    """,
+    )
+    inner = bsdf.bsdf
+    f0 = ((inner.ior - 1.0) / (inner.ior + 1.0)) ** 2
+    np.testing.assert_allclose(f0 * np.array(inner.specular_color), [0.08, 0.04, 0.0], atol=1e-7)
+
+
+def test_without_a_material_the_display_color_is_shown(load):
+    color = "color3f[] primvars:displayColor = [(0.1, 0.5, 0.9)]"
+    scene = load(f'def Mesh "m" {{{SQUARE}{color}}}')
+    (bsdf,) = scene.bsdfs.values()
+    assert bsdf.bsdf.reflectance == pytest.approx((0.1, 0.5, 0.9))
+
+
+def test_subsets_have_materials_of_their_own(load):
+    scene = load("""
+def Material "red" { token outputs:surface.connect = </red/s.outputs:surface>
+    def Shader "s" { uniform token info:id = "UsdPreviewSurface"; token outputs:surface
+        color3f inputs:diffuseColor = (1, 0, 0) } }
+def Mesh "m" {
+    int[] faceVertexCounts = [3, 3]
+    int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]
+    point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+    uniform token subdivisionScheme = "none"
+    def GeomSubset "half" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+        uniform token elementType = "face"
+        uniform token familyName = "materialBind"
+        int[] indices = [1]
+        rel material:binding = </red>
+    }
+}""")
+    found = {path: node.bsdf for path, node in shapes(scene).items()}
+    assert found == {"m/half": "red", "m/rest": "plain"}
+
+
+# ---------------------------------------------------------------------------- packages, mistakes
+
+
+def test_pictures_inside_of_packages_are_read(tmp_path):
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "p.png")
+    text = "color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>"
+    (tmp_path / "a.usda").write_text(stage_text(MATERIAL % (text, SQUARE)))
+    with zipfile.ZipFile(tmp_path / "a.usdz", "w", zipfile.ZIP_STORED) as package:
+        for name in ("a.usda", "p.png"):
+            data = (tmp_path / name).read_bytes()
+            info = zipfile.ZipInfo(name)
+            # The format wants the data at multiples of 64 bytes.
+            start = package.fp.tell() + 30 + len(name) + 4
+            info.extra = b"\x86\x19" + ((-start) % 64).to_bytes(2, "little") + bytes((-start) % 64)
+            package.writestr(info, data)
+    (tmp_path / "p.png").unlink()
+    scene = alight.load(tmp_path / "a.usdz")
+    texels = scene.bsdfs["m"].bsdf.base_color.b.pixels
+    assert (texels.width, texels.height) == (2, 2)
+
+
+MISTAKES = {
+    "indices": (
+        f'def Mesh "m" {{{SQUARE}}}'.replace("2, 3]", "2, 9]"),
+        "/m faceVertexIndices must be points, 0 to 3, got 9",
+    ),
+    "counts": (
+        f'def Mesh "m" {{{SQUARE}}}'.replace("[4]", "[5]"),
+        "/m faceVertexIndices must have 5 numbers, got 4",
+    ),
+    "points": (
+        f'def Mesh "m" {{{SQUARE}}}'.replace("(2, 1, 0)", "(2, nan, 0)"),
+        "/m points must be finite",
+    ),
+    "syntax": ("def Mesh {", "is no OpenUSD stage"),
+    "reference": ('def "m" (references = @gone.usda@) { }', "does not fit together"),
+    "reach": ('def "m" (references = @../out.usda@) { }', "outside of its own folder: out.usda"),
+    "picture": (
+        MATERIAL % ("color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>", SQUARE),
+        '/m/picture no such picture: "p.png"',
+    ),
+    "prototype": (
+        'def PointInstancer "p" { int[] protoIndices = [3]; point3f[] positions = [(0, 0, 0)] }',
+        "/p protoIndices must be in",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), MISTAKES.values(), ids=MISTAKES.keys())
+def test_mistakes_are_refused_with_their_prim(tmp_path, text, message):
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    (tmp_path / "out.usda").write_text(stage_text('def "x" { }'))
+    (folder / "a.usda").write_text(stage_text(text))
+    with pytest.raises(SceneError) as caught:
+        alight.load(folder / "a.usda")
+    assert message in " ".join(str(caught.value).split())
+
+
+def test_the_command_line_says_what_was_read(tmp_path):
+    (tmp_path / "a.usda").write_text(stage_text(f'def Mesh "m" {{{SQUARE}}}'))
+    result = CliRunner().invoke(app, ["info", str(tmp_path / "a.usda")])
+    assert result.exit_code == 0, result.output
+    assert "the file has no light" in result.output
+    assert "the file has no camera" in result.output

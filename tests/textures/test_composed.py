@@ -1,0 +1,179 @@
+"""Textures made of others: the arithmetic, the stack, names, limits, opacity."""
+
+import numpy as np
+import pytest
+
+from alight.core.errors import SceneError
+from alight.core.registry import Models
+from alight.scene import loads
+from alight.scene.files import dumps
+from alight.scene.flatten import flatten
+from alight.textures.add import Add
+from alight.textures.bitmap import Bitmap
+from alight.textures.channel import Channel
+from alight.textures.checkerboard import Checkerboard
+from alight.textures.mix import Mix
+from alight.textures.multiply import Multiply
+from alight.textures.nesting import REGISTERS, depth_of
+from alight.textures.noise import Noise
+from alight.textures.threshold import Threshold
+from tests.textures.lookup import look_up
+
+U, V = np.random.default_rng(4).random((2, 64), np.float32)
+A = Bitmap(pixels=np.random.default_rng(1).random((4, 4, 3)).astype(np.float32))
+B = Bitmap(pixels=np.random.default_rng(2).random((3, 5, 3)).astype(np.float32))
+C = Checkerboard(color0=(0.9, 0.5, 0.1), color1=(0.2, 0.3, 0.4), scale=3.0)
+GREY = np.array([0.212671, 0.715160, 0.072169], np.float32)
+
+
+def value(texture):
+    return look_up(texture, U, V)
+
+
+def test_operators_are_their_formulas():
+    a, b, c = value(A), value(B), value(C)
+    weight = (c @ GREY)[:, None]
+    cases = {
+        Multiply(a=A, b=B): a * b,
+        Multiply(a=A, b=(2.0, 0.5, 0.0)): a * (2.0, 0.5, 0.0),
+        Add(a=A, b=B): a + b,
+        Mix(a=A, b=B, weight=C): (1 - weight) * a + weight * b,
+        Mix(a=A, b=B, weight=1.0): b,
+        Threshold(texture=A, cutoff=0.4): a >= 0.4,
+        Threshold(texture=(0.5, 0.5, 0.5), cutoff=0.5): np.ones((64, 3)),
+        Channel(texture=A, channel="g"): a[:, [1, 1, 1]],
+        Channel(texture=A, channel="a"): np.ones((64, 3)),
+    }
+    for texture, wanted in cases.items():
+        np.testing.assert_allclose(value(texture), wanted, atol=2e-6, err_msg=repr(texture))
+
+
+def test_means_and_maxima_are_those_of_the_parts():
+    """Lamps and lobes are chosen by them: wrong ones are noise, too small maxima are errors."""
+    mean = 0.5 * (np.array(C.color0) + C.color1)
+    high = np.maximum(C.color0, C.color1)
+    cases = {
+        Multiply(a=C, b=(2.0, 0.5, 0.0)): (mean * (2.0, 0.5, 0.0), high * (2.0, 0.5, 0.0)),
+        Add(a=C, b=C): (2 * mean, 2 * high),
+        Mix(a=C, b=(1.0, 0.0, 0.5), weight=0.25): (
+            0.75 * mean + 0.25 * np.array((1.0, 0.0, 0.5)),
+            np.maximum(high, (1.0, 0.0, 0.5)),
+        ),
+        Channel(texture=C, channel="g"): (mean[[1] * 3], high[[1] * 3]),
+        Threshold(texture=C, cutoff=0.5): (mean * [1, 1, 0], [1, 1, 0]),
+    }
+    for texture, (average, most) in cases.items():
+        np.testing.assert_allclose(texture.mean(), average, rtol=1e-6, err_msg=repr(texture))
+        np.testing.assert_allclose(texture.maximum(), most, rtol=1e-6, err_msg=repr(texture))
+
+
+def test_deep_trees_come_off_the_stack_in_order():
+    inner = Mix(a=Add(a=A, b=B), b=Multiply(a=B, b=C), weight=Multiply(a=C, b=A))
+    outer = Mix(a=0.1, b=B, weight=Multiply(a=0.25, b=inner))
+    assert depth_of(outer) == REGISTERS
+    a, b, c = value(A), value(B), value(C)
+    weight = ((c * a) @ GREY)[:, None]
+    inside = (1 - weight) * (a + b) + weight * b * c
+    share = (0.25 * inside @ GREY)[:, None]
+    np.testing.assert_allclose(value(outer), (1 - share) * 0.1 + share * b, atol=3e-6)
+
+
+def test_opacity_is_read_from_pictures_that_have_it():
+    pixels = np.array([[[255, 0, 0, 51], [0, 255, 0, 255]]], np.uint8)
+    spec = Channel(texture=Bitmap(pixels=pixels, interpolation="nearest"), channel="a")
+    found = look_up(spec, [0.25, 0.75], [0.5, 0.5])
+    np.testing.assert_allclose(found, [[0.2] * 3, [1.0] * 3], atol=1e-6)
+
+
+SCENE = """alight: 1
+camera: {type: pinhole}
+environment: constant
+textures:
+  wood: {type: noise, scale: 3}
+  stained: {type: multiply, a: wood, b: [0.9, 0.5, 0.1]}
+bsdfs:
+  board: {type: diffuse, reflectance: {type: mix, a: stained, b: 0.3, weight: wood}}
+nodes: {wall: {shape: rectangle, bsdf: board}}
+"""
+
+
+def test_names_inside_textures_are_resolved_and_written_back():
+    scene = loads(SCENE)
+    assert loads(dumps(scene)) == scene
+    (bsdf,) = flatten(scene).bsdfs
+    mixed = bsdf.reflectance
+    assert isinstance(mixed.a, Multiply)
+    assert mixed.a.a == Noise(scale=3.0) == mixed.weight
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("a: wood", "a: stained", "textures.stained\n  contains itself: stained -> stained"),
+        ("a: wood", "a: wod", 'unknown texture "wod"; did you mean "wood"?'),
+        ("[0.9, 0.5, 0.1]", "5", "must be in [0, 1] everywhere; the texture's largest value is 5"),
+        ("weight: wood", "weight: 1.5", "must be in [0, 1], got 1.5"),
+    ],
+)
+def test_wrong_textures_are_named(before, after, words):
+    with pytest.raises(SceneError) as caught:
+        loads(SCENE.replace(before, after))
+    assert words in str(caught.value)
+
+
+def test_textures_that_double_each_other_are_refused_at_once():
+    chain = "".join(f"  t{i}: {{type: multiply, a: t{i - 1}, b: t{i - 1}}}\n" for i in range(1, 60))
+    with pytest.raises(SceneError, match="at most 64 textures"):
+        loads(SCENE.replace("  wood:", "  t0: {type: constant}\n" + chain + "  wood:"))
+
+
+def reference_noise(points):
+    """Perlin's sum, corner by corner, in double precision."""
+    axes = [(1, 1, 0), (1, 0, 1), (0, 1, 1)]
+    result = np.zeros(len(points))
+    for row, x in enumerate(points.astype(np.float64)):
+        cell = np.floor(x)
+        for corner in np.ndindex(2, 2, 2):
+            at = cell + corner
+            word = hashed(*(int(c) + 2**22 for c in at))
+            h = ((word >> 16) * 12) >> 16
+            offset = x - at
+            pair = [offset[i] for i in range(3) if axes[h >> 2][i]]
+            slope = (-1) ** (h & 1) * pair[0] + (-1) ** ((h >> 1) & 1) * pair[1]
+            t = np.abs(offset)
+            result[row] += slope * np.prod(1 - t**3 * (t * (6 * t - 15) + 10))
+    return result
+
+
+def hashed(x, y, z):
+    """The first word of pcg4d, in Python's whole numbers."""
+    v, mask = [x, y, z, 0], 2**32 - 1
+    v = [(c * 1664525 + 1013904223) & mask for c in v]
+    for shift in (False, True):
+        if shift:
+            v = [c ^ (c >> 16) for c in v]
+        for i, (j, k) in enumerate(((1, 3), (2, 0), (0, 1), (1, 2))):
+            v[i] = (v[i] + v[j] * v[k]) & mask
+    return v[0]
+
+
+def test_noise_is_the_sum_that_is_written_down():
+    uv = np.random.default_rng(3).uniform(-40, 40, (50, 2)).astype(np.float32)
+    found = look_up(Noise(space="uv", octaves=2, gain=0.25), *uv.T)[:, 0]
+    points = np.column_stack([uv, np.zeros(50, np.float32)])
+    wanted = (reference_noise(points) + 0.25 * reference_noise(2 * points)) / 1.25
+    np.testing.assert_allclose(found, 0.5 + 0.5 * wanted, atol=2e-5)
+
+
+def test_noise_is_centred_and_smooth():
+    grid = np.linspace(0, 60, 4096, dtype=np.float32)
+    found = look_up(Noise(space="uv", octaves=1), grid, 0.37 * grid + 5)[:, 0]
+    assert abs(found.mean() - 0.5) < 0.03
+    assert np.abs(np.diff(found)).max() < 0.03
+
+
+def test_every_operator_says_how_many_parts_it_takes():
+    for name, model in Models("textures").items():
+        if hasattr(model, "operate"):
+            fields = type(model.EXAMPLES[0]).fields
+            assert 1 <= len(fields) <= 3, name
