@@ -170,7 +170,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         wo = to_local(surface, -path.d)
         path = through(scene, surface, wo, hit.t, active, path)
         if recorded:
-            meet(scene, surface, depth)
+            meet(scene, path, surface, depth, active)
 
         # The camera looks through lights: such a path goes on as if it had met nothing.
         hidden = lanes_mask(False)
