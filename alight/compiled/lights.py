@@ -22,7 +22,7 @@ from alight.shapes.hit import INFO as SHAPE_INFO
 Selection = Literal["auto", "power", "uniform", "tree"]
 
 #: By default more lights than this (triangles of shining meshes counted) are chosen by a tree:
-#: with fewer, its steps cost more than they gain (decision 16).
+#: with fewer, its steps cost more than they gain (decision 19).
 MOST_WITHOUT_TREE = 16
 
 #: Above it, by default, the tree would take long to build.

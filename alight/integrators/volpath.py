@@ -66,6 +66,7 @@ from alight.lights.sampling import (
     environment_radiance,
     has_delta_lights,
     light_pdf,
+    lit_normal,
     sample_light,
     shadow_ray,
 )
@@ -91,8 +92,8 @@ class VolPath(Integrator):
     max_depth : int >= 1, optional
         Longest path, counted in edges after the camera; scattering in a medium ends an edge,
         passing a `null` surface does not. Unlimited by default, which needs roulette.
-    light_choice : {"power", "uniform"}, default "power"
-        Probability of each light.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        As for `path`.
     hide_emitters : bool, default False
         Whether the camera sees through lights: surfaces that shine, and the environment. They
         light the scene as ever.
@@ -104,7 +105,7 @@ class VolPath(Integrator):
     russian_roulette: Literal["throughput", "none"] = "throughput"
     rr_depth: Depth = 5
     max_depth: Depth | None = None
-    light_choice: Literal["power", "uniform"] = "power"
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
     hide_emitters: Truth = False
 
     @model_validator(mode="after")
@@ -345,8 +346,10 @@ def _write_add_direct_light(chosen_weight, by_light):
     @kernel
     def add_direct_light(scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays):
         dimension = vertex_dimension(path.steps)
+        # Media have no normal.
+        n = where(scattered, lanes_vec3(0.0), lit_normal(surface.ns, wo))
         light = sample_light(
-            scene, p, surface.ns, get_1d(path.sampler, dimension + LIGHT_CHOICE),
+            scene, p, n, get_1d(path.sampler, dimension + LIGHT_CHOICE),
             get_2d(path.sampler, dimension + LIGHT_POINT), active,
         )  # fmt: skip
         lit = active & (light.pdf > 0.0)

@@ -78,7 +78,7 @@ MOST_LEVELS = 30
 BEHIND = 0.1
 
 #: Within a sphere, its lights count as if at least this share of the squared radius away: what is
-#: nearest gives most of the light, not what is in the mean. Measured (decision 16).
+#: nearest gives most of the light, not what is in the mean. Measured (decision 19).
 CLOSEST = 0.1
 
 #: Materials that only light from the viewer's side of the shading normal reaches, other than by
@@ -86,9 +86,11 @@ CLOSEST = 0.1
 ONE_SIDED = frozenset(
     {
         "blend",
+        "burley",
         "conductor",
         "dielectric",
         "diffuse",
+        "eon",
         "mask",
         "mirror",
         "null",

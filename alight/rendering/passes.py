@@ -13,10 +13,6 @@ from alight.rendering.tile_kernel import Tile
 #: and 4 replicates takes 50 ms. Progress, checkpoints and cancelling do not wait for its end.
 PASS_SECONDS = 2.0
 
-#: How much longer a pass may be than the one before: the first, of one sample, tells its time only
-#: roughly, but too long rather than too short.
-_GROWTH = 64
-
 
 class Work:
     """What is left of a goal: the first gap of each cell.
@@ -120,6 +116,6 @@ class Pace:
         if self._fixed:
             return
         seconds = max(seconds, 1e-9)
-        self.step = max(1, min(_GROWTH * count, int(count * PASS_SECONDS / seconds)))
+        self.step = max(1, min(16 * count, int(count * PASS_SECONDS / seconds)))
         if left is not None:
             self.step = max(1, min(self.step, int(left / seconds * count)))

@@ -12,6 +12,7 @@ import alight
 SCENES = (
     "blurred-foreground",
     "cloud",
+    "clear-day",
     "coated-plastics",
     "depth-of-field",
     "environment-map",
@@ -19,6 +20,7 @@ SCENES = (
     "infinite-plane",
     "instances",
     "lambert-and-uniform-scatter",
+    "lamp-profiles",
     "lamp-and-glass",
     "milk",
     "mirror-and-glass",

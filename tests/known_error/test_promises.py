@@ -210,8 +210,8 @@ def test_cycles_rule_is_its_formula():
     ("threshold", "samples"), [(0.1, 48), (0.111, 48), (0.01, 80), (0.001, 144), (1, 32)]
 )
 def test_cycles_decides_first_where_cycles_does(threshold, samples):
-    # By its integrator: ceil(16 / threshold^0.3) is 32, 31, 64, 128, 16; the index of the last
-    # sample is above that, and 15 more than a multiple of 16.
+    # By its integrator: ceil(16 / threshold^0.3) is 32, 31, 64, 128, 16; the last sample has an
+    # index above that, and 15 more than a multiple of 16.
     assert first_decision(threshold) == samples
 
 

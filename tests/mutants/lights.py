@@ -6,6 +6,8 @@ LIGHTS = "tests/lights/test_light_sampling.py"
 MAPS = "tests/lights/test_environment.py"
 STRATEGIES = "tests/lights/test_environment_strategies.py"
 LAMPS = "tests/lights/test_spot_and_textured.py"
+TREE = "tests/lights/test_light_tree.py"
+DAYLIGHT = "tests/lights/test_daylight.py"
 
 LIGHT = (
     Mutant(
@@ -125,5 +127,45 @@ LIGHT = (
         "core/mis.py",
         (("squared = ratio * ratio", "squared = ratio"),),
         "tests/unit/test_mis.py::test_weights_are_the_closed_form",
+    ),
+    Mutant(
+        "light tree whose choice is not divided by its probability",
+        "lights/sampling.py",
+        (
+            (
+                "factor = choice.plain / where(valid, choice.pmf, 1.0)",
+                "factor = choice.plain / choice.plain",
+            ),
+        ),
+        f"{TREE}::test_tree_and_power_agree_on_the_light",
+    ),
+    Mutant(
+        "light tree's choice forgotten where a ray finds a lamp",
+        "lights/sampling.py",
+        (("density * plain_probability(scene, index, prim, p, shines)", "density"),),
+        f"{TREE}::test_rays_find_the_density_that_light_sampling_says",
+    ),
+    Mutant(
+        "light tree that takes a group's lights to be in its middle",
+        "lights/tree.py",
+        (
+            (
+                "cos_l = where(inside | (cos_x >= cos_u), 1.0, cos_x * cos_u + sin_x * sin_u)",
+                "cos_l = where(inside, 1.0, cos_x)",
+            ),
+        ),
+        f"{TREE}::test_a_group_is_not_dark_where_one_of_it_shines",
+    ),
+    Mutant(
+        "sun whose samples do not know those of the sky",
+        "lights/sunsky.py",
+        (("(1.0 - share) * pdf_of_sky(scene, d)", "pdf_of_sky(scene, d)"),),
+        f"{DAYLIGHT}::test_light_sampling_finds_all_the_light",
+    ),
+    Mutant(
+        "photometric file without the factor of its ballast",
+        "lights/photometry.py",
+        (("first[2] * rest[4] * rest[5]", "first[2] * rest[5]"),),
+        "tests/lights/test_profiles.py::test_a_file_is_read_with_its_factors",
     ),
 )

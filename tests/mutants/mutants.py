@@ -6,6 +6,7 @@ from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
+from tests.mutants.principled import PRINCIPLED
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.transport import TRANSPORT
@@ -19,6 +20,7 @@ MUTANTS = (
     + FACETS
     + TEXTURES
     + MATERIALS
+    + PRINCIPLED
     + MEDIA
     + KNOWN_ERROR
 )

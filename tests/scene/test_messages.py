@@ -298,7 +298,7 @@ def test_files_that_cannot_be_read(tmp_path):
         "cornel-box": 'did you mean "cornell-box"?',
         str(tmp_path): "is a folder",
         str(tmp_path / "scene.yml"): 'did you mean "',
-        str(tmp_path / "scene.blend"): "must be a scene file (.yaml, .yml, .json, .xml)",
+        str(tmp_path / "scene.blend"): "must be a scene file (.yaml, .yml, .json, .xml, ",
         str(tmp_path / "latin.yaml"): "must be UTF-8 text, got byte 0xe4 at 2",
     }
     (tmp_path / "scenes.yml").write_text("alight: 1")

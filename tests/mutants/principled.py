@@ -1,0 +1,51 @@
+"""Bugs of principled materials, of normal maps, and of what absorbs."""
+
+from tests.mutants.mutant import Mutant
+
+PHYSICS = "tests/physics/test_principled.py"
+BENT = "tests/physics/test_bent_normals.py"
+VALUES = "tests/scene/mitsuba/test_values.py"
+
+PRINCIPLED = (
+    Mutant(
+        "light between facets of metal given back a tenth too much",
+        "bsdfs/principled_view.py",
+        (("(1.0 - white) / white, 0.0)", "1.1 * (1.0 - white) / white, 0.0)"),),
+        f"{PHYSICS}::test_white_loses_less_than_one_percent_and_gains_nothing[1.0-metal]",
+    ),
+    Mutant(
+        "light between facets of glass not given back",
+        "bsdfs/principled_view.py",
+        (("1.0 / where(needed, total, lanes_vec3(1.0)), 1.0)", "1.0, 1.0)"),),
+        f"{PHYSICS}::test_white_loses_less_than_one_percent_and_gains_nothing[1.0-glass]",
+    ),
+    Mutant(
+        "density without that of the coat",
+        "bsdfs/principled_lobes.py",
+        (("others = coat_pdf + sheen_pdf", "others = sheen_pdf"),),
+        f"{PHYSICS}::test_white_loses_less_than_one_percent_and_gains_nothing[0.65-layers]",
+    ),
+    Mutant(
+        "coat of Burley's material counted four times",
+        "bsdfs/burley.py",
+        (("coat = 0.25 * params.coat * schlick", "coat = params.coat * schlick"),),
+        f"{VALUES}::test_materials_of_files",
+    ),
+    Mutant(
+        "green of normal maps turned over",
+        "bsdfs/relief.py",
+        (("scale * (2.0 * texel.y - 1.0)", "scale * (1.0 - 2.0 * texel.y)"),),
+        f"{BENT}::test_normals_of_a_map_are_its_colours",
+    ),
+    Mutant(
+        "bodies that absorb nothing",
+        "bsdfs/absorption.py",
+        (
+            (
+                'packer.numbers("absorption", *spec.coefficients)',
+                'packer.numbers("absorption", 0, 0, 0)',
+            ),
+        ),
+        "tests/estimators/test_absorption.py::test_light_through_a_body_falls_exponentially",
+    ),
+)
