@@ -8,12 +8,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from alight.accel import turns
 from alight.accel.build import build_bvh
 from alight.accel.layout import Bvh
+from alight.accel.packets import start
+from alight.accel.rays import MOST, Hits
 from alight.accel.single import NONE, is_traceable
 from alight.accel.traversal import any_of_triangles, closest_of_triangles
-from alight.accel.turns import MOST
+from alight.accel.turns import write_packet
 from alight.core.constants import INFINITY
 from alight.core.jit import instantiate, kernel
 from alight.core.simd import (
@@ -24,14 +25,11 @@ from alight.core.simd import (
     bits_float,
     gather,
     lane_index,
-    lanes,
-    lanes_u32,
     local_floats,
     local_uints,
     mask_bits,
     maximum,
     minimum_u32,
-    store_lanes,
     where,
 )
 from alight.core.vec import Vec3
@@ -40,8 +38,8 @@ from alight.core.view import View
 _CHUNK = 16384
 
 
-closest_of_rays = turns.write_closest(closest_of_triangles)
-any_of_rays = turns.write_any(any_of_triangles)
+closest_of_rays = write_packet(closest_of_triangles, True)
+any_of_rays = write_packet(any_of_triangles, False)
 
 
 @kernel(strict=True)
@@ -60,34 +58,35 @@ def packet(origins, directions, t_max, begin, end):
 @kernel(strict=True)
 def intersect_range(bvh, origins, directions, t_max, results, begin, end):
     """Rays begin to end; results: 4 floats a ray: t, index (bits), u, v."""
-    ts, us, vs = local_floats(MOST), local_floats(MOST), local_floats(MOST)
-    indices, faces = local_uints(MOST), local_uints(MOST)
+    hits = Hits(
+        local_floats(MOST), local_floats(MOST), local_floats(MOST),
+        local_uints(MOST), local_uints(MOST),
+    )  # fmt: skip
     for first in range(begin, end, LANES):
         o, d, t, bits = packet(origins, directions, t_max, first, end)
-        store_lanes(ts, 0, t)
-        store_lanes(us, 0, lanes(0.0))
-        store_lanes(vs, 0, lanes(0.0))
-        store_lanes(indices, 0, lanes_u32(NONE))
-        store_lanes(faces, 0, lanes_u32(0))
-        closest_of_rays(bvh, bvh.blocks, o, d, bits, ts, us, vs, indices, faces)
+        start(hits, t)
+        closest_of_rays(bvh, bvh.blocks, o, d, bits, hits)
         for j in range(min(LANES, end - first)):
-            at, found = 4 * (first + j), indices[j] != NONE
-            results[at] = where(found, ts[j], as_float(0) + INFINITY)
-            results[at + 1] = bits_float(as_uint(where(found, as_int(indices[j]), -1)))
-            results[at + 2], results[at + 3] = us[j], vs[j]
+            at, found = 4 * (first + j), hits.index[j] != NONE
+            results[at] = where(found, hits.t[j], as_float(0) + INFINITY)
+            results[at + 1] = bits_float(as_uint(where(found, as_int(hits.index[j]), -1)))
+            results[at + 2], results[at + 3] = hits.u[j], hits.v[j]
 
 
 @kernel(strict=True)
 def occluded_range(bvh, origins, directions, t_max, results, begin, end):
     """Rays begin to end; results: 1 where something is met."""
-    ends = local_floats(MOST)
+    hits = Hits(
+        local_floats(MOST), local_floats(MOST), local_floats(MOST),
+        local_uints(MOST), local_uints(MOST),
+    )  # fmt: skip
     for first in range(begin, end, LANES):
         o, d, t, bits = packet(origins, directions, t_max, first, end)
         # Rays that meet nothing for lack of a direction keep an end that is not negative.
-        store_lanes(ends, 0, maximum(t, 0.0))
-        any_of_rays(bvh, bvh.blocks, o, d, bits, ends)
+        start(hits, maximum(t, 0.0))
+        any_of_rays(bvh, bvh.blocks, o, d, bits, hits)
         for j in range(min(LANES, end - first)):
-            results[first + j] = as_float(where(ends[j] < 0.0, 1, 0))
+            results[first + j] = as_float(where(hits.t[j] < 0.0, 1, 0))
 
 
 @lru_cache(maxsize=2)

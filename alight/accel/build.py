@@ -19,7 +19,7 @@ import numpy as np
 
 from alight.accel import top
 from alight.accel.cost import patience, sah_cost
-from alight.accel.layout import BLOCK, CHILD, NODE, WIDTH, Bvh
+from alight.accel.layout import BLOCK, CHILD, COUNT, NODE, WIDTH, Bvh
 from alight.accel.references import MARGIN, ROUNDING, refer_to_triangles
 from alight.accel.splitting import MEDIAN, SAH, Workspace, halve
 from alight.accel.subtree import Source, build_subtree, expand, pack
@@ -377,6 +377,7 @@ class _Builder:
                 box = self.boxes_of_top[node][i]
                 row[i:24:8], row[24 + i : 48 : 8] = box[:3], -box[4:7]
                 row[CHILD:].view(np.uint32)[i] = child if child >= 0 else node_at[-1 - child]
+            row[COUNT:].view(np.uint32)[0] = len(children)
 
         def pack_one(k: int) -> None:
             self.compiled.pack(

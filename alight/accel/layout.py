@@ -8,10 +8,11 @@ word    meaning (8 words each, one a child)
 0..23   lower bounds x, y, z
 24..47  upper bounds x, y, z
 48..55  child: index of a node, or LEAF | first block << 4 | number of blocks
-56..63  unused once the build is over
+56      number of children
+57..63  unused once the build is over
 ======  ==================================================================
 
-A missing child has the bounds (inf, -inf), which no ray meets.
+Children come first; a missing one has the bounds (inf, -inf), which no ray meets.
 
 A *block* holds up to WIDTH triangles side by side, so that one ray meets all of them at once:
 corners a, b, c as 9 rows of WIDTH floats (ax, ay, az, bx, ...), then a row of WIDTH indices. A

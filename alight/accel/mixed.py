@@ -13,7 +13,7 @@ from functools import lru_cache
 
 from alight.accel.layout import BLOCK, IDS, KINDS, OTHER, WIDTH
 from alight.accel.single import NONE, SingleHit, closest_of_block, meet_triangles
-from alight.accel.traversal import any_triangle, closest_triangle
+from alight.accel.traversal import any_of_triangles, blocked, closest_of_triangles, write_single
 from alight.core.jit import kernel
 from alight.core.simd import as_int, float_bits, lanes, mask_bits
 from alight.core.vec import Vec3
@@ -74,6 +74,10 @@ def _write_meet_shape(intersect: Callable) -> Callable:
     return meet_shape
 
 
+closest_triangle = write_single(closest_of_triangles, True)
+any_triangle = write_single(any_of_triangles, False)
+
+
 @kernel(strict=True)
 def meet_instance(tree, data, at, index, o, d, t_max):
     """The hit of one ray on an instance; index NONE if there is none."""
@@ -82,7 +86,7 @@ def meet_instance(tree, data, at, index, o, d, t_max):
         to_object(tree.blocks, at + 2, o, 1.0),
         to_object(tree.blocks, at + 2, d, 0.0),
     )
-    hit = closest_triangle(tree, origin, direction, t_max, root)
+    hit = closest_triangle(tree, data, origin, direction, t_max, root)
     found = index if hit.index != NONE else NONE
     return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
 
@@ -95,7 +99,7 @@ def instance_is_met(tree, data, at, index, o, d, t_max):
         to_object(tree.blocks, at + 2, o, 1.0),
         to_object(tree.blocks, at + 2, d, 0.0),
     )
-    return any_triangle(tree, origin, direction, t_max, root)
+    return any_triangle(tree, data, origin, direction, t_max, root).t < 0.0
 
 
 @kernel(strict=True)
@@ -164,20 +168,20 @@ def write_leaves(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
         return best
 
     @kernel(strict=True)
-    def any_of_leaf(tree, data, block, count, o, d, ray, t_max):
-        """True if anything in blocks number `block` and following is hit."""
+    def any_of_leaf(tree, data, block, count, o, d, ray, best):
+        """`blocked` if anything in blocks number `block` and following is hit, else `best`."""
         at = BLOCK * block
         for _ in range(count):
             if as_int(float_bits(tree.blocks[at + IDS + WIDTH - 1])) == OTHER:
                 index = as_int(float_bits(tree.blocks[at + IDS]))
                 kind = as_int(float_bits(tree.blocks[at]))
-                if block_other(tree, data, kind, at, index, o, d, t_max):
-                    return True
+                if block_other(tree, data, kind, at, index, o, d, best.t):
+                    return blocked(best)
             else:
-                _, _, _, hit = meet_triangles(tree.blocks, at, ray, t_max)
+                _, _, _, hit = meet_triangles(tree.blocks, at, ray, best.t)
                 if mask_bits(hit) != 0:
-                    return True
+                    return blocked(best)
             at += BLOCK
-        return False
+        return best
 
     return closest_of_leaf, any_of_leaf

@@ -1,7 +1,7 @@
 """What integrators call: packets of rays against a whole scene.
 
-A packet first meets the flat lists, then the box of the tree; the lanes that enter it go down by
-turns, each on 8 boxes at a time.
+A packet first meets the flat lists, then the box of the tree; the lanes that enter it go down
+together as long as they go the same way, then each on 8 boxes at a time.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
-from alight.accel import turns
 from alight.accel.layout import KINDS
 from alight.accel.lists import (
     NOTHING,
@@ -20,9 +19,10 @@ from alight.accel.lists import (
     write_lists,
 )
 from alight.accel.mixed import write_leaves
+from alight.accel.rays import MOST, Hits
 from alight.accel.single import NONE, STRETCH, is_traceable, safe_reciprocal
 from alight.accel.traversal import any_of_triangles, closest_of_triangles
-from alight.accel.turns import MOST
+from alight.accel.turns import write_packet
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
@@ -59,35 +59,43 @@ def enters_box(box, o, d, t_max):
     return enter <= leave * STRETCH
 
 
+@kernel(strict=True)
+def start(hits, t_max):
+    """Nothing found yet, up to t_max in each lane."""
+    store_lanes(hits.t, 0, t_max)
+    store_lanes(hits.u, 0, lanes(0.0))
+    store_lanes(hits.v, 0, lanes(0.0))
+    store_lanes(hits.index, 0, lanes_u32(NONE))
+    store_lanes(hits.face, 0, lanes_u32(0))
+
+
 def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
     """Kernels that send the lanes of a packet through the tree."""
     leaf, any_leaf = write_leaves(kinds) if kinds else (closest_of_triangles, any_of_triangles)
-    closest_of_rays, any_of_rays = turns.write_closest(leaf), turns.write_any(any_leaf)
+    closest_of_rays, any_of_rays = write_packet(leaf, True), write_packet(any_leaf, False)
 
     @kernel(strict=True)
     def closest(accel, data, o, d, best):
         bits = mask_bits(enters_box(accel.box, o, d, best.t))
         if bits == 0:
             return best
-        ts, us, vs = local_floats(MOST), local_floats(MOST), local_floats(MOST)
-        indices, faces = local_uints(MOST), local_uints(MOST)
-        store_lanes(ts, 0, best.t)
-        store_lanes(us, 0, best.u)
-        store_lanes(vs, 0, best.v)
-        store_lanes(indices, 0, lanes_u32(NONE))
-        store_lanes(faces, 0, lanes_u32(0))
-        closest_of_rays(accel.tree, data, o, d, bits, ts, us, vs, indices, faces)
+        hits = Hits(
+            local_floats(MOST), local_floats(MOST), local_floats(MOST),
+            local_uints(MOST), local_uints(MOST),
+        )  # fmt: skip
+        start(hits, best.t)
+        closest_of_rays(accel.tree, data, o, d, bits, hits)
         # What was hit is looked up for all lanes at once: they wait for memory together.
-        index, t = load_lanes(indices, 0), load_lanes(ts, 0)
+        index, t = load_lanes(hits.index, 0), load_lanes(hits.t, 0)
         # Triangles whose area underflows are "met" at infinity.
         met = (index != NONE) & (t < INFINITY)
         at = 2 * where(met, index, 0)
         found = Hit(
             t,
-            load_lanes(us, 0),
-            load_lanes(vs, 0),
+            load_lanes(hits.u, 0),
+            load_lanes(hits.v, 0),
             gather(accel.tree.ids, at),
-            gather(accel.tree.ids, at + 1) + load_lanes(faces, 0),
+            gather(accel.tree.ids, at + 1) + load_lanes(hits.face, 0),
         )
         return keep(met & wins(found, best), found, best)
 
@@ -96,10 +104,13 @@ def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
         bits = mask_bits(enters_box(accel.box, o, d, t_max))
         if bits == 0:
             return t_max
-        ends = local_floats(MOST)
-        store_lanes(ends, 0, t_max)
-        any_of_rays(accel.tree, data, o, d, bits, ends)
-        return load_lanes(ends, 0)
+        hits = Hits(
+            local_floats(MOST), local_floats(MOST), local_floats(MOST),
+            local_uints(MOST), local_uints(MOST),
+        )  # fmt: skip
+        start(hits, t_max)
+        any_of_rays(accel.tree, data, o, d, bits, hits)
+        return load_lanes(hits.t, 0)
 
     return closest, occlude
 

@@ -255,7 +255,10 @@ def pack(order, built, count, nodes, node, blocks, block, source):
         at, target = NODE * index, NODE * (node + index)
         for k in range(0, CHILD, 8):
             store_wide(nodes, target + k, load_wide(8, built, at + k))
+        children = 0
         for i in range(8):
+            if built[at + i] <= built[at + 24 + i]:
+                children += 1
             n = as_int(float_bits(built[at + COUNT + i]))
             child = as_int(float_bits(built[at + CHILD + i]))
             code = node + child
@@ -264,4 +267,4 @@ def pack(order, built, count, nodes, node, blocks, block, source):
                 code = LEAF | (block << 4) | (end - block)
                 block = end
             nodes[target + CHILD + i] = bits_float(as_uint(code))
-            nodes[target + COUNT + i] = as_float(0)
+        nodes[target + COUNT] = bits_float(as_uint(children))

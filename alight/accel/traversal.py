@@ -1,10 +1,14 @@
-"""One ray through a bounding volume hierarchy of triangles, nearest boxes first.
+"""One ray through the bounding volume hierarchy, step by step.
 
-It is how a ray meets an instance; `turns` sends whole packets. The stack holds STACK entries, more
-than a tree of MAX_DEPTH levels can ask for (`layout`).
+A step opens a node or visits a leaf. The same steps serve the search for the nearest hit and that
+for any: they differ in the kernel that visits leaves, and in the order of the stack. Where any hit
+will do, it sets the end of the ray to -1, so that nothing else is near enough to be looked at.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
 
 from alight.accel.layout import BLOCK, CHILD, LEAF, NODE, STACK
 from alight.accel.single import (
@@ -33,6 +37,9 @@ from alight.core.simd import (
 )
 from alight.core.wide import store_wide
 
+#: The step after which a ray has no other.
+DONE = -1
+
 
 @kernel(strict=True)
 def closest_of_triangles(tree, data, block, count, o, d, ray, best):
@@ -45,90 +52,115 @@ def closest_of_triangles(tree, data, block, count, o, d, ray, best):
 
 
 @kernel(strict=True)
-def any_of_triangles(tree, data, block, count, o, d, ray, t_max):
-    """True if a triangle in blocks number `block` and following is hit."""
-    at = BLOCK * block
-    for _ in range(count):
-        _, _, _, hit = meet_triangles(tree.blocks, at, ray, t_max)
-        if mask_bits(hit) != 0:
-            return True
-        at += BLOCK
-    return False
+def blocked(best):
+    """What any hit makes of `best`: nothing else counts."""
+    return SingleHit(as_float(-1), best.index, best.face, best.u, best.v)
 
 
 @kernel(strict=True)
-def closest_triangle(tree, o, d, t_max, root):
-    """The first triangle that one ray meets.
-
-    Parameters
-    ----------
-    tree : Bvh
-    o, d : Vec3 of float32
-        Origin, metres, and direction; its length is the unit of t.
-    t_max : float
-        Largest t that counts.
-    root : int
-        Number of the node to start from.
-
-    Returns
-    -------
-    SingleHit
-        t <= t_max; of primitives at the same t the one with the lowest index.
-    """
-    nodes = tree.nodes
-    best = SingleHit(t_max, NONE, 0, as_float(0), as_float(0))
-    if is_traceable(o, d, t_max):
-        boxes, triangles = box_ray(o, d), triangle_ray(o, d)
-        stack, distances = local_longs(STACK), local_floats(8)
-        stack[0], size = root, 1
-        while size > 0:
-            size -= 1
-            key = stack[size]
-            if bits_float(key >> 32) * SHRINK > best.t:
-                continue
-            code = key & 0xFFFFFFFF
-            while code < LEAF:
-                at = NODE * code
-                enter, met = meet_boxes(nodes, at, boxes, best.t)
-                bits = mask_bits(met)
-                if bits == 0:
-                    break
-                if bits & (bits - 1) == 0:
-                    code = as_int(float_bits(nodes[at + CHILD + trailing_zeros(bits)]))
-                else:
-                    store_wide(distances, 0, enter)
-                    size = push_children(tree, stack, size, bits, distances, at) - 1
-                    code = stack[size] & 0xFFFFFFFF
-            if code >= LEAF:
-                block, count = (code & (LEAF - 1)) >> 4, code & 15
-                best = closest_of_triangles(tree, tree.blocks, block, count, o, d, triangles, best)
+def any_of_triangles(tree, data, block, count, o, d, ray, best):
+    """`blocked` if a triangle in blocks number `block` and following is hit, else `best`."""
+    at = BLOCK * block
+    for _ in range(count):
+        _, _, _, hit = meet_triangles(tree.blocks, at, ray, best.t)
+        if mask_bits(hit) != 0:
+            return blocked(best)
+        at += BLOCK
     return best
 
 
-@kernel(strict=True)
-def any_triangle(tree, o, d, t_max, root):
-    """True if one ray meets a triangle with 0 < t <= t_max; parameters as of `closest_triangle`."""
-    nodes = tree.nodes
-    if is_traceable(o, d, t_max):
-        boxes, triangles = box_ray(o, d), triangle_ray(o, d)
-        stack = local_longs(STACK)
-        stack[0], size = root, 1
-        while size > 0:
-            size -= 1
-            code = stack[size]
-            if code < LEAF:
-                at = NODE * code
-                _, met = meet_boxes(nodes, at, boxes, t_max)
-                bits = mask_bits(met)
-                while bits != 0:
-                    i = trailing_zeros(bits)
-                    bits &= bits - 1
-                    child = as_int(float_bits(nodes[at + CHILD + i]))
-                    fetch_ahead(tree, child)
-                    stack[size] = child
-                    size += 1
-            else:
-                block, count = (code & (LEAF - 1)) >> 4, code & 15
-                if any_of_triangles(tree, tree.blocks, block, count, o, d, triangles, t_max):
-                    return True
-    return False
+def write_steps(nearest_first: bool) -> tuple[Callable, Callable]:
+    """The kernels `open_node` and `next_entry`.
+
+    Parameters
+    ----------
+    nearest_first : bool
+        Whether the stack is kept in order. Where any hit will do, that costs more than it saves.
+    """
+
+    @kernel(strict=True)
+    def open_node(tree, code, ray, t, stack, size, distances):
+        """The child of a node that a ray enters next, or `DONE`, and the size of the stack.
+
+        The other children that it meets before t go on the stack. distances: 8 local floats.
+        """
+        at = NODE * code
+        enter, met = meet_boxes(tree.nodes, at, ray, t)
+        bits = mask_bits(met)
+        if bits == 0:
+            return DONE, size
+        if bits & (bits - 1) == 0:
+            child = as_int(float_bits(tree.nodes[at + CHILD + trailing_zeros(bits)]))
+            fetch_ahead(tree, child)
+            return child, size
+        if nearest_first:
+            store_wide(distances, 0, enter)
+            size = push_children(tree, stack, size, bits, distances, at) - 1
+            return stack[size] & 0xFFFFFFFF, size
+        while bits != 0:
+            child = as_int(float_bits(tree.nodes[at + CHILD + trailing_zeros(bits)]))
+            bits &= bits - 1
+            fetch_ahead(tree, child)
+            stack[size] = child
+            size += 1
+        return stack[size - 1], size - 1
+
+    @kernel(strict=True)
+    def next_entry(stack, base, size, t):
+        """The next entry that may hold something up to t, or `DONE`, and the size of the stack."""
+        if nearest_first:
+            while size > base:
+                size -= 1
+                key = stack[size]
+                if bits_float(key >> 32) * SHRINK <= t:
+                    return key & 0xFFFFFFFF, size
+        elif (size > base) & (t > 0.0):
+            return stack[size - 1], size - 1
+        return DONE, size
+
+    return open_node, next_entry
+
+
+@lru_cache(maxsize=8)
+def write_single(visit: Callable, nearest_first: bool) -> Callable:
+    """The traversal for one ray: how rays meet instances; parameters as of `turns.write_packet`."""
+    open_node, next_entry = write_steps(nearest_first)
+
+    @kernel(strict=True)
+    def single(tree, data, o, d, t_max, root):
+        """What one ray meets.
+
+        Parameters
+        ----------
+        tree : Bvh
+        data : View
+            Rows of analytic shapes.
+        o, d : Vec3 of float32
+            Origin, metres, and direction; its length is the unit of t.
+        t_max : float
+            Largest t that counts.
+        root : int
+            Number of the node to start from.
+
+        Returns
+        -------
+        SingleHit
+            t <= t_max; of primitives at the same t the one with the lowest index.
+        """
+        best = SingleHit(t_max, NONE, 0, as_float(0), as_float(0))
+        if is_traceable(o, d, t_max):
+            boxes, triangles = box_ray(o, d), triangle_ray(o, d)
+            stack, distances = local_longs(STACK), local_floats(8)
+            code, size = root, 0
+            while code != DONE:
+                if code < LEAF:
+                    code, size = open_node(tree, code, boxes, best.t, stack, size, distances)
+                else:
+                    block, count = (code & (LEAF - 1)) >> 4, code & 15
+                    best = visit(tree, data, block, count, o, d, triangles, best)
+                    code = DONE
+                if code == DONE:
+                    code, size = next_entry(stack, 0, size, best.t)
+        return best
+
+    return single

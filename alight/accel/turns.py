@@ -1,11 +1,10 @@
-"""The rays of a packet through the bounding volume hierarchy by turns.
+"""The rays of a packet through the bounding volume hierarchy: together, then by turns.
 
-A traversal is a chain of steps each of which waits for what the last one asked of memory. So in a
-big tree each ray takes one step, asks for its next node or leaf, and lets the others go on
-meanwhile. Where there is little to wait for, as the tree lies in the processor's cache or every ray
-visits much of it, each goes to its end before the next one begins (`cost.patience`). What a ray
-meets does not depend on the others: its steps are those of `traversal`, in the same order. Decision
-11 has the figures.
+What enough of them enter they open together (`together`). For the rest of its way each goes alone.
+That is a chain of steps each of which waits for what the last one asked of memory. So in a big tree
+each ray takes one step, asks for its next node or leaf, and lets the others go on meanwhile. Where
+there is little to wait for, as the tree lies in the processor's cache or every ray visits much of
+it, each goes to its end before the next one begins (`cost.patience`). Decision 11 has the figures.
 """
 
 from __future__ import annotations
@@ -13,134 +12,79 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
-from alight.accel.layout import CHILD, LEAF, NODE, STACK, WIDTH
-from alight.accel.single import (
-    SHRINK,
-    BoxRay,
-    SingleHit,
-    TriangleRay,
-    fetch_ahead,
-    meet_boxes,
-    push_children,
-    safe_reciprocal,
-)
+from alight.accel.layout import LEAF
+from alight.accel.rays import MOST, NUMBERS, ROWS, Rays, box_ray_of, write_rays
+from alight.accel.together import OWN, WAITING, write_together, write_visit_one
+from alight.accel.traversal import DONE, write_steps
 from alight.core.jit import kernel
-from alight.core.simd import (
-    as_int,
-    as_uint,
-    bits_float,
-    float_bits,
-    lanes_u32,
-    local_floats,
-    local_longs,
-    local_uints,
-    mask_bits,
-    store_lanes,
-    trailing_zeros,
-    where,
-)
-from alight.core.vec import Vec3
-from alight.core.wide import store_wide, wide
-from alight.shapes.triangle import Shear, rotated, shear_of
+from alight.core.simd import local_floats, local_longs, local_uints, trailing_zeros
 
-#: Most lanes that a packet can have.
-MOST = 16
-
-#: What is kept of a packet's rays, MOST numbers each: origin, direction, its reciprocal, origin in
-#: the order of the shear's axes, shear.
-_ORIGIN, _DIRECTION, _RECIPROCAL, _ROTATED, _SHEAR = (3 * MOST * i for i in range(5))
-_NUMBERS = 15 * MOST
-#: And of whole numbers: rows of the near bounds, then of the shear's axes.
-_AXES = 3 * MOST
-_ROWS = 6 * MOST
-_STACKS = STACK * MOST
-
-#: The step after which a ray has no other.
-_DONE = -1
+_STACKS = OWN * MOST
 
 
-@kernel(strict=True)
-def _store(numbers, k, v):
-    """Write the three components of a packet's vectors from numbers[k] on."""
-    store_lanes(numbers, k, v.x)
-    store_lanes(numbers, k + MOST, v.y)
-    store_lanes(numbers, k + 2 * MOST, v.z)
+def write_apart(visit: Callable, nearest_first: bool) -> Callable:
+    """The second part of a packet's traversal; parameters as of `write_packet`."""
+    open_node, next_entry = write_steps(nearest_first)
+    visit_one = write_visit_one(visit, nearest_first)
 
+    @kernel(strict=True)
+    def apart(tree, data, rays, bits, hits, stack, bases):
+        """Take the rays in `bits` to their ends, each alone.
 
-@kernel(strict=True)
-def _load(numbers, k):
-    """Load one ray's vector, whose first component is numbers[k]."""
-    return Vec3(numbers[k], numbers[k + MOST], numbers[k + 2 * MOST])
+        Parameters as of `write_together`: what waits for ray i stands from ``stack[bases[i]]`` on,
+        up to number ``OWN * i + WAITING``; behind it there is room for a stack.
+        """
+        codes, sizes, order = local_longs(MOST), local_longs(MOST), local_longs(MOST)
+        distances = local_floats(8)
+        count = 0
+        while bits != 0:
+            i = trailing_zeros(bits)
+            bits &= bits - 1
+            codes[i], sizes[i] = next_entry(stack, bases[i], OWN * i + WAITING, hits.t[i])
+            if codes[i] != DONE:
+                order[count] = i
+                count += 1
+        while count > 0:
+            k = 0
+            while k < count:
+                i = order[k]
+                code, size, left = codes[i], sizes[i], tree.patience
+                boxes = box_ray_of(rays, i)
+                while (left > 0) & (code != DONE):
+                    left -= 1
+                    if code < LEAF:
+                        code, size = open_node(tree, code, boxes, hits.t[i], stack, size, distances)
+                    else:
+                        visit_one(tree, data, code, rays, hits, i)
+                        code = DONE
+                    if code == DONE:
+                        code, size = next_entry(stack, bases[i], size, hits.t[i])
+                if code == DONE:
+                    count -= 1
+                    order[k] = order[count]
+                else:
+                    codes[i], sizes[i] = code, size
+                    k += 1
 
-
-@kernel(strict=True)
-def _spread(n, v):
-    """One vector in n lanes."""
-    return Vec3(wide(n, v.x), wide(n, v.y), wide(n, v.z))
-
-
-@kernel(strict=True)
-def prepare(numbers, rows, o, d):
-    """Write down what the box and triangle tests need of each ray of a packet."""
-    r = Vec3(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z))
-    shear = shear_of(d)
-    _store(numbers, _ORIGIN, o)
-    _store(numbers, _DIRECTION, d)
-    _store(numbers, _RECIPROCAL, r)
-    _store(numbers, _ROTATED, rotated(o, shear))
-    _store(numbers, _SHEAR, Vec3(shear.sx, shear.sy, shear.sz))
-    zero = lanes_u32(0)
-    store_lanes(rows, 0, where(r.x >= 0.0, zero, 24))
-    store_lanes(rows, MOST, where(r.y >= 0.0, zero + 8, 32))
-    store_lanes(rows, 2 * MOST, where(r.z >= 0.0, zero + 16, 40))
-    store_lanes(rows, _AXES, WIDTH * (zero + shear.kx))
-    store_lanes(rows, _AXES + MOST, WIDTH * (zero + shear.ky))
-    store_lanes(rows, _AXES + 2 * MOST, WIDTH * (zero + shear.kz))
-
-
-@kernel(strict=True)
-def _box_ray(numbers, rows, i):
-    """The `BoxRay` of ray i."""
-    return BoxRay(
-        _spread(8, _load(numbers, _ORIGIN + i)),
-        _spread(8, _load(numbers, _RECIPROCAL + i)),
-        as_int(rows[i]),
-        as_int(rows[MOST + i]),
-        as_int(rows[2 * MOST + i]),
-    )
-
-
-@kernel(strict=True)
-def _triangle_ray(numbers, rows, i):
-    """The `TriangleRay` of ray i; its shear's axes are in the rows already."""
-    shear = _spread(WIDTH, _load(numbers, _SHEAR + i))
-    return TriangleRay(
-        _spread(WIDTH, _load(numbers, _ROTATED + i)),
-        Shear(0, 0, 0, shear.x, shear.y, shear.z),
-        as_int(rows[_AXES + i]),
-        as_int(rows[_AXES + MOST + i]),
-        as_int(rows[_AXES + 2 * MOST + i]),
-    )
-
-
-@kernel(strict=True)
-def _pop(stack, base, size, t):
-    """The next entry that may hold something nearer than t: (code or _DONE, size)."""
-    while size > base:
-        size -= 1
-        key = stack[size]
-        if bits_float(key >> 32) * SHRINK <= t:
-            return key & 0xFFFFFFFF, size
-    return _DONE, size
+    return apart
 
 
 @lru_cache(maxsize=64)
-def write_closest(closest_of_leaf: Callable) -> Callable:
-    """The traversal for closest hits whose leaves are visited by the given kernel."""
+def write_packet(visit: Callable, nearest_first: bool) -> Callable:
+    """The traversal for the rays of a packet.
+
+    Parameters
+    ----------
+    visit : kernel (tree, data, block, count, o, d, ray, best) -> SingleHit
+        How one ray visits the blocks of a leaf.
+    nearest_first : bool
+        False where any hit will do.
+    """
+    together, apart = write_together(visit, nearest_first), write_apart(visit, nearest_first)
 
     @kernel(strict=True)
-    def closest(tree, data, o, d, bits, ts, us, vs, indices, faces):
-        """The first primitive that each of some rays meets.
+    def packet(tree, data, o, d, bits, hits):
+        """What each of some rays meets.
 
         Parameters
         ----------
@@ -151,127 +95,16 @@ def write_closest(closest_of_leaf: Callable) -> Callable:
             Origins, metres, and directions, whose length is the unit of t.
         bits : int
             The lanes that are wanted; their rays are finite and have a direction.
-        ts, us, vs : local floats
-            ts[i]: in: largest t that counts for lane i; out: t of its hit, with us[i] and vs[i].
-        indices, faces : local uints
-            In: `NONE`; out: the hit's index in the tree and face (`SingleHit`). Of primitives at
-            the same t the one with the lowest (shape, prim).
+        hits : Hits
+            In: the largest t that counts, and `NONE`. Out: what was found; of primitives at the
+            same t the one with the lowest (shape, prim). Where any will do (`traversal`): t -1.
         """
-        numbers, rows, stack = local_floats(_NUMBERS), local_uints(_ROWS), local_longs(_STACKS)
-        codes, sizes, order = local_longs(MOST), local_longs(MOST), local_longs(MOST)
-        distances = local_floats(8)
-        prepare(numbers, rows, o, d)
-        count = 0
-        while bits != 0:
-            i = trailing_zeros(bits)
-            bits &= bits - 1
-            order[count], codes[i], sizes[i] = i, 0, STACK * i
-            count += 1
-        while count > 0:
-            k = 0
-            while k < count:
-                i = order[k]
-                code, size, left = codes[i], sizes[i], tree.patience
-                boxes = _box_ray(numbers, rows, i)
-                while (left > 0) & (code != _DONE):
-                    left -= 1
-                    on = False
-                    if code < LEAF:
-                        at = NODE * code
-                        enter, met = meet_boxes(tree.nodes, at, boxes, ts[i])
-                        children = mask_bits(met)
-                        on = children != 0
-                        if on:
-                            if children & (children - 1) == 0:
-                                child = CHILD + trailing_zeros(children)
-                                code = as_int(float_bits(tree.nodes[at + child]))
-                                fetch_ahead(tree, code)
-                            else:
-                                store_wide(distances, 0, enter)
-                                size = push_children(tree, stack, size, children, distances, at) - 1
-                                code = stack[size] & 0xFFFFFFFF
-                    else:
-                        best = SingleHit(ts[i], as_int(indices[i]), as_int(faces[i]), us[i], vs[i])
-                        best = closest_of_leaf(
-                            tree,
-                            data,
-                            (code & (LEAF - 1)) >> 4,
-                            code & 15,
-                            _load(numbers, _ORIGIN + i),
-                            _load(numbers, _DIRECTION + i),
-                            _triangle_ray(numbers, rows, i),
-                            best,
-                        )
-                        ts[i], us[i], vs[i] = best.t, best.u, best.v
-                        indices[i], faces[i] = as_uint(best.index), as_uint(best.face)
-                    if not on:
-                        code, size = _pop(stack, STACK * i, size, ts[i])
-                if code == _DONE:
-                    count -= 1
-                    order[k] = order[count]
-                else:
-                    codes[i], sizes[i] = code, size
-                    k += 1
+        rays = Rays(local_floats(NUMBERS), local_uints(ROWS))
+        stack, bases = local_longs(_STACKS), local_longs(MOST)
+        write_rays(rays, o, d)
+        for i in range(MOST):
+            bases[i] = OWN * i + WAITING
+        together(tree, data, o, rays, bits, hits, stack, bases)
+        apart(tree, data, rays, bits, hits, stack, bases)
 
-    return closest
-
-
-@lru_cache(maxsize=64)
-def write_any(any_of_leaf: Callable) -> Callable:
-    """The traversal for occlusion whose leaves are visited by the given kernel."""
-
-    @kernel(strict=True)
-    def occluded(tree, data, o, d, bits, ends):
-        """Set ends[i] to -1 if lane i of `bits` meets anything with 0 < t <= ends[i].
-
-        Parameters as of `closest`.
-        """
-        numbers, rows, stack = local_floats(_NUMBERS), local_uints(_ROWS), local_longs(_STACKS)
-        sizes, order = local_longs(MOST), local_longs(MOST)
-        prepare(numbers, rows, o, d)
-        count = 0
-        while bits != 0:
-            i = trailing_zeros(bits)
-            bits &= bits - 1
-            order[count], sizes[i], stack[STACK * i] = i, STACK * i + 1, 0
-            count += 1
-        while count > 0:
-            k = 0
-            while k < count:
-                i = order[k]
-                size, end, left = sizes[i], ends[i], tree.patience
-                boxes = _box_ray(numbers, rows, i)
-                while (left > 0) & (size > STACK * i):
-                    left -= 1
-                    size -= 1
-                    code = stack[size]
-                    if code < LEAF:
-                        at = NODE * code
-                        _, met = meet_boxes(tree.nodes, at, boxes, end)
-                        children = mask_bits(met)
-                        while children != 0:
-                            child = CHILD + trailing_zeros(children)
-                            children &= children - 1
-                            stack[size] = as_int(float_bits(tree.nodes[at + child]))
-                            fetch_ahead(tree, stack[size])
-                            size += 1
-                    elif any_of_leaf(
-                        tree,
-                        data,
-                        (code & (LEAF - 1)) >> 4,
-                        code & 15,
-                        _load(numbers, _ORIGIN + i),
-                        _load(numbers, _DIRECTION + i),
-                        _triangle_ray(numbers, rows, i),
-                        end,
-                    ):
-                        ends[i] = -1.0
-                        size = STACK * i
-                if size == STACK * i:
-                    count -= 1
-                    order[k] = order[count]
-                else:
-                    sizes[i] = size
-                    k += 1
-
-    return occluded
+    return packet

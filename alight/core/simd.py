@@ -220,14 +220,15 @@ def load_lanes(buffer, i):
     return buffer[i : i + int(LANES)].copy()
 
 
-def expand_lanes(buffer, i, mask, otherwise):
-    """Deal ``buffer[i], buffer[i + 1], ...`` to the lanes of the mask in turn.
+def packing(mask):
+    """The lanes of the mask one after another, then the others: an order for `permuted`."""
+    inside = np.broadcast_to(mask, (int(LANES),))
+    return np.argsort(~inside, kind="stable").astype(np.uint32)
 
-    Lanes without it keep `otherwise`. ``buffer[i : i + LANES]`` must exist.
-    """
-    result = np.broadcast_to(otherwise, np.shape(mask)).astype(buffer.dtype)
-    result[mask] = buffer[i : i + np.count_nonzero(mask)]
-    return result
+
+def permuted(x, order):
+    """``x[order[0]], x[order[1]], ...``; the order (u32 lanes) may be computed."""
+    return np.broadcast_to(x, np.shape(order))[order]
 
 
 def as_uint(i):

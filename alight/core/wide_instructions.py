@@ -17,7 +17,6 @@ from alight.core.lane_types import (
     I32,
     Floats,
     LaneType,
-    N,
     Uints,
     call,
     convert,
@@ -46,19 +45,44 @@ def _pointer(context, builder, kind, value, index, index_kind, target):
     return builder.bitcast(builder.gep(data, [at]), target.as_pointer())
 
 
-@_stands_for(simd.expand_lanes)
+@_stands_for(simd.packing)
 @intrinsic
-def _expand_lanes(typing, buffer, i, mask, otherwise):
-    kind = _vector_of(buffer, N)
+def _packing(typing, mask):
+    kind = Uints(mask.n)
 
     def codegen(context, builder, sig, args):
-        element = kind.vector.element
-        start = _pointer(context, builder, buffer, args[0], args[1], i, element)
-        rest = convert(context, builder, args[3], otherwise, kind)
-        name = f"llvm.masked.expandload.{suffix(kind.vector)}"
-        return call(builder, name, kind.vector, [start, args[2], rest])
+        n, floats = mask.n, Floats(mask.n).vector
+        numbers = ir.Constant(kind.vector, list(range(n)))
+        name = f"llvm.experimental.vector.compress.{suffix(kind.vector)}"
+        inside = call(builder, name, kind.vector, [numbers, args[0], numbers])
+        outside = call(builder, name, kind.vector, [numbers, builder.not_(args[0]), numbers])
+        bits = builder.zext(builder.bitcast(args[0], ir.IntType(n)), I32)
+        count = builder.insert_element(
+            ir.Constant(kind.vector, ir.Undefined),
+            call(builder, "llvm.ctpop.i32", I32, [bits]),
+            ir.Constant(I32, 0),
+        )
+        count = _shuffle(builder, count, count, [0] * n)
+        behind = builder.and_(builder.sub(numbers, count), ir.Constant(kind.vector, [n - 1] * n))
+        moved = _permute(builder, builder.bitcast(outside, floats), behind, n)
+        first = builder.icmp_unsigned("<", numbers, count)
+        return builder.select(first, inside, builder.bitcast(moved, kind.vector))
 
-    return kind(buffer, i, mask, otherwise), codegen
+    return kind(mask), codegen
+
+
+@_stands_for(simd.permuted)
+@intrinsic
+def _permuted(typing, x, order):
+    if not isinstance(x, Floats | Uints):
+        return None
+
+    def codegen(context, builder, sig, args):
+        floats = Floats(x.n).vector
+        value = _permute(builder, builder.bitcast(args[0], floats), args[1], x.n)
+        return builder.bitcast(value, x.vector)
+
+    return x(x, order), codegen
 
 
 @_stands_for(wide.wide)
@@ -185,17 +209,22 @@ def _gather_near(typing, table, k, index):
         )
         load.align = 4
         repeated = _shuffle(builder, load, load, [i % 4 for i in range(index.n)])
-        name = {16: "llvm.x86.avx512.permvar.sf.512", 8: "llvm.x86.avx2.permps"}.get(index.n)
-        if name is not None and _HAS_PERMUTATION[index.n]:
-            return call(builder, name, result.vector, [repeated, args[2]])
-        out = ir.Constant(result.vector, ir.Undefined)
-        for i in range(index.n):
-            lane = builder.extract_element(args[2], ir.Constant(I32, i))
-            one = builder.extract_element(load, lane)
-            out = builder.insert_element(out, one, ir.Constant(I32, i))
-        return out
+        return _permute(builder, repeated, args[2], index.n)
 
     return result(table, k, index), codegen
+
+
+def _permute(builder, x, order, n):
+    """``x[order]`` for n floats."""
+    name = {16: "llvm.x86.avx512.permvar.sf.512", 8: "llvm.x86.avx2.permps"}.get(n)
+    if name is not None and _HAS_PERMUTATION[n]:
+        return call(builder, name, x.type, [x, order])
+    out = ir.Constant(x.type, ir.Undefined)
+    for i in range(n):
+        lane = builder.extract_element(order, ir.Constant(I32, i))
+        one = builder.extract_element(x, lane)
+        out = builder.insert_element(out, one, ir.Constant(I32, i))
+    return out
 
 
 def _permutation_features() -> dict[int, bool]:

@@ -18,8 +18,9 @@ from alight.core.jit import kernel
 from alight.core.registry import Models
 from alight.core.simd import (
     LANES,
+    as_int,
+    gather,
     lanes_u32,
-    load_lanes,
     local_floats,
     local_uints,
     mask_bits,
@@ -37,8 +38,9 @@ from alight.samplers.sampling import get_1d, get_2d
 PASS, RECORDED = "contributions", "recorded"
 
 #: words: four u32 a contribution (see `FIELDS`); values: red, green, blue; count: [contributions so
-#: far, those for which there was no room too]; first: a u32 a lane, number of the first material.
-Log = namedtuple("Log", "words values count first")
+#: far, those for which there was no room too]; first: a u32 a sample, number of the first material;
+#: window: u32, first column and row of the tile, its columns, samples a pixel, replicates.
+Log = namedtuple("Log", "words values count first window")
 
 #: What the words hold: y and x; replicate and depth (16 bits each); light + 1; how the light was
 #: found and number of the first material + 1.
@@ -62,10 +64,31 @@ def step(program):
 
 
 @kernel
-def meet(scene, surface, depth):
-    """Note the material that the camera's rays meet; 0 stands for none."""
-    first = load_lanes(scene.log.first, 0)
-    store_lanes(scene.log.first, 0, where(depth == 1, surface.bsdf + 1, first))
+def sample_number(log, sampler, mask):
+    """The number of each lane's sample among those of the tile, in lanes of the mask; else 0."""
+    x0, y0, columns, samples, replicates = (
+        log.window[0], log.window[1], log.window[2], log.window[3], log.window[4],
+    )  # fmt: skip
+    pixel = (sampler.y - y0) * columns + (sampler.x - x0)
+    number = pixel * samples + sampler.index * replicates + sampler.scramble
+    return where(mask, number, 0)
+
+
+@kernel
+def meet(scene, path, surface, depth, mask):
+    """Note the material that the camera's rays meet; 0 stands for none.
+
+    A path changes its lane while it waits, so the note stands by its sample.
+    """
+    log, numbers, materials = scene.log, local_uints(16), local_uints(16)
+    new = mask & (depth == 1)
+    store_lanes(numbers, 0, sample_number(log, path.sampler, new))
+    store_lanes(materials, 0, surface.bsdf + 1)
+    bits = mask_bits(new)
+    while bits != 0:
+        lane = trailing_zeros(bits)
+        bits &= bits - 1
+        log.first[as_int(numbers[lane])] = materials[lane]
 
 
 @kernel
@@ -73,7 +96,8 @@ def find(scene, path, light, depth, mask, value):
     """Log light that the rays came upon; `light` is its number + 1."""
     how = where(path.delta, lanes_u32(BY_DELTA), lanes_u32(BY_BSDF))
     how = where(depth == 1, lanes_u32(SEEN), how)
-    first = where(depth == 1, lanes_u32(0), load_lanes(scene.log.first, 0))
+    number = sample_number(scene.log, path.sampler, mask)
+    first = where(depth == 1, lanes_u32(0), gather(scene.log.first, number))
     write(scene.log, path, light, depth, how, first, mask, value)
 
 
@@ -97,7 +121,7 @@ def sample(scene, path, p, n, depth, mask, value):
     )
     index = choose_light_at(scene, p, n, u, u2, mask)
     light = lanes_u32(0) + index + 1
-    first = load_lanes(scene.log.first, 0)
+    first = gather(scene.log.first, sample_number(scene.log, path.sampler, mask))
     write(scene.log, path, light, depth + 1, lanes_u32(BY_LIGHT), first, mask, value)
 
 

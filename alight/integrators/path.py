@@ -22,7 +22,7 @@ from alight.bsdfs.switch import absorbs, concentration, refracts, transmittance
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
-from alight.core.simd import any_lane, lanes, minimum, where
+from alight.core.simd import any_lane, lanes, lanes_mask, minimum, where
 from alight.core.spec import Depth, Integrator, Truth, invalid
 from alight.core.vec import max_component
 from alight.integrators.walk import (
@@ -170,9 +170,10 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         wo = to_local(surface, -path.d)
         path = through(scene, surface, wo, hit.t, active, path)
         if recorded:
-            meet(scene, surface, depth)
+            meet(scene, path, surface, depth, active)
 
         # The camera looks through lights: such a path goes on as if it had met nothing.
+        hidden = lanes_mask(False)
         if hides:
             hidden = active & (path.depth == 0) & (surface.light != 0)
             active = active & ~hidden

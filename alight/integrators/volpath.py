@@ -47,7 +47,9 @@ from alight.integrators.volume_walk import (
     medium_beyond,
 )
 from alight.integrators.volume_walk import empty_paths as empty_paths
+from alight.integrators.volume_walk import put_more as put_more
 from alight.integrators.volume_walk import start_paths as start_paths
+from alight.integrators.volume_walk import take_more as take_more
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,

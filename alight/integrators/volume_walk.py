@@ -28,10 +28,19 @@ from alight.core.simd import (
     lanes_mask,
     lanes_u32,
     lanes_vec3,
+    load_lanes,
     to_uint,
     where,
 )
 from alight.core.vec import dot, max_component
+from alight.integrators.queue import (
+    MORE_FLOATS,
+    MORE_UINTS,
+    ROOM,
+    put_row,
+    put_vector,
+    vector_at,
+)
 from alight.integrators.walk import Path, begin_paths, count_lanes, no_paths
 from alight.media.sampling import cross
 from alight.media.tables import CHROMATIC, KEEP, Crossing, segment_of
@@ -63,6 +72,29 @@ def with_media(path, medium, channel, steps, ours, lights):
         path.o, path.d, path.p, path.L, path.L_direct, path.beta, path.pdf, path.delta, path.depth,
         path.sampler, path.active, path.rays, medium, channel, steps, ours, lights,
     )  # fmt: skip
+
+
+@kernel
+def put_more(queue, at, order, path):
+    """Write what a path through media has more than others, for the time that it waits."""
+    put_vector(queue.floats, MORE_FLOATS, at, order, path.ours)
+    put_vector(queue.floats, MORE_FLOATS + 3, at, order, path.lights)
+    put_row(queue.uints, MORE_UINTS, at, order, path.medium)
+    put_row(queue.uints, MORE_UINTS + 1, at, order, path.channel)
+    put_row(queue.uints, MORE_UINTS + 2, at, order, path.steps)
+
+
+@kernel
+def take_more(queue, at, path):
+    """A `Path` that has waited, with what it has more."""
+    return with_media(
+        path,
+        load_lanes(queue.uints, MORE_UINTS * ROOM + at),
+        load_lanes(queue.uints, (MORE_UINTS + 1) * ROOM + at),
+        load_lanes(queue.uints, (MORE_UINTS + 2) * ROOM + at),
+        vector_at(queue.floats, MORE_FLOATS, at),
+        vector_at(queue.floats, MORE_FLOATS + 3, at),
+    )
 
 
 @kernel

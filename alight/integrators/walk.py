@@ -128,7 +128,7 @@ def begin_paths(new, o, d, weight, sampler, path):
 @specialised
 def empty_paths(program):
     """``empty_paths()``: paths of which none is active, with all that the integrator keeps."""
-    return getattr(_module(program), "empty_paths", no_paths)
+    return getattr(module_of(program), "empty_paths", no_paths)
 
 
 @specialised
@@ -136,9 +136,9 @@ def start_paths(program):
     """``start_paths(new, o, d, weight, sampler, path)``: as `begin_paths`, for the integrator.
 
     An integrator that keeps more than a `Path` has kernels of the names `empty_paths` and
-    `start_paths`.
+    `start_paths`, and `put_more` and `take_more` for the time that its paths wait (`queue`).
     """
-    return getattr(_module(program), "start_paths", begin_paths)
+    return getattr(module_of(program), "start_paths", begin_paths)
 
 
 @kernel
@@ -168,10 +168,10 @@ def to_world(surface, w):
 @specialised
 def step(program):
     """The step of the program's integrator, or of a pass beside the picture."""
-    return _module(program).step(program)
+    return module_of(program).step(program)
 
 
-def _module(program):
+def module_of(program):
     """The module of a program's integrator, or of the pass in its place."""
     if program.integrator in PASSES:
         return import_module(f"alight.integrators.{program.integrator}")

@@ -59,7 +59,8 @@ def extinction(spec: Any) -> Triple:
 def scattering_albedo(spec: Any) -> Triple:
     """Share of scattering in the extinction of each channel; 0 where there is none."""
     if spec.sigma_a is None and spec.sigma_s is None:
-        return (DEFAULT_ALBEDO,) * 3 if spec.albedo is None else spec.albedo
+        default = (DEFAULT_ALBEDO, DEFAULT_ALBEDO, DEFAULT_ALBEDO)
+        return default if spec.albedo is None else spec.albedo
     pairs = zip(*_parts(spec), strict=True)
     red, green, blue = (s / (a + s) if s > 0.0 else 0.0 for a, s in pairs)
     return red, green, blue

@@ -11,7 +11,6 @@ import numpy as np
 from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene, SceneTables
 from alight.core.jit import instantiate
-from alight.core.simd import LANES
 from alight.core.view import View
 from alight.films import CELL_SIZE
 from alight.films.fixed_point import carry, to_float
@@ -123,7 +122,8 @@ class Recorder:
                 View(np.zeros((room, FIELDS), np.uint32)),
                 View(np.zeros((room, 3), np.float32)),
                 View(np.zeros(1, np.int64)),
-                View(np.zeros(max(int(LANES), 16), np.uint32)),
+                View(np.zeros(spp * width * height, np.uint32)),
+                View(np.array([tile.x0, tile.y0, width, spp, settings.replicates], np.uint32)),
             )
             film = Scratch().film(settings, tile, False)
             self.kernel(RecordedTables(*self.scene.tables, log), settings, tile, ranges, film)

@@ -1,7 +1,9 @@
 """The main loop inside a tile: start paths, carry them on, add the finished ones to the film.
 
-Lanes are *persistent*: a lane whose path has ended takes the next sample of the tile at once, so
-that packets stay full although paths differ in length (Aila and Laine 2009 call it dynamic fetch).
+A packet's samples take their first step together. Where some paths end, the others wait in a queue,
+from which the next packet is taken as soon as they fill one; so packets stay full although paths
+differ in length, and hold paths of the same pixel and depth, whose rays go the same way (the
+regeneration and compaction of paths of Wald 2011, Active thread compaction for GPU path tracing).
 """
 
 from __future__ import annotations
@@ -15,10 +17,8 @@ from alight.core.simd import (
     any_lane,
     as_int,
     as_uint,
-    bits_mask,
-    count_bits,
-    expand_lanes,
     is_finite,
+    lane_index,
     lanes_u32,
     lanes_vec3,
     load_lanes,
@@ -30,12 +30,11 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.vec import Vec3
 from alight.films.fixed_point import split
 from alight.filters.importance import sample_filter
+from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, take
 from alight.integrators.walk import FILTER, LENS, count_lanes, empty_paths, start_paths, step
 from alight.samplers.sampling import get_2d, sampler_state
-from alight.samplers.state import SamplerState
 
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
@@ -44,12 +43,8 @@ Tile = namedtuple("Tile", "x0 y0 x1 y1")
 #: of the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
-#: Samples that wait: `floats` holds rows of o, d and the filter's weight, `uints` rows of x, y,
-#: index, scramble and the keys a, b of the sampler. A row has room for two packets, so that a
-#: packet's worth can be read from any place in the first.
-Queue = namedtuple("Queue", "floats uints")
-ROOM = 32
-FLOATS, UINTS = 7 * ROOM, 6 * ROOM
+#: Rows of `start`: x, y, index and scramble of each lane's sample.
+TAKEN = 4 * ROOM
 
 CELL = 8
 INVALID, SATURATED, RAYS = 0, 1, 2
@@ -102,28 +97,32 @@ def next_pixel(settings, tile, ranges, cursor):
 
 
 @kernel
-def fill(scene, settings, tile, ranges, cursor, queue):
-    """Make camera rays for the next packet of samples; returns the cursor and how many there are.
+def start(scene, settings, tile, ranges, cursor):
+    """The next packet of samples as paths that wait for their first step; returns the cursor too.
 
-    Lanes of the packet run empty a few at a time; making the rays for those few would keep the
-    other lanes of the processor idle.
+    All lanes start together, on one pixel or its neighbours, so that their first steps look at
+    the same things.
     """
     _, cells = count_cells(tile)
-    floats, uints = queue.floats, queue.uints
+    taken = local_uints(TAKEN)
     count = 0
     while count < LANES and cursor.cell < cells:
-        uints[count] = as_uint(cursor.x)
-        uints[ROOM + count] = as_uint(cursor.y)
-        uints[2 * ROOM + count] = as_uint(cursor.index)
-        uints[3 * ROOM + count] = as_uint(cursor.scramble)
+        taken[count] = as_uint(cursor.x)
+        taken[ROOM + count] = as_uint(cursor.y)
+        taken[2 * ROOM + count] = as_uint(cursor.index)
+        taken[3 * ROOM + count] = as_uint(cursor.scramble)
         count += 1
         if cursor.left > 1:
             cursor = next_sample(settings, cursor)
         else:
             cursor = next_pixel(settings, tile, ranges, cursor)
-    x, y = load_lanes(uints, 0), load_lanes(uints, ROOM)
+    for i in range(count, LANES):
+        # Nobody sees what lanes without a sample do, but they do it with numbers of their own.
+        taken[i], taken[ROOM + i], taken[3 * ROOM + i] = as_uint(0), as_uint(0), as_uint(0)
+        taken[2 * ROOM + i] = as_uint(-1 - i)
+    x, y = load_lanes(taken, 0), load_lanes(taken, ROOM)
     sampler = sampler_state(
-        x, y, load_lanes(uints, 2 * ROOM), load_lanes(uints, 3 * ROOM), lanes_u32(settings.seed)
+        x, y, load_lanes(taken, 2 * ROOM), load_lanes(taken, 3 * ROOM), lanes_u32(settings.seed)
     )
     # Filter importance sampling: the sample belongs to this pixel alone, at an offset that has
     # the filter's density (Ernst, Stamminger and Greiner 2006).
@@ -131,52 +130,8 @@ def fill(scene, settings, tile, ranges, cursor, queue):
     o, d = generate_ray(
         scene, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS)
     )
-    store_lanes(uints, 4 * ROOM, sampler.a)
-    store_lanes(uints, 5 * ROOM, sampler.b)
-    store_lanes(floats, 0, o.x)
-    store_lanes(floats, ROOM, o.y)
-    store_lanes(floats, 2 * ROOM, o.z)
-    store_lanes(floats, 3 * ROOM, d.x)
-    store_lanes(floats, 4 * ROOM, d.y)
-    store_lanes(floats, 5 * ROOM, d.z)
-    store_lanes(floats, 6 * ROOM, weight)
-    return cursor, count
-
-
-@kernel
-def first_bits(bits, count):
-    """The lowest `count` of the bits that are set."""
-    rest = bits
-    for _ in range(count):
-        rest &= rest - 1
-    return bits & ~rest
-
-
-@kernel
-def deal(settings, queue, at, new, path):
-    """Start paths in the lanes of `new` with the samples from number `at` of the queue."""
-    floats, uints, old = queue.floats, queue.uints, path.sampler
-    sampler = SamplerState(
-        expand_lanes(uints, at, new, old.x),
-        expand_lanes(uints, ROOM + at, new, old.y),
-        expand_lanes(uints, 2 * ROOM + at, new, old.index),
-        expand_lanes(uints, 3 * ROOM + at, new, old.scramble),
-        lanes_u32(settings.seed),
-        expand_lanes(uints, 4 * ROOM + at, new, old.a),
-        expand_lanes(uints, 5 * ROOM + at, new, old.b),
-    )
-    o = Vec3(
-        expand_lanes(floats, at, new, path.o.x),
-        expand_lanes(floats, ROOM + at, new, path.o.y),
-        expand_lanes(floats, 2 * ROOM + at, new, path.o.z),
-    )
-    d = Vec3(
-        expand_lanes(floats, 3 * ROOM + at, new, path.d.x),
-        expand_lanes(floats, 4 * ROOM + at, new, path.d.y),
-        expand_lanes(floats, 5 * ROOM + at, new, path.d.z),
-    )
-    weight = expand_lanes(floats, 6 * ROOM + at, new, 0.0)
-    return start_paths(new, o, d, weight, sampler, path)
+    new = lane_index() < count
+    return cursor, start_paths(new, o, d, weight, sampler, empty_paths())
 
 
 @specialised
@@ -236,26 +191,24 @@ def render_tile_kernel(scene, settings, tile, ranges, film):
     queue = Queue(local_floats(FLOATS), local_uints(UINTS))
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     _, cells = count_cells(tile)
-    taken, waiting = 0, 0
+    waiting, rays = 0, 0
     while True:
-        idle = mask_bits(~path.active)
-        while idle != 0:
-            if waiting == 0:
-                if cursor.cell >= cells:
-                    break
-                cursor, waiting = fill(scene, settings, tile, ranges, cursor, queue)
-                taken = 0
-            count = min(count_bits(idle), waiting)
-            new = first_bits(idle, count)
-            path = deal(settings, queue, taken, bits_mask(new), path)
-            idle &= ~new
-            taken += count
-            waiting -= count
-        if not any_lane(path.active):
-            break
+        if mask_bits(~path.active) != 0:
+            rays += path.rays
+            waiting = put(queue, waiting, path)
+            if waiting >= LANES:
+                waiting -= LANES
+                path = take(settings, queue, waiting, LANES)
+            elif cursor.cell < cells:
+                cursor, path = start(scene, settings, tile, ranges, cursor)
+            elif waiting > 0:
+                path = take(settings, queue, 0, waiting)
+                waiting = 0
+            else:
+                break
         before = path.active
         path = step(scene, settings, path)
         finished = before & ~path.active
         if any_lane(finished):
             add_finished(settings, tile, film, path, finished)
-    film.tally[RAYS] += path.rays
+    film.tally[RAYS] += rays

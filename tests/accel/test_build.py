@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from alight.accel import batch
+from alight.accel.cost import BIG, COSTLY, ENDLESS, patience
 from alight.accel.layout import BLOCK, CHILD, COUNT, IDS, LEAF, MAX_DEPTH, NODE, STACK, WIDTH
+from alight.core.simd import LANES
 from alight.core.view import View
 from tests.accel.tracing import icosphere, torus
 
@@ -31,6 +33,11 @@ def assert_complete(bvh, stats, n):
     assert np.array_equal(np.sort(found), np.arange(n))
     assert depth == stats["depth"] <= MAX_DEPTH
     assert 7 * depth + 1 <= STACK
+    # Children stand side by side, and their number with them.
+    nodes = bvh.nodes.array.reshape(-1, NODE)
+    there = nodes[:, :8] <= nodes[:, 24:32]
+    counts = nodes.view(np.uint32)[:, COUNT]
+    assert np.array_equal(there, np.arange(8) < counts[:, None])
 
 
 @pytest.mark.parametrize("method", ["sah", "median"])
@@ -86,8 +93,6 @@ def test_sah_costs_less_than_the_median():
 
 
 def test_rays_share_the_time_only_where_they_wait_for_memory():
-    from alight.accel.cost import BIG, COSTLY, ENDLESS, patience
-
     bvh, _ = batch.build(*torus(40, 30, 0.3))
     assert bvh.patience == ENDLESS
     # Only the size of the arrays counts here, not what is in them.
@@ -113,3 +118,32 @@ def test_how_rays_share_the_time_changes_no_hit():
     for other in results[1:]:
         for a, b in zip(results[0], other, strict=True):
             np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.parametrize("big", [False, True])
+def test_rays_that_travel_together_find_what_each_finds_alone(big):
+    """Camera rays stay together to the leaves, random ones part at once and wait in numbers."""
+    rng = np.random.default_rng(6)
+    vertices, faces = torus(60, 40, 0.3)
+    vertices = np.concatenate([vertices, rng.normal(size=(9000, 3)).astype(np.float32)])
+    soup = len(vertices) - 9000 + np.arange(9000, dtype=np.int32).reshape(-1, 3)
+    bvh, _ = batch.build(vertices, np.concatenate([faces, soup]))
+    bvh = bvh._replace(patience=1 if big else ENDLESS)
+    x, y = np.meshgrid(np.linspace(-1.5, 1.5, 32), np.linspace(-1.5, 1.5, 32))
+    camera = np.stack([x, y, np.full_like(x, -3.0)], axis=-1).reshape(-1, 3)
+    d = np.concatenate([camera, rng.normal(size=(512, 3))]).astype(np.float32)
+    o = np.where(np.arange(len(d))[:, None] < 1024, [0.0, 0.0, 3.0], rng.normal(size=d.shape))
+    o = o.astype(np.float32)
+    together = [*batch.intersect_batch(bvh, o, d), batch.is_occluded_batch(bvh, o, d)]
+    # Rays without a direction fill the other lanes of each packet.
+    n = int(LANES)
+    alone = np.zeros((n * len(d), 3), np.float32)
+    alone[::n] = d
+    origins = np.repeat(o, n, axis=0)
+    single = [
+        *batch.intersect_batch(bvh, origins, alone),
+        batch.is_occluded_batch(bvh, origins, alone),
+    ]
+    assert 300 < np.isfinite(together[0]).sum() < len(d)
+    for a, b in zip(together, single, strict=True):
+        np.testing.assert_array_equal(a, b[::n])

@@ -18,6 +18,7 @@ WORDS = (
     "ReverseOrientation", "Identity", "Scale 1e20 1 1", "Scale 0 0 0", "float", "rgb", "point3",
     "texture", "spectrum", "sphere", "disk", "loopsubdiv", "bilinearmesh", "mix", "glass", "hair",
     "conductor", "../x", "/etc/passwd", "letters.png", "scene.pbrt", "part.pbrt", "t", "m", "o",
+    "fog", "MediumInterface", "uniformgrid", "volpath",
 )
 # fmt: on
 
@@ -63,6 +64,20 @@ TransformBegin Translate 0.5 0 0 ObjectInstance "o" TransformEnd
 ReverseOrientation
 Material "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" [400 1.5 700 3.5]
 Shape "bilinearmesh" "point3 P" [-1 -1 0 0 -1 0 -1 0 0 0 0 1] "float alpha" 0.7
+"""),
+    (4, """LightSource "infinite" "float scale" 0.5
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0.1 0.2 0.3]
+  "rgb sigma_s" [1 2 3] "float scale" 0.5 "float g" 0.4
+Attribute "medium" "float g" 0.1
+MakeNamedMedium "cloud" "string type" "uniformgrid" "integer nx" 2 "integer ny" 1 "integer nz" 3
+  "float density" [1 2 3 4 5 6] "point3 p0" [-1 -1 -1] "point3 p1" [1 1 1]
+MediumInterface "fog" ""
+Material "interface"
+Shape "sphere" "float radius" 0.8
+AttributeBegin
+  MediumInterface "cloud" "fog" Material "dielectric"
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
 """),
     (3, """LightSource "infinite" "rgb L" [0.5 0.5 0.4]
 LightSource "spot" "color I" [4 3 2] "point from" [0 2 4] "point to" [0 0 0] "float coneangle" 40

@@ -199,6 +199,8 @@ def test_alternatives_are_the_other_choices():
         "integrator.heuristic=balance",
         "integrator.russian_roulette=none",
         "integrator.light_choice=uniform",
+        "integrator.light_choice=tree",
+        "integrator.hide_emitters=true",
     }
     lit = alternatives(
         alight.load(SCENE), Part(depth=2, technique=TECHNIQUES[BY_LIGHT], light="lamp")

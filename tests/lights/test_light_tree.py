@@ -157,6 +157,20 @@ def test_rays_find_the_density_that_light_sampling_says():
     assert close.mean() > 0.99
 
 
+def test_a_group_is_not_dark_where_one_of_it_shines():
+    # Both lamps of the group face down; the point is above its middle and below the upper one.
+    down = rotate("x", 180).matrix @ np.diag([0.1, 0.1, 0.1, 1.0])
+    places = [(0, 0, 1), (0, 0, 5), (60, 0, 1)]
+    world = World(
+        *((Rectangle(), translate(*at).matrix @ down, Area()) for at in places), selection="tree"
+    )
+    upper = np.ones(1, np.uint32)
+    p, on = points((3.0, 0.0, 3.5), 1), np.ones(1, bool)
+    assert run(plain_probability, world.scene, upper, upper * 0, p, on)[0] > 0.9
+    found, _ = choices(world, (3.0, 0.0, 3.5), (-0.6, 0.0, 0.8))
+    assert np.mean((found.pmf > 0.0) & (found.index == 1)) > 0.9
+
+
 def test_few_lights_have_no_tree():
     few = [PlacedLight("lamp", Point(), translate(k, 0, 0).matrix) for k in range(64)]
     assert not World(lights=few[:MOST_WITHOUT_TREE], selection="auto").lights.has_tree

@@ -154,7 +154,7 @@ LIGHT = (
                 "cos_l = where(inside, 1.0, cos_x)",
             ),
         ),
-        f"{TREE}::test_tree_and_power_agree_on_the_light",
+        f"{TREE}::test_a_group_is_not_dark_where_one_of_it_shines",
     ),
     Mutant(
         "sun whose samples do not know those of the sky",

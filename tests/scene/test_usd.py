@@ -338,6 +338,17 @@ def test_pictures_inside_of_packages_are_read(tmp_path):
 
 
 MISTAKES = {
+    "type": ('def Cube "c" { token size = "x" }', "/c size must be of type double, got string"),
+    "unknown type": ('def Cube "c" { uble size = 1 }', "/c size must be of type double"),
+    "transform": (
+        (
+            'def Xform "x" { float xformOp:translate = 1\n'
+            'uniform token[] xformOpOrder = ["xformOp:translate"] }'
+        ),
+        "OpenUSD: Invalid combination of opType (TypeTranslate)",
+    ),
+    "axis": ('def Plane "p" { uniform token axis = "W" }', '/p unknown axis "W"'),
+    "list": ('def Sphere "s" { double[] radius = [1] }', "radius must be of type double, got"),
     "indices": (
         f'def Mesh "m" {{{SQUARE}}}'.replace("2, 3]", "2, 9]"),
         "/m faceVertexIndices must be points, 0 to 3, got 9",

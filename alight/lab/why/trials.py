@@ -62,6 +62,10 @@ class Trial:
         return self.efficiency.value > 1.0 and self.p_value < LEVEL
 
 
+#: The choice that is one of the others, by itself.
+AUTO = "auto"
+
+
 def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
     """Every other choice of the integrator and the environment, by what to ``--set``.
 
@@ -84,7 +88,11 @@ def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
             shown = str(value).lower() if isinstance(value, bool) else value
             found[f"{path}.{name}={shown}"] = changed.from_source(scene.source)
     first = {"light_choice", "sampling"} if _is_by_light(cause) else {"light_sampling", "heuristic"}
-    if compile_scene(flatten(small(scene))).program.single_light:
+    program = compile_scene(flatten(small(scene))).program
+    if getattr(scene.integrator, "light_choice", None) == AUTO:
+        # What it takes by itself is no other choice.
+        found.pop(f"integrator.light_choice={'tree' if program.light_tree else 'power'}", None)
+    if program.single_light:
         # Nothing to choose from.
         found = {key: other for key, other in found.items() if ".light_choice=" not in key}
     order = sorted(found, key=lambda key: key.split(".")[1].split("=")[0] not in first)
@@ -102,7 +110,8 @@ def _other_choices(spec: Spec) -> Iterator[tuple[str, Any]]:
         if name == "type":
             continue
         if get_origin(field.annotation) is Literal:
-            yield from ((name, choice) for choice in get_args(field.annotation) if choice != value)
+            choices = get_args(field.annotation)
+            yield from ((name, choice) for choice in choices if choice not in (value, AUTO))
         elif isinstance(value, bool):
             yield name, not value
 

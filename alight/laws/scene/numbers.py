@@ -118,6 +118,7 @@ def _followed(
                 View(np.zeros((64 * max_depth, 3), np.float32)),
                 View(np.zeros(1, np.int64)),
                 View(np.zeros(int(LANES), np.uint32)),
+                View(np.array([x, y, 1, int(LANES), 1], np.uint32)),
             )
             film = Scratch().film(settings, tile, False)
             ranges = View(np.array([[[0, int(LANES)]]], np.int64))

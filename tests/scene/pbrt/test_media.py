@@ -3,6 +3,12 @@
 import numpy as np
 import pytest
 
+from alight.compiled.scene import compile_scene
+from alight.films import fixed_point
+from alight.integrators.walk import make_settings
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.scene import flatten
 from alight.scene.formats.pbrt.media import COVERED
 from tests.scene.pbrt.reading import HEAD, messages, native, node, read, read_old
 
@@ -160,3 +166,29 @@ def test_lenient_reading_takes_empty_space_for_other_media():
     assert scene.media["fog"] == native("media", "{type: homogeneous, sigma_t: 0}")
     assert any("empty space is taken" in warning for warning in scene.warnings)
     assert "cloud" not in COVERED
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        f'MediumInterface "fog" ""\n{SPHERE}',
+        f'MediumInterface "" "fog"\nReverseOrientation\n{SPHERE}',
+        f'MediumInterface "" "fog"\nScale -1 1 1\n{SPHERE}',
+    ],
+)
+def test_light_through_a_ball_is_absorbed_on_the_side_that_was_meant(shape):
+    head = 'LookAt 0 0 5  0 0 0  0 1 0\nCamera "perspective" "float fov" .1\n'
+    head += 'Film "rgb" "integer xresolution" 8 "integer yresolution" 8\n'
+    fog = f'{FOG} "rgb sigma_a" [0.5 0.5 0.5] "rgb sigma_s" [0 0 0]'
+    body = f'LightSource "infinite"\n{fog}\n{shape}'
+    scene = compile_scene(flatten(read(body, head)), structure="list")
+    settings = make_settings(scene.integrator, seed=0, replicates=4)
+    kernels = make_kernels(scene, compiled=False)
+    samples = np.array([[[0, 16]]], np.int64)
+    film, _ = render_tile(kernels, scene, settings, Tile(0, 0, 8, 8), samples)
+    fixed_point.carry(film.sums)
+    mean = fixed_point.to_float(film.sums)[..., :3].sum(axis=(0, 1, 2)) / film.counts.sum()
+    # A ray comes through the diameter with the probability 1/e.
+    wanted = np.exp(-1.0)
+    error = np.sqrt(wanted * (1.0 - wanted) / film.counts.sum())
+    assert np.abs(mean - wanted).max() < 3.0 * error

@@ -173,8 +173,11 @@ class Graph:
         self.stage.report.count("solids")
         shape, steps = found
         bsdf, material = self._material_of(prim, prim)
-        self.bounds.add(np.array(UsdGeom.Boundable(prim).ComputeExtentFromPlugins(
-            UsdGeom.Boundable(prim), self.stage.time)), to_world)  # fmt: skip
+        boundable = UsdGeom.Boundable(prim)
+        extent = boundable.ComputeExtentFromPlugins(boundable, self.stage.time)
+        # There is none where its numbers are of a wrong type, which has been said.
+        if extent is not None:
+            self.bounds.add(np.array(extent), to_world)
         data: Data = {"shape": shape.get("__mesh__", shape), "bsdf": bsdf}
         if steps:
             data["transform"] = steps

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.errors import unknown_name
 from alight.scene.formats.polygons import (
     Polygons,
     Triangles,
@@ -223,7 +224,7 @@ def solid(stage: Stage, prim: Any) -> tuple[Data, list[Data]] | None:
         plane = UsdGeom.Plane(prim)
         width = float(stage.value(plane.GetWidthAttr(), 2.0))
         length = float(stage.value(plane.GetLengthAttr(), 2.0))
-        axis = stage.value(plane.GetAxisAttr(), "Z")
+        axis = _axis(stage, plane)
         return {"type": "rectangle"}, [{"scale": [width / 2, length / 2, 1.0]}, *_AXES[axis]]
     kinds = {"Cylinder": UsdGeom.Cylinder, "Cone": UsdGeom.Cone, "Capsule": UsdGeom.Capsule}
     kind = prim.GetTypeName()
@@ -232,10 +233,18 @@ def solid(stage: Stage, prim: Any) -> tuple[Data, list[Data]] | None:
     gprim = kinds[kind](prim)
     radius = float(stage.value(gprim.GetRadiusAttr(), 1.0))
     height = float(stage.value(gprim.GetHeightAttr(), 2.0))
-    axis = stage.value(gprim.GetAxisAttr(), "Z")
+    axis = _axis(stage, gprim)
     shape = _turned(*_profile(kind, radius, height))
     stage.report.approximate(f"{prim.GetPath()}: a {kind.lower()} became a mesh")
     return {"__mesh__": shape}, list(_AXES[axis])
+
+
+def _axis(stage: Stage, solid: Any) -> str:
+    axis = stage.value(solid.GetAxisAttr(), "Z")
+    if axis in _AXES:
+        return axis
+    stage.problem(solid.GetPrim(), unknown_name("axis", axis, _AXES, listed_as="axes"))
+    return "Z"
 
 
 def _profile(kind: str, radius: float, height: float) -> tuple[Any, Any]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from alight.core.errors import SceneError
+from alight.core.errors import Issue, SceneError
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import add_camera, add_light
 from alight.scene.formats.usd.graph import Graph
-from alight.scene.formats.usd.stage import open_stage, to_world, world_matrix
+from alight.scene.formats.usd.library import Tf
+from alight.scene.formats.usd.stage import first_line, open_stage, to_world, world_matrix
 
 _HEIGHT = 600
 
@@ -36,7 +37,11 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     stage = open_stage(path, name, report)
     steps = to_world(stage.stage)
     graph = Graph(stage, world_matrix(steps))
-    graph.build(steps)
+    try:
+        graph.build(steps)
+    except Tf.ErrorException as error:
+        issue = Issue("", f"OpenUSD: {first_line(error)}", name)
+        raise SceneError([*report.issues, issue]) from None
     if report.issues:
         raise SceneError(report.issues)
     scene: dict[str, Any] = {

@@ -12,7 +12,7 @@ import numpy as np
 from alight.core.errors import Issue, SceneError
 from alight.scene.formats.mitsuba.reach import Reach
 from alight.scene.formats.report import Report
-from alight.scene.formats.usd.library import Tf, Usd, UsdGeom, UsdUtils
+from alight.scene.formats.usd.library import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 
 @dataclass(frozen=True)
@@ -38,13 +38,49 @@ class Stage:
     report: Report
 
     def value(self, attribute: Any, default: Any = None) -> Any:
-        """Value of an attribute; the default if there is none."""
+        """Value of an attribute; the default if there is none, or one of another type."""
         found = attribute.Get(self.time) if attribute else None
-        return default if found is None else found
+        if found is None:
+            return default
+        # Files may declare an attribute of a schema anew; then its value is of any type.
+        given, wanted = str(Sdf.GetValueTypeNameForValue(found)), str(attribute.GetTypeName())
+        if _kind(given) != _kind(wanted):
+            text = f"{attribute.GetName()} must be of type {wanted}"
+            self.problem(attribute.GetPrim(), text + (f", got {given}" if given else ""))
+            return default
+        return found
 
     def problem(self, prim: Any, message: str) -> None:
         """Report what nothing mends but an edit."""
         self.report.problem(self.name, str(prim.GetPath()), message)
+
+
+_NUMBERS = (
+    "double",
+    "float",
+    "half",
+    "int",
+    "int64",
+    "uint",
+    "uint64",
+    "uchar",
+    "bool",
+    "timecode",
+)
+
+
+def _kind(name: str) -> str:
+    """What a type holds, whatever its precision: types of one kind can stand for each other."""
+    base = name.removesuffix("[]")
+    array = name[len(base) :]
+    if base in _NUMBERS:
+        return "number" + array
+    if base in ("token", "string"):
+        return "text" + array
+    vector = re.fullmatch(r"(?!matrix)[a-zA-Z]+([234])[a-z]?", base)
+    if vector:
+        return f"vector{vector[1]}{array}"
+    return ("quaternion" if base.startswith("quat") else base) + array
 
 
 def open_stage(path: Path, name: str, report: Report) -> Stage:
@@ -59,15 +95,15 @@ def open_stage(path: Path, name: str, report: Report) -> Stage:
     try:
         stage = Usd.Stage.Open(str(path.resolve()))
     except Tf.ErrorException as error:
-        raise SceneError([Issue("", f"is no OpenUSD stage: {_first_line(error)}", name)]) from None
+        raise SceneError([Issue("", f"is no OpenUSD stage: {first_line(error)}", name)]) from None
     finally:
         warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
     reach = Reach(path.parent)
     errors = stage.GetCompositionErrors()
-    issues = [Issue("", f"does not fit together: {_first_line(error)}", name) for error in errors]
+    issues = [Issue("", f"does not fit together: {first_line(error)}", name) for error in errors]
     if not issues:
         for text in warnings:
-            report.approximate(f"OpenUSD: {_first_line(text)}")
+            report.approximate(f"OpenUSD: {first_line(text)}")
     for layer in stage.GetUsedLayers():
         real = layer.realPath
         if real and not Path(real.partition("[")[0]).resolve().is_relative_to(reach.root):
@@ -105,7 +141,7 @@ def world_matrix(steps: list[dict[str, Any]]) -> np.ndarray:
     return matrix
 
 
-def _first_line(error: object) -> str:
+def first_line(error: object) -> str:
     """The first of OpenUSD's complaints, without where in its own source it was noticed."""
     text = " ".join(str(error).split())
     found = re.search(r"in file \S+ : '(.*?)'(?: Error in |$)", text)

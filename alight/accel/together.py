@@ -1,0 +1,218 @@
+"""The rays of a packet through the bounding volume hierarchy as long as they go the same way.
+
+Rays of neighbouring samples, and of one point to one light, look at the same nodes. One box against
+all of them is one test, and what a step costs besides, mostly the guess of which child comes next,
+is paid once. So a packet opens a node together while enough of its rays are in it (`FEW`); a
+subtree that only few enter waits until they come to it alone (`turns`). The choice is made anew at
+every node, so nothing depends on a guess about the scene.
+
+Which rays travel along decides the order of the visits, but not what is met: the nearest hit, of
+equal ones the lowest, is the same in any order, as no box is culled wrongly (`single`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from alight.accel.layout import CHILD, COUNT, LEAF, MAX_DEPTH, NODE, STACK
+from alight.accel.rays import (
+    DIRECTION,
+    MOST,
+    ORIGIN,
+    RECIPROCAL,
+    triangle_ray_of,
+    vector_of,
+)
+from alight.accel.single import SHRINK, STRETCH, SingleHit, fetch_ahead
+from alight.core.jit import kernel
+from alight.core.simd import (
+    LANES,
+    as_int,
+    as_uint,
+    count_bits,
+    float_bits,
+    lanes,
+    load_lanes,
+    local_floats,
+    local_longs,
+    mask_bits,
+    maximum,
+    minimum,
+    store_lanes,
+    trailing_zeros,
+    where,
+)
+from alight.core.vec import Vec3
+
+#: So many rays or fewer go alone: a test for all lanes takes as long as theirs. In a big tree, in
+#: which rays by turns wait for memory side by side, it is worth more rays (decision 11).
+FEW, FEW_OF_BIG = int(LANES) // 4, 3 * int(LANES) // 4
+
+#: Subtrees that may wait for a ray alone; when there are so many, all go on together.
+WAITING = 32
+
+#: Room for the stack of a ray alone: what waits, then what it puts on it itself.
+OWN = WAITING + STACK
+
+#: A *place* is a child that some rays have met: 8 on each level, at most MAX_DEPTH levels and the
+#: root's own.
+_PLACES = 8 * (MAX_DEPTH + 2)
+_ENTRIES = MOST * _PLACES
+
+
+@kernel(strict=True)
+def meet_box(nodes, k, o, r, t):
+    """One box, whose first bound is nodes[k], and all rays: (entry, met before t).
+
+    As `single.meet_boxes`, but the lanes differ in which bound comes first.
+    """
+    # This way round the bound is an operand from memory.
+    x0, x1 = (o.x - nodes[k]) * -r.x, (o.x - nodes[k + 24]) * -r.x
+    y0, y1 = (o.y - nodes[k + 8]) * -r.y, (o.y - nodes[k + 32]) * -r.y
+    z0, z1 = (o.z - nodes[k + 16]) * -r.z, (o.z - nodes[k + 40]) * -r.z
+    enter = maximum(maximum(minimum(x0, x1), minimum(y0, y1)), maximum(minimum(z0, z1), 0.0))
+    leave = minimum(minimum(maximum(x0, x1), maximum(y0, y1)), minimum(maximum(z0, z1), t))
+    return enter, enter <= leave * STRETCH
+
+
+def write_meet_children(nearest_first: bool) -> Callable:
+    """``(nodes, at, o, r, t, bits, place, entries, masks)``: the children that are met (bits)."""
+
+    @kernel(strict=True)
+    def meet_children(nodes, at, o, r, t, bits, place, entries, masks):
+        """The rays in `bits` and all children of a node: which children are met by any.
+
+        Written for child i: ``masks[place + i]``, the rays that meet it, and, if order matters,
+        ``entries[MOST * (place + i)]`` and following, where each ray enters it.
+        """
+        met_by_any = 0
+        for child in range(as_int(float_bits(nodes[at + COUNT]))):
+            enter, met = meet_box(nodes, at + child, o, r, t)
+            if nearest_first:
+                store_lanes(entries, MOST * (place + child), enter)
+            inside = mask_bits(met) & bits
+            masks[place + child] = inside
+            met_by_any |= where(inside != 0, 1, 0) << child
+        return met_by_any
+
+    return meet_children
+
+
+def write_push_places(nearest_first: bool) -> Callable:
+    """``(tree, at, place, children, entries, masks, codes, keys, size)``: the stack's new size."""
+
+    @kernel(strict=True)
+    def push_places(tree, at, place, children, entries, masks, codes, keys, size):
+        """Put the children in the bits `children` on the stack, nearest on top.
+
+        How near is said by the first ray that meets a child.
+        """
+        base = size
+        while children != 0:
+            child = trailing_zeros(children)
+            children &= children - 1
+            k = place + child
+            codes[k] = as_int(float_bits(tree.nodes[at + CHILD + child]))
+            fetch_ahead(tree, codes[k])
+            key, j = k, size
+            if nearest_first:
+                first = entries[MOST * k + trailing_zeros(masks[k])]
+                key = (as_int(float_bits(first)) << 32) | k
+                while j > base:
+                    if keys[j - 1] >= key:
+                        break
+                    keys[j] = keys[j - 1]
+                    j -= 1
+            keys[j] = key
+            size += 1
+        return size
+
+    return push_places
+
+
+def write_visit_one(visit: Callable, nearest_first: bool) -> Callable:
+    """``(tree, data, code, rays, hits, i)``: ray i visits a leaf and takes down what it hits."""
+
+    @kernel(strict=True)
+    def visit_one(tree, data, code, rays, hits, i):
+        best = SingleHit(
+            hits.t[i], as_int(hits.index[i]), as_int(hits.face[i]), hits.u[i], hits.v[i]
+        )
+        best = visit(
+            tree, data, (code & (LEAF - 1)) >> 4, code & 15,
+            vector_of(rays, ORIGIN, i), vector_of(rays, DIRECTION, i), triangle_ray_of(rays, i),
+            best,
+        )  # fmt: skip
+        hits.t[i] = best.t
+        if nearest_first:
+            hits.u[i], hits.v[i] = best.u, best.v
+            hits.index[i], hits.face[i] = as_uint(best.index), as_uint(best.face)
+
+    return visit_one
+
+
+def write_together(visit: Callable, nearest_first: bool) -> Callable:
+    """The first part of a packet's traversal; parameters as of `turns.write_packet`."""
+    visit_one, push_places = write_visit_one(visit, nearest_first), write_push_places(nearest_first)
+    meet_children = write_meet_children(nearest_first)
+
+    @kernel(strict=True)
+    def together(tree, data, o, rays, bits, hits, stack, bases):
+        """Go down together, and leave to the rays alone what few of them enter.
+
+        Parameters
+        ----------
+        tree, data, o, rays, bits, hits
+            As of `turns.write_packet`.
+        stack, bases : local longs
+            Entries for ray i, nearest last, are put in front of ``stack[bases[i]]``, at most
+            `WAITING`; bases[i] becomes the place of the last.
+        """
+        keys, masks, codes = local_longs(STACK), local_longs(_PLACES), local_longs(_PLACES)
+        entries = local_floats(_ENTRIES)
+        r = Vec3(
+            load_lanes(rays.numbers, RECIPROCAL),
+            load_lanes(rays.numbers, RECIPROCAL + MOST),
+            load_lanes(rays.numbers, RECIPROCAL + 2 * MOST),
+        )
+        t = load_lanes(hits.t, 0)
+        size, waiting, place, code = 0, 0, 0, 0
+        few = where(tree.patience > 1, FEW, FEW_OF_BIG)
+        store_lanes(entries, 0, lanes(0.0))
+        while bits != 0:
+            base = size
+            if (count_bits(bits) <= few) & (waiting < WAITING):
+                waiting += 1
+                while bits != 0:
+                    i = trailing_zeros(bits)
+                    bits &= bits - 1
+                    bases[i] -= 1
+                    stack[bases[i]] = code
+                    if nearest_first:
+                        enter = as_int(float_bits(entries[MOST * place + i]))
+                        stack[bases[i]] = (enter << 32) | code
+            elif code >= LEAF:
+                while bits != 0:
+                    i = trailing_zeros(bits)
+                    bits &= bits - 1
+                    visit_one(tree, data, code, rays, hits, i)
+                t = load_lanes(hits.t, 0)
+            else:
+                at = NODE * code
+                place = 8 * ((place >> 3) + 1)
+                met = meet_children(tree.nodes, at, o, r, t, bits, place, entries, masks)
+                size = push_places(tree, at, place, met, entries, masks, codes, keys, size)
+            bits = 0
+            while (size > 0) & (bits == 0):
+                size -= 1
+                place = keys[size] & 0xFFFFFFFF
+                # Children of a node that was opened just now are near enough.
+                bits = masks[place]
+                if size < base:
+                    if nearest_first:
+                        bits &= mask_bits(load_lanes(entries, MOST * place) * SHRINK <= t)
+                    else:
+                        bits &= mask_bits(t > 0.0)
+            code = codes[place]
+
+    return together
