@@ -40,7 +40,7 @@ from alight.core.simd import (
 )
 from alight.core.spec import Interval, Numbers, Vector3, invalid
 from alight.core.vec import Vec3, gather_vec3
-from alight.media.coefficients import Coefficients
+from alight.media.coefficients import Coefficients, extinction
 from alight.media.tables import (
     ALBEDO,
     ALBEDOS,
@@ -60,6 +60,9 @@ from alight.media.tables import (
 )
 from alight.media.volumes import Values
 from alight.phases.henyey_greenstein import HenyeyGreenstein
+
+#: Mean free paths across a grid at most: a ray takes a step at each, through empty cells too.
+MOST_STEPS = 1e4
 
 #: Shadow rays dimmer than this are ended at random, three of four.
 DIM, KEPT = 0.05, 0.25
@@ -115,6 +118,19 @@ def to_world(spec: Grid) -> np.ndarray:
         result[:3, :3] = np.diag(np.subtract(spec.high, spec.low))
         result[:3, 3] = spec.low
     return result
+
+
+def thickness_problem(spec: Grid) -> str | None:
+    """Say that tracking would take too long: it makes a step at every mean free path."""
+    assert spec.values is not None
+    diagonal = float(np.linalg.norm(to_world(spec)[:3, :3].sum(axis=1)))
+    thickest = float(spec.values.values.max()) * max(extinction(spec)) * diagonal
+    if thickest <= MOST_STEPS:
+        return None
+    return (
+        f"the largest extinction times the diagonal of the box must be at most {MOST_STEPS:g}, the "
+        f"steps that a ray may take, got {thickest:.3g}: make sigma_t or scale smaller"
+    )
 
 
 _STEP = np.arange(24.0).reshape(2, 3, 4) / 23.0
@@ -264,10 +280,10 @@ def _albedo(scene, medium, p):
 @kernel
 def fly(scene, medium, o, d, t_max, channel, u, stream, active):
     """A `Flight` along rays of unit direction d, to the surface at t_max, metres."""
-    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
+    thickness = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
     largest = gather(scene.media.data, medium * STRIDE + LARGEST)
-    chosen = pick(extinction, channel)
-    rate, ratio = chosen * largest, share(extinction, chosen)
+    chosen = pick(thickness, channel)
+    rate, ratio = chosen * largest, share(thickness, chosen)
     per_rate, per_largest = 1.0 / maximum(rate, 1e-30), 1.0 / maximum(largest, 1e-30)
     og, dg = _into_cube(scene, medium, o, 1.0), _into_cube(scene, medium, d, 0.0)
     t, end = _inside(og, dg, t_max)
@@ -282,7 +298,7 @@ def fly(scene, medium, o, d, t_max, channel, u, stream, active):
         real = density(scene, medium, og + reached * dg) * per_largest
         collides = inside & (w < real)
         null = inside & ~collides
-        change = decay(extinction * largest, rate, reached - t)
+        change = decay(thickness * largest, rate, reached - t)
         change = where(inside, change * ratio, change)
         factor = where(going, factor * change, factor)
         # A collision that does nothing had the probability 1 - real; light sampling has no choice.
@@ -298,10 +314,10 @@ def fly(scene, medium, o, d, t_max, channel, u, stream, active):
 @kernel
 def cross(scene, medium, o, d, t_max, channel, stream, active):
     """A `Crossing` along shadow rays of unit direction d and length t_max, metres."""
-    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
+    thickness = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
     largest = gather(scene.media.data, medium * STRIDE + LARGEST)
-    chosen = pick(extinction, channel)
-    rate, ratio = chosen * largest, share(extinction, chosen)
+    chosen = pick(thickness, channel)
+    rate, ratio = chosen * largest, share(thickness, chosen)
     per_rate, per_largest = 1.0 / maximum(rate, 1e-30), 1.0 / maximum(largest, 1e-30)
     og, dg = _into_cube(scene, medium, o, 1.0), _into_cube(scene, medium, d, 0.0)
     t, end = _inside(og, dg, t_max)
@@ -313,7 +329,7 @@ def cross(scene, medium, o, d, t_max, channel, stream, active):
         inside = going & (there < end) & (rate > 0.0)
         reached = where(inside, there, end)
         real = density(scene, medium, og + reached * dg) * per_largest
-        change = decay(extinction * largest, rate, reached - t)
+        change = decay(thickness * largest, rate, reached - t)
         change = where(inside, change * ratio, change)
         light = where(going, light * change, light)
         passed = where(inside, passed * maximum(1.0 - real, 0.0), passed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from alight.core.errors import Issue, SceneError, join_path, unknown_name
 from alight.core.spec import Medium
+from alight.media.grid import Grid, thickness_problem
 from alight.scene.description import VACUUM, Node, Scene
 from alight.scene.volumes import VolumeStore
 
@@ -35,10 +36,11 @@ def media_problems(scene: Scene, volumes: VolumeStore) -> list[Issue]:
 
 def _unreadable(medium: Medium, path: str, volumes: VolumeStore) -> list[Issue]:
     try:
-        volumes.loaded(medium)
+        loaded = volumes.loaded(medium)
     except SceneError as error:
         return [issue.under(path) for issue in error.issues]
-    return []
+    problem = thickness_problem(loaded) if isinstance(loaded, Grid) else None
+    return [Issue(path, problem)] if problem else []
 
 
 def _without_shape(scene: Scene) -> list[Issue]:

@@ -55,6 +55,7 @@ SCENES = {
     "zero-depth": CAMERA + "integrator: {type: path, max_depth: 0}\n",
     "endless-paths": CAMERA + "integrator: {type: path, russian_roulette: none}\n",
     "unknown-medium": CAMERA + "bsdfs: {g: {type: dielectric, int_ior: watr}}\n",
+    "grid-without-end": CAMERA + "media: {m: {type: grid, values: [[[1, 2]]], sigma_t: 1e6}}\n",
     "unknown-metal": CAMERA + "bsdfs: {g: {type: conductor, metal: god}}\n",
     "half-a-metal": CAMERA + "bsdfs: {g: {type: conductor, eta: 1}}\n",
     "metal-and-eta": CAMERA + "bsdfs: {g: {type: conductor, metal: gold, eta: 1, k: 1}}\n",
