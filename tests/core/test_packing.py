@@ -3,6 +3,7 @@
 import numpy as np
 
 from alight.core.jit import instantiate, kernel
+from alight.core.machine import lanes_of_machine
 from alight.core.simd import (
     LANES,
     bits_mask,
@@ -25,13 +26,13 @@ def pack_lanes(masks, numbers, floats, uints, n):
 
 
 def test_the_lanes_of_a_mask_come_first_and_in_order():
-    lanes, n = int(LANES), 500
-    rng = np.random.default_rng(1)
-    masks = rng.integers(0, 1 << lanes, n)
-    masks[:2] = 0, (1 << lanes) - 1
-    numbers = rng.normal(size=(n, lanes)).astype(np.float32)
-    floats, uints = np.zeros_like(numbers), np.zeros((n, lanes), np.uint32)
+    n, rng = 500, np.random.default_rng(1)
     for compiled in (True, False):
+        lanes = lanes_of_machine() if compiled else int(LANES)
+        masks = rng.integers(0, 1 << lanes, n)
+        masks[:2] = 0, (1 << lanes) - 1
+        numbers = rng.normal(size=(n, lanes)).astype(np.float32)
+        floats, uints = np.zeros_like(numbers), np.zeros((n, lanes), np.uint32)
         kernel_ = instantiate(pack_lanes, compiled=compiled)
         kernel_(View(masks), View(numbers), View(floats), View(uints), n)
         for mask, row, packed, bits in zip(masks, numbers, floats, uints, strict=True):
