@@ -44,9 +44,10 @@ from alight.core.simd import (
 )
 from alight.core.vec import Vec3
 
-#: So many rays or fewer go alone: a test for all lanes takes as long as theirs. In a big tree, in
-#: which rays by turns wait for memory side by side, it is worth more rays (decision 11).
-FEW, FEW_OF_BIG = int(LANES) // 4, 3 * int(LANES) // 4
+#: So many quarters of the lanes, or fewer, go alone: a test for all lanes takes as long as theirs.
+#: In a big tree, in which rays by turns wait for memory side by side, it is worth more rays
+#: (decision 11).
+FEW, FEW_OF_BIG = 1, 3
 
 #: Subtrees that may wait for a ray alone; when there are so many, all go on together.
 WAITING = 32
@@ -177,7 +178,7 @@ def write_together(visit: Callable, nearest_first: bool) -> Callable:
         )
         t = load_lanes(hits.t, 0)
         size, waiting, place, code = 0, 0, 0, 0
-        few = where(tree.patience > 1, FEW, FEW_OF_BIG)
+        few = where(tree.patience > 1, FEW, FEW_OF_BIG) * LANES // 4
         store_lanes(entries, 0, lanes(0.0))
         while bits != 0:
             base = size
