@@ -9,8 +9,8 @@ from PIL import Image
 from alight.core.errors import SceneError
 from alight.scene import flatten, load
 from alight.scene.formats import mtl
-from alight.scene.formats.mitsuba.reach import Reach
 from alight.scene.formats.obj_scene import parse
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
 from tests.scene.mutate import STL, mesh_file
 

@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
+from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.report import Report
 
 Data = dict[str, Any]

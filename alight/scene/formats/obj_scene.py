@@ -17,10 +17,10 @@ import numpy as np
 from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats import mtl, obj
-from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
 from alight.scene.formats.names import free_name
 from alight.scene.formats.normals import vertex_normals
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import Bounds, add_camera, add_light
 from alight.scene.meshes import mesh_problem

@@ -17,7 +17,7 @@ from urllib.parse import unquote
 
 from alight.core.errors import Issue, SceneError, quote, show_value
 from alight.scene.formats.gltf.values import Item
-from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
+from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.report import Report
 
 MOST_BYTES = 2**30

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from alight.scene.formats.factors import multiplied
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.textures import Data, Textures
 from alight.scene.formats.gltf.values import Item
@@ -82,9 +83,9 @@ class Materials:
         pbr = item.object("pbrMetallicRoughness") or empty
         *color, opacity = pbr.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0), 0.0, 1.0)
         picture = self.textures.bitmap(pbr, "baseColorTexture", is_color=True)
-        base = product(list(color), picture)
+        base = multiplied(list(color), picture)
         if has_colors:
-            base = product(base, {"type": "vertex_color", "fallback": 1.0})
+            base = multiplied(base, {"type": "vertex_color", "fallback": 1.0})
         unlit = item.extension("KHR_materials_unlit") is not None
         if unlit:
             self.document.report.approximate(
@@ -137,7 +138,7 @@ class Materials:
         strength = extension.number("emissiveStrength", 1.0, 0.0) if extension else 1.0
         color = [strength * c for c in factor]
         picture = self.textures.bitmap(item, "emissiveTexture", is_color=True)
-        return product(color, picture) if max(color) > 0.0 else None
+        return multiplied(color, picture) if max(color) > 0.0 else None
 
     def _extend(self, item: Item, bsdf: Data) -> None:
         """Add what the extensions say."""
@@ -188,7 +189,7 @@ class _Extensions:
 
     def _color(self, owner: Item, name: str, default: float) -> Any:
         factor = list(owner.numbers(f"{name}Factor", (default,) * 3, 0.0, 1.0))
-        return product(factor, self.textures.bitmap(owner, f"{name}Texture", is_color=True))
+        return multiplied(factor, self.textures.bitmap(owner, f"{name}Texture", is_color=True))
 
     def ior_and_specular(self) -> None:
         """KHR_materials_ior, KHR_materials_specular."""
@@ -210,7 +211,7 @@ class _Extensions:
                 text = f"{specular.pointer}: specularColorFactor was cut to 1"
                 self.item.report.approximate(text)
             picture = self.textures.bitmap(specular, "specularColorTexture", is_color=True)
-            self.bsdf["specular_color"] = product([min(c, 1.0) for c in factor], picture)
+            self.bsdf["specular_color"] = multiplied([min(c, 1.0) for c in factor], picture)
 
     def transmission_and_volume(self) -> None:
         """KHR_materials_transmission, KHR_materials_volume."""
@@ -280,18 +281,9 @@ def bsdf_core(bsdf: Data) -> Data:
     return bsdf
 
 
-def product(factor: Any, texture: Data | None) -> Any:
-    """A colour or texture times a texture."""
-    if texture is None:
-        return factor
-    if isinstance(factor, list) and set(factor) == {1.0}:
-        return texture
-    return {"type": "multiply", "a": factor, "b": texture}
-
-
 def scaled(factor: float, picture: Data | None, channel: str) -> Any:
     """A number times a channel of a picture."""
     if picture is None or factor == 0.0:
         return factor
     part: Data = {"type": "channel", "texture": picture, "channel": channel}
-    return part if factor == 1.0 else {"type": "multiply", "a": factor, "b": part}
+    return multiplied(factor, part)

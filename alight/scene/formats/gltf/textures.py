@@ -18,12 +18,11 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import SceneError
-from alight.core.spec import invalid
-from alight.outputs.texels import decode_texels
+from alight.scene.formats.factors import packed_picture
 from alight.scene.formats.gltf.accessors import view_bytes
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.values import Item
-from alight.textures.images import Image, as_image, size_problem
+from alight.textures.images import Image
 
 Data = dict[str, Any]
 WRAPS = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
@@ -135,9 +134,7 @@ class Textures:
                 data: bytes | memoryview = found
             else:
                 data, _ = view_bytes(self.document, image, "bufferView")
-            texels = decode_texels(data, _check_size)
-            texels.setflags(write=False)
-            return as_image(texels)
+            return packed_picture(data)
         except PydanticCustomError as error:
             image.wrong("", f"the picture {error.message()}")
         except (OSError, ValueError) as error:
@@ -145,12 +142,6 @@ class Textures:
                 raise
             image.wrong("", f"the picture {' '.join(str(error).split())[:200] or 'is broken'}")
         return None
-
-
-def _check_size(width: int, height: int) -> None:
-    problem = size_problem(width, height)
-    if problem:
-        raise invalid(problem)
 
 
 def transform(info: Item) -> list[list[float]] | None:

@@ -11,10 +11,10 @@ from alight.core.errors import quote
 from alight.core.srgb import decode_srgb
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.properties import Properties
-from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
 from alight.scene.formats.mitsuba.report import Report
-from alight.scene.formats.mitsuba.spectra import blackbody, to_linear_srgb
 from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number, parse_numbers
+from alight.scene.formats.reach import OutOfReachError, Reach
+from alight.scene.formats.spectra import blackbody, to_linear_srgb
 
 Color = list[float]
 #: What a colour is for: it decides how a spectrum is reduced.

@@ -11,8 +11,8 @@ from alight.core.errors import join_path, unknown_name
 from alight.scene.description import name_problem
 from alight.scene.formats.mitsuba.colors import Colors
 from alight.scene.formats.mitsuba.elements import Element
-from alight.scene.formats.mitsuba.reach import Reach
 from alight.scene.formats.mitsuba.report import Report
+from alight.scene.formats.reach import Reach
 
 Data = dict[str, Any]
 

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.scene.formats.mitsuba.elements import MOST_BYTES, MOST_ELEMENTS, Element, parse
-from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
 from alight.scene.formats.mitsuba.report import Report
+from alight.scene.formats.reach import OutOfReachError, Reach
 
 MOST_INCLUDES = 64
 MOST_INCLUDE_LEVELS = 8

@@ -14,9 +14,9 @@ from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.projectors import projector, textured_spot
 from alight.scene.formats.mitsuba.properties import COLORS
-from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.mitsuba.textures import NUMBERS, texture_value
 from alight.scene.formats.mitsuba.transforms import Step, steps_of
+from alight.scene.formats.reach import OutOfReachError
 
 #: How lights are chosen is not the file's business; the picture is the same.
 _UNUSED = ("sampling_weight",)

@@ -17,8 +17,8 @@ from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.properties import COLORS
-from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.mitsuba.transforms import matrix_of, steps_of
+from alight.scene.formats.reach import OutOfReachError
 from alight.scene.volumes import read_volume
 
 SIDES = ("interior", "exterior")

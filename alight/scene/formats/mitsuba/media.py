@@ -5,7 +5,7 @@ must look as it does there.
 
 Source: the documentation of Mitsuba 3, plug-ins ``dielectric`` and ``conductor``. The metals are
 measured spectra (Johnson and Christy; Palik; Sopra; Rakic), reduced to linear sRGB as
-`alight.scene.formats.mitsuba.spectra` does, to five digits.
+`alight.scene.formats.spectra` does, to five digits.
 """
 
 from __future__ import annotations

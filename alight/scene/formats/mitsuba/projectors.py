@@ -7,8 +7,8 @@ import math
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.properties import COLORS, Properties
-from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.mitsuba.transforms import Step, steps_of
+from alight.scene.formats.reach import OutOfReachError
 
 
 def projector(light: Draft) -> list[Step]:

@@ -15,8 +15,8 @@ from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.properties import COLORS
-from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.mitsuba.transforms import matrix_of, steps_of
+from alight.scene.formats.reach import OutOfReachError
 
 #: What takes the place of a texture that is not covered.
 GREY = [0.5, 0.5, 0.5]

@@ -3,7 +3,7 @@
 pbrt 4 renders with spectra and shows them as seen by the CIE's observer; a light given as RGB
 shines as D65 of that colour, so that 1 1 1 is white, and any other spectrum of a light is scaled to
 the luminance 1 before ``scale`` or ``power`` count. Spectra of surfaces are reduced as seen in
-daylight (see `alight.scene.formats.mitsuba.spectra`). pbrt 3 renders in RGB and scales nothing, but
+daylight (see `alight.scene.formats.spectra`). pbrt 3 renders in RGB and scales nothing, but
 the largest value of a ``blackbody`` to 1.
 """
 
@@ -16,11 +16,11 @@ import numpy as np
 
 from alight.core.errors import quote, unknown_name
 from alight.scene.formats.mitsuba.media import METALS
-from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
-from alight.scene.formats.mitsuba.spectra import TO_SRGB, blackbody, to_linear_srgb
 from alight.scene.formats.pbrt.directives import Parameter
 from alight.scene.formats.pbrt.packed import content_of
 from alight.scene.formats.pbrt.report import Report
+from alight.scene.formats.reach import OutOfReachError, Reach
+from alight.scene.formats.spectra import TO_SRGB, blackbody, to_linear_srgb
 
 Color = list[float]
 Pairs = tuple[np.ndarray, np.ndarray]

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.scene.description import name_problem
-from alight.scene.formats.mitsuba.reach import Reach
 from alight.scene.formats.pbrt.colors import Colors
 from alight.scene.formats.pbrt.report import Report
+from alight.scene.formats.reach import Reach
 
 Data = dict[str, Any]
 

@@ -11,11 +11,11 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.octahedral import to_latitude_longitude, to_sphere
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.transforms import keeps_angles, steps, turned_to
+from alight.scene.formats.reach import OutOfReachError
 from alight.scene.images import read_image
 from alight.textures.images import Image
 

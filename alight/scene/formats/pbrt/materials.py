@@ -12,12 +12,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from alight.core.errors import join_path, unknown_name
-from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.pbrt.colors import INDICES
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.textures import Source, TextureItem, Value
+from alight.scene.formats.reach import OutOfReachError
 
 #: pbrt treats what is smoother as a mirror.
 SMOOTH = 1e-3

@@ -7,7 +7,7 @@ import zlib
 from pathlib import Path
 
 from alight.core.errors import quote
-from alight.scene.formats.mitsuba.reach import OutOfReachError
+from alight.scene.formats.reach import OutOfReachError
 
 
 def content_of(path: Path, most: int) -> bytes:

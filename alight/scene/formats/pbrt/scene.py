@@ -9,7 +9,6 @@ import numpy as np
 
 from alight.core.errors import Issue, SceneError, quote
 from alight.scene.build import FORMAT_VERSION
-from alight.scene.formats.mitsuba.reach import OutOfReachError, Reach
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.pbrt import settings
 from alight.scene.formats.pbrt.context import Context, Data
@@ -20,6 +19,7 @@ from alight.scene.formats.pbrt.report import Report
 from alight.scene.formats.pbrt.transforms import inverse
 from alight.scene.formats.pbrt.words import BrokenError, Words
 from alight.scene.formats.pbrt.world import World
+from alight.scene.formats.reach import OutOfReachError, Reach
 
 SUFFIX = ".pbrt"
 MOST_INCLUDES, MOST_INCLUDE_LEVELS = 10_000, 16

@@ -10,11 +10,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from alight.core.errors import join_path, quote, unknown_name
-from alight.scene.formats.mitsuba.reach import OutOfReachError
 from alight.scene.formats.pbrt.colors import KINDS, Role
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.parameters import Parameters
+from alight.scene.formats.reach import OutOfReachError
 
 #: A colour, or the name of a texture.
 Value = list[float] | str

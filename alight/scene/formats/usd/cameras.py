@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from alight.scene.formats.usd.library import UsdGeom
+from alight.scene.formats.usd.modules import UsdGeom
 from alight.scene.formats.usd.stage import Stage
 
 Data = dict[str, Any]

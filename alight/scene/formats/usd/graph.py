@@ -12,10 +12,10 @@ from alight.scene.formats.names import free_name
 from alight.scene.formats.surroundings import Bounds
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.formats.usd.cameras import read_camera
-from alight.scene.formats.usd.library import UsdGeom, UsdLux, UsdShade
 from alight.scene.formats.usd.lights import is_light, read_light
 from alight.scene.formats.usd.materials import Material, plain_material, read_material
 from alight.scene.formats.usd.meshes import mesh_of, read_mesh, solid
+from alight.scene.formats.usd.modules import UsdGeom, UsdLux, UsdShade
 from alight.scene.formats.usd.stage import Stage
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from alight.scene.formats.mitsuba.reach import OutOfReachError
-from alight.scene.formats.usd.library import UsdLux
+from alight.scene.formats.reach import OutOfReachError
+from alight.scene.formats.usd.modules import UsdLux
 from alight.scene.formats.usd.stage import Stage
 from alight.scene.formats.usd.textures import picture_of
 

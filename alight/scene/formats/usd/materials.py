@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from alight.core.errors import nearest, quote
-from alight.scene.formats.usd.library import UsdGeom, UsdShade
+from alight.scene.formats.usd.modules import UsdGeom, UsdShade
 from alight.scene.formats.usd.stage import Stage
 from alight.scene.formats.usd.textures import Textures
 

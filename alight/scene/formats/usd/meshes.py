@@ -15,7 +15,7 @@ from alight.scene.formats.polygons import (
     triangulated,
     vertex_normals,
 )
-from alight.scene.formats.usd.library import UsdGeom
+from alight.scene.formats.usd.modules import UsdGeom
 from alight.scene.formats.usd.stage import Stage
 from alight.shapes.mesh import Mesh
 

@@ -11,7 +11,7 @@ from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import add_camera, add_light
 from alight.scene.formats.usd.graph import Graph
-from alight.scene.formats.usd.library import Tf
+from alight.scene.formats.usd.modules import Tf
 from alight.scene.formats.usd.stage import first_line, open_stage, to_world, world_matrix
 
 _HEIGHT = 600

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.scene.formats.mitsuba.reach import Reach
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
-from alight.scene.formats.usd.library import Sdf, Tf, Usd, UsdGeom, UsdUtils
+from alight.scene.formats.usd.modules import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 
 @dataclass(frozen=True)

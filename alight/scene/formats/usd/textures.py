@@ -13,12 +13,10 @@ from typing import Any
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
-from alight.core.spec import invalid
-from alight.outputs.texels import decode_texels
-from alight.scene.formats.mitsuba.reach import OutOfReachError
-from alight.scene.formats.usd.library import UsdGeom, UsdShade
+from alight.scene.formats.factors import multiplied, packed_picture, shifted
+from alight.scene.formats.reach import OutOfReachError
+from alight.scene.formats.usd.modules import UsdGeom, UsdShade
 from alight.scene.formats.usd.stage import Stage
-from alight.textures.images import as_image, size_problem
 
 Data = dict[str, Any]
 _WRAPS = {"repeat": "repeat", "clamp": "clamp", "mirror": "mirror", "useMetadata": "repeat"}
@@ -106,11 +104,11 @@ class Textures:
         if output in _CHANNELS:
             index = _CHANNELS.index(output)
             part = {"type": "channel", "texture": picture, "channel": output}
-            return shifted(scaled(scale[index], part), bias[index])
+            return shifted(multiplied(scale[index], part), bias[index])
         if not is_color:
             part = {"type": "channel", "texture": picture, "channel": "r"}
-            return shifted(scaled(scale[0], part), bias[0])
-        return shifted(product(list(scale[:3]), picture), list(bias[:3]))
+            return shifted(multiplied(scale[0], part), bias[0])
+        return shifted(multiplied(list(scale[:3]), picture), list(bias[:3]))
 
     def _primvar(self, shader: Any, is_color: bool, fallback: Any) -> Any:
         name = self._varname(shader)
@@ -202,15 +200,7 @@ def _packed(resolved: str) -> Any:
     with zipfile.ZipFile(package) as archive:
         if archive.getinfo(name).file_size > _MOST_PACKED:
             raise ValueError(f"{name} is larger than {_MOST_PACKED >> 20} MB")
-        texels = decode_texels(archive.read(name), _check_size)
-    texels.setflags(write=False)
-    return as_image(texels)
-
-
-def _check_size(width: int, height: int) -> None:
-    problem = size_problem(width, height)
-    if problem:
-        raise invalid(problem)
+        return packed_picture(archive.read(name))
 
 
 def _plain(value: Any, is_color: bool) -> Any:
@@ -220,21 +210,3 @@ def _plain(value: Any, is_color: bool) -> Any:
     if not is_color:
         return numbers[0]
     return numbers[:3] if len(numbers) >= 3 else numbers[:1] * 3
-
-
-def product(factor: Any, texture: Any) -> Any:
-    """A colour times a texture."""
-    if set(factor) == {1.0}:
-        return texture
-    return {"type": "multiply", "a": factor, "b": texture}
-
-
-def scaled(factor: float, texture: Any) -> Any:
-    """A number times a texture."""
-    return texture if factor == 1.0 else {"type": "multiply", "a": factor, "b": texture}
-
-
-def shifted(texture: Any, bias: Any) -> Any:
-    """A texture plus a number or colour."""
-    is_zero = bias == 0.0 if isinstance(bias, float) else set(bias) == {0.0}
-    return texture if is_zero else {"type": "add", "a": texture, "b": bias}

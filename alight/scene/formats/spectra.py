@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.scene.formats.mitsuba.cie import D65, OBSERVER, WAVELENGTHS
+from alight.scene.formats.cie import D65, OBSERVER, WAVELENGTHS
 
 TO_SRGB = np.array(
     [
