@@ -342,9 +342,10 @@ def test_a_file_without_light_or_camera_gets_both_and_says_so(tmp_path):
     assert any("no light" in w for w in scene.warnings)
     assert any("no camera" in w for w in scene.warnings)
     eye = scene.camera.transform.matrix
-    # The centre of the square is in the middle of the picture.
-    seen = np.linalg.inv(eye) @ [105, 5, 0, 1]
-    np.testing.assert_allclose(seen[:2] / seen[2], 0, atol=1e-9)
+    # Two opposite sides of the square are equally far from the edges of the picture.
+    seen = np.linalg.inv(eye) @ [[100, 110, 110, 100], [0, 0, 10, 10], [0] * 4, [1] * 4]
+    places = seen[:2] / seen[2]
+    assert abs(places.min(axis=1) + places.max(axis=1)).min() < 1e-9
 
 
 ACCESSORS = {

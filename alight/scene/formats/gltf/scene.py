@@ -57,7 +57,8 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     else:
         add_camera(scene, report, graph.bounds)
     report.count("nodes", len(document.list("nodes")))
-    return Parsed.of(scene, graph.places | {"": name}, report)
+    framed = None if graph.cameras else graph.bounds
+    return Parsed.of(scene, graph.places | {"": name}, report, framed=framed)
 
 
 def _use_camera(document: Document, graph: Graph, scene: dict[str, Any]) -> None:

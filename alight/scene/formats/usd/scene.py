@@ -66,4 +66,5 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
             )
     else:
         add_camera(scene, report, graph.bounds)
-    return Parsed.of(scene, graph.places | {"": name}, report)
+    framed = None if graph.cameras else graph.bounds
+    return Parsed.of(scene, graph.places | {"": name}, report, framed=framed)
