@@ -30,7 +30,8 @@ def seen(path, size=None, changes=()):
     sizes = [] if size is None else [f"film.size=[{size[0]}, {size[1]}]"]
     flat = flatten(load(path, [*sizes, *changes]))
     placed, size = flat.camera, flat.film.size
-    extents = perspective_half_extents(placed.camera.fov, placed.camera.fov_axis, *size)
+    lens = dict(placed.camera)
+    extents = perspective_half_extents(lens["fov"], lens["fov_axis"], *size)
     points = flat.geometries[0].vertices
     film = project_points(points, extents, size, placed.to_world, perspective=True)
     return film[:, :2] / size, film[:, 2]
