@@ -10,7 +10,7 @@ opening angles within the margin, a vertex p is in the picture if
 so the nearest camera c follows from four largest values over all vertices: for one side,
 :math:`A_\pm = \max(\pm p_u + t_x p_w)`, :math:`c_w = (A_+ + A_-) / (2 t_x)` and
 :math:`c_u = (A_+ - A_-) / 2`. Of both sides the one that asks for more distance wins. The light is
-the picture ``builtin:studio``, turned such that its front is the camera's.
+the picture ``builtin:studio``, turned such that it is the same as seen from any camera.
 """
 
 from __future__ import annotations
@@ -111,9 +111,20 @@ def _axes() -> NDArray[np.float64]:
     return np.array([u, np.cross(w, u), w])
 
 
-def add_light(data: dict[str, Any], report: Report) -> None:
-    """Put the studio around a scene."""
+def add_light(
+    data: dict[str, Any], report: Report, view: NDArray[np.float64] | None = None
+) -> None:
+    """Put the studio around a scene.
+
+    Parameters
+    ----------
+    view : (4, 4) float64, optional
+        Camera to world of the file's own camera: the studio's front is then turned to it.
+    """
     data["environment"] = {"type": "environment", "file": STUDIO}
+    if view is not None and np.hypot(view[0, 2], view[2, 2]) > 1e-3 * np.linalg.norm(view[:3, 2]):
+        azimuth = math.degrees(math.atan2(view[0, 2], view[2, 2]))
+        data["environment"]["rotate"] = azimuth - TO_THE_RIGHT
     report.approximate(NO_LIGHT)
 
 

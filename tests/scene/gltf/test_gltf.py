@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
+from alight.lights.environment import make_map
 from alight.scene import content_hash, flatten, load, loads, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
@@ -332,6 +333,24 @@ def test_lights_keep_their_units_and_directions(tmp_path):
     )
     area = [s.light for s in flat.shapes if s.light is not None]
     assert area[0].radiance.a == (4.0, 2.0, 0.0)
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 30.0, 200.0])
+def test_the_studio_looks_the_same_from_any_camera(azimuth, tmp_path):
+    m = Maker()
+    m.node(mesh=m.square())
+    m.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0}}]
+    half = 0.5 * np.radians(azimuth)
+    m.node(camera=0, rotation=[0, np.sin(half), 0, np.cos(half)])
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    flat = flatten(load(tmp_path / "a.glb"))
+    light = flat.environment
+    assert light is not None
+    # A direction of the studio's picture, seen from the camera: columns are to_world's axes.
+    to_studio = make_map(light.light, light.to_world, compensated=False).table[:9].reshape(3, 3)
+    seen = flat.camera.to_world[:3, :3].T @ to_studio.T @ [0.0, 0.0, 1.0]
+    # Its front is 30 degrees to the left of the viewer.
+    np.testing.assert_allclose(seen, [-0.5, 0.0, np.sqrt(0.75)], atol=1e-6)
 
 
 def test_a_file_without_light_or_camera_gets_both_and_says_so(tmp_path):

@@ -51,7 +51,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         "nodes": graph.nodes,
     }
     if not graph.is_lit:
-        add_light(scene, report)
+        add_light(scene, report, graph.view)
     if graph.cameras:
         _use_camera(document, graph, scene)
     else:
