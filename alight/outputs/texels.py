@@ -6,7 +6,8 @@ The kind of a file is told by its first bytes, not by its name.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ MOST_NUMBERS = 2**28
 #: Blocks of 16 MB that Pillow keeps for the next picture: as many as one of 4096 x 4096 takes. New
 #: memory costs five times as much time as decoding a JPEG file into it.
 KEPT_BLOCKS = 5
+#: One entry for each `reusing_memory` that is open.
+_reusing: list[bool] = []
 #: Rows that are copied from Pillow's memory at once.
 STRIP = 64
 
@@ -87,11 +90,18 @@ def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray
         raise ValueError(f"is broken ({error})") from None
 
 
-def release_memory() -> None:
-    """Give back what Pillow keeps for further pictures."""
-    pillow = sys.modules.get("PIL.Image")
-    if pillow is not None:
-        pillow.core.clear_cache()
+@contextmanager
+def reusing_memory() -> Iterator[None]:
+    """Let pictures that are read inside take the memory of those before them."""
+    _reusing.append(True)
+    try:
+        yield
+    finally:
+        _reusing.pop()
+        pillow = sys.modules.get("PIL.Image")
+        if pillow is not None and not _reusing:
+            pillow.core.set_blocks_max(0)
+            pillow.core.clear_cache()
 
 
 def _read_with_pillow(source: Path | bytes | memoryview, check_size: SizeCheck) -> np.ndarray:
@@ -106,7 +116,8 @@ def _read_with_pillow(source: Path | bytes | memoryview, check_size: SizeCheck) 
     with warnings.catch_warnings():
         # Pillow's own limits are above ours, but it reports them before we see the size.
         warnings.simplefilter("ignore")
-        Image.core.set_blocks_max(KEPT_BLOCKS)
+        if _reusing:
+            Image.core.set_blocks_max(KEPT_BLOCKS)
         try:
             with Image.open(opened(source), formats=("PNG", "JPEG")) as image:
                 check_size(*image.size)

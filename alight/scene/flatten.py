@@ -25,6 +25,7 @@ from alight.core.spec import (
     Texture,
 )
 from alight.media.coefficients import Coefficients
+from alight.outputs.texels import reusing_memory
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.images import ImageStore
 from alight.scene.meshes import Geometry, MeshStore
@@ -138,7 +139,8 @@ def flatten(scene: Scene) -> FlatScene:
     store = MeshStore(scene.source.folder)
     images = ImageStore(scene.source.folder)
     volumes = VolumeStore(scene.source.folder)
-    issues = find_problems(scene, store, images, volumes)
+    with reusing_memory():
+        issues = find_problems(scene, store, images, volumes)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
     flattener = _Flattener(scene, store, images, volumes)

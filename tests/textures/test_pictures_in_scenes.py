@@ -17,7 +17,7 @@ from alight.films import fixed_point
 from alight.integrators.walk import make_settings
 from alight.outputs import write_image
 from alight.outputs.png import encode_png
-from alight.outputs.texels import STRIP, decode_texels
+from alight.outputs.texels import STRIP, decode_texels, reusing_memory
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, dumps, flatten, load, loads, save
@@ -274,3 +274,18 @@ def test_packed_texels_have_red_in_their_lowest_byte(shape):
     pack_bytes(texels, words)
     red, green, blue = np.broadcast_to(texels, (*shape[:2], 3)).reshape(-1, 3).T.astype(np.uint32)
     np.testing.assert_array_equal(words, red | green << 8 | blue << 16)
+
+
+def test_memory_of_pictures_is_kept_only_while_more_are_read():
+    file = io.BytesIO()
+    Pillow.fromarray(SMALL).save(file, "PNG")
+
+    def kept():
+        decode_texels(file.getvalue(), lambda width, height: None)
+        return Pillow.core.get_stats()["blocks_cached"]
+
+    with reusing_memory():
+        with reusing_memory():
+            assert kept() > 0
+        assert kept() > 0
+    assert kept() == 0
