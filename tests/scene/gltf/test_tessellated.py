@@ -52,9 +52,8 @@ def test_spheres(side, tmp_path):
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_cylinders(side, tmp_path):
-    shape = (
-        f"{{type: cylinder, p0: [0, 1, 0], p1: [0, 4, 0], radius: 2, "
-    )
+    ends = "p0: [0, 1, 0], p1: [0, 4, 0]"
+    shape = f"{{type: cylinder, {ends}, radius: 2, flip_normals: {flip(side)}}}"
     [(points, centers, across, uvs)], _ = rewritten([shape], tmp_path)
     np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 2]), 2.0, atol=1e-6)
     np.testing.assert_allclose(points[:, 1], 1.0 + 3.0 * uvs[:, 1], atol=1e-6)
