@@ -241,6 +241,25 @@ def test_texture_transforms_are_seen_from_above():
     np.testing.assert_array_equal(uvs, [[0.25, 0.75]] * 4)
 
 
+def test_of_several_sets_of_coordinates_the_base_colors_is_taken_and_it_is_said():
+    m = Maker()
+    m.picture(np.zeros((2, 2, 3), np.uint8))
+    pbr = {"baseColorTexture": {"index": 0}}
+    second = {"index": 0, "texCoord": 1}
+    one = m.material(pbrMetallicRoughness=pbr, emissiveTexture=second, normalTexture=second)
+    # Nothing is seen of occlusion, so its coordinates do not count.
+    other = m.material(pbrMetallicRoughness=pbr, occlusionTexture=second)
+    coordinates = np.full((4, 2), 0.25, "<f4")
+    for material in (one, other):
+        m.node(mesh=m.square(material, TEXCOORD_1=m.accessor(coordinates)))
+    found = parsed(m)
+    for node in found.data["nodes"].values():
+        np.testing.assert_array_equal(node["shape"].uvs, UVS * [1, -1] + [0, 1])
+    said = [line for line in found.warnings if "several sets" in line]
+    taken = "its textures use several sets of coordinates; TEXCOORD_0 is taken for all"
+    assert said == [f"/materials/0: {taken}"]
+
+
 def test_textures_of_normals_are_numbers():
     bsdf = material_of(normalTexture={"index": 0, "scale": 0.5})["bsdf"]
     assert (bsdf["type"], bsdf["scale"]) == ("normal_map", 0.5)
