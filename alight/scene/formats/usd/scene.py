@@ -52,8 +52,8 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     }
     if graph.environment is not None:
         scene["environment"] = graph.environment
-    if not graph.is_lit:
-        add_light(scene, report, graph.view)
+    if not graph.is_lit and not graph.glow.suffices(graph.bounds):
+        add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:
         camera, aspect = graph.cameras[0]
         scene["camera"] = camera
