@@ -17,14 +17,15 @@ from pydantic import model_validator
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
-from alight.bsdfs.flags import DELTA
-from alight.bsdfs.switch import absorbs, concentration, refracts, transmittance
+from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
-from alight.core.simd import any_lane, lanes, lanes_mask, minimum, where
+from alight.core.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 from alight.core.spec import Depth, Integrator, Truth, invalid
-from alight.core.vec import max_component
+from alight.core.vec import length, max_component
+from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -142,8 +143,9 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     area_lights = "area" in program.lights
     environment = environment_of(program) is not None
     reach_environment = _write_reach_environment(bsdf_weight, listeners)
-    reach_lamp = _write_reach_lamp(bsdf_weight, listeners)
-    add_direct_light = _write_add_direct_light(light_weight, by_light, listeners)
+    reach_lamp = _write_reach_lamp(bsdf_weight, has_null(program), listeners)
+    holes = has_null(program)
+    add_direct_light = _write_add_direct_light(light_weight, by_light, holes, listeners)
     play_roulette = _write_play_roulette(refracts(program))
     recorded, meet = record is not None, listeners.meet
     hides = program.option("hide_emitters", False)
@@ -188,7 +190,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         # Direct light, by sampling the lights.
         if samples_lights:
             L, L_direct, rays = add_direct_light(
-                scene, path, surface, wo, depth, active, L, L_direct, rays
+                scene, settings, path, surface, wo, depth, active, L, L_direct, rays
             )
 
         # Where the path goes on.
@@ -210,6 +212,14 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         if roulette:
             beta, active = play_roulette(scene, settings, path, surface, wi, depth, beta, active)
         p, delta = surface.p, (flags & DELTA) != 0
+        if holes:
+            # Straight on, as if nothing was there: light is looked for from the vertex before.
+            on = (flags & NULL) != 0
+            p, pdf, delta = (
+                where(on, path.p, p),
+                where(on, path.pdf, pdf),
+                where(on, path.delta, delta),
+            )
         if hides:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             o, d, p = where(hidden, beyond, o), where(hidden, path.d, d), where(hidden, path.p, p)
@@ -266,7 +276,7 @@ def _write_reach_environment(bsdf_weight, listeners):
     return reach_environment
 
 
-def _write_reach_lamp(bsdf_weight, listeners):
+def _write_reach_lamp(bsdf_weight, holes, listeners):
     """``(scene, path, hit, surface, depth, active, L, L_direct) -> (L, L_direct)``: lights hit."""
     recorded, find = listeners.find is not None, listeners.find
 
@@ -274,8 +284,12 @@ def _write_reach_lamp(bsdf_weight, listeners):
     def reach_lamp(scene, path, hit, surface, depth, active, L, L_direct):
         shining = active & (surface.light != 0)
         if any_lane(shining):
+            distance = hit.t
+            if holes:
+                # From the last vertex, not from the hole that the path came through.
+                distance = length(surface.p - path.p)
             Le = emitted(scene, surface, -path.d)
-            pdf = light_pdf(scene, surface.light, path.p, path.d, hit.t, surface)
+            pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
             w = bsdf_weight(path, pdf)
             L = where(shining, L + path.beta * Le * w, L)
             L_direct = where(shining & (depth <= 2), L, L_direct)
@@ -286,15 +300,18 @@ def _write_reach_lamp(bsdf_weight, listeners):
     return reach_lamp
 
 
-def _write_add_direct_light(light_weight, by_light, listeners):
-    """``(scene, path, surface, wo, depth, active, L, L_direct, rays) -> (L, L_direct, rays)``.
+def _write_add_direct_light(light_weight, by_light, holes, listeners):
+    """Light sampling.
+
+    ``(scene, settings, path, surface, wo, depth, active, L, L_direct, rays)`` gives the last three
+    anew.
 
     Only delta lights count unless `by_light`.
     """
     recorded, sample = listeners.sample is not None, listeners.sample
 
     @kernel
-    def add_direct_light(scene, path, surface, wo, depth, active, L, L_direct, rays):
+    def add_direct_light(scene, settings, path, surface, wo, depth, active, L, L_direct, rays):
         dimension = vertex_dimension(depth)
         n = lit_normal(surface.ns, wo)
         light = sample_light(
@@ -308,15 +325,24 @@ def _write_add_direct_light(light_weight, by_light, listeners):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
-            rays += count_lanes(lit)
+            if not holes:
+                rays += count_lanes(lit)
             o, end = shadow_ray(surface, light)
-            lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
-            w = light_weight(light, pdf)
+            passed = lanes_u32(0)
+            if holes:
+                # A hole is the end of an edge, for paths and so for shadow rays too.
+                most = passed + settings.max_depth - depth - 1
+                share, passed, rays = come_through_holes(scene, o, light.wi, end, most, lit, rays)
+                lit = lit & (share > 0.0)
+                w = share * light_weight(light, pdf)
+            else:
+                lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
+                w = light_weight(light, pdf)
             Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
             L = where(lit, L + Ld, L)
-            L_direct = where(lit & (depth <= 1), L, L_direct)
+            L_direct = where(lit & (depth + passed <= 1), L, L_direct)
             if recorded:
-                sample(scene, path, surface.p, n, depth, lit, Ld)
+                sample(scene, path, surface.p, n, depth, passed, lit, Ld)
         return L, L_direct, rays
 
     return add_direct_light

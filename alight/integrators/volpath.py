@@ -20,8 +20,8 @@ from pydantic import model_validator
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
-from alight.bsdfs.flags import DELTA
-from alight.bsdfs.switch import concentration, refracts
+from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
@@ -37,12 +37,10 @@ from alight.core.simd import (
 from alight.core.spec import Depth, Integrator, Truth, invalid
 from alight.core.vec import length, max_component
 from alight.integrators.path import BY_BSDF, BY_LIGHT, MAX_SURVIVAL, MIS, STRATEGIES
+from alight.integrators.shadow_rays import come_through
 from alight.integrators.volume_walk import (
     FREE_FLIGHT,
     VolumePath,
-    come_through,
-    has_null,
-    is_null,
     mean,
     medium_beyond,
 )
@@ -56,6 +54,7 @@ from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
     ROULETTE,
+    UNLIMITED,
     count_lanes,
     to_local,
     to_world,
@@ -161,7 +160,7 @@ def step(program):
         # Surfaces that are not there are no vertices, nor lights that the camera looks through.
         passing, shining = lanes_mask(False), met
         if nulls:
-            passing = met & is_null(scene, surface)
+            passing = met & is_null(scene, surface.bsdf)
         if hides:
             hidden = met & (path.depth == 0) & (surface.light != 0)
             passing, shining = passing | hidden, met & ~hidden
@@ -179,9 +178,17 @@ def step(program):
         dimension = vertex_dimension(path.steps)
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
-        wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, active & ~scattered)
+        turning = active & ~scattered
+        if nulls:
+            # The last surface may be a hole, behind which the last edge goes on.
+            turning = met & ~passing
+        wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, turning)
         d = to_world(surface, wi)
         delta = (flags & DELTA) != 0
+        if nulls:
+            # Holes in a surface are no vertices either.
+            hole = turning & ((flags & NULL) != 0)
+            passing, active = passing | hole, active & ~hole
         d, weight, pdf, delta = turn_in_medium(
             scene, path, u2, active & scattered, d, weight, pdf, delta
         )
@@ -369,8 +376,8 @@ def _write_add_direct_light(chosen_weight, by_light):
             medium = medium_beyond(scene, surface, light.wi, path.medium)
             medium = where(scattered, path.medium, medium)
             stream = stream_of(path.sampler, 2 * path.steps + 1)
-            crossing, rays = come_through(
-                scene, o, light.wi, end, medium, path.channel, stream, lit, rays
+            crossing, _, rays = come_through(
+                scene, o, light.wi, end, medium, path.channel, stream, UNLIMITED, lit, rays
             )
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost

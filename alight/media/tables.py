@@ -43,7 +43,7 @@ Flight = namedtuple("Flight", "scattered t factor light albedo")
 
 #: How light comes through on the way of a shadow ray. passed (Vec3): transmittance; light (Vec3):
 #: density of what was chosen on the way; both over that density in the channel that chose;
-#: boost: further factor of the transmittance, from roulette.
+#: boost: further factor of the transmittance, from roulette and from holes in surfaces.
 Crossing = namedtuple("Crossing", "passed light boost")
 
 #: Names a stream of random numbers for the steps of a tracking: keys, and the first counter.
