@@ -71,8 +71,9 @@ from alight.lights.sampling import (
     sample_light,
     shadow_ray,
 )
+from alight.media.grid import emission
 from alight.media.sampling import evaluate_phase, fly, sample_phase
-from alight.media.tables import stream_of
+from alight.media.tables import EMISSIVE, stream_of
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
@@ -228,7 +229,8 @@ def pass_media(program):
 
 @kernel
 def _pass_nothing(scene, path, t):
-    return _moved(path, path.medium, path.beta, path.ours, path.lights), lanes_mask(False), t
+    moved = _moved(path, path.L, path.L_direct, path.medium, path.beta, path.ours, path.lights)
+    return moved, lanes_mask(False), t
 
 
 @kernel
@@ -237,6 +239,7 @@ def _fly(scene, path, t):
     medium = where(first, lanes_u32(0) + scene.media.start[0], path.medium)
     within = path.active & (medium != 0)
     beta, ours, lights, scattered = path.beta, path.ours, path.lights, lanes_mask(False)
+    L, L_direct = path.L, path.L_direct
     if any_lane(within):
         u = get_1d(path.sampler, vertex_dimension(path.steps + 1) + FREE_FLIGHT)
         stream = stream_of(path.sampler, 2 * path.steps)
@@ -244,17 +247,41 @@ def _fly(scene, path, t):
         scattered = within & flight.scattered
         t = where(scattered, flight.t, t)
         beta = where(within, beta * flight.factor, beta)
-        beta = where(scattered, beta * flight.albedo, beta)
         ours = where(within, ours * flight.factor, ours)
         lights = where(within, lights * flight.light, lights)
-    return _moved(path, medium, beta, ours, lights), scattered, t
+        L, L_direct = shine(scene, path, medium, t, beta, ours, flight.albedo, scattered)
+        beta = where(scattered, beta * flight.albedo, beta)
+    return _moved(path, L, L_direct, medium, beta, ours, lights), scattered, t
+
+
+@specialised
+def shine(program):
+    """``(scene, path, medium, t, beta, ours, albedo, scattered) -> (L, L_direct)``: with its light.
+
+    A collision is an absorption with the probability 1 - albedo; absorbed is what is emitted, times
+    the medium's emission (Kirchhoff). No other strategy finds this light.
+    """
+    return _shine if EMISSIVE in program.media else _stay_dark
 
 
 @kernel
-def _moved(path, medium, beta, ours, lights):
+def _stay_dark(scene, path, medium, t, beta, ours, albedo, scattered):
+    return path.L, path.L_direct
+
+
+@kernel
+def _shine(scene, path, medium, t, beta, ours, albedo, scattered):
+    Le = emission(scene, where(scattered, medium, 0), path.o + t * path.d)
+    absorbed = lanes_vec3(1.0) - albedo
+    L = where(scattered, path.L + beta * absorbed * Le * (1.0 / mean(ours)), path.L)
+    return L, where(scattered & (path.depth <= 1), L, path.L_direct)
+
+
+@kernel
+def _moved(path, L, L_direct, medium, beta, ours, lights):
     """The path with one more step, and these."""
     return VolumePath(
-        path.o, path.d, path.p, path.L, path.L_direct, beta, path.pdf, path.delta, path.depth,
+        path.o, path.d, path.p, L, L_direct, beta, path.pdf, path.delta, path.depth,
         path.sampler, path.active, path.rays, medium, path.channel, path.steps + 1, ours, lights,
     )  # fmt: skip
 

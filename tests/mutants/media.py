@@ -80,6 +80,12 @@ MEDIA = (
         "tests/estimators/test_holes.py::test_path_and_volpath_see_the_same_through_holes",
     ),
     Mutant(
+        "media shine where they scatter too",
+        "integrators/volpath.py",
+        (("lanes_vec3(1.0) - albedo", "lanes_vec3(1.0)"),),
+        "tests/media/test_emission.py::test_in_a_furnace_as_bright_as_themselves_media_vanish",
+    ),
+    Mutant(
         "light scattered forward goes backward",
         "media/sampling.py",
         (("length_squared(wi - d)", "length_squared(wi + d)"),),
