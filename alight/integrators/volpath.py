@@ -14,9 +14,7 @@ Source: PBR4 section 14.2.3 (VolPathIntegrator); Miller, Georgiev and Jarosz, SI
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Self
-
-from pydantic import model_validator
+from typing import ClassVar, Literal
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
@@ -34,9 +32,18 @@ from alight.core.simd import (
     minimum,
     where,
 )
-from alight.core.spec import Depth, Integrator, Truth, invalid
-from alight.core.vec import length, max_component
-from alight.integrators.path import BY_BSDF, BY_LIGHT, MAX_SURVIVAL, MIS, STRATEGIES
+from alight.core.vec import max_component
+from alight.integrators.options import PathTracing
+from alight.integrators.path import (
+    BY_BSDF,
+    BY_LIGHT,
+    MAX_SURVIVAL,
+    MIS,
+    NO_LISTENERS,
+    STRATEGIES,
+    write_reach_environment,
+    write_reach_lamp,
+)
 from alight.integrators.shadow_rays import come_through
 from alight.integrators.volume_walk import (
     FREE_FLIGHT,
@@ -61,12 +68,8 @@ from alight.integrators.walk import (
     vertex_dimension,
 )
 from alight.lights.sampling import (
-    emitted,
     environment_of,
-    environment_pdf,
-    environment_radiance,
     has_delta_lights,
-    light_pdf,
     lit_normal,
     sample_light,
     shadow_ray,
@@ -79,7 +82,7 @@ from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
 
 
-class VolPath(Integrator):
+class VolPath(PathTracing):
     """Volumetric path tracer.
 
     Parameters
@@ -87,34 +90,13 @@ class VolPath(Integrator):
     light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
         How direct light is found: by sampling BSDFs and phase functions, by light sampling, or by
         both combined. All compute the same picture.
-    russian_roulette : {"throughput", "none"}, default "throughput"
-        Whether dim paths end at random, with weights that keep the mean.
-    rr_depth : int >= 1, default 5
-        Depth from which roulette is played.
     max_depth : int >= 1, optional
         Longest path, counted in edges after the camera; scattering in a medium ends an edge,
-        passing a `null` surface does not. Unlimited by default, which needs roulette.
-    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
-        As for `path`.
-    hide_emitters : bool, default False
-        Whether the camera sees through lights: surfaces that shine, and the environment. They
-        light the scene as ever.
+        passing a `null` surface or a hole does not. Unlimited by default, which needs roulette.
     """
 
     sees_media: ClassVar[bool] = True
     type: Literal["volpath"] = "volpath"
-    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
-    russian_roulette: Literal["throughput", "none"] = "throughput"
-    rr_depth: Depth = 5
-    max_depth: Depth | None = None
-    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
-    hide_emitters: Truth = False
-
-    @model_validator(mode="after")
-    def _paths_end(self) -> Self:
-        if self.max_depth is None and self.russian_roulette == "none":
-            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
-        return self
 
 
 EXAMPLES = (
@@ -135,8 +117,8 @@ def step(program):
     area_lights, nulls = "area" in program.lights, has_null(program)
     environment = environment_of(program) is not None
     roulette = program.option("russian_roulette") == "throughput"
-    reach_environment = _write_reach_environment(found_weight)
-    reach_lamp = _write_reach_lamp(found_weight, nulls)
+    reach_environment = write_reach_environment(found_weight, NO_LISTENERS)
+    reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS)
     add_direct_light = _write_add_direct_light(chosen_weight, by_light)
     play_roulette = _write_play_roulette(refracts(program))
     hides = program.option("hide_emitters", False)
@@ -332,44 +314,6 @@ def _towards_light(scene, path, wi, scattered, f, pdf):
 
 
 # ---------------------------------------------------------------- light
-
-
-def _write_reach_environment(found_weight):
-    """``(scene, path, depth, missed, L, L_direct) -> (L, L_direct)``: rays that left the scene."""
-
-    @kernel
-    def reach_environment(scene, path, depth, missed, L, L_direct):
-        if any_lane(missed):
-            # Other lanes look at one place of a map: that costs no memory traffic.
-            d = where(missed, path.d, 0.0)
-            Le = environment_radiance(scene, d)
-            w = found_weight(path, environment_pdf(scene, d))
-            L = where(missed, L + path.beta * Le * w, L)
-            L_direct = where(missed & (depth <= 2), L, L_direct)
-        return L, L_direct
-
-    return reach_environment
-
-
-def _write_reach_lamp(found_weight, nulls):
-    """``(scene, path, hit, surface, depth, met, L, L_direct) -> (L, L_direct)``: lights hit."""
-
-    @kernel
-    def reach_lamp(scene, path, hit, surface, depth, met, L, L_direct):
-        shining = met & (surface.light != 0)
-        if any_lane(shining):
-            distance = hit.t
-            if nulls:
-                # From the last vertex, not from a surface that is not there.
-                distance = length(surface.p - path.p)
-            Le = emitted(scene, surface, -path.d)
-            pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
-            w = found_weight(path, pdf)
-            L = where(shining, L + path.beta * Le * w, L)
-            L_direct = where(shining & (depth <= 2), L, L_direct)
-        return L, L_direct
-
-    return reach_lamp
 
 
 def _write_add_direct_light(chosen_weight, by_light):
