@@ -170,6 +170,6 @@ def union_of_cells(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _grid(cells: list[SampleRanges], shape: tuple[int, ...]) -> np.ndarray:
-    grid = np.empty(len(cells), dtype=object)
+    grid = np.full(len(cells), EMPTY, dtype=object)
     grid[:] = cells
     return grid.reshape(shape)
