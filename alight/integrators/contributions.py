@@ -109,10 +109,11 @@ def leave(scene, path, depth, mask, value):
 
 
 @kernel
-def sample(scene, path, p, n, depth, mask, value):
+def sample(scene, path, p, n, depth, passed, mask, value):
     """Log light that light sampling found from the vertex at the end of edge number `depth`.
 
-    p, n: place of the vertex, and its normal as `sample_light` was given it.
+    p, n: place of the vertex, and its normal as `sample_light` was given it; passed (u32): surfaces
+    that the shadow ray went through.
     """
     dimension = vertex_dimension(depth)
     u, u2 = (
@@ -122,7 +123,8 @@ def sample(scene, path, p, n, depth, mask, value):
     index = choose_light_at(scene, p, n, u, u2, mask)
     light = lanes_u32(0) + index + 1
     first = gather(scene.log.first, sample_number(scene.log, path.sampler, mask))
-    write(scene.log, path, light, depth + 1, lanes_u32(BY_LIGHT), first, mask, value)
+    end = depth + passed + 1
+    write(scene.log, path, light, end, lanes_u32(BY_LIGHT), first, mask, value)
 
 
 @kernel
