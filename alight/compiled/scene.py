@@ -131,6 +131,7 @@ def compile_scene(
         media=media,
         phases=phases,
         registered=versions(described(flat)),
+        environments=lights.environments,
     )
     return CompiledScene(
         tables=tables,

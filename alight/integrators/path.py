@@ -41,9 +41,9 @@ from alight.integrators.walk import (
 )
 from alight.lights.sampling import (
     emitted,
-    environment_of,
     environment_pdf,
     environment_radiance,
+    environments_of,
     has_delta_lights,
     light_pdf,
     lit_normal,
@@ -140,7 +140,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights = "area" in program.lights
-    environment = environment_of(program) is not None
+    environment = bool(environments_of(program))
     reach_environment = _write_reach_environment(bsdf_weight, listeners)
     reach_lamp = _write_reach_lamp(bsdf_weight, listeners)
     add_direct_light = _write_add_direct_light(light_weight, by_light, listeners)

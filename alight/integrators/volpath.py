@@ -63,9 +63,9 @@ from alight.integrators.walk import (
 )
 from alight.lights.sampling import (
     emitted,
-    environment_of,
     environment_pdf,
     environment_radiance,
+    environments_of,
     has_delta_lights,
     light_pdf,
     lit_normal,
@@ -133,7 +133,7 @@ def step(program):
     samples_lights = by_light or has_delta_lights(program)
     found_weight, chosen_weight = _weights_of(strategy)
     area_lights, nulls = "area" in program.lights, has_null(program)
-    environment = environment_of(program) is not None
+    environment = bool(environments_of(program))
     roulette = program.option("russian_roulette") == "throughput"
     reach_environment = _write_reach_environment(found_weight)
     reach_lamp = _write_reach_lamp(found_weight, nulls)
