@@ -15,7 +15,9 @@ from alight.core.view import View
 from alight.lights import area
 from alight.lights.environment import Environment, make_map
 from alight.lights.environment_map import EMPTY, EnvironmentMap
+from alight.lights.portal import area as portal_area
 from alight.lights.sampling import KINDS, LIGHTS
+from alight.lights.sun import SHARE, TO_SUN
 from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
 from alight.lights.tree_build import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
@@ -214,4 +216,21 @@ def _weights(rows: list[LightRow], radius: float, selection: Selection) -> np.nd
     powers = np.array(
         [LIGHTS[row.kind].power(row.brightness, float(row.areas.sum()), radius) for row in rows]
     )
-    return (powers > 0.0).astype(np.float64) if selection == "uniform" else powers
+    weights = (powers > 0.0).astype(np.float64) if selection == "uniform" else powers
+    areas = np.array([_portal_area(row) for row in rows])
+    if areas.any():
+        # Half of what is drawn from the surroundings, their suns left aside.
+        taken = weights * [0.5 * _without_sun(row) for row in rows]
+        weights = weights - taken + taken.sum() * areas / areas.sum()
+    return weights
+
+
+def _portal_area(row: LightRow) -> float:
+    return portal_area(row.numbers) if row.kind == "portal" else 0.0
+
+
+def _without_sun(row: LightRow) -> float:
+    """Share of the samples of a light that go to its surroundings."""
+    if LIGHTS[row.kind].EXAMPLES[0].placement != "environment" or row.kind == "sun":
+        return 0.0
+    return 1.0 - row.numbers[SHARE - TO_SUN] if row.kind == "sunsky" else 1.0

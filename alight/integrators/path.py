@@ -256,7 +256,7 @@ def _write_reach_environment(bsdf_weight, listeners):
             # Other lanes look at one place of a map: that costs no memory traffic.
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
-            w = bsdf_weight(path, environment_pdf(scene, d))
+            w = bsdf_weight(path, environment_pdf(scene, path.p, d))
             L = where(missed, L + path.beta * Le * w, L)
             L_direct = where(missed & (depth <= 2), L, L_direct)
             if recorded:

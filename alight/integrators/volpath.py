@@ -309,7 +309,7 @@ def _write_reach_environment(found_weight):
             # Other lanes look at one place of a map: that costs no memory traffic.
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
-            w = found_weight(path, environment_pdf(scene, d))
+            w = found_weight(path, environment_pdf(scene, path.p, d))
             L = where(missed, L + path.beta * Le * w, L)
             L_direct = where(missed & (depth <= 2), L, L_direct)
         return L, L_direct

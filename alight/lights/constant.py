@@ -57,7 +57,7 @@ def sample(scene, back, p, u, u2):
 
 
 @kernel
-def pdf(scene, back, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
     return lanes(INV_FOUR_PI)
 

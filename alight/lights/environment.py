@@ -317,7 +317,7 @@ def sample(scene, back, p, u, u2):
 
 
 @kernel
-def pdf(scene, back, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
     m, at = scene.lights.map, map_at(scene, back)
     columns, rows = as_int(m[at + COLUMNS]), as_int(m[at + ROWS])

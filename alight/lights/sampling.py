@@ -56,6 +56,10 @@ def _is_around(name: str) -> bool:
     return LIGHTS[name].EXAMPLES[0].placement == "environment"
 
 
+def _is_seen(name: str) -> bool:
+    return hasattr(LIGHTS[name], "radiance")
+
+
 def _sample_of(name: str):
     """A light's `sample` by its row; of the one environment it is the last."""
     own = LIGHTS[name].sample
@@ -199,7 +203,7 @@ def sample_light(program):
         # No light from behind, from nowhere, or from farther than float32 can tell.
         valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0)
         radiance = s.radiance * gather_vec3(scene.lights.data, index * STRIDE)
-        radiance, pdf = together(scene, index, s.wi, radiance, pdf)
+        radiance, pdf = together(scene, index, p, s.wi, radiance, pdf)
         return LightSample(
             s.wi,
             s.distance,
@@ -222,7 +226,7 @@ def _from_the_tree(scene, p, ns, u, u2, active):
     pdf = s.pdf * choice.plain
     valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0) & (choice.pmf > 0.0)
     radiance = s.radiance * gather_vec3(scene.lights.data, choice.index * STRIDE)
-    radiance, pdf = together(scene, choice.index, s.wi, radiance, pdf)
+    radiance, pdf = together(scene, choice.index, p, s.wi, radiance, pdf)
     factor = choice.plain / where(valid, choice.pmf, 1.0)
     return LightSample(
         s.wi,
@@ -367,15 +371,15 @@ def environments_of(program) -> tuple[str, ...]:
 
 
 def _sum_of(parts: tuple):
-    """``(scene, d)``: the sum of kernels ``(scene, d)``, at least one."""
+    """``(scene, p, d)``: the sum of kernels ``(scene, p, d)``, at least one."""
     first = parts[0]
     if len(parts) == 1:
         return first
     others = _sum_of(parts[1:])
 
     @kernel
-    def added(scene, d):
-        return first(scene, d) + others(scene, d)
+    def added(scene, p, d):
+        return first(scene, p, d) + others(scene, p, d)
 
     return added
 
@@ -384,7 +388,7 @@ def _radiance_of(name: str, back: int):
     radiance = LIGHTS[name].radiance
 
     @kernel
-    def colored(scene, d):
+    def colored(scene, p, d):
         return row_vec3(scene.lights.data, row_of(scene, back)) * radiance(scene, back, d)
 
     return colored
@@ -394,8 +398,8 @@ def _density_of(name: str, back: int):
     density = LIGHTS[name].pdf
 
     @kernel
-    def chosen(scene, d):
-        return density(scene, back, d) * scene.lights.data[row_of(scene, back) + 3]
+    def chosen(scene, p, d):
+        return density(scene, back, p, d) * scene.lights.data[row_of(scene, back) + 3]
 
     return chosen
 
@@ -403,34 +407,45 @@ def _density_of(name: str, back: int):
 @specialised
 def environment_radiance(program):
     """``environment_radiance(scene, d)``: radiance of a ray that leaves the scene along unit d."""
-    names = environments_of(program)
-    if not names:
+    names = tuple(enumerate(environments_of(program)[::-1], 1))
+    # Portals send nothing.
+    parts = tuple(_radiance_of(name, back) for back, name in names if _is_seen(name))
+    if not parts:
 
         @kernel
         def black(scene, d):
             return lanes_vec3(0.0)
 
         return black
-    return _sum_of(tuple(_radiance_of(name, len(names) - k) for k, name in enumerate(names)))
+    total = _sum_of(parts)
+
+    @kernel
+    def from_anywhere(scene, d):
+        return total(scene, d, d)
+
+    return from_anywhere
 
 
 @specialised
 def environment_pdf(program):
-    """``environment_pdf(scene, d)``: density of `sample_light` for a ray that leaves the scene."""
-    names = environments_of(program)
+    """Density of `sample_light` for a ray that leaves the scene.
+
+    ``environment_pdf(scene, p, d)``: p, d: the vertex that it comes from, and its unit direction.
+    """
+    names = tuple(enumerate(environments_of(program)[::-1], 1))
     if not names:
 
         @kernel
-        def impossible(scene, d):
+        def impossible(scene, p, d):
             return lanes(0.0)
 
         return impossible
-    return _sum_of(tuple(_density_of(name, len(names) - k) for k, name in enumerate(names)))
+    return _sum_of(tuple(_density_of(name, back) for back, name in names))
 
 
 @specialised
 def together(program):
-    """``together(scene, index, wi, radiance, pdf)``: those of several environments as of one.
+    """``together(scene, index, p, wi, radiance, pdf)``: those of several environments as of one.
 
     A ray cannot tell from which of them its light comes; nor does a sample, whichever of them drew
     its direction: it brings the light of all, with the density of their mixture.
@@ -439,17 +454,17 @@ def together(program):
     if not count:
 
         @kernel
-        def each_by_itself(scene, index, wi, radiance, pdf):
+        def each_by_itself(scene, index, p, wi, radiance, pdf):
             return radiance, pdf
 
         return each_by_itself
 
     @kernel
-    def of_all(scene, index, wi, radiance, pdf):
+    def of_all(scene, index, p, wi, radiance, pdf):
         around = lanes_u32(0) + index >= scene.lights.info.size // INFO - count
         if any_lane(around):
             radiance = where(around, environment_radiance(scene, wi), radiance)
-            pdf = where(around, environment_pdf(scene, wi), pdf)
+            pdf = where(around, environment_pdf(scene, p, wi), pdf)
         return radiance, pdf
 
     return of_all

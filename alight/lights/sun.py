@@ -106,11 +106,11 @@ def to_the_disk(scene, back, u2):
 def sample(scene, back, p, u, u2):
     """Choose a direction; see `alight.lights.environment.sample`."""
     wi = to_the_disk(scene, back, u2)
-    return from_infinity(wi, radiance(scene, back, wi), pdf(scene, back, wi))
+    return from_infinity(wi, radiance(scene, back, wi), pdf(scene, back, p, wi))
 
 
 @kernel
-def pdf(scene, back, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
     size = scene.lights.data[row_of(scene, back) + SIZE]
     return where(in_the_disk(scene, back, d), INV_TWO_PI / size, 0.0)

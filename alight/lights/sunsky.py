@@ -115,14 +115,14 @@ def sample(scene, back, p, u, u2):
     rest = where(to_sun, u, u - share) / where(to_sun, share, 1.0 - share)
     of_sky = sample_sky(scene, back, p, rest, u2)
     wi = where(to_sun, to_the_disk(scene, back, u2), of_sky.wi)
-    return from_infinity(wi, radiance(scene, back, wi), pdf(scene, back, wi))
+    return from_infinity(wi, radiance(scene, back, wi), pdf(scene, back, p, wi))
 
 
 @kernel
-def pdf(scene, back, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
     share = scene.lights.data[row_of(scene, back) + SHARE]
-    return share * pdf_of_sun(scene, back, d) + (1.0 - share) * pdf_of_sky(scene, back, d)
+    return share * pdf_of_sun(scene, back, p, d) + (1.0 - share) * pdf_of_sky(scene, back, p, d)
 
 
 @kernel

@@ -67,7 +67,7 @@ class Around:
 
     def pdf(self, d):
         """Density at directions (3, n)."""
-        found = self.run(environment_pdf, self.scene, vec(d))
+        found = self.run(environment_pdf, self.scene, vec(0.0 * d), vec(d))
         return np.broadcast_to(found, d.shape[1]).astype(float)
 
     def seen(self, d):

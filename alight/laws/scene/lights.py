@@ -50,7 +50,7 @@ def density_towards(scene, p, d):
     found = hit.t < 3.0e38
     surface = make_surface(scene, hit, p, d, found)
     area = light_pdf(scene, surface.light, p, d, hit.t, surface)
-    return where(found, area, environment_pdf(scene, d))
+    return where(found, area, environment_pdf(scene, p, d))
 
 
 class Cone(NamedTuple):
