@@ -132,6 +132,7 @@ def compile_scene(
         media=media,
         phases=phases,
         registered=versions(described(flat)),
+        environments=lights.environments,
     )
     return CompiledScene(
         tables=tables,

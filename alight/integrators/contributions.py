@@ -14,7 +14,7 @@ from __future__ import annotations
 import inspect
 from collections import namedtuple
 
-from alight.core.jit import kernel
+from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
 from alight.core.simd import (
     LANES,
@@ -103,9 +103,26 @@ def find(scene, path, light, depth, mask, value):
 
 @kernel
 def leave(scene, path, depth, mask, value):
-    """Log light of the environment, which is the last light, where rays left the scene."""
+    """Log light of the environments, all as of the last light, where rays left the scene."""
     last = lanes_u32(scene.lights.info.size // LIGHT_INFO)
     find(scene, path, last, depth, mask, value)
+
+
+@specialised
+def as_found(program):
+    """``as_found(scene, index)``: the light that a ray would take the light `index` for."""
+    count = len(program.environments)
+
+    @kernel
+    def last_of_the_environments(scene, index):
+        last = scene.lights.info.size // LIGHT_INFO - 1
+        return where(lanes_u32(0) + index + count > last, lanes_u32(last), index)
+
+    @kernel
+    def itself(scene, index):
+        return index
+
+    return last_of_the_environments if count else itself
 
 
 @kernel
@@ -120,7 +137,7 @@ def sample(scene, path, p, n, depth, passed, mask, value):
         get_1d(path.sampler, dimension + LIGHT_CHOICE),
         get_2d(path.sampler, dimension + LIGHT_POINT),
     )
-    index = choose_light_at(scene, p, n, u, u2, mask)
+    index = as_found(scene, choose_light_at(scene, p, n, u, u2, mask))
     light = lanes_u32(0) + index + 1
     first = gather(scene.log.first, sample_number(scene.log, path.sampler, mask))
     end = depth + passed + 1

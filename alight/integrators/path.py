@@ -40,9 +40,9 @@ from alight.integrators.walk import (
 )
 from alight.lights.sampling import (
     emitted,
-    environment_of,
     environment_pdf,
     environment_radiance,
+    environments_of,
     has_delta_lights,
     light_pdf,
     lit_normal,
@@ -115,7 +115,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights = "area" in program.lights
-    environment = environment_of(program) is not None
+    environment = bool(environments_of(program))
     holes = has_null(program)
     reach_environment = write_reach_environment(bsdf_weight, listeners)
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners)
@@ -236,7 +236,7 @@ def write_reach_environment(bsdf_weight, listeners):
             # Other lanes look at one place of a map: that costs no memory traffic.
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
-            w = bsdf_weight(path, environment_pdf(scene, d))
+            w = bsdf_weight(path, environment_pdf(scene, path.p, d))
             L = where(missed, L + path.beta * Le * w, L)
             L_direct = where(missed & (depth <= 2), L, L_direct)
             if recorded:

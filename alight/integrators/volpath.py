@@ -68,7 +68,7 @@ from alight.integrators.walk import (
     vertex_dimension,
 )
 from alight.lights.sampling import (
-    environment_of,
+    environments_of,
     has_delta_lights,
     lit_normal,
     sample_light,
@@ -115,7 +115,7 @@ def step(program):
     samples_lights = by_light or has_delta_lights(program)
     found_weight, chosen_weight = _weights_of(strategy)
     area_lights, nulls = "area" in program.lights, has_null(program)
-    environment = environment_of(program) is not None
+    environment = bool(environments_of(program))
     roulette = program.option("russian_roulette") == "throughput"
     reach_environment = write_reach_environment(found_weight, NO_LISTENERS)
     reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS)

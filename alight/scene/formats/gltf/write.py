@@ -74,7 +74,7 @@ class _Writer:
             self.add_shape(shape)
         for placed in self.flat.lights:
             self.add_light(placed.light, placed.to_world)
-        if self.flat.environment is not None:
+        if self.flat.environments:
             self.lose("the environment: glTF has no light from infinity around a scene")
         if self.flat.media:
             self.lose("media: glTF has nothing between surfaces")
