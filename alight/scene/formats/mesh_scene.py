@@ -60,4 +60,4 @@ def _parse(read: Callable[[bytes], MeshArrays], data: bytes, name: str, *, z_is_
     }
     add_light(scene, report)
     add_camera(scene, report, bounds)
-    return Parsed.of(scene, {"": name}, report)
+    return Parsed.of(scene, {"": name}, report, framed=bounds)

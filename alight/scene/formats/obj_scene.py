@@ -102,7 +102,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     if not is_lit:
         add_light(scene, report)
     add_camera(scene, report, bounds)
-    return Parsed.of(scene, {"": name}, report)
+    return Parsed.of(scene, {"": name}, report, framed=bounds)
 
 
 def _parts(

@@ -58,6 +58,8 @@ class Graph:
         Key path -> place in the file.
     cameras : list of (str, int)
         Path of each camera's node, and the camera's index.
+    view : (4, 4) float64 or None
+        Camera to world of the first camera.
     bounds : Bounds
         Of all meshes.
     is_lit : bool
@@ -71,6 +73,7 @@ class Graph:
     bsdfs: dict[str, Data] = field(default_factory=dict)
     places: dict[str, str] = field(default_factory=dict)
     cameras: list[tuple[str, int]] = field(default_factory=list)
+    view: Matrix | None = None
     bounds: Bounds = field(default_factory=Bounds)
     is_lit: bool = False
     _uses: dict[int, int] = field(default_factory=dict)
@@ -157,6 +160,7 @@ class Graph:
         if camera is not None:
             data["camera"] = self._camera(self.document.list("cameras")[camera])
             self.cameras.append((path, camera))
+            self.view = to_world if self.view is None else self.view
         indices = item.indices("children", len(self.document.list("nodes")), "nodes")
         if task.level < DEEPEST:
             where = f"{keys}.children"

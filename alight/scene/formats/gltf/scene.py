@@ -51,13 +51,14 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         "nodes": graph.nodes,
     }
     if not graph.is_lit:
-        add_light(scene, report)
+        add_light(scene, report, graph.view)
     if graph.cameras:
         _use_camera(document, graph, scene)
     else:
         add_camera(scene, report, graph.bounds)
     report.count("nodes", len(document.list("nodes")))
-    return Parsed.of(scene, graph.places | {"": name}, report)
+    framed = None if graph.cameras else graph.bounds
+    return Parsed.of(scene, graph.places | {"": name}, report, framed=framed)
 
 
 def _use_camera(document: Document, graph: Graph, scene: dict[str, Any]) -> None:

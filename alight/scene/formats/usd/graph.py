@@ -44,6 +44,8 @@ class Graph:
     environment : dict or None
     cameras : list of (str, float)
         Node path and aspect of each camera.
+    view : (4, 4) float64 or None
+        Camera to world of the first camera.
     bounds : Bounds
         Of all that is seen, in the world.
     is_lit : bool
@@ -60,6 +62,7 @@ class Graph:
         self.bsdfs: dict[str, Data] = {}
         self.environment: Data | None = None
         self.cameras: list[tuple[str, float]] = []
+        self.view: Matrix | None = None
         self.bounds = Bounds()
         self.is_lit = False
         self.places: dict[str, str] = {}
@@ -148,6 +151,7 @@ class Graph:
             self.stage.report.count("cameras")
             camera, aspect = read_camera(self.stage, prim)
             self.cameras.append((path, aspect))
+            self.view = to_world if self.view is None else self.view
             return {"camera": camera}
         if is_light(prim):
             return self._light(prim, to_world)
@@ -262,14 +266,14 @@ class Graph:
     def _shared(self, key: str, wanted: str, prim: Any, read: Any) -> str:
         """Read a prototype in a space of its own."""
         outer, self.bounds = self.bounds, Bounds()
-        cameras, self.cameras = self.cameras, []
+        cameras, self.cameras, view = self.cameras, [], self.view
         name = free_name(wanted, self.prototypes, "prototype")
         # Reserved now: prototypes may hold others.
         self.prototypes[name] = {}
         self.prototypes[name] = {"children": read(prim, np.eye(4), "")}
         self._prototype_names[key] = name
         self._prototype_bounds[name] = self.bounds
-        self.bounds, self.cameras = outer, cameras
+        self.bounds, self.cameras, self.view = outer, cameras, view
         return name
 
     def _add_bounds(self, name: str, to_world: Matrix) -> None:
