@@ -90,6 +90,8 @@ from alight.core.spec import (
 from alight.textures.constant import Constant
 from alight.textures.fetch import color, scalar, textured_scalar
 
+#: Programs in which none is glass or a sheet have nothing that refracts.
+REFRACTING = GLASS
 #: Index of glass at least: the facet that refracts is found from it.
 LEAST_IOR = 1.001
 
