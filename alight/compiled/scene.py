@@ -17,6 +17,7 @@ from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.filters.importance import compile_filter
 from alight.lights.tables import INFO as LIGHT_INFO
+from alight.media.tables import EMISSIVE
 from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
 from alight.scene.flatten import FlatScene, described
@@ -131,6 +132,7 @@ def compile_scene(
         media=media,
         phases=phases,
         registered=versions(described(flat)),
+        environments=lights.environments,
     )
     return CompiledScene(
         tables=tables,
@@ -140,7 +142,7 @@ def compile_scene(
         content_hash=content_hash,
         integrator=flat.integrator,
         stats=stats,
-        warnings=(*flat.warnings, *_darkness(flat, lights.is_dark)),
+        warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),
     )
 
 

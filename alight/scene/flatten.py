@@ -25,6 +25,7 @@ from alight.core.spec import (
     Texture,
 )
 from alight.media.coefficients import Coefficients
+from alight.outputs.texels import reusing_memory
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.images import ImageStore
 from alight.scene.meshes import Geometry, MeshStore
@@ -97,9 +98,9 @@ class FlatScene:
     textures : dict of str to Texture
         The named textures.
     lights : list of PlacedLight
-        Lights without a shape, but for the environment.
-    environment : PlacedLight or None
-        Light from infinity; of its matrix only the rotation counts.
+        Lights without a shape, but for environments.
+    environments : list of PlacedLight
+        Light from infinity, which adds up; of their matrices only the rotation counts.
     camera : PlacedCamera
         Viewpoint.
     film, sampler, integrator
@@ -117,7 +118,7 @@ class FlatScene:
     bsdfs: list[Bsdf]
     textures: dict[str, Texture]
     lights: list[PlacedLight]
-    environment: PlacedLight | None
+    environments: list[PlacedLight]
     camera: PlacedCamera
     film: FilmSettings
     sampler: Sampler
@@ -138,13 +139,14 @@ def flatten(scene: Scene) -> FlatScene:
     store = MeshStore(scene.source.folder)
     images = ImageStore(scene.source.folder)
     volumes = VolumeStore(scene.source.folder)
-    issues = find_problems(scene, store, images, volumes)
+    with reusing_memory():
+        issues = find_problems(scene, store, images, volumes)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
     flattener = _Flattener(scene, store, images, volumes)
     if scene.environment is not None:
         light = images.resolved(scene.environment, scene.textures)
-        flattener.environment = PlacedLight("environment", light, np.eye(4))
+        flattener.environments.append(PlacedLight("environment", light, np.eye(4)))
     for name, node in scene.nodes.items():
         flattener.place(name, node, np.eye(4), None)
     camera = _place_camera(scene)
@@ -156,7 +158,7 @@ def flatten(scene: Scene) -> FlatScene:
         bsdfs=flattener.bsdfs,
         textures=dict(scene.textures),
         lights=flattener.lights,
-        environment=flattener.environment,
+        environments=flattener.environments,
         camera=camera,
         film=scene.film,
         sampler=scene.sampler,
@@ -177,7 +179,7 @@ class _Flattener:
     volumes: VolumeStore
     shapes: list[PlacedShape] = field(default_factory=list)
     lights: list[PlacedLight] = field(default_factory=list)
-    environment: PlacedLight | None = None
+    environments: list[PlacedLight] = field(default_factory=list)
     bsdfs: list[Bsdf] = field(default_factory=list)
     geometries: list[Geometry] = field(default_factory=list)
     media: list[Coefficients] = field(default_factory=list)
@@ -202,7 +204,7 @@ class _Flattener:
             elif light is not None:
                 placed = PlacedLight(path, light, to_world)
                 if light.placement == "environment":
-                    self.environment = placed
+                    self.environments.append(placed)
                 else:
                     self.lights.append(placed)
             below = [
@@ -311,8 +313,7 @@ def described(flat: FlatScene) -> Iterator[Spec]:
     yield from flat.bsdfs
     yield from (placed.light for placed in flat.lights)
     yield from (shape.light for shape in flat.shapes if shape.light is not None)
-    if flat.environment is not None:
-        yield flat.environment.light
+    yield from (placed.light for placed in flat.environments)
 
 
 def _parts(flat: FlatScene) -> Iterator[bytes]:
@@ -322,7 +323,7 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
     for settings in (flat.film, flat.sampler, flat.integrator):
         yield _content(settings)
     yield _content(flat.camera.camera) + flat.camera.to_world.tobytes()
-    yield b"" if flat.environment is None else _placed_content(flat.environment)
+    yield b"|".join(_placed_content(placed) for placed in flat.environments)
     for bsdf in flat.bsdfs:
         yield _content(bsdf)
     for geometry in flat.geometries:

@@ -27,6 +27,10 @@ from alight.scene.formats.report import Report
 
 STUDIO = "builtin:studio"
 NO_LIGHT = "the file has no light: a soft studio stands around it (environment)"
+FAINT_LIGHT = (
+    "what shines in the file is too faint to see it by: a soft studio stands around it "
+    "(environment)"
+)
 NO_CAMERA = "the file has no camera: one was placed that sees all of it (camera)"
 SIZE = (800, 600)
 FOV, TO_THE_RIGHT, ABOVE = 40.0, 30.0, 20.0  # degrees
@@ -112,12 +116,18 @@ def _axes() -> NDArray[np.float64]:
 
 
 def add_light(
-    data: dict[str, Any], report: Report, view: NDArray[np.float64] | None = None
+    data: dict[str, Any],
+    report: Report,
+    *,
+    shines: bool,
+    view: NDArray[np.float64] | None = None,
 ) -> None:
     """Put the studio around a scene.
 
     Parameters
     ----------
+    shines : bool
+        Whether anything in the scene shines, too faintly (`glow`).
     view : (4, 4) float64, optional
         Camera to world of the file's own camera: the studio's front is then turned to it.
     """
@@ -125,7 +135,7 @@ def add_light(
     if view is not None and np.hypot(view[0, 2], view[2, 2]) > 1e-3 * np.linalg.norm(view[:3, 2]):
         azimuth = math.degrees(math.atan2(view[0, 2], view[2, 2]))
         data["environment"]["rotate"] = azimuth - TO_THE_RIGHT
-    report.approximate(NO_LIGHT)
+    report.approximate(FAINT_LIGHT if shines else NO_LIGHT)
 
 
 def add_camera(data: dict[str, Any], report: Report, bounds: Bounds) -> None:

@@ -50,8 +50,8 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         "prototypes": graph.prototypes,
         "nodes": graph.nodes,
     }
-    if not graph.is_lit:
-        add_light(scene, report, graph.view)
+    if not graph.is_lit and not graph.glow.suffices(graph.bounds):
+        add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:
         _use_camera(document, graph, scene)
     else:
