@@ -17,14 +17,14 @@ albedo E does not take. All but sheen are facets of GGX, with alpha = roughness^
 
 With `compensation`, light that met several facets is given back by a table of the directional
 albedo: the metal times 1 + F0 (1 - W) / W, glass times 1 / (R + T), see
-`alight.bsdfs.albedo_table`. A white metal and white glass lose less than 1 % then, at every
-roughness. That scale and the layers look at wo alone: only plastic without them is reciprocal.
-glTF's metallic-roughness is the default with its three parameters; Schlick's term is exact here.
+`alight.bsdfs.albedo_rows`. White metals and white glass lose less than 1 % then, at every roughness
+and anisotropy, and so do a film or nothing over a white base; a film over rough glass errs by up to
+2 % from some directions. That scale and the layers look at wo alone: only plastic without them is
+reciprocal. glTF's metallic-roughness is the default with its three parameters; Schlick's term is
+exact here.
 
-Anisotropic facets have alpha along the tangent raised to alpha + (1 - alpha) a^2. They are
-compensated as isotropic ones that lose less: 3 to 6 % of the light is still missing where one alpha
-is 1.6 times the other, and 5 to 20 % at the extremes. From behind all but glass and
-thin sheets are black.
+Anisotropic facets have alpha along the tangent raised to alpha + (1 - alpha) a^2. From behind all
+but glass and thin sheets are black.
 
 Source: Burley 2012 and 2015, Physically Based Shading at Disney; glTF 2.0, appendix B, and the
 extensions KHR_materials_specular, _transmission, _volume, _clearcoat, _sheen, _anisotropy and
@@ -43,12 +43,16 @@ from alight.bsdfs.absorption import (
     coefficients_at,
     pack_absorption,
 )
-from alight.bsdfs.albedo_table import (
+from alight.bsdfs.albedo_rows import (
     LEAST_ALPHA,
     ROW,
     ROWS,
+    Needs,
     albedo_rows,
+    alpha_along,
+    facet_rows,
 )
+from alight.bsdfs.albedo_table import load_rows
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.principled_lobes import albedo as albedo
 from alight.bsdfs.principled_lobes import evaluate as evaluate
@@ -86,6 +90,8 @@ from alight.core.spec import (
 from alight.textures.constant import Constant
 from alight.textures.fetch import color, scalar, textured_scalar
 
+#: Programs in which none is glass or a sheet have nothing that refracts.
+REFRACTING = GLASS
 #: Index of glass at least: the facet that refracts is found from it.
 LEAST_IOR = 1.001
 
@@ -238,13 +244,13 @@ def pack(spec: Principled, packer) -> None:
     eta = max(spec.ior, LEAST_IOR) if refracts else spec.ior
     packer.numbers("eta", eta)
     packer.numbers("modes", spec.thin + 2.0 * spec.compensation)
-    # Which row serves anisotropic facets depends on the direction.
-    root = _constant(packer, "roughness") if is_zero(spec.anisotropy) else None
-    packer.curve("rows", albedo_rows(_alpha(root), eta, refracts))
-    packer.numbers("last_row", 0 if root is not None else ROWS - 1)
+    needs = Needs(eta, refracts, not is_zero(spec.iridescence))
+    grid = facet_rows(_constant(packer, "roughness"), _constant(packer, "anisotropy"), needs)
+    packer.curve("rows", grid.rows)
+    packer.numbers("last_row", grid.axes)
     if not is_zero(spec.clearcoat):
         root = _constant(packer, "clearcoat_roughness")
-        packer.curve("coat_rows", albedo_rows(_alpha(root), COAT_IOR, False))
+        packer.curve("coat_rows", albedo_rows(root, Needs(COAT_IOR)))
         packer.numbers("last_coat_row", 0 if root is not None else ROWS - 1)
     if not is_zero(spec.sheen_color):
         root = _constant(packer, "sheen_roughness")
@@ -256,24 +262,19 @@ def pack(spec: Principled, packer) -> None:
 def _constant(packer, name: str) -> float | None:
     """The number in a slot; None where it is textured."""
     at = packer.starts[name]
-    return None if packer.textures[at] else float(packer.row[at])
-
-
-def _alpha(root: float | None) -> float | None:
-    return None if root is None else max(root * root, LEAST_ALPHA)
+    return None if packer.textures[at] else min(max(float(packer.row[at]), 0.0), 1.0)
 
 
 def features(spec: Principled) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
-    rough = (spec.roughness, spec.clearcoat_roughness, spec.sheen_roughness)
+    varied = (spec.roughness, spec.anisotropy, spec.clearcoat_roughness, spec.sheen_roughness)
     names = {
         GLASS: spec.transmissive,
         COAT: not is_zero(spec.clearcoat),
         SHEEN: not is_zero(spec.sheen_color),
         FILM: not is_zero(spec.iridescence),
         ANISOTROPIC: not is_zero(spec.anisotropy),
-        MANY_ROWS: not is_zero(spec.anisotropy)
-        or any(not isinstance(value, float | Constant) for value in rough),
+        MANY_ROWS: any(not isinstance(value, float | Constant) for value in varied),
     }
     absorbs = () if spec.thin else absorption_features(spec)
     return (*(name for name, used in names.items() if used), *absorbs)
@@ -294,7 +295,7 @@ def load(scene, base, surface):
         textured_scalar(scene, base + METALLIC, surface),
         facets,
         turn,
-        load_table(scene, base + TABLE),
+        load_rows(scene, base + TABLE),
         scalar(scene, base + ETA, surface),
         textured_scalar(scene, base + SPECULAR, surface),
         color(scene, base + SPECULAR_COLOR, surface),
@@ -327,7 +328,7 @@ def _facets(program):
     def anisotropic(scene, base, surface, alpha):
         a = _unit(textured_scalar(scene, base + ANISOTROPY, surface))
         s, c = sincos(textured_scalar(scene, base + ROTATION, surface))
-        return Facets(alpha + (1.0 - alpha) * (a * a), alpha, lanes(0.0)), Turn(s, c)
+        return Facets(alpha_along(alpha, a), alpha, lanes(0.0)), Turn(s, c, a)
 
     return anisotropic
 

@@ -9,31 +9,29 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+from alight.bsdfs.albedo_rows import FILM_COSINES, FILM_PARTS, MEANS, PASSED, REFLECTED, REFRACTED
 from alight.bsdfs.albedo_table import (
-    MEANS,
-    PASSED,
-    REFLECTED,
-    REFRACTED,
-    ROW,
+    facet_rows_at,
     place_of,
     read_bounced,
     read_curve,
+    read_number,
+    read_plain_curve,
 )
 from alight.bsdfs.facets import ANISOTROPIC
-from alight.bsdfs.rows import read_row, rows_at
 from alight.bsdfs.sheen import sheen_albedo
 from alight.bsdfs.thin_film import film_fresnel
 from alight.core.frame import mirrored_if
-from alight.core.fresnel import fresnel_schlick
+from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
+    any_lane,
     lanes,
     lanes_mask,
     lanes_u32,
     lanes_vec3,
     maximum,
     minimum,
-    sqrt,
     where,
 )
 from alight.core.vec import (
@@ -58,9 +56,10 @@ Params = namedtuple(
     "base metallic facets turn table eta specular specular_color transmission thin compensated "
     "coat sheen film",
 )
-#: Where the facets' long axis lies: sine and cosine of its angle from the tangent.
-Turn = namedtuple("Turn", "sine cosine")
-NO_TURN = Turn(0.0, 1.0)
+#: Where the facets' long axis lies: sine and cosine of its angle from the tangent; and by how much
+#: it is the longer one.
+Turn = namedtuple("Turn", "sine cosine anisotropy")
+NO_TURN = Turn(0.0, 1.0, 0.0)
 Coat = namedtuple("Coat", "strength facets rows")
 Sheen = namedtuple("Sheen", "color roughness rows")
 Film = namedtuple("Film", "share ior thickness")
@@ -184,44 +183,31 @@ def _one_side(params, wo):
     return lanes_mask(False), lanes_mask(False)
 
 
-@specialised
-def rows_from(program):
-    """``(params, w) -> Rows`` of the base's albedos, seen from w."""
-    return _rows_of_anisotropic if ANISOTROPIC in program.bsdfs else _rows_of_isotropic
-
-
 @kernel
-def _rows_of_isotropic(params, w):
-    return rows_at(params.table, sqrt(params.facets.alpha_x), ROW)
-
-
-@kernel
-def _rows_of_anisotropic(params, w):
-    # Isotropic facets that lose less than these do, from any side: a fit from below.
-    ax, ay = params.facets.alpha_x, params.facets.alpha_y
-    part = 0.4 * w.z * minimum(4.0 * w.z, 1.0)
-    squared = ay * ay + part * (ax * ax - ay * ay)
-    # Seen edge-on they lose even less than the smoother ones.
-    edge = 1.0 - 0.75 * (1.0 - ay / ax) * maximum(1.0 - 8.0 * w.z, 0.0)
-    squared = squared * (edge * edge)
-    return rows_at(params.table, sqrt(sqrt(maximum(squared, 0.0))), ROW)
+def rows_from(params, w):
+    """Where the base's albedos stand, seen from w."""
+    return facet_rows_at(params.table, params.facets, params.turn.anisotropy, w)
 
 
 @specialised
 def _glass_scale(program):
-    """``(params, rows, place, inside, a, b, W, share) -> Vec3``: what makes glass lossless."""
+    """``(params, rows, place, inside, a, b, W, share, taken) -> Vec3``: what makes it lossless.
+
+    `taken` is what is reflected where there is a film.
+    """
     if GLASS not in program.bsdfs:
         return _no_glass
 
     @kernel
-    def scale(params, rows, place, inside, a, b, white, share):
+    def scale(params, rows, place, inside, a, b, white, share, taken):
         side = where(inside, lanes_u32(3), lanes_u32(0))
         reflected = read_curve(rows, side + REFLECTED, place)
         refracted = read_curve(rows, side + REFRACTED, place)
         passed = read_curve(rows, side + PASSED, place)
         total = passed + a * (white - passed) + b * (reflected + refracted - passed)
-        # A film's share of the light is not known here; neither way loses less than this.
-        total = mixed(share, total, lanes_vec3(1.0) * maximum(white, passed))
+        # Facets under a film let through in proportion to what they let in.
+        entering = refracted / maximum(white - reflected, 1e-3)
+        total = mixed(share, total, taken + (lanes_vec3(1.0) * white - taken) * entering)
         total = where(params.thin, lanes_vec3(1.0) * white, total)
         # Without transmission nothing of this is used, and nothing may pass at all.
         needed = params.compensated & (params.transmission > 0.0)
@@ -231,8 +217,39 @@ def _glass_scale(program):
 
 
 @kernel
-def _no_glass(params, rows, place, inside, a, b, white, share):
+def _no_glass(params, rows, place, inside, a, b, white, share, taken):
     return lanes_vec3(1.0)
+
+
+@specialised
+def _taken_by_film(program):
+    """``(params, a, b, W, R, rows, place, needed) -> Vec3``: what facets with a film do not let in.
+
+    Where it is not `needed` it is anything.
+    """
+    if FILM not in program.bsdfs:
+        return _no_taken
+
+    @kernel
+    def taken(params, a, b, white, reflected, rows, place, needed):
+        left, i = lanes_vec3(0.0), lanes_u32(0)
+        needed = needed & (params.film.share > 0.0)
+        while any_lane(needed & (i < FILM_PARTS)):
+            cosine = read_curve(rows, FILM_COSINES + i, place)
+            plain, _ = fresnel_dielectric(minimum(maximum(cosine, 0.0), 1.0), params.eta)
+            _, film = film_reflectance(params, lanes_mask(False), a, b, cosine)
+            left = left + (lanes_vec3(1.0) - film) * (1.0 / maximum(1.0 - plain, 1e-3))
+            i = i + 1
+        left = left * ((white - reflected) * (1.0 / FILM_PARTS))
+        left = Vec3(minimum(left.x, white), minimum(left.y, white), minimum(left.z, white))
+        return lanes_vec3(1.0) * white - left
+
+    return taken
+
+
+@kernel
+def _no_taken(params, a, b, white, reflected, rows, place, needed):
+    return lanes_vec3(0.0)
 
 
 @specialised
@@ -243,7 +260,7 @@ def _coat_part(program):
 
     @kernel
     def part(params, place, inside):
-        found = read_curve(params.coat.rows, lanes_u32(REFLECTED), place)
+        found = read_plain_curve(params.coat.rows, lanes_u32(REFLECTED), place)
         return where(inside, 0.0, params.coat.strength), found
 
     return part
@@ -286,12 +303,11 @@ def view_from(params, wo):
     white = maximum(white, 1e-3)
     a, b = _plain_terms(params, inside)
     share, film = film_reflectance(params, inside, a, b, wo.z)
-    glass = _glass_scale(params, rows, place, inside, a, b, white, share)
-    # Rough facets see a film at other angles too: a margin, so that no light is made.
-    margin = 0.1 * maximum(params.facets.alpha_x, params.facets.alpha_y)
-    bright = film + margin
-    bright = Vec3(minimum(bright.x, 1.0), minimum(bright.y, 1.0), minimum(bright.z, 1.0))
-    taken = mixed(share, a * white + b * reflected, bright * white)
+    rest = 1.0 - params.metallic
+    matte = where(inside, 0.0, rest * (1.0 - params.transmission))
+    by_film = _taken_by_film(params, a, b, white, reflected, rows, place, rest > 0.0)
+    taken = mixed(share, a * white + b * reflected, by_film)
+    glass = _glass_scale(params, rows, place, inside, a, b, white, share, by_film)
     f0 = mixed(share, params.base, film)
     given = where(params.compensated, (1.0 - white) / white, 0.0)
     metal = lanes_vec3(1.0) + f0 * given
@@ -300,10 +316,8 @@ def view_from(params, wo):
     sheen, sheen_own = _sheen_part(params, wo, inside)
     under_coat = 1.0 - coat * coat_albedo
     base = under_coat * (1.0 - max_component(sheen) * sheen_own)
-    rest = 1.0 - params.metallic
-    matte = where(inside, 0.0, rest * (1.0 - params.transmission))
-    mean = a * read_row(rows, lanes_u32(MEANS))
-    mean = mean + b * read_row(rows, lanes_u32(MEANS + 1))
+    mean = a * read_number(rows, lanes_u32(MEANS))
+    mean = mean + b * read_number(rows, lanes_u32(MEANS + 1))
     # What a film takes is not split between both directions.
     split = mixed(share, lanes_vec3(1.0) - mean, lanes_vec3(1.0))
     diffuse = params.base * (lanes_vec3(1.0) - taken) * matte / split

@@ -34,7 +34,7 @@ def rows_at(program):
 
     `root` is the coordinate in [0, 1] along which rows stand, `size` their length.
     """
-    return _many_rows if MANY_ROWS in program.bsdfs else _one_row
+    return rows_between if MANY_ROWS in program.bsdfs else _one_row
 
 
 @kernel
@@ -43,7 +43,8 @@ def _one_row(table, root, size):
 
 
 @kernel
-def _many_rows(table, root, size):
+def rows_between(table, root, size):
+    """The `Rows` around a coordinate in [0, 1]."""
     x = minimum(maximum(root, 0.0), 1.0) * table.last
     i = to_uint(minimum(x, maximum(table.last - 1.0, 0.0)))
     # A table of one row has no next one.
@@ -54,7 +55,7 @@ def _many_rows(table, root, size):
 @specialised
 def read_row(program):
     """``(rows, i) -> number i`` of the row, between two rows interpolated."""
-    return _read_two if MANY_ROWS in program.bsdfs else _read_one
+    return read_two if MANY_ROWS in program.bsdfs else _read_one
 
 
 @kernel
@@ -63,7 +64,8 @@ def _read_one(rows, i):
 
 
 @kernel
-def _read_two(rows, i):
+def read_two(rows, i):
+    """Number i between two rows interpolated."""
     a = gather(rows.curves, rows.row + i)
     b = gather(rows.curves, rows.row + rows.step + i)
     return a + rows.part * (b - a)

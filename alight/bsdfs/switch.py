@@ -36,6 +36,9 @@ TWO_SIDED, MIXED, RELIEF = 1, 2, 2
 TWO_SIDED_NAME = "two_sided"
 #: Kernel of models that refract: ``(scene, base, surface)``, the index inside over that outside.
 INNER_INDEX = "inner_index"
+#: Attribute of such models: what programs call it that one of its materials refracts. Without the
+#: attribute all of them do.
+REFRACTING = "REFRACTING"
 #: Name of the surface that is not there.
 NULL_NAME = "null"
 #: Kernel of models with an inside: ``(scene, base, surface)``, absorption coefficients per metre.
@@ -272,12 +275,22 @@ def concentration(program):
     Radiance is concentrated there: the throughput falls by 1 / eta^2, and rises again by eta^2 when
     the path comes out (PBR4 section 14.1.4). Glass that is a part of a blend counts as 1.
     """
-    return _concentration_switch([u for u in models_of(program) if hasattr(u.model, INNER_INDEX)])
+    return _concentration_switch(_refracting(program))
 
 
 def refracts(program) -> bool:
     """Whether `concentration` may be other than 1."""
-    return any(hasattr(used.model, INNER_INDEX) for used in models_of(program))
+    return bool(_refracting(program))
+
+
+def _refracting(program) -> list[Used]:
+    """The models of which a material of the program may refract."""
+    with_index = [used for used in models_of(program) if hasattr(used.model, INNER_INDEX)]
+    return [
+        used
+        for used in with_index
+        if getattr(used.model, REFRACTING, None) in (None, *program.bsdfs)
+    ]
 
 
 def _concentration_switch(models):

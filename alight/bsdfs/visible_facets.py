@@ -150,3 +150,9 @@ def bounce(seen: Seen, eta: float, refracts: bool = True) -> Bounced:
     below = wo / eta - wm * (c / eta - cos_t)
     through = weight * _masking(facets, below) * (cos_t > 0.0)
     return Bounced(white, reflected, (through * (1.0 - fresnel)).sum(1), through.sum(1))
+
+
+def entering(seen: Seen, eta: float) -> Array:
+    """The light that each facet lets in, of what would leave if it were white, (n, k)."""
+    back = seen.weight * _masking(seen.facets, seen.wm * (2.0 * seen.cosine) - seen.wo)
+    return back * (1.0 - fresnel_dielectric(seen.cosine, eta)[0])

@@ -7,6 +7,7 @@ import numpy as np
 import alight
 from alight.bsdfs.dielectric import Dielectric
 from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.principled import Principled
 from alight.bsdfs.rough_dielectric import RoughDielectric
 from alight.bsdfs.switch import concentration, refracts
 from alight.compiled.materials import compile_materials
@@ -14,6 +15,7 @@ from alight.compiled.program import Program
 from alight.core.jit import instantiate
 from alight.core.vec3 import Vec3
 from alight.scene import loads
+from alight.textures.checkerboard import Checkerboard
 from tests.sampling.materials import Scene, Shapes, Surface
 
 # A ball that shows the same light in every direction; all of it comes through.
@@ -53,6 +55,14 @@ def test_concentration_is_the_square_of_the_index_inside():
     program = Program(bsdfs=names, textures=textures)
     assert refracts(program)
     assert not refracts(Program(bsdfs=("diffuse", "thin_dielectric", "plastic")))
+    # Of a model with many faces, only glass.
+    for spec, bends in (
+        (Principled(metallic=1.0), False),
+        (Principled(transmission=0.5), True),
+        (Principled(transmission=Checkerboard()), True),
+    ):
+        _, names_of_one, textures_of_one = compile_materials([spec])
+        assert refracts(Program(bsdfs=names_of_one, textures=textures_of_one)) == bends
     zero, one = np.zeros(8, np.float32), np.ones(8, np.float32)
     row = np.arange(8, dtype=np.uint32) % 4
     surface = Surface(zero, zero, row * 0, row, Vec3(zero, zero, zero))

@@ -20,6 +20,18 @@ PRINCIPLED = (
         f"{PHYSICS}::test_white_loses_less_than_one_percent_and_gains_nothing[1.0-glass]",
     ),
     Mutant(
+        "brushed metal given back from all sides what it loses along the tangent",
+        "bsdfs/albedo_table.py",
+        (("rows_between(rows, _cosine_of_azimuth(w), ROW)", "rows_between(rows, 1.0, ROW)"),),
+        f"{PHYSICS}::test_what_is_brushed_loses_nothing_from_any_side[metal]",
+    ),
+    Mutant(
+        "film over a matte base that looks at three parts of the light in four",
+        "bsdfs/principled_view.py",
+        (("(i < FILM_PARTS)", "(i < FILM_PARTS - 1)"),),
+        f"{PHYSICS}::test_film_gives_back_in_each_color_what_it_does_not_reflect",
+    ),
+    Mutant(
         "density without that of the coat",
         "bsdfs/principled_lobes.py",
         (("others = coat_pdf + sheen_pdf", "others = sheen_pdf"),),

@@ -272,7 +272,8 @@ def _coated_conductor(m: Making) -> Data:
     eta = index(m, "interface.eta")
     keys = metal(m, ("conductor.eta", "conductor.k"), "reflectance", eta)
     _layers(m)
-    m.warn("becomes a principled metal under a clear coat of index 1.5")
+    text = "becomes a principled metal under a clear coat of index 1.5: right at the normal within"
+    m.warn(f"{text} 0.01, but up to 0.06 too bright at 70 degrees in dark channels (gold)")
     if "specular_reflectance" in keys:
         color: Value = keys["specular_reflectance"]
     else:
