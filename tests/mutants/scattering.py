@@ -37,7 +37,12 @@ SCATTERING = (
     Mutant(
         "two-sided surface that turns only wo",
         "bsdfs/switch.py",
-        (("_flip(back, wo), _flip(back, wi), active", "_flip(back, wo), wi, active"),),
+        (
+            (
+                "mirrored_if(back, wo), mirrored_if(back, wi), active",
+                "mirrored_if(back, wo), wi, active",
+            ),
+        ),
         "tests/sampling/test_dispatch.py"
         "::test_the_back_of_a_two_sided_surface_looks_like_its_front",
     ),
