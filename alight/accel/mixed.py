@@ -114,9 +114,7 @@ def nothing_is_in_the_way(tree, data, kind, at, index, o, d, t_max):
     return False
 
 
-def _write_branch(kind: str, meet: Callable, otherwise: Callable) -> Callable:
-    number = KINDS.index(kind)
-
+def _write_branch(number: int, meet: Callable, otherwise: Callable) -> Callable:
     @kernel(strict=True)
     def branch(tree, data, kind, at, index, o, d, t_max):
         """Visit a block of the right kind, or leave it to the others."""
@@ -138,17 +136,25 @@ def _write_meet_any_shape(intersect: Callable) -> Callable:
     return shape_is_met
 
 
+def visits_to(kind: str) -> tuple[Callable, Callable]:
+    """What (closest, any) one ray meets of one of the `KINDS`."""
+    if kind == "instance":
+        return meet_instance, instance_is_met
+    return _write_meet_shape(INTERSECT[kind]), _write_meet_any_shape(INTERSECT[kind])
+
+
 @lru_cache(maxsize=64)
 def write_leaves(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
     """Visits (closest, any) to leaves that hold triangles and the given `KINDS`."""
+    return write_visits(tuple((KINDS.index(kind), *visits_to(kind)) for kind in kinds))
+
+
+def write_visits(visits: tuple[tuple[int, Callable, Callable], ...]) -> tuple[Callable, Callable]:
+    """Visits (closest, any) to leaves that hold triangles and others: number, closest, any."""
     meet_other, block_other = nothing_is_met, nothing_is_in_the_way
-    for kind in kinds:
-        if kind == "instance":
-            meet_other = _write_branch(kind, meet_instance, meet_other)
-            block_other = _write_branch(kind, instance_is_met, block_other)
-        else:
-            meet_other = _write_branch(kind, _write_meet_shape(INTERSECT[kind]), meet_other)
-            block_other = _write_branch(kind, _write_meet_any_shape(INTERSECT[kind]), block_other)
+    for number, meet, block in visits:
+        meet_other = _write_branch(number, meet, meet_other)
+        block_other = _write_branch(number, block, block_other)
 
     @kernel(strict=True)
     def closest_of_leaf(tree, data, block, count, o, d, ray, best):

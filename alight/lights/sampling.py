@@ -13,6 +13,7 @@ from alight.core.simd import any_lane, gather, is_finite, lanes, lanes_mask, lan
 from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.area import pdf as area_pdf
 from alight.lights.emission import emitted_color
+from alight.lights.moving import moving_pdf, moving_sample
 from alight.lights.tables import INFO, STRIDE, LightSample
 from alight.lights.tree import choose_by_tree, plain_probability
 from alight.shapes.hit import shadow_length, spawn_origin
@@ -66,7 +67,14 @@ def _by_kind(names: tuple[str, ...]):
 @specialised
 def sample_chosen(program):
     """``sample_chosen(scene, index, p, u, u2) -> LightSample`` of the lights `index`."""
-    return _by_kind(tuple(name for name in LIGHTS if name in program.lights))
+    own = _by_kind(tuple(name for name in LIGHTS if name in program.lights))
+    return moving_sample(own) if "lights" in program.motion else own
+
+
+@specialised
+def pdf_of_area(program):
+    """``pdf_of_area(scene, index, prim, p, wi, distance, cosine)`` of the lights `index`."""
+    return moving_pdf(area_pdf) if "lights" in program.motion else area_pdf
 
 
 def has_delta_lights(program) -> bool:
@@ -276,7 +284,7 @@ def light_pdf(program):
         shines = light > 0
         index = light_index(light)
         cosine = -dot(wi, surface.ng)
-        density = area_pdf(scene, index, surface.prim, p, wi, distance, cosine)
+        density = pdf_of_area(scene, index, surface.prim, p, wi, distance, cosine)
         return where(shines, density * gather(scene.lights.data, index * STRIDE + 3), 0.0)
 
     return with_area_lights
