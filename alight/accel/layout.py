@@ -59,6 +59,7 @@ def moving_number(kind: str) -> int:
     """Number of a moving kind in a block."""
     return len(KINDS) + MOVING.index(kind)
 
+
 #: Levels of nodes below the root until the build gives up on surface areas and halves by count.
 SAH_DEPTH = 24
 

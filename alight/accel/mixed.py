@@ -8,7 +8,7 @@ spaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 
 from alight.accel.layout import BLOCK, IDS, KINDS, OTHER, WIDTH
@@ -146,15 +146,24 @@ def visits_to(kind: str) -> tuple[Callable, Callable]:
 @lru_cache(maxsize=64)
 def write_leaves(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
     """Visits (closest, any) to leaves that hold triangles and the given `KINDS`."""
-    return write_visits(tuple((KINDS.index(kind), *visits_to(kind)) for kind in kinds))
+    visits = [(KINDS.index(kind), *visits_to(kind)) for kind in kinds]
+    return leaves_of(*write_chain(visits))
 
 
-def write_visits(visits: tuple[tuple[int, Callable, Callable], ...]) -> tuple[Callable, Callable]:
-    """Visits (closest, any) to leaves that hold triangles and others: number, closest, any."""
-    meet_other, block_other = nothing_is_met, nothing_is_in_the_way
+def write_chain(
+    visits: Iterable[tuple[int, Callable, Callable]],
+    meet_other: Callable = nothing_is_met,
+    block_other: Callable = nothing_is_in_the_way,
+) -> tuple[Callable, Callable]:
+    """What (closest, any) one ray meets of several kinds: their numbers, closest and any."""
     for number, meet, block in visits:
         meet_other = _write_branch(number, meet, meet_other)
         block_other = _write_branch(number, block, block_other)
+    return meet_other, block_other
+
+
+def leaves_of(meet_other: Callable, block_other: Callable) -> tuple[Callable, Callable]:
+    """Visits (closest, any) to leaves that hold triangles and what a chain of kinds knows."""
 
     @kernel(strict=True)
     def closest_of_leaf(tree, data, block, count, o, d, ray, best):

@@ -17,8 +17,9 @@ from alight.accel.mixed import (
     INTERSECT,
     any_triangle,
     closest_triangle,
+    leaves_of,
     visits_to,
-    write_visits,
+    write_chain,
 )
 from alight.accel.rays import MOST
 from alight.accel.single import NONE, SingleHit
@@ -168,31 +169,18 @@ def _ray_at_rest(tree, data, at, o, d):
 
 @kernel(strict=True)
 def _meet_mesh(tree, data, at, index, o, d, t_max):
-    """The hit of one ray on a moving mesh; index NONE if there is none."""
+    """The hit of one ray on a mesh at rest; index NONE if there is none."""
     root = as_int(float_bits(tree.blocks[at + 1]))
-    origin, direction = _ray_at_rest(tree, data, at, o, d)
-    hit = closest_triangle(tree, data.data, origin, direction, t_max, root)
+    hit = closest_triangle(tree, data, o, d, t_max, root)
     found = index if hit.index != NONE else NONE
     return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
 
 
 @kernel(strict=True)
 def _mesh_is_met(tree, data, at, index, o, d, t_max):
-    """True if one ray meets a moving mesh."""
+    """True if one ray meets a mesh at rest."""
     root = as_int(float_bits(tree.blocks[at + 1]))
-    origin, direction = _ray_at_rest(tree, data, at, o, d)
-    return any_triangle(tree, data.data, origin, direction, t_max, root).t < 0.0
-
-
-def _moved(meet: Callable) -> Callable:
-    """A visit to a shape at rest, with the ray taken there."""
-
-    @kernel(strict=True)
-    def meet_moving(tree, data, at, index, o, d, t_max):
-        origin, direction = _ray_at_rest(tree, data, at, o, d)
-        return meet(tree, data.data, at, index, origin, direction, t_max)
-
-    return meet_moving
+    return any_triangle(tree, data, o, d, t_max, root).t < 0.0
 
 
 def _unmoved(meet: Callable) -> Callable:
@@ -205,14 +193,25 @@ def _unmoved(meet: Callable) -> Callable:
     return meet_resting
 
 
+def _moved(meet: Callable) -> Callable:
+    """A chain of kinds at rest, with the ray taken there first."""
+
+    @kernel(strict=True)
+    def meet_moving(tree, data, kind, at, index, o, d, t_max):
+        origin, direction = _ray_at_rest(tree, data, at, o, d)
+        return meet(tree, data.data, kind, at, index, origin, direction, t_max)
+
+    return meet_moving
+
+
 def write_moving_leaves(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
     """As `mixed.write_leaves`, for the `AtTimes` of one ray."""
-    visits = []
-    for number, kind in enumerate(KINDS):
-        if kind + "s in tree" in plan:
-            visits.append((number, *map(_unmoved, visits_to(kind))))
+    moving, resting = [], []
     for kind in MOVING:
         if f"moving {kind} in tree" in plan:
-            pair = (_meet_mesh, _mesh_is_met) if kind == "mesh" else map(_moved, visits_to(kind))
-            visits.append((moving_number(kind), *pair))
-    return write_visits(tuple(visits))
+            visits = (_meet_mesh, _mesh_is_met) if kind == "mesh" else visits_to(kind)
+            moving.append((moving_number(kind), *visits))
+    for number, kind in enumerate(KINDS):
+        if kind + "s in tree" in plan:
+            resting.append((number, *map(_unmoved, visits_to(kind))))
+    return leaves_of(*write_chain(resting, *map(_moved, write_chain(moving))))

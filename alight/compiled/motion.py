@@ -49,6 +49,11 @@ class MotionTable:
             self.motions.append(motion)
         return number
 
+    @property
+    def is_rigid(self) -> bool:
+        """Whether all motions only shift and turn, in one link each."""
+        return all(motion.is_rigid and len(motion.links) == 1 for motion in self.motions)
+
     def tables(self, of_shape: list[int], of_light: list[int], camera: int) -> Motions:
         """Tables for kernels, from the numbers of all shapes, lights and the camera."""
         links = max(len(motion.links) for motion in self.motions)

@@ -37,7 +37,8 @@ class Program(NamedTuple):
     media, phases : tuple of str
         Media and phase functions that occur; the former with features, see `alight.media.tables`.
     motion : tuple of str
-        What moves while the shutter is open: "shapes", "lights", "camera".
+        What moves while the shutter is open: "shapes", "lights", "camera"; and "rigid" if it all
+        only shifts and turns.
     registered : tuple of (str, str, str)
         Family, name and version of the users' own models in it, see `alight.core.registration`.
     """

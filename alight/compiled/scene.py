@@ -21,6 +21,7 @@ from alight.lights.tables import INFO as LIGHT_INFO
 from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
 from alight.scene.flatten import FlatScene, described
+from alight.shapes.motion import RIGID
 
 #: The tables that kernels are given; each is a namedtuple of `View`.
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
@@ -129,6 +130,7 @@ def compile_scene(
     camera = paths.number(flat.camera.motion)
     motion = _what_moves(shapes.motions, of_light, camera)
     if motion:
+        motion += (RIGID,) * paths.is_rigid
         motions = paths.tables(shapes.motions, of_light, camera)
         tables = (MovingWithMedia if media else MovingScene)(*tables, motions)
     program = Program(

@@ -217,9 +217,7 @@ class _Compiler:
 
     def _find_shared(self) -> set[int]:
         """Geometries that are kept once for several instances."""
-        uses = Counter(
-            s.geometry for s in self.flat.shapes if s.light is None and s.motion is None
-        )
+        uses = Counter(s.geometry for s in self.flat.shapes if s.light is None and s.motion is None)
         return {
             index
             for index, count in uses.items()

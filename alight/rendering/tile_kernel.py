@@ -129,9 +129,7 @@ def start(scene, settings, tile, ranges, cursor):
     # the filter's density (Ernst, Stamminger and Greiner 2006).
     dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
     seen = at_times_of(scene, sampler)
-    o, d = generate_ray(
-        seen, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS)
-    )
+    o, d = generate_ray(seen, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS))
     new = lane_index() < count
     return cursor, start_paths(new, o, d, weight, sampler, empty_paths())
 

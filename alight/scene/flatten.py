@@ -216,9 +216,7 @@ class _Flattener:
                     self.environment = placed
                 else:
                     self.lights.append(placed)
-            below = [
-                (f"{path}/{name}", child, here, bsdf) for name, child in node.children.items()
-            ]
+            below = [(f"{path}/{name}", child, here, bsdf) for name, child in node.children.items()]
             if node.instance is not None:
                 prototype = self.scene.prototypes[node.instance]
                 below.insert(0, (f"{path}/{node.instance}", prototype, here, bsdf))

@@ -121,16 +121,17 @@ def problems(pairs: Sequence[tuple[float, Transform]]) -> list[tuple[str, str]]:
 
 
 def _largest_turn(a: Transform, b: Transform) -> float:
-    """By how many degrees the angles of two transforms differ that are written alike."""
-    if [step.name for step in a.steps] != [step.name for step in b.steps]:
-        return 0.0
-    pairs = [
-        (one.value, other.value)
-        for one, other in zip(a.steps, b.steps, strict=True)
-        if isinstance(one.value, dict) and isinstance(other.value, dict) and one.name == "rotate"
+    """By how many degrees the turns of two transforms differ that are written alike."""
+    turns = [
+        [step.value for step in t.steps if step.name == "rotate" and isinstance(step.value, dict)]
+        for t in (a, b)
     ]
-    turns = [abs(y["angle"] - x["angle"]) for x, y in pairs if x["axis"] == y["axis"]]
-    return max(turns, default=0.0)
+    # A turn that is not written is one by 0 degrees.
+    one, other = (turns[i] or [{**v, "angle": 0.0} for v in turns[1 - i]] for i in (0, 1))
+    if len(one) != len(other):
+        return 0.0
+    pairs = [(x, y) for x, y in zip(one, other, strict=True) if x["axis"] == y["axis"]]
+    return max((abs(y["angle"] - x["angle"]) for x, y in pairs), default=0.0)
 
 
 class Parts(NamedTuple):
@@ -201,9 +202,7 @@ def between(a: Parts, b: Parts, x: float) -> Parts:
     """What holds at the part x of the way from a to b; ``a.turn @ b.turn`` must be >= 0."""
     angle, aside = arc(a.turn, b.turn)
     turn = a.turn * np.cos(x * angle) + aside * np.sin(x * angle)
-    return Parts(
-        a.shift + x * (b.shift - a.shift), turn, a.stretch + x * (b.stretch - a.stretch)
-    )
+    return Parts(a.shift + x * (b.shift - a.shift), turn, a.stretch + x * (b.stretch - a.stretch))
 
 
 def arc(a: Matrix, b: Matrix) -> tuple[float, Matrix]:

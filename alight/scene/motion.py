@@ -75,8 +75,9 @@ class Motion:
     def is_rigid(self) -> bool:
         """Whether all distances and angles stay as they are."""
         return all(
-            np.array_equal(link.before, _IDENTITY) and _constant_stretch(link.track) is not None
-            for link in self.links
+            np.array_equal(before, _IDENTITY)
+            and all(np.array_equal(frame.stretch, np.eye(3)) for frame in track.frames)
+            for before, track in self.links
         )
 
     @cached_property

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import gamma
-from alight.core.jit import kernel
+from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos_octant
 from alight.core.simd import as_int, gather, lanes, maximum, sqrt, where
 from alight.core.vec import Vec3, absolute_vec3
@@ -40,6 +40,9 @@ BEFORE, SEGMENTS = 0, 12
 #: its change.
 BEGIN, RATE, ANGLE, SHIFT, TRAVEL, TURN, ASIDE, STRETCH, CHANGE = 0, 1, 2, 3, 6, 9, 13, 17, 23
 SEGMENT = 32
+
+#: Name in `Program.motion` beside what moves: all motions only shift and turn.
+RIGID = "rigid"
 
 _GAMMA_48 = gamma(48)
 
@@ -92,12 +95,18 @@ def before_at(rows, k):
 
 
 @kernel(strict=True)
-def segment_at(rows, k, time):
-    """The moving part of a link in the segment at k: shift, turn and stretch."""
+def turn_at(rows, k, time):
+    """The way through the segment at k, from 0 to 1, and the quaternion there, scalar first."""
     x = (time - gather(rows, k + BEGIN)) * gather(rows, k + RATE)
     s, c = sincos_octant(x * gather(rows, k + ANGLE))
     w = c * gather(rows, k + TURN) + s * gather(rows, k + ASIDE)
-    q = c * vector_at(rows, k + TURN + 1) + s * vector_at(rows, k + ASIDE + 1)
+    return x, w, c * vector_at(rows, k + TURN + 1) + s * vector_at(rows, k + ASIDE + 1)
+
+
+@kernel(strict=True)
+def segment_at(rows, k, time):
+    """The moving part of a link in the segment at k: shift, turn and stretch."""
+    x, w, q = turn_at(rows, k, time)
     a = vector_at(rows, k + STRETCH) + x * vector_at(rows, k + CHANGE)
     b = vector_at(rows, k + STRETCH + 3) + x * vector_at(rows, k + CHANGE + 3)
     xx, yy, zz = q.x * q.x, q.y * q.y, q.z * q.z
@@ -114,19 +123,67 @@ def segment_at(rows, k, time):
 
 
 @kernel(strict=True)
-def link_at(motions, k, time):
-    """The link at k, at a time."""
-    rows = motions.rows
+def segment_of(motions, k, time):
+    """Where the segment of a time begins in the link at k."""
     at = k + SEGMENTS
     for i in range(1, as_int(motions.sizes[1])):
         following = k + (SEGMENTS + SEGMENT * i)
-        at = where(time >= gather(rows, following), following, at)
-    return after(before_at(rows, k), segment_at(rows, at, time))
+        at = where(time >= gather(motions.rows, following), following, at)
+    return at
 
 
 @kernel(strict=True)
-def matrix_at(motions, number, time):
-    """The `Affine` of motion `number` at a time in [0, 1); uniform or lanes, both."""
+def link_at(motions, k, time):
+    """The link at k, at a time."""
+    rows = motions.rows
+    return after(before_at(rows, k), segment_at(rows, segment_of(motions, k, time), time))
+
+
+@specialised
+def matrix_at(program):
+    """``matrix_at(motions, number, time) -> Affine`` at a time in [0, 1); uniform or lanes, both.
+
+    Where all motions only shift and turn (`RIGID`), each is one link of that kind.
+    """
+    return rigid_matrix_at if RIGID in program.motion else general_matrix_at
+
+
+@specialised
+def inverse_rows(program):
+    """``inverse_rows(m)``: rows of A^-T, so that A^-1 v = v.x x + v.y y + v.z z (b is not theirs).
+
+    Of a rotation that is A itself.
+    """
+    return same_rows if RIGID in program.motion else inverse_transpose
+
+
+@kernel(strict=True)
+def same_rows(m):
+    """`inverse_rows` of a rotation."""
+    return m
+
+
+@kernel(strict=True)
+def rigid_matrix_at(motions, number, time):
+    """`matrix_at` of a motion that only shifts and turns."""
+    rows = motions.rows
+    k = number * (SEGMENTS + SEGMENT * as_int(motions.sizes[1]))
+    k = segment_of(motions, k, time)
+    x, w, q = turn_at(rows, k, time)
+    xx, yy, zz = q.x * q.x, q.y * q.y, q.z * q.z
+    xy, xz, yz = q.x * q.y, q.x * q.z, q.y * q.z
+    wx, wy, wz = w * q.x, w * q.y, w * q.z
+    return Affine(
+        Vec3(1.0 - 2.0 * (yy + zz), 2.0 * (xy - wz), 2.0 * (xz + wy)),
+        Vec3(2.0 * (xy + wz), 1.0 - 2.0 * (xx + zz), 2.0 * (yz - wx)),
+        Vec3(2.0 * (xz - wy), 2.0 * (yz + wx), 1.0 - 2.0 * (xx + yy)),
+        vector_at(rows, k + SHIFT) + x * vector_at(rows, k + TRAVEL),
+    )
+
+
+@kernel(strict=True)
+def general_matrix_at(motions, number, time):
+    """`matrix_at` of any chain of links."""
     links, length = as_int(motions.sizes[0]), SEGMENTS + SEGMENT * as_int(motions.sizes[1])
     k = number * (length * links)
     m = link_at(motions, k, time)
@@ -141,8 +198,8 @@ def _crossed(a, b):
 
 
 @kernel(strict=True)
-def inverse_rows(m):
-    """The rows of A^-T, so that A^-1 v = v.x x + v.y y + v.z z (b is not theirs)."""
+def inverse_transpose(m):
+    """`inverse_rows` of any matrix, by its cofactors."""
     x, y, z = _crossed(m.y, m.z), _crossed(m.z, m.x), _crossed(m.x, m.y)
     scale = 1.0 / inner(m.x, x)
     return Affine(x * scale, y * scale, z * scale, m.b)

@@ -133,13 +133,72 @@ def make_surface(program):
             w = inverse_rows(m)
             o = where(moving, point_at_rest(w, o), o)
             d = where(moving, direction_at_rest(w, d), d)
+        return surface_from_rest(scene, hit, o, d, active)
+
+    return make_moving_surface
+
+
+@specialised
+def surface_from_rest(program):
+    """``surface_from_rest(scene, hit, o, d, active)``: `make_surface` for rays taken to rest."""
+    if "shapes" not in program.motion:
+        return surface_at_rest
+
+    @kernel
+    def moved_surface(scene, hit, o, d, active):
         surface = surface_at_rest(scene, hit, o, d, active)
+        number = gather(scene.motions.of_shape, hit.shape)
+        moving = active & (number != 0)
         if any_lane(moving):
             m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
             surface = _in_the_world(m, inverse_rows(m), surface, moving)
         return surface
 
-    return make_moving_surface
+    return moved_surface
+
+
+@specialised
+def point_of_rest(program):
+    """``point_of_rest(scene, surface)``: the surface's point before what moves has moved."""
+    if "shapes" not in program.motion:
+        return _its_point
+
+    @kernel
+    def before_moving(scene, surface):
+        number, p = gather(scene.motions.of_shape, surface.shape), surface.p
+        moving = number != 0
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
+            p = where(moving, point_at_rest(inverse_rows(m), p), p)
+        return p
+
+    return before_moving
+
+
+@specialised
+def point_at_opening(program):
+    """``point_at_opening(scene, surface)``: where its point was when the shutter opened.
+
+    Patterns in space hold to it: they go along with what moves.
+    """
+    if "shapes" not in program.motion:
+        return _its_point
+
+    @kernel
+    def at_opening(scene, surface):
+        number, p = gather(scene.motions.of_shape, surface.shape), point_of_rest(scene, surface)
+        moving = number != 0
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), 0.0 * scene.time)
+            p = where(moving, placed(m, p), p)
+        return p
+
+    return at_opening
+
+
+@kernel
+def _its_point(scene, surface):
+    return surface.p
 
 
 @kernel
