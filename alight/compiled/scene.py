@@ -31,8 +31,8 @@ SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera fi
 SceneWithMedia = namedtuple("SceneWithMedia", (*SceneTables._fields, "media"))
 
 
-#: The same of scenes in which something moves while the shutter is open; `alight.integrators.moments`
-#: adds the times.
+#: The same of scenes in which something moves while the shutter is open;
+#: `alight.integrators.moments` adds the times.
 MovingScene = namedtuple("MovingScene", (*SceneTables._fields, "motions"))
 MovingWithMedia = namedtuple("MovingWithMedia", (*SceneWithMedia._fields, "motions"))
 

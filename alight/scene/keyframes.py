@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -276,7 +277,7 @@ def _with_halves(times: np.ndarray, parts: list[Parts], wanted: list[float]) -> 
     Kernels know sine and cosine up to pi / 4 only (`alight.shapes.motion`).
     """
     result = wanted[:1]
-    for a, b in zip(wanted[:-1], wanted[1:], strict=True):
+    for a, b in pairwise(wanted):
         angle, _ = arc(_at(times, parts, a).turn, _at(times, parts, b).turn)
         result += [0.5 * (a + b), b] if angle > 0.249 * np.pi else [b]
     return result

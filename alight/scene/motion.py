@@ -13,6 +13,7 @@ only shifts and turns.
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -111,7 +112,7 @@ class Motion:
         least, most = np.full(3, np.inf), np.full(3, -np.inf)
         reach = float(np.abs(corners[:, :3]).max())
         extent = max(float(np.linalg.norm(high - low)), 1e-30)
-        for begin, end in zip(self.times[:-1], self.times[1:], strict=True):
+        for begin, end in pairwise(self.times):
             bend, numbers = self._bend(corners[:, :3], begin, end)
             steps = int(np.clip(np.ceil(np.sqrt(bend / (STRAIGHT * extent))), 1, STEPS))
             times = np.linspace(begin, end, steps + 1)
