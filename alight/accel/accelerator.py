@@ -48,7 +48,7 @@ def build_accelerator(
     builder: str = "sah",
     structure: str = "auto",
     threads: int = 1,
-) -> tuple[Accelerator, tuple[str, ...], dict[str, Any]]:
+) -> tuple[Accelerator | MovingAccelerator, tuple[str, ...], dict[str, Any]]:
     """Sort a scene's primitives into lists and a tree.
 
     Parameters

@@ -14,13 +14,15 @@ from alight.samplers.sampling import get_1d
 #: Dimension of the time, see `alight.integrators.walk`.
 TIME = 4
 
-_FIELDS = "shapes materials lights accel camera filter"
-
 #: Tables of a scene in which something moves (`alight.compiled.scene`), seen at the times of the
 #: lanes; the same with media, and of contributions.
-AtTimes = namedtuple("AtTimes", f"{_FIELDS} motions time")
-AtTimesInMedia = namedtuple("AtTimesInMedia", f"{_FIELDS} media motions time")
-AtTimesRecorded = namedtuple("AtTimesRecorded", f"{_FIELDS} motions log time")
+AtTimes = namedtuple("AtTimes", "shapes materials lights accel camera filter motions time")
+AtTimesInMedia = namedtuple(
+    "AtTimesInMedia", "shapes materials lights accel camera filter media motions time"
+)
+AtTimesRecorded = namedtuple(
+    "AtTimesRecorded", "shapes materials lights accel camera filter motions log time"
+)
 
 
 @specialised

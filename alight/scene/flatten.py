@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -293,6 +293,22 @@ def _place_camera(scene: Scene) -> PlacedCamera:
     for node in nodes:
         here = here.then(node.transform, camera.shutter)
     return PlacedCamera(camera, here.matrix, here.motion)
+
+
+def at_opening(flat: FlatScene) -> FlatScene:
+    """The scene as it is when the shutter opens: nothing moves."""
+
+    def held(placed: Any) -> Any:
+        if placed.motion is None:
+            return placed
+        return placed._replace(to_world=placed.motion.at(0.0) @ placed.to_world, motion=None)
+
+    return replace(
+        flat,
+        shapes=[held(placed) for placed in flat.shapes],
+        lights=[held(placed) for placed in flat.lights],
+        camera=held(flat.camera),
+    )
 
 
 def content_hash(scene: Scene | FlatScene) -> str:

@@ -146,8 +146,8 @@ def _parse_keyframes(data: Mapping[str, Any], report: Callable[[Issue], None]) -
         return IDENTITY
     frames = data["keyframes"]
     if not isinstance(frames, list | tuple) or not 0 < len(frames) <= MOST_KEYFRAMES:
-        found = len(frames) if isinstance(frames, list | tuple) else show_value(frames)
-        text = f"must be a list of 1 to {MOST_KEYFRAMES} keyframes, got {found}"
+        got = len(frames) if isinstance(frames, list | tuple) else show_value(frames)
+        text = f"must be a list of 1 to {MOST_KEYFRAMES} keyframes, got {got}"
         report(Issue("keyframes", text))
         return IDENTITY
     found: list[Issue] = []
