@@ -50,7 +50,7 @@ PASSES = ("aov", "contributions")
 #: Depth of paths that only roulette ends.
 UNLIMITED = 2**31 - 1
 
-#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time.
+#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time (`moments`).
 FILTER, LENS = 0, 2
 CAMERA_DIMENSIONS = 8
 
