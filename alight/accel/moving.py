@@ -1,7 +1,7 @@
 """What moves while the shutter is open, met by rays at their times.
 
 Each ray goes to what it meets as it is at rest, by the inverse of the motion at its time
-(`alight.shapes.motion`); the direction keeps its length, so that t means the same. In a list all
+(`alight.core.motion`); the direction keeps its length, so that t means the same. In a list all
 lanes go together, each at its own time; in the tree, whose boxes hold the whole motion, one ray at
 a time. Both make the same numbers.
 """
@@ -24,6 +24,7 @@ from alight.accel.mixed import (
 from alight.accel.rays import MOST
 from alight.accel.single import NONE, SingleHit
 from alight.core.jit import kernel
+from alight.core.motion import direction_at_rest, inverse_rows, matrix_at, point_at_rest
 from alight.core.simd import (
     as_int,
     float_bits,
@@ -34,7 +35,6 @@ from alight.core.simd import (
     where,
 )
 from alight.shapes.hit import Hit
-from alight.shapes.motion import direction_at_rest, inverse_rows, matrix_at, point_at_rest
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
 

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from alight.cameras.basis import project_points, unproject_points
 from alight.core.jit import kernel, specialised
+from alight.core.motion import matrix_at, placed, turned
 from alight.core.registry import Models
 from alight.core.simd import lanes_u32
 from alight.core.vec import normalize
-from alight.shapes.motion import matrix_at, placed, turned
 
 if TYPE_CHECKING:
     from alight.core.spec import Camera

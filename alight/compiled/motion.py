@@ -1,13 +1,10 @@
-"""What moves while the shutter is open -> tables for kernels (`alight.shapes.motion`)."""
+"""What moves while the shutter is open -> tables for kernels (`alight.core.motion`)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from alight.core.view import View
-from alight.scene.keyframes import Parts, Track, arc
-from alight.scene.motion import Link, Motion
-from alight.shapes.motion import (
+from alight.core.motion import (
     ANGLE,
     ASIDE,
     BEFORE,
@@ -22,6 +19,9 @@ from alight.shapes.motion import (
     TURN,
     Motions,
 )
+from alight.core.view import View
+from alight.scene.keyframes import Parts, Track, arc
+from alight.scene.motion import Link, Motion
 
 #: The six numbers of a symmetric matrix.
 _UPPER = np.triu_indices(3)

@@ -14,6 +14,7 @@ from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
 from alight.compiled.program import Program
 from alight.compiled.shapes import CompiledShapes, compile_shapes
+from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.filters.importance import compile_filter
@@ -21,7 +22,6 @@ from alight.lights.tables import INFO as LIGHT_INFO
 from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
 from alight.scene.flatten import FlatScene, described
-from alight.shapes.motion import RIGID
 
 #: The tables that kernels are given; each is a namedtuple of `View`.
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")

@@ -9,16 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from alight.core.jit import kernel
-from alight.core.simd import any_lane, gather, lanes_u32, where
-from alight.core.vec import normalize
-from alight.lights.tables import LightSample
-from alight.shapes.motion import (
+from alight.core.motion import (
     direction_at_rest,
     inverse_rows,
     matrix_at,
     point_at_rest,
     turned,
 )
+from alight.core.simd import any_lane, gather, lanes_u32, where
+from alight.core.vec import normalize
+from alight.lights.tables import LightSample
 
 
 def moving_sample(sample: Callable) -> Callable:

@@ -274,7 +274,7 @@ def _at(times: np.ndarray, parts: list[Parts], time: float) -> Parts:
 def _with_halves(times: np.ndarray, parts: list[Parts], wanted: list[float]) -> list[float]:
     """Times, with one in the middle where more than a quarter turn lies between two of them.
 
-    Kernels know sine and cosine up to pi / 4 only (`alight.shapes.motion`).
+    Kernels know sine and cosine up to pi / 4 only (`alight.core.motion`).
     """
     result = wanted[:1]
     for a, b in pairwise(wanted):

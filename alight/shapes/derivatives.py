@@ -5,16 +5,16 @@ from __future__ import annotations
 from alight.core.constants import PI, TWO_PI
 from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
+from alight.core.motion import matrix_at, point_of_rest, turned
 from alight.core.simd import any_lane, gather, lanes, sqrt, where
 from alight.core.vec import Vec3, gather_vec3
 from alight.shapes.cylinder import MATRIX as CYLINDER_MATRIX
 from alight.shapes.flat import E1, E2, local_coordinates
 from alight.shapes.hit import INFO, INSTANCED, UVS, Surface
 from alight.shapes.mesh import along_rows, corners_of, rows_if
-from alight.shapes.motion import matrix_at, turned
 from alight.shapes.sphere import MATRIX as SPHERE_MATRIX
 from alight.shapes.sphere import times
-from alight.shapes.surfaces import KINDS, point_of_rest
+from alight.shapes.surfaces import KINDS
 
 
 @specialised

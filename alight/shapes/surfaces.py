@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from alight.core.frame import frame_from_normal, frame_from_tangent
 from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
-from alight.core.vec import normalize
-from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
-from alight.shapes.hit import INFO, Geometry, Surface
-from alight.shapes.motion import (
+from alight.core.motion import (
     direction_at_rest,
     error_in_world,
     inverse_rows,
@@ -17,6 +13,10 @@ from alight.shapes.motion import (
     point_at_rest,
     turned,
 )
+from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
+from alight.core.vec import normalize
+from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
+from alight.shapes.hit import INFO, Geometry, Surface
 
 #: Name of a shape -> its number in `ShapeTables.info`. (A cube is compiled to six rectangles.)
 KINDS = {model.__name__.rpartition(".")[2]: i for i, model in enumerate(MODELS)}
@@ -155,50 +155,6 @@ def surface_from_rest(program):
         return surface
 
     return moved_surface
-
-
-@specialised
-def point_of_rest(program):
-    """``point_of_rest(scene, surface)``: the surface's point before what moves has moved."""
-    if "shapes" not in program.motion:
-        return _its_point
-
-    @kernel
-    def before_moving(scene, surface):
-        number, p = gather(scene.motions.of_shape, surface.shape), surface.p
-        moving = number != 0
-        if any_lane(moving):
-            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
-            p = where(moving, point_at_rest(inverse_rows(m), p), p)
-        return p
-
-    return before_moving
-
-
-@specialised
-def point_at_opening(program):
-    """``point_at_opening(scene, surface)``: where its point was when the shutter opened.
-
-    Patterns in space hold to it: they go along with what moves.
-    """
-    if "shapes" not in program.motion:
-        return _its_point
-
-    @kernel
-    def at_opening(scene, surface):
-        number, p = gather(scene.motions.of_shape, surface.shape), point_of_rest(scene, surface)
-        moving = number != 0
-        if any_lane(moving):
-            m = matrix_at(scene.motions, where(moving, number - 1, 0), 0.0 * scene.time)
-            p = where(moving, placed(m, p), p)
-        return p
-
-    return at_opening
-
-
-@kernel
-def _its_point(scene, surface):
-    return surface.p
 
 
 @kernel

@@ -24,6 +24,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from alight.core.jit import kernel
+from alight.core.motion import point_at_opening
 from alight.core.rng import pcg4d
 from alight.core.simd import (
     absolute,
@@ -47,7 +48,6 @@ from alight.core.spec import (
     Vector3,
 )
 from alight.core.vec import Vec3
-from alight.shapes.surfaces import point_at_opening
 
 Octaves = Annotated[int, Interval(1, 16, integer=True)]
 Scale3 = Annotated[Triple, Numbers(3, Interval(), spread=True)]

@@ -99,6 +99,15 @@ def test_half_way_is_half_the_turn():
     np.testing.assert_allclose(found, expected.matrix, atol=1e-12)
 
 
+def test_turns_take_the_shorter_way_whatever_the_signs_of_quaternions():
+    """By 160 degrees through -20, where the quaternions of the ends point away from each other."""
+    frames = "{keyframes: [{time: 0, %s}, {time: 1, %s}]}"
+    ends = (f"rotate: {{axis: x, angle: {angle}}}" for angle in (60, -100))
+    [placed] = flatten(scene(frames % tuple(ends))).shapes
+    middle = placed.motion.at(0.5) @ placed.to_world
+    np.testing.assert_allclose(middle, rotate("x", -20).matrix, atol=1e-12)
+
+
 def test_the_whole_graph_around_what_moves_counts():
     """Above, the frame it moves in; below, what it carries. Exactly, whatever is simplified."""
     text = """

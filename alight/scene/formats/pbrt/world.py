@@ -344,7 +344,7 @@ class World:
         bsdf: str | Data = materials.material_name(context, state.material, self.named)
         alpha = Source(context, p, bound).number("alpha", None)
         light, sides = self.light_of_shape(directive)
-        textured = any(_sees_coordinates(context, part) for part in (bsdf, alpha, light))
+        textured = any(context.sees_coordinates(part) for part in (bsdf, alpha, light))
         mirrored = swaps_handedness(state.matrix)
         placed = Placed(context, p, state.matrix, state.reverse, mirrored, textured)
         shape = convert_shape(placed)
@@ -458,23 +458,6 @@ class World:
             node = moving(node, wanted, self.state.matrix, self.state.ends, self.times)
         target[name] = node
         self.context.places[join_path(path, name)] = directive.place
-
-
-def _sees_coordinates(context: Context, value: object) -> bool:
-    """Whether a description, or one that it names, depends on texture coordinates."""
-    stack, seen = [value], set()
-    while stack:
-        value = stack.pop()
-        if isinstance(value, str) and value not in seen:
-            seen.add(value)
-            stack += [t[value] for t in context.tables.values() if value in t]
-        elif isinstance(value, dict):
-            if value.get("type") in ("bitmap", "checkerboard") or "alpha_u" in value:
-                return True
-            stack.extend(value.values())
-        elif isinstance(value, list):
-            stack.extend(value)
-    return False
 
 
 _FOLLOW: dict[str, Callable[[World, Directive], None]] = {

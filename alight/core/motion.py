@@ -22,7 +22,7 @@ from collections import namedtuple
 from alight.core.constants import gamma
 from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos_octant
-from alight.core.simd import as_int, gather, lanes, maximum, sqrt, where
+from alight.core.simd import any_lane, as_int, gather, maximum, sqrt, where
 from alight.core.vec import Vec3, absolute_vec3
 
 #: Tables of what moves. rows: float32, the motions one after another; sizes: u32, links of each
@@ -241,10 +241,45 @@ def error_in_world(m, w, p, n, error):
     return (error + _GAMMA_48 * inner(an, back)) / size
 
 
-@kernel(strict=True)
-def at_rest():
-    """The `Affine` that moves nothing."""
-    zero, one = lanes(0.0), lanes(1.0)
-    return Affine(
-        Vec3(one, zero, zero), Vec3(zero, one, zero), Vec3(zero, zero, one), Vec3(zero, zero, zero)
-    )
+@specialised
+def point_of_rest(program):
+    """``point_of_rest(scene, surface)``: the surface's point before what moves has moved."""
+    if "shapes" not in program.motion:
+        return _its_point
+
+    @kernel
+    def before_moving(scene, surface):
+        number, p = gather(scene.motions.of_shape, surface.shape), surface.p
+        moving = number != 0
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
+            p = where(moving, point_at_rest(inverse_rows(m), p), p)
+        return p
+
+    return before_moving
+
+
+@specialised
+def point_at_opening(program):
+    """``point_at_opening(scene, surface)``: where its point was when the shutter opened.
+
+    Patterns in space hold to it: they go along with what moves.
+    """
+    if "shapes" not in program.motion:
+        return _its_point
+
+    @kernel
+    def at_opening(scene, surface):
+        number, p = gather(scene.motions.of_shape, surface.shape), point_of_rest(scene, surface)
+        moving = number != 0
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), 0.0 * scene.time)
+            p = where(moving, placed(m, p), p)
+        return p
+
+    return at_opening
+
+
+@kernel
+def _its_point(scene, surface):
+    return surface.p
