@@ -28,13 +28,14 @@ from typing import Literal
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
+from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
 from alight.core.jit import kernel
 from alight.core.maths import exp, log, sincos_2pi
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
 from alight.core.simd import absolute, lanes, lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
-from alight.core.vec import Vec3, dot, lerp, luminance, normalize, reflect, renormalize
+from alight.core.vec import Vec3, dot, lerp, luminance, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar, textured_scalar
 
@@ -125,13 +126,18 @@ Params = namedtuple(
 
 def pack(spec: Burley, packer) -> None:
     """Fill the row of one material."""
-    packer.color("base_color", spec.base_color)
-    for name in _NUMBERS:
-        packer.scalar(name, getattr(spec, name))
+    pack_burley(spec, packer, _NUMBERS)
     packer.numbers("eta", relative_ior(spec))
 
 
-def features(spec: Burley) -> tuple[str, ...]:
+def pack_burley(spec, packer, names: tuple[str, ...]) -> None:
+    """Fill the slots of the colour and of what may be textured, here and in the thin sheet."""
+    packer.color("base_color", spec.base_color)
+    for name in names:
+        packer.scalar(name, getattr(spec, name))
+
+
+def features(spec) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     return () if spec.anisotropic == 0.0 else (ANISOTROPIC,)
 
@@ -250,11 +256,6 @@ def _share_reflected(params, inside, fresnel):
 
 
 @kernel
-def _mirrored(mask, w):
-    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
-
-
-@kernel
 def _values(params, inside, wo, wi):
     """(f cos theta_i, pdf) from above, wi mirrored as wo was."""
     eta = where(inside, 1.0 / params.eta, params.eta)
@@ -310,14 +311,14 @@ def _values(params, inside, wo, wi):
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
     inside = (wo.z < 0.0) & (params.glass > 0.0)
-    return _values(params, inside, _mirrored(inside, wo), _mirrored(inside, wi))
+    return _values(params, inside, mirrored_if(inside, wo), mirrored_if(inside, wi))
 
 
 @kernel
 def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
     inside = (wo.z < 0.0) & (params.glass > 0.0)
-    wo = _mirrored(inside, wo)
+    wo = mirrored_if(inside, wo)
     eta = where(inside, 1.0 / params.eta, params.eta)
     to_facets, to_coat, _ = _shares(params, inside)
     facets, coat = u < to_facets, (u >= to_facets) & (u < to_facets + to_coat)
@@ -340,9 +341,8 @@ def sample(params, wo, u, u2):
     right = (above & ~passes) | (~above & passes)
     wi = where(right, wi, Vec3(1.0, 0.0, 0.0))
     f_cos, pdf = _values(params, inside, wo, wi)
-    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
     flags = where(passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
-    return _mirrored(inside, wi), weight, pdf, flags
+    return mirrored_if(inside, wi), quotient(f_cos, pdf), pdf, flags
 
 
 @kernel

@@ -20,21 +20,24 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Literal
 
+from alight.bsdfs.burley import albedo as albedo
 from alight.bsdfs.burley import (
     burley_diffuse,
     burley_facets,
     burley_sheen,
+    pack_burley,
     schlick_of_tint,
 )
-from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.burley import features as features
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
+from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.jit import kernel
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
 from alight.core.simd import lanes, lanes_u32, lanes_vec3, maximum, minimum, where
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
-from alight.core.vec import Vec3, dot, lerp, normalize, reflect, renormalize
+from alight.core.vec import Vec3, dot, lerp, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar, textured_scalar
 
@@ -113,15 +116,8 @@ Params = namedtuple(
 
 def pack(spec: BurleyThin, packer) -> None:
     """Fill the row of one material."""
-    packer.color("base_color", spec.base_color)
-    for name in _NUMBERS:
-        packer.scalar(name, getattr(spec, name))
+    pack_burley(spec, packer, _NUMBERS)
     packer.numbers("eta", spec.ior)
-
-
-def features(spec: BurleyThin) -> tuple[str, ...]:
-    """What must be compiled for this material beyond the model's usual path."""
-    return () if spec.anisotropic == 0.0 else (ANISOTROPIC,)
 
 
 @kernel
@@ -149,11 +145,6 @@ def load(scene, base, surface):
 
 
 @kernel
-def _mirrored(mask, w):
-    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
-
-
-@kernel
 def _chosen(mask, a, b):
     """The facets a where the mask holds, else b."""
     along, across = where(mask, a.alpha_x, b.alpha_x), where(mask, a.alpha_y, b.alpha_y)
@@ -167,7 +158,7 @@ def _values(params, wo, wi):
     up = Vec3(0.0, 0.0, 1.0)
     wo, wi = where(valid, wo, up), where(valid, wi, up)
     reflects = wi.z > 0.0
-    w = _mirrored(~reflects, wi)
+    w = mirrored_if(~reflects, wi)
     wm = normalize(wo + w)
     cosine = minimum(maximum(dot(wo, wm), 0.0), 1.0)
     facets = _chosen(reflects, params.facets, params.passing)
@@ -195,14 +186,14 @@ def _values(params, wo, wi):
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
     below = wo.z < 0.0
-    return _values(params, _mirrored(below, wo), _mirrored(below, wi))
+    return _values(params, mirrored_if(below, wo), mirrored_if(below, wi))
 
 
 @kernel
 def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
     below = wo.z < 0.0
-    wo = _mirrored(below, wo)
+    wo = mirrored_if(below, wo)
     clear = u < params.glass
     # Which of both sides: half of the clear light, and the stated part of the rest.
     matte = (u - params.glass) / maximum(1.0 - params.glass, 1e-9)
@@ -213,14 +204,7 @@ def sample(params, wo, u, u2):
     w = where(clear, w, square_to_cosine_hemisphere(u2))
     # Light that its facet sends below the surface is lost.
     w = where(w.z > 0.0, w, Vec3(1.0, 0.0, 0.0))
-    wi = _mirrored(passes, w)
+    wi = mirrored_if(passes, w)
     f_cos, pdf = _values(params, wo, wi)
-    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
     flags = where(passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
-    return _mirrored(below, wi), weight, pdf, flags
-
-
-@kernel
-def albedo(params):
-    """A colour, without light and angle."""
-    return params.base
+    return mirrored_if(below, wi), quotient(f_cos, pdf), pdf, flags

@@ -8,37 +8,32 @@ scatters again. With the internal reflectance R (for diffuse light) the sum over
 where each round colours the light anew. The linear version keeps the colour of one round:
 rho / (1 - R).
 
-For a rough coat the numbers over the cosine are integrals over its facets. With a direction w at
-the cosine mu, facets m seen from w (density p), Fresnel's F and Smith's masking G1,
+For a rough coat the part T(mu) that enters at the cosine mu, and
 
-.. math::
-    T(\mu) = \int p(m)\,(1 - F)\,G_1(w_t)\,dm, \qquad
-    R = \frac{2}{64} \sum_{k=0}^{63} \mu_k \int p(m)\,F\,G_1(w_r)\,dm
+.. math:: R = \frac{2}{64} \sum_{k=0}^{63} \mu_k R(\mu_k),
 
-with the refracted w_t, and w_r mirrored on the inner side. The sum over 64 equal steps is what
-Mitsuba's ``roughplastic`` computes in place of the integral over mu, found by experiment; it is
-1 to 2 % smaller. Tables of T have 64 equal steps too, and are interpolated linearly.
+reflected on the inner side, are integrals over its facets (`alight.bsdfs.visible_facets`). The sum
+over 64 equal steps is what Mitsuba's ``roughplastic`` computes in place of the integral over mu,
+found by experiment; it is 1 to 2 % smaller. Tables of T have 64 equal steps too, and are
+interpolated linearly.
 
-Source: PBR4 section 9.7 for the microfacets; Walter et al. 2007, Microfacet Models for Refraction
-through Rough Surfaces; the plug-ins ``plastic`` and ``roughplastic`` of Mitsuba 3.
+Source: the plug-ins ``plastic`` and ``roughplastic`` of Mitsuba 3.
 """
 
 from __future__ import annotations
 
-from collections import namedtuple
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.bsdfs.rows import load_table, read_row, rows_at
+from alight.bsdfs.visible_facets import bounce, see_facets
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel, specialised
-from alight.core.microfacet import Facets, beckmann_visible_area, ggx_visible_area
+from alight.core.jit import kernel
+from alight.core.microfacet import Facets
 from alight.core.simd import (
-    gather,
-    lanes,
     lanes_u32,
     lanes_vec3,
     maximum,
@@ -48,9 +43,7 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.vec import Vec3, luminance
-
-Array = NDArray[np.float64]
+from alight.core.vec import luminance
 
 #: Cosines in a table of transmittances.
 STEPS = 64
@@ -58,8 +51,6 @@ STEPS = 64
 ROW = STEPS + 1
 #: Rows for textured roughness, at equal steps of its root.
 ROWS = 33
-#: What programs call it that a coat's roughness is textured.
-TEXTURED_COAT = "coat:textured"
 
 
 # ---------------------------------------------------------------- on the host
@@ -76,78 +67,6 @@ def diffuse_reflectance(eta: float) -> float:
     return float(critical + (1.0 - critical) * np.sum(dt * 2.0 * t * f))
 
 
-class Seen(NamedTuple):
-    """Facets seen from directions at given cosines, the plane of incidence being x-z.
-
-    Attributes
-    ----------
-    weight : (n, k) float64
-        Of each facet; sums to 1 for each direction.
-    x, z : (n, k) float64
-        The facet's normal.
-    cosine : (n, k) float64
-        Between normal and direction.
-    """
-
-    weight: Array
-    x: Array
-    z: Array
-    cosine: Array
-
-
-#: Points of the integrals over facets, and the generator of their lattice: Fibonacci numbers. No
-#: two points share a coordinate, so that the kinks at total reflection are met at many places.
-POINTS, GENERATOR = 4181, 2584
-
-
-def _lattice(points: int = POINTS, generator: int = GENERATOR) -> tuple[Array, Array, Array]:
-    """Points (u, phi) of the disk's square and their weights; u is dense near 1."""
-    i = np.arange(points)
-    rest = 1.0 - (i + 0.5) / points
-    phi = 2.0 * np.pi * ((i * generator + 0.5) % points) / points
-    # Facets near the horizon (u = 1) change with the root of 1 - u.
-    return 1.0 - rest * rest, phi, 2.0 * rest / points
-
-
-def ggx_facets(mu: Array, alpha: float, points: int = POINTS, generator: int = GENERATOR) -> Seen:
-    """Facets of GGX by the map of `alight.core.microfacet.sample_ggx_visible`."""
-    u, phi, weight = _lattice(points, generator)
-    sine = np.sqrt(1.0 - mu * mu)
-    length = np.hypot(sine * alpha, mu)
-    x0, z0 = (sine * alpha / length)[:, None], (mu / length)[:, None]
-    down = u * (1.0 + z0)
-    r = np.sqrt(np.maximum(0.0, down * (2.0 - down)))
-    x, y, z = alpha * (r * np.cos(phi) + x0), alpha * r * np.sin(phi), 1.0 - down + z0
-    return _facets(weight + 0.0 * z, x, y, z, mu)
-
-
-def beckmann_facets(mu: Array, alpha: float) -> Seen:
-    """Facets of Beckmann: Gaussian slopes, weighed by how large they are seen."""
-    u, phi, weight = _lattice()
-    slope = alpha * np.sqrt(-np.log1p(-u))
-    x, y = slope * np.cos(phi), slope * np.sin(phi)
-    seen = np.maximum(0.0, mu[:, None] + np.sqrt(1.0 - mu * mu)[:, None] * x)
-    return _facets(weight * seen, x + 0.0 * seen, y, np.ones_like(seen), mu)
-
-
-def _facets(weight: Array, x: Array, y: Array, z: Array, mu: Array) -> Seen:
-    """Normals of the lengths 1, and weights that sum to 1."""
-    length = np.sqrt(x * x + y * y + z * z)
-    x, z = x / length, z / length
-    cosine = x * np.sqrt(1.0 - mu * mu)[:, None] + z * mu[:, None]
-    weight = weight / weight.sum(1, keepdims=True)
-    return Seen(weight, x, z, np.clip(cosine, 0.0, 1.0))
-
-
-def _masking(distribution: str, cosine: Array, alpha: float) -> Array:
-    """Smith's G1: the visible part of the facets; 0 below the horizon."""
-    above = cosine > 0.0
-    w = Vec3(np.sqrt(np.maximum(0.0, 1.0 - cosine * cosine)), 0.0, np.where(above, cosine, 1.0))
-    areas = {"ggx": ggx_visible_area, "beckmann": beckmann_visible_area}
-    area = areas[distribution](Facets(alpha, alpha, 0.0), w)
-    return np.where(above, w.z / np.where(above, area, 1.0), 0.0)
-
-
 @lru_cache(maxsize=256)
 def coat_row(distribution: str, alpha: float, eta: float) -> NDArray[np.float32]:
     """Numbers of a rough coat.
@@ -157,18 +76,11 @@ def coat_row(distribution: str, alpha: float, eta: float) -> NDArray[np.float32]
     (ROW,) float32
         T at `STEPS` cosines from 0 to 1, from outside; then R, from inside. Within 1e-4.
     """
-    find_facets = ggx_facets if distribution == "ggx" else beckmann_facets
+    facets = Facets(alpha, alpha, float(distribution == "beckmann"))
     mu = np.maximum(np.linspace(0.0, 1.0, STEPS), 1e-6)
-    facets = find_facets(mu, alpha)
-    c = facets.cosine
-    cos_t = np.sqrt(np.maximum(0.0, 1.0 - (1.0 - c * c) / eta**2))
-    refracted = mu[:, None] / eta - (c / eta - cos_t) * facets.z
-    through = (1.0 - fresnel_dielectric(c, eta)[0]) * _masking(distribution, refracted, alpha)
-    mirrored = 2.0 * c * facets.z - mu[:, None]
-    inside, _ = fresnel_dielectric(c, 1.0 / eta)
-    back = inside * _masking(distribution, np.minimum(mirrored, 1.0), alpha)
-    transmittance = np.sum(facets.weight * through, axis=1)
-    internal = 2.0 * np.mean(mu * np.sum(facets.weight * back, axis=1))
+    seen = see_facets(facets, mu)
+    transmittance = bounce(seen, eta).refracted
+    internal = 2.0 * np.mean(mu * bounce(seen, 1.0 / eta, refracts=False).reflected)
     return np.append(transmittance, internal).astype(np.float32)
 
 
@@ -210,49 +122,10 @@ def share_of_coat(reflected, specular, matte):
     return where(both > 0.0, coat / where(both > 0.0, both, 1.0), 0.0)
 
 
-#: Where a rough coat's numbers are: table, start of a row, distance to the next row, part of that.
-Coat = namedtuple("Coat", "curves row step part")
-
-
-@specialised
-def load_coat(program):
-    """``(scene, slot, alpha) -> Coat``: slots hold the start of a table and its last row."""
-    return _textured_coat if TEXTURED_COAT in program.bsdfs else _constant_coat
-
-
 @kernel
-def _constant_coat(scene, slot, alpha):
-    row = to_uint(gather(scene.materials.data, slot))
-    return Coat(scene.materials.curves, row, lanes_u32(0), lanes(0.0))
-
-
-@kernel
-def _textured_coat(scene, slot, alpha):
-    last = gather(scene.materials.data, slot + 1)
-    x = sqrt(minimum(alpha, 1.0)) * last
-    i = to_uint(minimum(x, maximum(last - 1.0, 0.0)))
-    row = to_uint(gather(scene.materials.data, slot)) + i * ROW
-    # A table of one row has no next one.
-    step = where(last > 0.0, lanes_u32(ROW), 0)
-    return Coat(scene.materials.curves, row, step, x - to_float(i))
-
-
-@specialised
-def _read(program):
-    """``(coat, i) -> number i`` of the row, between two rows interpolated."""
-    return _read_two if TEXTURED_COAT in program.bsdfs else _read_one
-
-
-@kernel
-def _read_one(coat, i):
-    return gather(coat.curves, coat.row + i)
-
-
-@kernel
-def _read_two(coat, i):
-    a = gather(coat.curves, coat.row + i)
-    b = gather(coat.curves, coat.row + coat.step + i)
-    return a + coat.part * (b - a)
+def load_coat(scene, slot, alpha):
+    """The `Rows` of a coat, whose start and last row stand in two slots."""
+    return rows_at(load_table(scene, slot), sqrt(alpha), ROW)
 
 
 @kernel
@@ -260,11 +133,11 @@ def coat_transmittance(coat, cosine):
     """T at a cosine."""
     x = minimum(maximum(cosine, 0.0), 1.0) * (STEPS - 1.0)
     i = to_uint(minimum(x, STEPS - 2.0))
-    a, b = _read(coat, i), _read(coat, i + 1)
+    a, b = read_row(coat, i), read_row(coat, i + 1)
     return a + (x - to_float(i)) * (b - a)
 
 
 @kernel
 def coat_internal(coat):
     """R of a rough coat."""
-    return _read(coat, lanes_u32(STEPS))
+    return read_row(coat, lanes_u32(STEPS))

@@ -26,7 +26,7 @@ from alight.core.jit import kernel
 from alight.core.maths import exp, expm1, log1p
 from alight.core.simd import lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture, ScalarTexture, energy_problem, invalid
-from alight.core.vec import Vec3, length_squared, luminance
+from alight.core.vec import Vec3, length_squared, luminance, quotient
 from alight.core.warps import direction_around_z, square_to_cosine_hemisphere
 from alight.textures.fetch import color, textured_scalar
 
@@ -143,8 +143,7 @@ def sample(params, wo, u, u2):
     glossy = to_world(s, t, axis, direction_around_z(one_minus_cos, u2[1]))
     wi = where(u < _share_of_lobe(params), glossy, square_to_cosine_hemisphere(u2))
     f_cos, pdf = evaluate(params, wo, wi)
-    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
-    return wi, weight, pdf, lanes_u32(REFLECTION)
+    return wi, quotient(f_cos, pdf), pdf, lanes_u32(REFLECTION)
 
 
 @kernel

@@ -45,12 +45,9 @@ from alight.bsdfs.absorption import (
 )
 from alight.bsdfs.albedo_table import (
     LEAST_ALPHA,
-    MANY_ROWS,
     ROW,
     ROWS,
     albedo_rows,
-    load_table,
-    rows_at,
 )
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.principled_lobes import albedo as albedo
@@ -69,6 +66,7 @@ from alight.bsdfs.principled_view import (
     Sheen,
     Turn,
 )
+from alight.bsdfs.rows import MANY_ROWS, load_table, rows_at
 from alight.bsdfs.sheen import ROW as SHEEN_ROW
 from alight.bsdfs.sheen import ROWS as SHEEN_ROWS
 from alight.bsdfs.sheen import sheen_rows

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from alight.bsdfs.albedo_table import (
-    REFLECTED,
-    WHITE,
     place_of,
-    read_curve,
+    read_bounced,
 )
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.bsdfs.principled_view import (
     COAT,
     COAT_IOR,
-    FILM,
     GLASS,
     SHEEN,
     along_facets,
     film_reflectance,
     from_facets,
-    mirrored_if,
     mixed,
     rows_from,
     schlick,
@@ -26,6 +22,7 @@ from alight.bsdfs.principled_view import (
 )
 from alight.bsdfs.sheen import sheen_f_cos
 from alight.core.constants import INV_PI, INV_TWO_PI
+from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.jit import kernel, specialised
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
@@ -45,6 +42,7 @@ from alight.core.vec import (
     lerp,
     luminance,
     normalize,
+    quotient,
     reflect,
     renormalize,
 )
@@ -95,6 +93,14 @@ def _reflection_factor(params, view, metal, dielectric):
     return where(view.inside, lanes_vec3(0.0), opaque) + dielectric * view.glass * (rest * t)
 
 
+@kernel
+def _mirrored_by(facets, wo, wi):
+    """(cosine, G1(wi), pdf) at the facets that mirror wo to wi."""
+    wm = normalize(wo + wi)
+    pdf = 0.25 * ggx_density(facets, wm) / ggx_visible_area(facets, wo)
+    return minimum(maximum(dot(wo, wm), 0.0), 1.0), wi.z / ggx_visible_area(facets, wi), pdf
+
+
 @specialised
 def _facets_f_cos(program):
     """``(params, view, wi) -> (f_cos, pdf)`` of the base's facets, without the layers above."""
@@ -103,11 +109,8 @@ def _facets_f_cos(program):
 
 @kernel
 def _facets_above(params, view, wi):
-    wm = normalize(view.wo + wi)
-    cosine = minimum(maximum(dot(view.wo, wm), 0.0), 1.0)
-    pdf = 0.25 * ggx_density(params.facets, wm) / ggx_visible_area(params.facets, view.wo)
+    cosine, masking, pdf = _mirrored_by(params.facets, view.wo, wi)
     metal, dielectric, _ = _facet_terms(params, view, cosine)
-    masking = wi.z / ggx_visible_area(params.facets, wi)
     factor = _reflection_factor(params, view, metal, dielectric)
     return factor * (masking * pdf), pdf
 
@@ -150,12 +153,8 @@ def _coat_f_cos(program):
 
     @kernel
     def coat(params, view, wi):
-        facets = params.coat.facets
-        wm = normalize(view.wo + wi)
-        cosine = minimum(maximum(dot(view.wo, wm), 0.0), 1.0)
-        pdf = 0.25 * ggx_density(facets, wm) / ggx_visible_area(facets, view.wo)
+        cosine, masking, pdf = _mirrored_by(params.coat.facets, view.wo, wi)
         fresnel, _ = fresnel_dielectric(cosine, lanes(COAT_IOR))
-        masking = wi.z / ggx_visible_area(facets, wi)
         return view.coat * (fresnel * masking * pdf), view.to_coat * pdf
 
     return coat
@@ -183,29 +182,10 @@ def _nothing(params, view, wi):
 @kernel
 def _diffuse_factor(params, view, wi):
     """f / (diffuse / pi): what enters the plastic on the way of wi."""
-    place, rows = place_of(wi.z), rows_from(params, wi)
-    white = read_curve(rows, lanes_u32(WHITE), place)
-    reflected = read_curve(rows, lanes_u32(REFLECTED), place)
+    white, reflected = read_bounced(rows_from(params, wi), place_of(wi.z))
     left = lanes_vec3(1.0) - (view.a * white + view.b * reflected)
-    return _without_film(params, left)
-
-
-@specialised
-def _without_film(program):
-    """``(params, left) -> left``, and 1 for the film's share, which only looks at the viewer."""
-    if FILM not in program.bsdfs:
-        return _left_alone
-
-    @kernel
-    def without(params, left):
-        return mixed(params.film.share, left, lanes_vec3(1.0))
-
-    return without
-
-
-@kernel
-def _left_alone(params, left):
-    return left
+    # The film's share only looks at the viewer.
+    return mixed(view.film, left, lanes_vec3(1.0))
 
 
 # ---------------------------------------------------------------- all together
@@ -308,9 +288,8 @@ def sample(params, wo, u, u2):
     wi = where(u < to_sheen, square_to_uniform_hemisphere(u2), square_to_cosine_hemisphere(u2))
     wi = where(facets | coat, mirrored, wi)
     f_cos, pdf = _values(params, view, wi)
-    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
     flags = where(facets & passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
-    return from_facets(params.turn, mirrored_if(view.below, wi)), weight, pdf, flags
+    return from_facets(params.turn, mirrored_if(view.below, wi)), quotient(f_cos, pdf), pdf, flags
 
 
 @kernel

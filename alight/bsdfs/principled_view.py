@@ -15,15 +15,15 @@ from alight.bsdfs.albedo_table import (
     REFLECTED,
     REFRACTED,
     ROW,
-    WHITE,
     place_of,
+    read_bounced,
     read_curve,
-    read_row,
-    rows_at,
 )
 from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.rows import read_row, rows_at
 from alight.bsdfs.sheen import sheen_albedo
 from alight.bsdfs.thin_film import film_fresnel
+from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_schlick
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
@@ -68,20 +68,14 @@ Film = namedtuple("Film", "share ior thickness")
 #: What follows from the viewer's direction `wo`, which is above the surface. rows: of the
 #: albedos from there; seen: from `wo`, which is the normal where not; below: wo was mirrored;
 #: inside: and the surface bounds a body; eta: index beyond the surface over that before it; a, b:
-#: Fresnel's term of plastic and glass is a + b F; metal, glass, diffuse: their factors; coat,
-#: sheen, base: what each layer gets of the light; to_coat, to_sheen, to_facets, to_diffuse:
-#: probabilities.
+#: Fresnel's term of plastic and glass is a + b F; film: the film's share in it; metal, glass,
+#: diffuse: their factors; coat, sheen, base: what each layer gets of the light; to_coat, to_sheen,
+#: to_facets, to_diffuse: probabilities.
 View = namedtuple(
     "View",
-    "wo rows seen below inside eta a b metal glass diffuse coat sheen base "
+    "wo rows seen below inside eta a b film metal glass diffuse coat sheen base "
     "to_coat to_sheen to_facets to_diffuse",
 )
-
-
-@kernel
-def mirrored_if(mask, w):
-    """w with its height turned over where the mask holds."""
-    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
 
 
 # ---------------------------------------------------------------- frames
@@ -288,8 +282,8 @@ def view_from(params, wo):
     wo = where(seen, wo, Vec3(0.0, 0.0, 1.0))
     eta = where(inside, 1.0 / params.eta, params.eta)
     place, rows = place_of(wo.z), rows_from(params, wo)
-    white = maximum(read_curve(rows, lanes_u32(WHITE), place), 1e-3)
-    reflected = read_curve(rows, lanes_u32(REFLECTED), place)
+    white, reflected = read_bounced(rows, place)
+    white = maximum(white, 1e-3)
     a, b = _plain_terms(params, inside)
     share, film = film_reflectance(params, inside, a, b, wo.z)
     glass = _glass_scale(params, rows, place, inside, a, b, white, share)
@@ -322,7 +316,7 @@ def view_from(params, wo):
     matte_light = base * matte * luminance(params.base) * (1.0 - luminance(taken))
     per_total = 1.0 / (to_coat + to_sheen + facets + maximum(matte_light, 0.0))
     return View(
-        wo, rows, seen, below, inside, eta, a, b, metal, glass, diffuse,
+        wo, rows, seen, below, inside, eta, a, b, share, metal, glass, diffuse,
         coat, sheen * under_coat, base,
         to_coat * per_total, to_sheen * per_total, facets * per_total,
         maximum(matte_light, 0.0) * per_total,

@@ -128,7 +128,8 @@ def _lit(n, wo):
 def _fading(n, fades, wi):
     """G of Estevez et al., or 1."""
     cos2 = maximum(n.z * n.z, 1e-6)
-    alpha2 = minimum(0.125 * (1.0 - cos2) / cos2, 1.0)
+    # Rounding may leave n.z above 1; the root below would then be of a negative number.
+    alpha2 = minimum(0.125 * maximum(1.0 - cos2, 0.0) / cos2, 1.0)
     height2 = maximum(wi.z * wi.z, 1e-12)
     g = 2.0 / (1.0 + sqrt(1.0 + alpha2 * maximum(1.0 - height2, 0.0) / height2))
     return where(fades, g, 1.0)

@@ -20,7 +20,6 @@ from typing import Literal
 
 from alight.bsdfs.coating import (
     ROWS,
-    TEXTURED_COAT,
     base_f_cos,
     base_reflectance,
     coat_internal,
@@ -31,6 +30,7 @@ from alight.bsdfs.coating import (
 )
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.plastic import COAT_SLOTS, Coated, pack_coat
+from alight.bsdfs.rows import MANY_ROWS
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.jit import kernel
@@ -43,7 +43,7 @@ from alight.core.microfacet import (
 )
 from alight.core.simd import lanes, lanes_u32, maximum, minimum, where
 from alight.core.spec import SMOOTHEST, Roughness
-from alight.core.vec import Vec3, dot, normalize, reflect
+from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.constant import Constant
 from alight.textures.fetch import color, scalar, textured_scalar
@@ -110,7 +110,7 @@ def pack(spec: RoughPlastic, packer) -> None:
 def features(spec: RoughPlastic) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     facets = FEATURES[spec.distribution]
-    return (facets, TEXTURED_COAT) if _is_textured(spec) else (facets,)
+    return (facets, MANY_ROWS) if _is_textured(spec) else (facets,)
 
 
 def _is_textured(spec: RoughPlastic) -> bool:
@@ -172,8 +172,7 @@ def sample(params, wo, u, u2):
     glossy = normalize(reflect(wo, sample_visible_facet(params.facets, wo, u2)))
     wi = where(u < share, glossy, square_to_cosine_hemisphere(u2))
     f_cos, pdf = evaluate(params, wo, wi)
-    weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
-    return wi, weight, pdf, lanes_u32(REFLECTION)
+    return wi, quotient(f_cos, pdf), pdf, lanes_u32(REFLECTION)
 
 
 @kernel

@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.bsdfs.albedo_table import read_row
+from alight.bsdfs.rows import read_row
 from alight.core.constants import INV_TWO_PI
 from alight.core.jit import kernel
 from alight.core.maths import exp, log

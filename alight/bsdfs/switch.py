@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from alight.bsdfs.absorption import ABSORBING
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
+from alight.core.frame import mirrored_if
 from alight.core.jit import kernel, specialised
 from alight.core.maths import exp
 from alight.core.registry import Models, modules
@@ -82,11 +83,6 @@ def _turned(scene, row, wo):
 
 
 @kernel
-def _flip(mask, w):
-    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
-
-
-@kernel
 def _relief(scene, row):
     """Row of the map that bends a material's normals, + 1; 0 without one."""
     return material_flags(scene, row) >> RELIEF
@@ -107,7 +103,7 @@ def evaluate_row(program):
     @kernel
     def evaluate_row(scene, surface, row, wo, wi, active):
         back = _turned(scene, row, wo)
-        return one_sided(scene, surface, row, _flip(back, wo), _flip(back, wi), active)
+        return one_sided(scene, surface, row, mirrored_if(back, wo), mirrored_if(back, wi), active)
 
     return evaluate_row
 
@@ -172,8 +168,10 @@ def sample_row(program):
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
         back = _turned(scene, row, wo)
-        wi, weight, pdf, flags = one_sided(scene, surface, row, _flip(back, wo), u, u2, active)
-        return _flip(back, wi), weight, pdf, flags
+        wi, weight, pdf, flags = one_sided(
+            scene, surface, row, mirrored_if(back, wo), u, u2, active
+        )
+        return mirrored_if(back, wi), weight, pdf, flags
 
     return sample_row
 

@@ -136,7 +136,7 @@ def _finish(film: Film, results: Results, seconds: float) -> None:
     from alight.cli.summary import statistics_of, summary_lines, warnings_of, write_json
 
     denoiser = write_outputs(film, results)
-    error = film.relmse_estimate()
+    error = film.relmse_estimate(literature=results.stats is not None)
     found = warnings_of(film)
     for warning in found:
         warn(warning)

@@ -22,6 +22,7 @@ from alight.cli.render import render
 from alight.cli.reporting import reporting_errors
 from alight.cli.resume import resume
 from alight.cli.scenes import scenes
+from alight.cli.sheet import sheet
 from alight.cli.study import study
 from alight.cli.trace import trace
 from alight.cli.why import why
@@ -44,6 +45,7 @@ for command in (
     convert,
     trace,
     scenes,
+    sheet,
     study,
     reference,
     compare,

@@ -45,7 +45,10 @@ def merge(
         _, _, w, h = film.crop
         count = "1 film" if len(films) == 1 else f"{len(films)} films"
         typer.echo(f"{count}, {w}x{h} pixels, {film.spp:g} spp")
-        for line in [error_line(film.relmse_estimate()), *bias_lines(film, denoiser)]:
+        for line in [
+            error_line(film.relmse_estimate(literature=False)),
+            *bias_lines(film, denoiser),
+        ]:
             typer.echo(line)
         for path in output:
             typer.echo(f"written: {path}")

@@ -116,7 +116,7 @@ class ProgressBar(Bar):
         if self._hidden or progress.film is None or progress.seconds < self._next_error:
             return self._error
         begin = time.perf_counter()
-        error = progress.film.relmse_estimate().relrmse.value
+        error = progress.film.relmse_estimate(literature=False).relrmse.value
         cost = time.perf_counter() - begin
         self._next_error = progress.seconds + max(1.0, cost / _ERROR_SHARE)
         self._error = "" if math.isnan(error) else f"error {error:.1%}"

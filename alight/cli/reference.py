@@ -42,7 +42,7 @@ def reference(
         made = make_reference(description, wanted, seed=seed, threads=threads, progress=bar)
     path = made.film.save(output)
     if not quiet:
-        found = made.film.relmse_estimate().relrmse
+        found = made.film.relmse_estimate(literature=False).relrmse
         interval = f"[{found.low:.3%}, {found.high:.3%}]"
         typer.echo(f"{made.film.spp:.0f} spp, relRMSE {found.value:.3%} {interval}")
         typer.echo(f"picture: {path}")

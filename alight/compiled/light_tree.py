@@ -13,7 +13,7 @@ from alight.core.distributions import cumulative
 from alight.core.spec import Triple
 from alight.core.vec import luminance
 from alight.core.vec3 import Vec3
-from alight.lights.tree import OUTER_CDF
+from alight.lights.tree import LEAVES, OUTER_CDF
 from alight.lights.tree_build import Leaves, build_tree
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
@@ -186,16 +186,18 @@ def chosen_by_tree(
     cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
     start = OUTER_CDF + cdf.size
     tree = build_tree(leaves, start)
-    header = np.array([share, len(rows), start, 0.0], np.float32)
-    tables, starts = [header, cdf, tree.nodes.ravel()], np.zeros(len(rows), np.uint32)
     at = start + tree.nodes.size
+    header = np.array([share, len(rows), start, 0.0, *tree.middle, tree.far], np.float32)
+    header.view(np.uint32)[LEAVES] = at
+    tables = [header, cdf, tree.nodes.ravel(), tree.table]
+    starts, at = np.zeros(len(rows), np.uint32), at + tree.table.size
     for number, row in enumerate(rows):
         if row.shape < 0:
             continue
         mine = leaves.row == number
-        ways = np.zeros(max(len(row.areas), 1), np.uint32)
-        ways[leaves.prim[mine]] = tree.ways[mine]
-        tables.append(ways.view(np.float32))
+        ways = np.zeros((max(len(row.areas), 1), 2), np.uint32)
+        ways[leaves.prim[mine]] = np.stack([tree.ways[mine], tree.numbers[mine]], axis=1)
+        tables.append(ways.ravel().view(np.float32))
         starts[number] = at
         at += ways.size
     return Choosing(tables, starts, np.float32(share) * np.diff(cdf)[: len(rows)])

@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from alight.compiled.light_gain import gain_of_tree
 from alight.compiled.light_tree import Choosing, LightRow, chosen_by_tree, find_leaves
 from alight.compiled.shapes import CompiledShapes
 from alight.core.distributions import cumulative
@@ -16,14 +17,18 @@ from alight.lights.environment import Environment, make_map
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.sampling import KINDS, LIGHTS
 from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
+from alight.lights.tree_build import Leaves
 from alight.scene.flatten import FlatScene
 from alight.shapes.hit import INFO as SHAPE_INFO
 
 Selection = Literal["auto", "power", "uniform", "tree"]
 
-#: By default more lights than this (triangles of shining meshes counted) are chosen by a tree:
-#: with fewer, its steps cost more than they gain (decision 19).
+#: By default more lights than this (triangles of shining meshes counted) may be chosen by a tree.
 MOST_WITHOUT_TREE = 16
+
+#: By default they are, if so much can be gained (`gain_of_tree`): a walk takes 5 to 100 % longer
+#: than a table (decision 19).
+LEAST_GAIN = 2.0
 
 #: Above it, by default, the tree would take long to build.
 MOST_IN_TREE = 1 << 20
@@ -74,7 +79,8 @@ def compile_lights(
         Its ``tables.info`` is completed in place.
     selection : {"auto", "power", "uniform", "tree"}, default "auto"
         Each light that shines is equally likely, as likely as its share of the power, or as likely
-        as a tree says at the lit point; "auto" takes the tree for many lights, else the power.
+        as a tree says at the lit point; "auto" takes the tree for many lights where it gains, else
+        the power.
     compensated : bool, default False
         Light sampling is combined with BSDF sampling, which finds what the compensated map of an
         environment leaves out.
@@ -86,6 +92,8 @@ def compile_lights(
     leaves = None
     if selection == "tree" or (selection == "auto" and _are_many(rows)):
         leaves = find_leaves(rows, weights, shapes)
+        if selection == "auto" and _gain(rows, leaves, shapes) < LEAST_GAIN:
+            leaves = None
     if leaves is None:
         choice = _chosen_by_table(rows, weights, shapes)
     else:
@@ -126,9 +134,15 @@ def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: Compiled
 
 
 def _are_many(rows: list[LightRow]) -> bool:
-    """Whether a tree pays for the lights that have a place."""
+    """Whether a tree may pay for the lights that have a place."""
     count = sum(max(len(row.areas), 1) for row in rows if row.shape >= 0 or row.cone is not None)
     return MOST_WITHOUT_TREE < count <= MOST_IN_TREE
+
+
+def _gain(rows: list[LightRow], leaves: Leaves, shapes: CompiledShapes) -> float:
+    shining = np.zeros(len(shapes.rows), bool)
+    shining[[row.shape for row in rows if row.shape >= 0]] = True
+    return gain_of_tree(leaves, shapes, shining)
 
 
 def _names(rows: list[LightRow]) -> tuple[str, ...]:

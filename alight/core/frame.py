@@ -43,6 +43,12 @@ def frame_from_tangent(n, tangent):
 
 
 @kernel
+def mirrored_if(mask, w):
+    """The local vector w with its height turned over where the mask holds."""
+    return Vec3(w.x, w.y, where(mask, -w.z, w.z))
+
+
+@kernel
 def to_local(s, t, n, w):
     """The world vector w in the frame (s, t, n)."""
     return Vec3(dot(w, s), dot(w, t), dot(w, n))

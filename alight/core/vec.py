@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from alight.core.jit import kernel
-from alight.core.simd import absolute, gather, maximum, minimum, rsqrt, sqrt
+from alight.core.simd import absolute, gather, maximum, minimum, rsqrt, sqrt, where
 from alight.core.vec3 import Vec3 as Vec3
 
 
@@ -81,6 +81,12 @@ def reflect(w, n):
 def lerp(t, a, b):
     """a at t = 0, b at t = 1."""
     return (1.0 - t) * a + t * b
+
+
+@kernel
+def quotient(a, b):
+    """The Vec3 a over the number b >= 0; 0 where b is 0."""
+    return a * where(b > 0.0, 1.0 / where(b > 0.0, b, 1.0), 0.0)
 
 
 @kernel

@@ -22,6 +22,7 @@ from alight.films.sample_ranges import (
     CELL_SIZE,
     SampleRanges,
     cells_of,
+    cells_with,
     empty_cells,
     union_of_cells,
 )
@@ -224,14 +225,7 @@ class Film:
         index = cells_of(partial.x0, partial.y0, tw, th)
         shape = self.cells[index].shape
         pairs = np.broadcast_to(np.asarray(partial.ranges, np.int64), (*shape, 2))
-        added = np.zeros(shape, dtype=object)
-        known: dict[tuple[int, int], SampleRanges] = {}
-        for cell in np.ndindex(shape):
-            first, count = (int(v) for v in pairs[cell])
-            if (first, count) not in known:
-                known[first, count] = SampleRanges([(first, first + count)])
-            added[cell] = known[first, count]
-        return index, added
+        return index, cells_with(pairs)
 
     def _check_room(self, counts: np.ndarray) -> None:
         # AOVs have no replicates: all samples of a pixel share one sum.

@@ -135,9 +135,41 @@ def cells_of(x: int, y: int, width: int, height: int) -> tuple[slice, slice]:
     )
 
 
+def cells_with(pairs: np.ndarray) -> np.ndarray:
+    """Make cells that hold one range of samples each; equal ranges are one object.
+
+    Parameters
+    ----------
+    pairs : ndarray of int64, shape (cells_y, cells_x, 2)
+        (first, count) of each cell.
+
+    Returns
+    -------
+    ndarray of object, shape (cells_y, cells_x)
+    """
+    known: dict[tuple[int, int], SampleRanges] = {}
+    cells = []
+    for first, count in pairs.reshape(-1, 2).tolist():
+        if (first, count) not in known:
+            known[first, count] = SampleRanges([(first, first + count)])
+        cells.append(known[first, count])
+    return _grid(cells, pairs.shape[:2])
+
+
 def union_of_cells(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Unite two grids of equal shape, cell by cell (refuses overlap as `SampleRanges.union`)."""
-    result = np.full(a.shape, EMPTY, dtype=object)
-    for cell in np.ndindex(a.shape):
-        result[cell] = _union(a[cell], b[cell])
-    return result
+    # By identity: most cells share their object, and tiles are added often.
+    known: dict[tuple[int, int], SampleRanges] = {}
+    cells = []
+    for held, added in zip(a.flat, b.flat, strict=True):
+        pair = id(held), id(added)
+        if pair not in known:
+            known[pair] = _union(held, added)
+        cells.append(known[pair])
+    return _grid(cells, a.shape)
+
+
+def _grid(cells: list[SampleRanges], shape: tuple[int, ...]) -> np.ndarray:
+    grid = np.full(len(cells), EMPTY, dtype=object)
+    grid[:] = cells
+    return grid.reshape(shape)

@@ -171,7 +171,7 @@ def neighbours_are_not_correlated(spec: Sampler) -> None:
             for f in integrands:
                 values = np.stack([f(*pair) for pair in (here, there)]).astype(np.float64)
                 means = values.reshape(2, pixels, n).mean(axis=2)
-                found = abs(np.corrcoef(means)[0, 1])
+                found = abs(np.asarray(np.corrcoef(means))[0, 1])
                 demand(found < 5 / np.sqrt(pixels), f"another {what}: correlation {found:.3g}")
 
 

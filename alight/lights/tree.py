@@ -18,9 +18,9 @@ normal out: paths do not keep the normals of the vertices that they come from. B
 multiple importance sampling use that one (`Choice.plain`), so that the weights add up to 1; light
 sampling divides by the probability that it really had.
 
-Once the sphere of a child is small from where it is seen, and its lights face much the same way,
-they only differ by their intensity, and below it that alone decides: four numbers a node, not
-twenty-four.
+Once the sphere of a group is small from where it is seen, and its lights face much the same way,
+they only differ by their intensity, and that alone decides: a leaf is found by bisection in a table
+of sums, as the table of powers is. Where that holds for all lights together, no node is looked at.
 
 Lights without a place (environments, directional ones) are chosen beside the tree, by their power.
 
@@ -46,23 +46,32 @@ from alight.core.simd import (
     lanes_u32,
     maximum,
     minimum,
+    minimum_u32,
     rsqrt,
     sqrt,
     to_float,
+    to_uint,
     where,
 )
-from alight.core.vec import dot, gather_vec3
+from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.tables import INFO
 
 #: `LightTables.cdf` of a program with a tree starts with: probability of the lights beside the
-#: tree; how many rows of `LightTables.info` there are; start of the tree; then the distribution of
-#: the lights beside it. After the tree follow, light by light, the ways to its leaves.
-OUTER, ROWS, START, OUTER_CDF = 0, 1, 2, 4
+#: tree; how many rows of `LightTables.info` there are; start of the tree; start of the leaves
+#: (bits); middle of all lights, and the squared distance from which only intensity counts; then the
+#: distribution of the lights beside the tree. After the tree follow the leaves, group by group:
+#: sums of their intensities (bits; one more than there are leaves), row and triangle of each
+#: (bits); at last, light by light and triangle by triangle, way and number of the leaf (bits).
+OUTER, ROWS, START, LEAVES, MIDDLE, FAR_FROM_ALL, OUTER_CDF = 0, 1, 2, 3, 4, 7, 8
+
+#: What the intensities add up to: each leaf has at least 1. Not NaN as bits.
+WHOLE = 1 << 30
 
 #: Numbers of a child: centre, radius squared; axis, intensity; cosines of the cone's half angle and
 #: of the angle beyond it where it is dark; where to go on (bits); triangle (bits) of a light, and
-#: of others the squared distance from which only intensity counts. Two children are a node.
-CHILD = 12
+#: of others the squared distance from which only intensity counts. Two children are a node, with
+#: the numbers (bits) of its first leaf and of the one behind its last.
+CHILD, FIRST_LEAF, NODE = 12, 24, 26
 INTENSITY, COS_SPREAD, COS_DARK, NEXT, PRIM, FAR = 7, 8, 9, 10, 11, 11
 
 #: `FAR` over the squared radius; infinite where directions differ by more than `ALIKE`, radians.
@@ -183,6 +192,47 @@ def least_cosine(program) -> float:
     return 0.0 if set(program.bsdfs) <= ONE_SIDED else BEHIND
 
 
+@kernel
+def bits(cdf, k):
+    """Words of the table."""
+    return float_bits(gather(cdf, lanes_u32(0) + k))
+
+
+@kernel
+def is_far(cdf, p):
+    """Where all lights together are so far that only intensity counts."""
+    d = p - row_vec3(cdf, MIDDLE)
+    return dot(d, d) > cdf[FAR_FROM_ALL]
+
+
+@kernel
+def leaf_by_intensity(cdf, k, u, extra):
+    """A leaf of the group at the node k: (its number, its probability in the group)."""
+    leaves = bits(cdf, LEAVES)
+    low, high = bits(cdf, k + FIRST_LEAF), bits(cdf, k + (FIRST_LEAF + 1))
+    start, end = bits(cdf, leaves + low), bits(cdf, leaves + high)
+    # The digits of u stop before those of the sums.
+    size = to_float(end - start)
+    at = start + to_uint(u * size) + to_uint(extra * (UNIT * size))
+    at = minimum_u32(at, end - 1)
+    while any_lane(low + 1 < high):
+        middle = (low + high) >> 1
+        below = bits(cdf, leaves + middle) <= at
+        low, high = where(below, middle, low), where(below, high, middle)
+    mine = bits(cdf, leaves + low + 1) - bits(cdf, leaves + low)
+    return low, to_float(mine) / size
+
+
+@kernel
+def leaf_words(cdf, leaf):
+    """(row of the light, its triangle) of a leaf."""
+    leaves = bits(cdf, LEAVES)
+    # The last of the sums is the number of the leaves' end: all of the root's node.
+    count = bits(cdf, as_int(cdf[START]) + (FIRST_LEAF + 1))
+    rows = leaves + count + 1
+    return bits(cdf, rows + leaf), bits(cdf, rows + count + leaf)
+
+
 @specialised
 def choose_leaf(program):
     """Go down the tree: ``choose_leaf(scene, p, n, u, extra, active) -> Choice``.
@@ -194,11 +244,11 @@ def choose_leaf(program):
     @kernel
     def from_the_root(scene, p, n, u, extra, active):
         cdf = scene.lights.cdf
-        root = as_int(cdf[START])
         everywhere = dot(n, n) < 0.5
-        k, chosen = lanes_u32(root), lanes_u32(root)
+        k, chosen = lanes_u32(as_int(cdf[START])), lanes_u32(0)
         pmf, plain = lanes(1.0), lanes(1.0)
-        walking, coasting = active & (pmf > 0.0), active & (pmf > 1.0)
+        coasting = active & is_far(cdf, p)
+        walking = active & ~coasting
         level = 0
         while any_lane(walking):
             plain_a, a, far_a = importance(cdf, k, p, n, everywhere, behind)
@@ -222,22 +272,16 @@ def choose_leaf(program):
             if level == SPENT:
                 u = where(walking, more_digits(u, extra, pmf), u)
                 extra = where(walking, 0.0, extra)
-        if any_lane(coasting):
-            u = where(coasting, more_digits(u, extra, pmf), u)
-        while any_lane(coasting):
-            a, b = gather(cdf, k + INTENSITY), gather(cdf, k + (CHILD + INTENSITY))
-            first, mine, rest = divide(u, a / (a + b))
-            u = where(coasting, rest, u)
-            pmf, plain = where(coasting, pmf * mine, pmf), where(coasting, plain * mine, plain)
-            chosen = where(coasting, where(first, k, k + CHILD), chosen)
-            onward = float_bits(gather(cdf, chosen + NEXT))
-            coasting = coasting & (onward < LEAF)
-            k = where(coasting, onward, k)
         word = float_bits(gather(cdf, chosen + NEXT))
-        ended = active & (pmf > 0.0) & (word >= LEAF)
+        ended = active & ~coasting & (pmf > 0.0) & (word >= LEAF)
         index = where(ended, word & (LEAF - 1), 0)
         prim = where(ended, float_bits(gather(cdf, chosen + PRIM)), 0)
-        return Choice(index, where(ended, pmf, 0.0), plain, to_float(prim))
+        if any_lane(coasting):
+            leaf, share = leaf_by_intensity(cdf, where(coasting, k, as_int(cdf[START])), u, extra)
+            pmf, plain = where(coasting, pmf * share, pmf), where(coasting, plain * share, plain)
+            rows, prims = leaf_words(cdf, leaf)
+            index, prim = where(coasting, rows, index), where(coasting, prims, prim)
+        return Choice(index, where(ended | coasting, pmf, 0.0), plain, to_float(prim))
 
     return from_the_root
 
@@ -247,8 +291,8 @@ def choose_by_tree(scene, p, n, u, u2, active):
     """A `Choice` among all lights; u2 is used for the digits that u lacks."""
     cdf = scene.lights.cdf
     outer = cdf[OUTER]
-    bits = (float_bits(u2[0]) * 0x9E3779B1) ^ (float_bits(u2[1]) * 0x85EBCA77)
-    extra = unit_float((bits ^ (bits >> 15)) * 0x2C1B3C6D)
+    hashed = (float_bits(u2[0]) * 0x9E3779B1) ^ (float_bits(u2[1]) * 0x85EBCA77)
+    extra = unit_float((hashed ^ (hashed >> 15)) * 0x2C1B3C6D)
     aside = active & (u < outer)
     index, pmf, plain, rest = lanes_u32(0), lanes(0.0), lanes(0.0), lanes(0.0)
     if any_lane(aside):
@@ -273,11 +317,12 @@ def choose_by_tree(scene, p, n, u, u2, active):
 def plain_probability(scene, index, prim, p, active):
     """`Choice.plain` of a light that was found otherwise: a triangle of it, seen from p."""
     cdf = scene.lights.cdf
-    start = gather(scene.lights.info, index * INFO + 3)
-    way = float_bits(gather(cdf, where(active, start + prim, 0)))
+    entry = where(active, gather(scene.lights.info, index * INFO + 3) + 2 * prim, 0)
+    way, leaf = bits(cdf, entry), where(active, bits(cdf, entry + 1), 0)
     k, plain = lanes_u32(as_int(cdf[START])), lanes(1.0)
     none = p * 0.0
-    walking, coasting = active & (plain > 0.0), active & (plain > 1.0)
+    coasting = active & is_far(cdf, p)
+    walking = active & ~coasting
     while any_lane(walking):
         a, _, far_a = importance(cdf, k, p, none, walking, 0.0)
         b, _, far_b = importance(cdf, k + CHILD, p, none, walking, 0.0)
@@ -293,12 +338,9 @@ def plain_probability(scene, index, prim, p, active):
         k = where(walking, onward, k)
         coasting = coasting | apart
         walking = walking & ~apart
-    while any_lane(coasting):
-        second = (way & 1) != 0
-        a, b = gather(cdf, k + INTENSITY), gather(cdf, k + (CHILD + INTENSITY))
-        plain = where(coasting, plain * (where(second, b, a) / (a + b)), plain)
-        way = way >> 1
-        onward = float_bits(gather(cdf, where(second, k + CHILD, k) + NEXT))
-        coasting = coasting & (onward < LEAF)
-        k = where(coasting, onward, k)
+    if any_lane(coasting):
+        leaves, group = bits(cdf, LEAVES), k + FIRST_LEAF
+        size = bits(cdf, leaves + bits(cdf, group + 1)) - bits(cdf, leaves + bits(cdf, group))
+        mine = bits(cdf, leaves + leaf + 1) - bits(cdf, leaves + leaf)
+        plain = where(coasting, plain * (to_float(mine) / to_float(size)), plain)
     return plain * (1.0 - cdf[OUTER])

@@ -15,7 +15,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.lights.tree import ALIKE, CHILD, FAR_AWAY, LEAF, MOST_LEVELS
+from alight.lights.tree import (
+    ALIKE,
+    CHILD,
+    FAR_AWAY,
+    FIRST_LEAF,
+    LEAF,
+    MOST_LEVELS,
+    NODE,
+    WHOLE,
+)
 
 BINS = 12
 
@@ -52,14 +61,24 @@ class LightTree(NamedTuple):
 
     Attributes
     ----------
-    nodes : (m, 24) float32
+    nodes : (m, NODE) float32
         Two children a node, see `alight.lights.tree`; the root comes first.
     ways : (n,) uint32
-        Of each leaf: bit i says whether level i goes to the second child.
+        To each leaf: bit i says whether level i goes to the second child.
+    numbers : (n,) uint32
+        Of each leaf, so that those of a group follow each other.
+    middle, far : (3,) float32, metres, and float, m^2
+        Of all lights, and the squared distance from it from which only intensity counts.
+    table : (3 n + 1,) float32
+        Sums of intensity, rows and triangles of the leaves, as bits.
     """
 
     nodes: NDArray[np.float32]
     ways: NDArray[np.uint32]
+    numbers: NDArray[np.uint32]
+    middle: NDArray[np.float32]
+    far: float
+    table: NDArray[np.float32]
 
 
 def build_tree(leaves: Leaves, start: int) -> LightTree:
@@ -72,29 +91,49 @@ def build_tree(leaves: Leaves, start: int) -> LightTree:
         Where the table will begin; the offsets in it count from 0 of the array it is put in.
     """
     count = len(leaves.row)
-    ways = np.zeros(count, np.uint32)
     if count < 2:
-        nodes = np.zeros((1, 2 * CHILD), np.float32)
+        nodes = np.zeros((1, NODE), np.float32)
         nodes[:, :CHILD] = _children(leaves, np.arange(count), np.zeros(min(count, 1), int), 1)
-        return LightTree(nodes, ways)
+        nodes.view(np.uint32)[0, FIRST_LEAF + 1] = count
+        number = np.zeros(count, np.uint32)
+        return LightTree(nodes, number, number, nodes[0, :3], np.inf, _table(leaves, number))
+    ways, numbers = np.zeros(count, np.uint32), np.zeros(count, np.uint32)
     levels: list[np.ndarray] = []
-    items, sizes, made = np.arange(count), np.array([count]), 1
+    items, sizes, made, begin = np.arange(count), np.array([count]), 1, np.zeros(1, int)
+    whole = _children(leaves, items, begin, 1)[0]
     for level in range(MOST_LEVELS):
-        items, sizes = _split(leaves, items, sizes, MOST_LEVELS - level)
-        starts = np.cumsum(sizes) - sizes
+        nodes = np.zeros((len(sizes), NODE), np.float32)
+        words = nodes.view(np.uint32)
+        words[:, FIRST_LEAF], words[:, FIRST_LEAF + 1] = begin, begin + sizes
+        items, halves = _split(leaves, items, sizes, MOST_LEVELS - level)
+        begin = np.stack([begin, begin + halves[::2]], axis=1).ravel()
+        sizes, starts = halves, np.cumsum(halves) - halves
         second = np.repeat(np.arange(len(sizes)) & 1, sizes).astype(np.uint32)
         ways[items] |= second << np.uint32(level)
         rows = _children(leaves, items, starts, len(sizes))
         inner = sizes > 1
         number = made + np.cumsum(inner) - 1
-        words = rows.view(np.uint32)
-        words[inner, 10] = start + 2 * CHILD * number[inner]
-        levels.append(rows.reshape(-1, 2 * CHILD))
+        rows.view(np.uint32)[inner, 10] = start + NODE * number[inner]
+        nodes[:, : 2 * CHILD] = rows.reshape(-1, 2 * CHILD)
+        levels.append(nodes)
         made += int(inner.sum())
-        items, sizes = items[np.repeat(inner, sizes)], sizes[inner]
+        numbers[items[starts[~inner]]] = begin[~inner]
+        items, sizes, begin = items[np.repeat(inner, sizes)], sizes[inner], begin[inner]
         if not len(sizes):
             break
-    return LightTree(np.concatenate(levels), ways)
+    table = _table(leaves, numbers)
+    return LightTree(np.concatenate(levels), ways, numbers, whole[:3], float(whole[11]), table)
+
+
+def _table(leaves: Leaves, numbers: NDArray[np.uint32]) -> NDArray[np.float32]:
+    """Sums of intensity, rows and triangles of the leaves in the order of their numbers."""
+    order, count = np.argsort(numbers), len(numbers)
+    intensity = leaves.intensity[order]
+    share = np.cumsum(intensity) / max(float(intensity.sum()), 1e-300)
+    # Each has one unit at least, however bright the others are.
+    sums = np.arange(1, count + 1) + np.rint(np.minimum(share, 1.0) * (WHOLE - count))
+    words = np.concatenate([[0], sums, leaves.row[order], leaves.prim[order]])
+    return words.astype(np.uint32).view(np.float32)
 
 
 def _children(

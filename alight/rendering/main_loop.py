@@ -202,7 +202,7 @@ def _passes(job: Job, pace: Pace, cancel: threading.Event, report: Callable[[], 
             # A time limit leaves time for one pass at least, or there would be no picture.
             if job.samples and left is not None and left <= 0:
                 return job.end("time")
-            count, started = min(pace.step, work.left), time.perf_counter()
+            count, started = pace.count(work.left), time.perf_counter()
             job.run_pass(pool, work.take(count), cancel, report)
             if not cancel.is_set():
                 pace.adapt(count, time.perf_counter() - started, job.seconds_left)

@@ -94,12 +94,20 @@ class Pace:
     Attributes
     ----------
     step : int
-        Samples per pixel of the next pass.
+        Samples per pixel of the next pass, about.
     """
 
     def __init__(self, spp_per_pass: int | None) -> None:
         self._fixed = spp_per_pass is not None
+        self._exact = self._fixed
         self.step = spp_per_pass or 1
+
+    def count(self, missing: int) -> int:
+        """Samples per pixel of the next pass, where so many are missing."""
+        if self._exact:
+            return min(self.step, missing)
+        # Equal passes: a short one at the end would cost as much to add to the film as a long one.
+        return -(-missing // max(round(missing / self.step), 1))
 
     def adapt(self, count: int, seconds: float, left: float | None) -> None:
         """Choose the size of the next pass.
@@ -117,5 +125,6 @@ class Pace:
             return
         seconds = max(seconds, 1e-9)
         self.step = max(1, min(16 * count, int(count * PASS_SECONDS / seconds)))
+        self._exact = left is not None
         if left is not None:
             self.step = max(1, min(self.step, int(left / seconds * count)))

@@ -154,7 +154,7 @@ def test_an_unwritable_cache_is_said(monkeypatch, tmp_path):
 
 
 class FilmOfKnownError:
-    def relmse_estimate(self):
+    def relmse_estimate(self, literature=True):
         class Estimate:
             class relrmse:
                 value = 0.125

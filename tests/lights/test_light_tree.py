@@ -5,6 +5,7 @@ from collections import namedtuple
 import numpy as np
 import pytest
 
+from alight.compiled.light_gain import MOST_GAIN, gain_of_tree
 from alight.compiled.lights import MOST_WITHOUT_TREE
 from alight.core.jit import instantiate, kernel
 from alight.core.simd import LANES, lanes_mask, load_lanes, store_lanes
@@ -16,7 +17,7 @@ from alight.lights.point import Point
 from alight.lights.sampling import light_pdf, sample_light
 from alight.lights.spot import Spot
 from alight.lights.tables import INFO
-from alight.lights.tree import CHILD, LEAF, MOST_LEVELS, choose_by_tree, plain_probability
+from alight.lights.tree import CHILD, LEAF, MOST_LEVELS, NODE, choose_by_tree, plain_probability
 from alight.lights.tree_build import Leaves, build_tree
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
@@ -171,6 +172,53 @@ def test_a_group_is_not_dark_where_one_of_it_shines():
     assert np.mean((found.pmf > 0.0) & (found.index == 1)) > 0.9
 
 
+def far_lamps():
+    """A panel of triangles and point lamps that all face the origin from 200 m above, unequal."""
+    down = translate(0, 0, 200).matrix @ rotate("x", 180).matrix
+    lamps = [
+        PlacedLight("lamp", Spot(intensity=2.0**k, cutoff_angle=5.0), down) for k in range(0, 12, 3)
+    ]
+    return World((ROOF, down, Area(radiance=3.0)), lights=lamps, selection="tree")
+
+
+def test_from_afar_only_intensity_counts():
+    world = far_lamps()
+    found, word = choices(world, (0.0, 0.0, 0.0), UP)
+    names, first, counts = np.unique(word, return_index=True, return_counts=True)
+    pmf = found.pmf[first].astype(float)
+    assert np.all(found.pmf == found.pmf[first][np.searchsorted(names, word)])
+    assert pmf.sum() == pytest.approx(1.0, abs=1e-6)
+    assert chi_square(np.append(counts, 0), pmf) > SIGNIFICANCE
+    # Of the lamps, each is eight times as strong as the one before.
+    lamps = pmf[names >= 16]
+    np.testing.assert_allclose(lamps[1:] / lamps[:-1], 8.0, rtol=1e-4)
+    one, at, on = np.zeros(1, np.uint32), points((0.0, 0.0, 0.0), 1), np.ones(1, bool)
+    for prim in (0, 1):
+        plain = run(plain_probability, world.scene, one, one + np.uint32(prim), at, on)[0]
+        assert plain == found.plain[word == prim][0] == found.pmf[word == prim][0]
+
+
+def test_auto_takes_the_tree_where_it_gains():
+    floor = (Rectangle(), np.diag([5.0, 5.0, 1.0, 1.0]), None)
+    rng = np.random.default_rng(1)
+    for height, expected in ((1.0, True), (300.0, False)):
+        spots = np.append(rng.uniform(-5, 5, (40, 2)), np.full((40, 1), height), axis=1)
+        lamps = [PlacedLight("lamp", Point(), translate(*at).matrix) for at in spots]
+        assert World(floor, lights=lamps, selection="auto").lights.has_tree == expected
+        assert World(floor, lights=lamps, selection="tree").lights.has_tree
+
+
+def test_gain_of_two_lamps():
+    # Seen from the origin: 1 and 1/4 of the light a watt, with probabilities 1/4 and 3/4.
+    ends = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]])
+    leaves = leaves_at(ends, -ends / np.linalg.norm(ends, axis=1)[:, None])
+    leaves = leaves._replace(intensity=np.array([1.0, 3.0]))
+    shapes = World((Rectangle(), np.diag([1e-6, 1e-6, 1.0, 1.0]), None)).shapes
+    expected = (0.25 + 0.75 / 16.0) / (0.25 + 0.75 / 4.0) ** 2
+    assert gain_of_tree(leaves, shapes, np.zeros(1, bool)) == pytest.approx(expected, rel=1e-3)
+    assert gain_of_tree(leaves, shapes, np.ones(1, bool)) == MOST_GAIN
+
+
 def test_few_lights_have_no_tree():
     few = [PlacedLight("lamp", Point(), translate(k, 0, 0).matrix) for k in range(64)]
     assert not World(lights=few[:MOST_WITHOUT_TREE], selection="auto").lights.has_tree
@@ -212,7 +260,7 @@ def test_nodes_bound_their_lights(kind):
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     leaves = leaves_at(places, axes)
     tree = build_tree(leaves, 100)
-    rows = tree.nodes.reshape(-1, CHILD)
+    rows = np.ascontiguousarray(tree.nodes[:, : 2 * CHILD]).reshape(-1, CHILD)
     words = rows.view(np.uint32)
     for item in range(n):
         at, way, child = 0, int(tree.ways[item]), 0
@@ -227,7 +275,7 @@ def test_nodes_bound_their_lights(kind):
             assert row[8] == pytest.approx(-1.0) or angle <= np.arccos(row[8]) + 2e-3
             if words[child, 10] >= LEAF:
                 break
-            at = (int(words[child, 10]) - 100) // (2 * CHILD)
+            at = (int(words[child, 10]) - 100) // NODE
         assert words[child, 10] == LEAF | item and words[child, 11] == item
     np.testing.assert_allclose(rows[:2, 7].sum(), n, rtol=1e-5)
 

@@ -61,9 +61,25 @@ def test_transmittance_of_a_grid_is_the_integral_of_its_densities(absorbed):
     agree(absorbed[:, columns()[2]], expected, inside.all(-1), 0.015)
 
 
-def test_light_scattered_once_is_the_integral_along_the_ray():
+#: Of the media in the light of the sun.
+G, ALBEDO = 0.4, np.array([0.9, 0.6, 0.3])
+
+
+@pytest.fixture(scope="module")
+def scattered_once():
+    """The bodies in the light of a sun of irradiance 2, which is scattered once."""
+    scene = sun(bodies(tuple(ALBEDO), g=G), 2.0)
+    return render(scene.replaced(integrator=scene.integrator.replaced(max_depth=2)), 1024)
+
+
+def towards_the_eye():
+    """Radiance over optical depth where the sun comes to undimmed."""
+    phase = (1 - G * G) / (4 * np.pi * (1 + G * G + 2 * G * TO_SUN[2]) ** 1.5)
+    return 2.0 * ALBEDO * np.array(EXTINCTION) * phase
+
+
+def test_light_scattered_once_is_the_integral_along_the_ray(scattered_once):
     """The sun reaches the ball through a border that is not there, and leaves it again."""
-    g, albedo = 0.4, np.array([0.9, 0.6, 0.3])
     x, y = places(4)
     half = np.sqrt(np.maximum(RADIUS**2 - x**2 - y**2, 0.0))[..., None]
     # Points of Gauss between the front and the back of the ball.
@@ -72,16 +88,35 @@ def test_light_scattered_once_is_the_integral_along_the_ray():
     p = np.stack(np.broadcast_arrays(x[..., None], y[..., None], z), -1)
     along = p @ TO_SUN
     way = -along + np.sqrt(np.maximum(along**2 + RADIUS**2 - (p**2).sum(-1), 0.0))
-    cosine = -TO_SUN[2]
-    phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * cosine) ** 1.5)
-    sigma = np.array(EXTINCTION)
-    dimmed = np.exp(-(way + half - z)[..., None] * sigma)
+    dimmed = np.exp(-(way + half - z)[..., None] * np.array(EXTINCTION))
     line = (dimmed * (weights * half)[..., None]).sum(-2)
-    expected = 2.0 * albedo * sigma * phase * line.mean(2)
-    scene = bodies(tuple(albedo), g=g)
-    scene = sun(scene, 2.0).replaced(integrator=scene.integrator.replaced(max_depth=2))
-    image = render(scene, 1024)[:, columns()[1]]
-    agree(image, expected, half.min((-1, -2)) > 0.0, 0.01)
+    image = scattered_once[:, columns()[1]]
+    agree(image, towards_the_eye() * line.mean(2), half.min((-1, -2)) > 0.0, 0.01)
+
+
+def test_light_scattered_once_on_a_grid_is_the_integral_along_the_ray(scattered_once):
+    """On its way in and on its way out it meets the densities that are there."""
+    side, n = 0.8, 32
+    middles = (np.arange(n) + 0.5) / n
+    x, y = (at[..., None] for at in places(2))
+    # Pixels within the box as a whole: 12 of them on either side of the middle.
+    inside = (np.maximum(abs(x), abs(y)) < 12.0 / 16.0).all((-1, -2))
+    x, y = x[inside] + 2.0, y[inside]
+    z = side - 2.0 * side * middles
+    density = interpolated(x, y, z)
+    step = 2.0 * side / n
+    before = (np.cumsum(density, -1) - 0.5 * density) * step
+    # To the top of the box or to its front, whichever is nearer.
+    way = np.minimum((side - y) / TO_SUN[1], (side - z) / TO_SUN[2])
+    towards = way[..., None] * middles
+    lit = interpolated(
+        x[..., None], y[..., None] + towards * TO_SUN[1], z[:, None] + towards * TO_SUN[2]
+    )
+    depth = before + lit.mean(-1) * way
+    dimmed = np.exp(-depth[..., None] * np.array(EXTINCTION)) * (density * step)[..., None]
+    expected = np.zeros((HIGH, HIGH, 3))
+    expected[inside] = towards_the_eye() * dimmed.sum(-2).mean(1)
+    agree(scattered_once[:, columns()[2]], expected, inside, 0.02)
 
 
 def test_leaving_a_body_leads_into_its_exterior():

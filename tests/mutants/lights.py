@@ -157,6 +157,12 @@ LIGHT = (
         f"{TREE}::test_a_group_is_not_dark_where_one_of_it_shines",
     ),
     Mutant(
+        "far lights whose densities forget their group",
+        "lights/tree.py",
+        (("plain * (to_float(mine) / to_float(size))", "to_float(mine) / to_float(size)"),),
+        f"{TREE}::test_rays_find_the_density_that_light_sampling_says",
+    ),
+    Mutant(
         "sun whose samples do not know those of the sky",
         "lights/sunsky.py",
         (("(1.0 - share) * pdf_of_sky(scene, d)", "pdf_of_sky(scene, d)"),),

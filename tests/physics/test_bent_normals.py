@@ -6,7 +6,9 @@ import pytest
 from alight.bsdfs.bump_map import BumpMap
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.normal_map import NormalMap
+from alight.bsdfs.relief import _fading
 from alight.bsdfs.two_sided import TwoSided
+from alight.core.vec import Vec3
 from alight.laws.materials import Material, direction, random_numbers
 from alight.laws.statistics import unit_vectors
 from alight.textures.bitmap import Bitmap
@@ -70,3 +72,11 @@ def test_backs_of_two_sided_maps_look_like_their_fronts():
     back, _ = material.evaluate(wo * mirror, wi * mirror)
     np.testing.assert_array_equal(front, back)
     assert front.any()
+
+
+def test_rounded_normals_do_not_make_grazing_light_a_nan():
+    # The slopes of flat places are such that the normal's length is rounded above 1.
+    normal = Vec3(np.float32(0.0), np.float32(0.0), np.nextafter(np.float32(1.0), np.float32(2.0)))
+    low = np.float32(1e-6) * np.arange(1, 100, dtype=np.float32)
+    grazing = Vec3(np.sqrt(1 - low**2), np.zeros_like(low), low)
+    np.testing.assert_array_equal(_fading(normal, np.ones(99, bool), grazing), 1.0)

@@ -86,3 +86,18 @@ def test_passes_grow_to_their_length_and_end_with_the_time():
     fixed = Pace(7)
     fixed.adapt(7, 0.001, 100.0)
     assert fixed.step == 7
+
+
+def test_passes_are_equal_where_no_time_limit_cuts_them():
+    pace = Pace(None)
+    pace.adapt(100, PASS_SECONDS, None)
+    left, counts = 239, []
+    while left:
+        counts.append(pace.count(left))
+        left -= counts[-1]
+    assert counts == [120, 119]
+    assert [pace.count(n) for n in (1, 99, 149, 151)] == [1, 99, 149, 76]
+    # What the time allows is not stretched.
+    pace.adapt(100, PASS_SECONDS, PASS_SECONDS)
+    assert [pace.count(n) for n in (99, 149)] == [99, 100]
+    assert Pace(7).count(9) == 7

@@ -58,6 +58,6 @@ def _parse(read: Callable[[bytes], MeshArrays], data: bytes, name: str, *, z_is_
         "bsdfs": {"surface": bsdf},
         "nodes": {"mesh": node},
     }
-    add_light(scene, report)
+    add_light(scene, report, shines=False)
     add_camera(scene, report, bounds)
-    return Parsed.of(scene, {"": name}, report)
+    return Parsed.of(scene, {"": name}, report, framed=bounds)

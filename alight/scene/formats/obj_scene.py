@@ -17,6 +17,7 @@ import numpy as np
 from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats import mtl, obj
+from alight.scene.formats.glow import Glow
 from alight.scene.formats.names import free_name
 from alight.scene.formats.normals import vertex_normals
 from alight.scene.formats.parsed import Parsed
@@ -75,7 +76,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     parts = _parts(content, name, reach, report, materials)
     if report.issues:
         raise SceneError(report.issues)
-    bounds, nodes, bsdfs, is_lit = Bounds(), {}, {}, False
+    bounds, glow, nodes, bsdfs = Bounds(), Glow(reach.folder), {}, {}
     names: dict[str, str] = {}
     starts = np.concatenate([[0], np.cumsum(content.sizes)]).astype(np.int64)
     for part in parts:
@@ -92,17 +93,18 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
             bsdfs[names[key]] = bsdf
         node: dict[str, Any] = {"shape": mesh, "bsdf": names[key]}
         if material is not None and material.emission is not None:
-            node["light"], is_lit = {"type": "area", "radiance": material.emission}, True
+            node["light"] = {"type": "area", "radiance": material.emission}
+            glow.add(mesh, np.eye(4), material.emission)
         nodes[free_name(part.group, nodes, "mesh")] = node
         report.count("meshes")
     if not nodes:
         raise SceneError([Issue("", "must hold at least one triangle, got an empty mesh", name)])
     report.count("materials", len(materials))
     scene: dict[str, Any] = {"alight": FORMAT_VERSION, "bsdfs": bsdfs, "nodes": nodes}
-    if not is_lit:
-        add_light(scene, report)
+    if not glow.suffices(bounds):
+        add_light(scene, report, shines=glow.total > 0.0)
     add_camera(scene, report, bounds)
-    return Parsed.of(scene, {"": name}, report)
+    return Parsed.of(scene, {"": name}, report, framed=bounds)
 
 
 def _parts(

@@ -8,6 +8,7 @@ from typing import Any
 from alight.core.errors import Issue
 from alight.scene.description import Remarks
 from alight.scene.formats.report import Report
+from alight.scene.formats.surroundings import Bounds
 
 
 @dataclass
@@ -30,6 +31,8 @@ class Parsed:
         Samples per pixel that the file asks for.
     counts : dict of str to int
         What was read.
+    framed : Bounds, optional
+        What the camera must see, where the file has none of its own.
     """
 
     data: dict[str, Any]
@@ -39,13 +42,20 @@ class Parsed:
     warnings: list[str] = field(default_factory=list)
     spp: int | None = None
     counts: dict[str, int] = field(default_factory=dict)
+    framed: Bounds | None = None
 
     @classmethod
     def of(
-        cls, data: dict[str, Any], places: dict[str, str], report: Report, spp: int | None = None
+        cls,
+        data: dict[str, Any],
+        places: dict[str, str],
+        report: Report,
+        spp: int | None = None,
+        framed: Bounds | None = None,
     ) -> Parsed:
         """Put a description and what was noticed together."""
-        return cls(data, places, report.issues, report.notes, report.warnings, spp, report.counts)
+        remarks = (report.issues, report.notes, report.warnings)
+        return cls(data, places, *remarks, spp, report.counts, framed)
 
     @property
     def remarks(self) -> Remarks:

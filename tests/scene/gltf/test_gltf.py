@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
+from alight.lights.environment import make_map
 from alight.scene import content_hash, flatten, load, loads, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
@@ -334,6 +335,24 @@ def test_lights_keep_their_units_and_directions(tmp_path):
     assert area[0].radiance.a == (4.0, 2.0, 0.0)
 
 
+@pytest.mark.parametrize("azimuth", [0.0, 30.0, 200.0])
+def test_the_studio_looks_the_same_from_any_camera(azimuth, tmp_path):
+    m = Maker()
+    m.node(mesh=m.square())
+    m.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0}}]
+    half = 0.5 * np.radians(azimuth)
+    m.node(camera=0, rotation=[0, np.sin(half), 0, np.cos(half)])
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    flat = flatten(load(tmp_path / "a.glb"))
+    light = flat.environment
+    assert light is not None
+    # A direction of the studio's picture, seen from the camera: columns are to_world's axes.
+    to_studio = make_map(light.light, light.to_world, compensated=False).table[:9].reshape(3, 3)
+    seen = flat.camera.to_world[:3, :3].T @ to_studio.T @ [0.0, 0.0, 1.0]
+    # Its front is 30 degrees to the left of the viewer.
+    np.testing.assert_allclose(seen, [-0.5, 0.0, np.sqrt(0.75)], atol=1e-6)
+
+
 def test_a_file_without_light_or_camera_gets_both_and_says_so(tmp_path):
     m = Maker()
     m.node(mesh=m.square(), scale=[10, 10, 10], translation=[100, 0, 0])
@@ -342,9 +361,10 @@ def test_a_file_without_light_or_camera_gets_both_and_says_so(tmp_path):
     assert any("no light" in w for w in scene.warnings)
     assert any("no camera" in w for w in scene.warnings)
     eye = scene.camera.transform.matrix
-    # The centre of the square is in the middle of the picture.
-    seen = np.linalg.inv(eye) @ [105, 5, 0, 1]
-    np.testing.assert_allclose(seen[:2] / seen[2], 0, atol=1e-9)
+    # Two opposite sides of the square are equally far from the edges of the picture.
+    seen = np.linalg.inv(eye) @ [[100, 110, 110, 100], [0, 0, 10, 10], [0] * 4, [1] * 4]
+    places = seen[:2] / seen[2]
+    assert abs(places.min(axis=1) + places.max(axis=1)).min() < 1e-9
 
 
 ACCESSORS = {
@@ -455,3 +475,22 @@ def test_hierarchies_deeper_than_ours_are_multiplied_out(tmp_path):
     (tmp_path / "a.gltf").write_bytes(m.gltf())
     (shape,) = flatten(load(tmp_path / "a.gltf")).shapes
     np.testing.assert_allclose(shape.to_world[:3, 3], [60, 0, 0])
+
+
+@pytest.mark.parametrize(("side", "studio"), [(0.3, True), (3.0, False)])
+def test_a_lamp_of_a_model_counts_with_its_size_in_the_world(side, studio, tmp_path):
+    m = Maker()
+    lamp = m.square(m.material(emissiveFactor=[1, 1, 1]))
+    m.node(mesh=m.square(m.material(pbrMetallicRoughness={})), scale=[5, 5, 5])
+    m.node(mesh=lamp, scale=[side, side, 1])
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    scene = load(tmp_path / "a.glb")
+    assert (scene.environment is not None) is studio
+    assert any("too faint to see it by" in line for line in scene.warnings) is studio
+
+
+def test_unlit_surfaces_are_no_lamps(tmp_path):
+    m = Maker()
+    m.node(mesh=m.square(m.material(extensions={"KHR_materials_unlit": {}})), scale=[9, 9, 9])
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    assert any("has no light" in line for line in load(tmp_path / "a.glb").warnings)

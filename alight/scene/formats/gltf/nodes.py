@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError
+from alight.scene.formats.glow import Glow
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.materials import Materials
 from alight.scene.formats.gltf.meshes import read_primitive
@@ -58,10 +59,14 @@ class Graph:
         Key path -> place in the file.
     cameras : list of (str, int)
         Path of each camera's node, and the camera's index.
+    view : (4, 4) float64 or None
+        Camera to world of the first camera.
     bounds : Bounds
         Of all meshes.
     is_lit : bool
-        Whether anything but unlit surfaces shines.
+        Whether the file has lights.
+    glow : Glow
+        Of the surfaces that shine, but for unlit ones.
     """
 
     document: Document
@@ -71,12 +76,19 @@ class Graph:
     bsdfs: dict[str, Data] = field(default_factory=dict)
     places: dict[str, str] = field(default_factory=dict)
     cameras: list[tuple[str, int]] = field(default_factory=list)
+    view: Matrix | None = None
     bounds: Bounds = field(default_factory=Bounds)
     is_lit: bool = False
+    glow: Glow = field(init=False)
     _uses: dict[int, int] = field(default_factory=dict)
     _meshes: dict[tuple[int, tuple[float, ...]], dict[str, Data]] = field(default_factory=dict)
     _names: dict[tuple[int, tuple[float, ...]], str] = field(default_factory=dict)
     _bsdf_names: dict[tuple[int | None, bool], str] = field(default_factory=dict)
+    _shining: dict[int, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Nothing shines yet."""
+        self.glow = Glow(self.document.reach.folder)
 
     def build(self) -> None:
         """Visit all nodes of the scene that the file shows."""
@@ -157,6 +169,7 @@ class Graph:
         if camera is not None:
             data["camera"] = self._camera(self.document.list("cameras")[camera])
             self.cameras.append((path, camera))
+            self.view = to_world if self.view is None else self.view
         indices = item.indices("children", len(self.document.list("nodes")), "nodes")
         if task.level < DEEPEST:
             where = f"{keys}.children"
@@ -190,6 +203,8 @@ class Graph:
             return
         for part in parts.values():
             self.bounds.add(part["shape"].vertices, to_world)
+            if id(part["shape"]) in self._shining:
+                self.glow.add(part["shape"], to_world, self._shining[id(part["shape"])])
         if self._uses.get(index, 0) > 1:
             if variant not in self._names:
                 name = free_name(mesh.text("name"), self.prototypes, f"mesh {index}")
@@ -221,7 +236,8 @@ class Graph:
             part: Data = {"shape": shape, "bsdf": self._bsdf(index, has_colors)}
             if material.emission is not None:
                 part["light"] = {"type": "area", "radiance": material.emission}
-                self.is_lit |= not material.is_unlit
+                if not material.is_unlit:
+                    self._shining[id(shape)] = material.emission
             parts[f"primitive {number}"] = part
         return parts
 

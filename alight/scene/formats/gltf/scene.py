@@ -50,14 +50,15 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         "prototypes": graph.prototypes,
         "nodes": graph.nodes,
     }
-    if not graph.is_lit:
-        add_light(scene, report)
+    if not graph.is_lit and not graph.glow.suffices(graph.bounds):
+        add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:
         _use_camera(document, graph, scene)
     else:
         add_camera(scene, report, graph.bounds)
     report.count("nodes", len(document.list("nodes")))
-    return Parsed.of(scene, graph.places | {"": name}, report)
+    framed = None if graph.cameras else graph.bounds
+    return Parsed.of(scene, graph.places | {"": name}, report, framed=framed)
 
 
 def _use_camera(document: Document, graph: Graph, scene: dict[str, Any]) -> None:

@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable
 
 from alight.core.errors import unknown_name
+from alight.scene.formats.metals import METALS
 from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
-from alight.scene.formats.mitsuba.media import MEDIA, METALS, PERFECT
+from alight.scene.formats.mitsuba.media import MEDIA
 from alight.scene.formats.mitsuba.textures import color_or_texture, number_or_texture, texture_value
 from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number
 
@@ -17,6 +18,8 @@ from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number
 GREY: Data = {"type": "diffuse", "reflectance": [0.5, 0.5, 0.5]}
 # A conductor of Mitsuba may have eta = 0; the reflectance changes by less than 1e-6.
 SMALLEST_ETA = 1e-6
+# The reflector of 100 %, at every angle.
+PERFECT = "none"
 _DISTRIBUTIONS = ("beckmann", "ggx")
 
 

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import re
-from typing import Literal
 
 import numpy as np
 
 from alight.core.errors import quote
 from alight.core.srgb import decode_srgb
+from alight.scene.formats.colors import Color, ColorReader, Role, checked, reduced
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.properties import Properties
-from alight.scene.formats.mitsuba.report import Report
 from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number, parse_numbers
-from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.spectra import blackbody, to_linear_srgb
 
-Color = list[float]
-#: What a colour is for: it decides how a spectrum is reduced.
-Role = Literal["reflectance", "index", "light"]
-
 _PLUGINS = ("uniform", "d65", "blackbody", "regular", "irregular", "srgb")
-LARGEST = 1e15
 
 
-class Colors:
+class Colors(ColorReader[Element]):
     """Reads colours.
 
     Parameters
@@ -34,30 +27,10 @@ class Colors:
         Finds files with spectra.
     """
 
-    def __init__(self, report: Report, reach: Reach) -> None:
-        self.report = report
-        self.reach = reach
+    PROBLEMS = (*ColorReader.PROBLEMS, NotNumbersError)
 
-    def read(self, element: Element, role: Role) -> Color | None:
-        """Read an element that gives a colour.
-
-        Returns
-        -------
-        list of 3 floats, or None
-            Linear sRGB; None after a problem, which has been reported.
-        """
-        try:
-            color = self._read(element, role)
-        except (NotNumbersError, OutOfReachError) as error:
-            self.report.error(element, str(error))
-            return None
-        if color is not None and max(color) > LARGEST:
-            self.report.error(element, f"must be at most {LARGEST:g}, got {max(color):g}")
-            return None
-        return color
-
-    def _read(self, element: Element, role: Role) -> Color | None:
-        tag = element.tag
+    def _read(self, item: Element, role: Role) -> Color | None:
+        element, tag = item, item.tag
         if tag in ("float", "integer"):
             return [parse_number(_value(element))] * 3
         if tag == "rgb":
@@ -74,13 +47,12 @@ class Colors:
         if element.type:
             return self._plugin(element, role)
         if "filename" in element:
-            path = self.reach.find(element.attributes["filename"])
-            return _reduced(_read_pairs(path.read_bytes()), role)
+            return reduced(self._pairs_of_file(element.attributes["filename"]), role)
         text = _value(element)
         if ":" not in text:
             return _uniform(parse_numbers(text, 1)[0], role)
         words = re.sub(r"\s*:\s*", ":", text).replace(",", " ").split()
-        return _reduced(_pairs([word.split(":") for word in words]), role)
+        return reduced(_pairs([word.split(":") for word in words]), role)
 
     def _plugin(self, element: Element, role: Role) -> Color | None:
         """Read ``<spectrum type="...">``."""
@@ -106,7 +78,7 @@ class Colors:
             p.ignore("all wavelengths that are seen count", "wavelength_min", "wavelength_max")
             return _hot(p.number("temperature", 5000.0) or 0.0, p.number("scale", 1.0) or 0.0)
         if kind in ("regular", "irregular"):
-            return _reduced(_sampled(kind, p), role)
+            return reduced(_sampled(kind, p), role)
         self.report.unknown(element, "spectrum", _PLUGINS, "0.5 is taken")
         p.named.clear()
         p.objects.clear()
@@ -155,7 +127,7 @@ def _hexadecimal(text: str) -> Color:
 def _uniform(value: float, role: Role) -> Color:
     if role != "light":
         return [value] * 3
-    return _reduced((np.array([1.0, 1000.0]), np.array([value, value])), role)
+    return reduced((np.array([1.0, 1000.0]), np.array([value, value])), role)
 
 
 def _hot(temperature: float, scale: float) -> Color:
@@ -178,7 +150,7 @@ def _sampled(kind: str, p: Properties) -> tuple[np.ndarray, np.ndarray]:
         raise NotNumbersError(
             f"must have as many values as wavelengths, got {len(values)} and {len(wavelengths)}"
         )
-    return _checked(wavelengths, values)
+    return checked(wavelengths, values)
 
 
 def _pairs(words: list[list[str]]) -> tuple[np.ndarray, np.ndarray]:
@@ -187,27 +159,4 @@ def _pairs(words: list[list[str]]) -> tuple[np.ndarray, np.ndarray]:
         text = quote(":".join(wrong))
         raise NotNumbersError(f"must hold pairs wavelength:value in nm, got {text}")
     table = np.array([[parse_number(a), parse_number(b)] for a, b in words]).reshape(-1, 2)
-    return _checked(table[:, 0], table[:, 1])
-
-
-def _checked(wavelengths: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    if len(values) < 2:
-        raise NotNumbersError(f"must hold at least 2 wavelengths, got {len(values)}")
-    if not (np.diff(wavelengths) > 0.0).all():
-        raise NotNumbersError("wavelengths must ascend")
-    if values.min() < 0.0 or values.max() > LARGEST:
-        raise NotNumbersError(f"values must be in [0, {LARGEST:g}], got {values.min():g}")
-    return wavelengths, values
-
-
-def _read_pairs(data: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """Read a file of lines "wavelength value", ``#`` before remarks."""
-    lines = data[: 2**20].decode("utf-8", "replace").splitlines()
-    rows = [line.partition("#")[0].replace(",", " ").split() for line in lines]
-    return _pairs([row for row in rows if row])
-
-
-def _reduced(pairs: tuple[np.ndarray, np.ndarray], role: Role) -> Color:
-    color = to_linear_srgb(*pairs, shines=role == "light")
-    # A surface that is too bright by rounding, or in a channel that sRGB cannot show.
-    return [min(channel, 1.0) for channel in color] if role == "reflectance" else color
+    return checked(table[:, 0], table[:, 1])

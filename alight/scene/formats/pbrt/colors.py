@@ -9,27 +9,25 @@ the largest value of a ``blackbody`` to 1.
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Literal
-
 import numpy as np
 
-from alight.core.errors import quote, unknown_name
-from alight.scene.formats.mitsuba.media import METALS
+from alight.core.errors import unknown_name
+from alight.scene.formats.colors import (
+    Color,
+    ColorReader,
+    NoColorError,
+    Pairs,
+    Role,
+    pairs_of,
+    reduced,
+)
+from alight.scene.formats.metals import METALS
 from alight.scene.formats.pbrt.directives import Parameter
-from alight.scene.formats.pbrt.packed import content_of
 from alight.scene.formats.pbrt.report import Report
-from alight.scene.formats.reach import OutOfReachError, Reach
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.spectra import TO_SRGB, blackbody, to_linear_srgb
 
-Color = list[float]
-Pairs = tuple[np.ndarray, np.ndarray]
-#: What a colour is for: it decides how a spectrum is reduced.
-Role = Literal["reflectance", "index", "light"]
-
 KINDS = ("rgb", "spectrum", "blackbody", "xyz")
-LARGEST = 1e15
-MOST_BYTES = 2**20
 
 #: Indices of refraction of glasses at 587.6 nm (catalogue of Schott).
 GLASSES = {
@@ -65,11 +63,7 @@ _SPACES = {
 SPACES = tuple(_SPACES)
 
 
-class NoColorError(ValueError):
-    """A parameter that is no colour; the message says why."""
-
-
-class Colors:
+class Colors(ColorReader[Parameter]):
     """Reads colours.
 
     Parameters
@@ -87,32 +81,12 @@ class Colors:
     """
 
     def __init__(self, report: Report, reach: Reach) -> None:
-        self.report = report
-        self.reach = reach
+        super().__init__(report, reach)
         self.space = "srgb"
         self.old = False
-        self._files: dict[object, Pairs] = {}
 
-    def read(self, parameter: Parameter, role: Role) -> Color | None:
-        """Read a parameter that gives a colour.
-
-        Returns
-        -------
-        list of 3 floats, or None
-            Linear sRGB; None after a problem, which has been reported.
-        """
-        try:
-            color = self._read(parameter, role)
-        except (NoColorError, OutOfReachError) as error:
-            self.report.error(parameter, str(error))
-            return None
-        if max(color) > LARGEST:
-            self.report.error(parameter, f"must be at most {LARGEST:g}, got {max(color):g}")
-            return None
-        return color
-
-    def _read(self, parameter: Parameter, role: Role) -> Color:
-        values, kind = parameter.values, parameter.kind
+    def _read(self, item: Parameter, role: Role) -> Color:
+        values, kind = item.values, item.kind
         if kind in ("rgb", "xyz"):
             if len(values) != 3:
                 raise NoColorError(f"must hold 3 numbers, got {len(values)}")
@@ -126,7 +100,7 @@ class Colors:
             return self._hot(values)
         if kind != "spectrum":
             raise NoColorError(f"must be a colour (rgb, spectrum, blackbody), got {kind}")
-        return self._spectrum(parameter, role)
+        return self._spectrum(item, role)
 
     def _hot(self, values: np.ndarray) -> Color:
         if not 1 <= len(values) <= 2:
@@ -142,7 +116,7 @@ class Colors:
 
     def _spectrum(self, parameter: Parameter, role: Role) -> Color:
         if not parameter.is_text:
-            return self._reduced(_pairs(np.asarray(parameter.values)), role)
+            return self._reduced(pairs_of(np.asarray(parameter.values)), role)
         if len(parameter.values) != 1:
             raise NoColorError(f"must name one spectrum, got {len(parameter.values)}")
         name = parameter.values[0]
@@ -154,49 +128,15 @@ class Colors:
         if name in INDICES or name in _LAMPS or "." not in name:
             known = _LAMPS if role == "light" else INDICES
             raise NoColorError(unknown_name("spectrum", name, known, listed_as="spectra"))
-        path = self.reach.find(name)
-        if path not in self._files:
-            self._files[path] = _read_pairs(path, name)
-        return self._reduced(self._files[path], role)
+        return self._reduced(self._pairs_of_file(name), role)
 
     def _reduced(self, pairs: Pairs, role: Role) -> Color:
         if role == "light" and not self.old:
             return _of_luminance_one(pairs)
-        color = to_linear_srgb(*pairs, shines=role == "light")
-        return [min(channel, 1.0) for channel in color] if role == "reflectance" else color
+        return reduced(pairs, role)
 
 
 def _of_luminance_one(pairs: Pairs) -> Color:
     color = to_linear_srgb(*pairs, shines=True)
     luminance = float(np.linalg.inv(TO_SRGB)[1] @ color)
     return [channel / luminance for channel in color] if luminance > 0.0 else [0.0] * 3
-
-
-def _pairs(numbers: np.ndarray) -> Pairs:
-    if len(numbers) < 4 or len(numbers) % 2:
-        raise NoColorError(
-            f"must hold pairs of wavelength in nm and value, at least 2, got {len(numbers)} numbers"
-        )
-    wavelengths, values = numbers[0::2], numbers[1::2]
-    if not (np.diff(wavelengths) > 0.0).all():
-        raise NoColorError("wavelengths must ascend")
-    if values.min() < 0.0 or values.max() > LARGEST:
-        worst = values.min() if values.min() < 0.0 else values.max()
-        raise NoColorError(f"values must be in [0, {LARGEST:g}], got {worst:g}")
-    return wavelengths, values
-
-
-def _read_pairs(path: Path, name: str) -> Pairs:
-    """Read a file of lines "wavelength value", ``#`` before remarks."""
-    text = content_of(path, MOST_BYTES).decode("utf-8", "replace")
-    words = " ".join(line.partition("#")[0] for line in text.splitlines()).split()
-    try:
-        numbers = np.array(words, np.float64)
-    except ValueError:
-        raise NoColorError(f"{quote(name)} holds words that are no numbers") from None
-    if not np.isfinite(numbers).all():
-        raise NoColorError(f"{quote(name)} holds numbers that are not finite")
-    try:
-        return _pairs(numbers)
-    except NoColorError as error:
-        raise NoColorError(f"{quote(name)}: {error}") from None

@@ -9,12 +9,12 @@ import numpy as np
 
 from alight.core.errors import Issue, SceneError, quote
 from alight.scene.build import FORMAT_VERSION
+from alight.scene.formats.packed import content_of
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.pbrt import settings
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, directives
 from alight.scene.formats.pbrt.materials_of_3 import OF_3
-from alight.scene.formats.pbrt.packed import content_of
 from alight.scene.formats.pbrt.report import Report
 from alight.scene.formats.pbrt.transforms import FACING, inverse, keyframes
 from alight.scene.formats.pbrt.words import BrokenError, Words

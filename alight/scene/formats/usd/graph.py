@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError
+from alight.scene.formats.glow import Glow
 from alight.scene.formats.names import free_name
 from alight.scene.formats.surroundings import Bounds
 from alight.scene.formats.triangles import MeshArrays
@@ -44,10 +45,14 @@ class Graph:
     environment : dict or None
     cameras : list of (str, float)
         Node path and aspect of each camera.
+    view : (4, 4) float64 or None
+        Camera to world of the first camera.
     bounds : Bounds
         Of all that is seen, in the world.
     is_lit : bool
-        Whether anything shines.
+        Whether there are lights.
+    glow : Glow
+        Of the meshes that shine.
     places : dict of str to str
         Key path -> prim.
     """
@@ -60,8 +65,10 @@ class Graph:
         self.bsdfs: dict[str, Data] = {}
         self.environment: Data | None = None
         self.cameras: list[tuple[str, float]] = []
+        self.view: Matrix | None = None
         self.bounds = Bounds()
         self.is_lit = False
+        self.glow = Glow(stage.reach.folder)
         self.places: dict[str, str] = {}
         self._materials: dict[tuple[str, str], tuple[str, Material]] = {}
         self._prototype_names: dict[str, str] = {}
@@ -148,6 +155,7 @@ class Graph:
             self.stage.report.count("cameras")
             camera, aspect = read_camera(self.stage, prim)
             self.cameras.append((path, aspect))
+            self.view = to_world if self.view is None else self.view
             return {"camera": camera}
         if is_light(prim):
             return self._light(prim, to_world)
@@ -181,7 +189,7 @@ class Graph:
         data: Data = {"shape": shape.get("__mesh__", shape), "bsdf": bsdf}
         if steps:
             data["transform"] = steps
-        return self._shining(data, material)
+        return self._shining(data, material, to_world)
 
     def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
         self.stage.report.count("meshes")
@@ -200,26 +208,29 @@ class Graph:
             rest &= ~chosen
             if chosen.any():
                 parts[subset.GetPrim().GetName()] = self._part(
-                    prim, subset.GetPrim(), mesh_of(triangles, chosen)
+                    prim, subset.GetPrim(), mesh_of(triangles, chosen), to_world
                 )
         if rest.any():
             whole = mesh_of(triangles, None if rest.all() else rest)
-            parts[free_name("rest", parts, "rest")] = self._part(prim, prim, whole)
+            parts[free_name("rest", parts, "rest")] = self._part(prim, prim, whole, to_world)
         return next(iter(parts.values())) if len(parts) == 1 else {"children": parts}
 
-    def _part(self, prim: Any, bound: Any, mesh: Mesh) -> Data:
+    def _part(self, prim: Any, bound: Any, mesh: Mesh, to_world: Matrix) -> Data:
         arrays = MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
         problem = mesh_problem(arrays)
         if problem:
             self.stage.problem(prim, f"{problem[0]} {problem[1]}")
             raise SceneError(self.stage.report.issues)
         name, material = self._material_of(bound, prim)
-        return self._shining({"shape": mesh, "bsdf": name}, material)
+        return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
 
-    def _shining(self, data: Data, material: Material) -> Data:
+    def _shining(self, data: Data, material: Material, to_world: Matrix) -> Data:
         if material.emission is not None:
             data["light"] = {"type": "area", "radiance": material.emission}
-            self.is_lit = True
+            if isinstance(data["shape"], Mesh):
+                self.glow.add(data["shape"], to_world, material.emission)
+            else:
+                self.is_lit = True
         return data
 
     def _material_of(self, bound: Any, prim: Any) -> tuple[str, Material]:
@@ -262,14 +273,14 @@ class Graph:
     def _shared(self, key: str, wanted: str, prim: Any, read: Any) -> str:
         """Read a prototype in a space of its own."""
         outer, self.bounds = self.bounds, Bounds()
-        cameras, self.cameras = self.cameras, []
+        cameras, self.cameras, view = self.cameras, [], self.view
         name = free_name(wanted, self.prototypes, "prototype")
         # Reserved now: prototypes may hold others.
         self.prototypes[name] = {}
         self.prototypes[name] = {"children": read(prim, np.eye(4), "")}
         self._prototype_names[key] = name
         self._prototype_bounds[name] = self.bounds
-        self.bounds, self.cameras = outer, cameras
+        self.bounds, self.cameras, self.view = outer, cameras, view
         return name
 
     def _add_bounds(self, name: str, to_world: Matrix) -> None:

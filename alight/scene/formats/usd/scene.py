@@ -52,8 +52,8 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     }
     if graph.environment is not None:
         scene["environment"] = graph.environment
-    if not graph.is_lit:
-        add_light(scene, report)
+    if not graph.is_lit and not graph.glow.suffices(graph.bounds):
+        add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:
         camera, aspect = graph.cameras[0]
         scene["camera"] = camera
@@ -66,4 +66,5 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
             )
     else:
         add_camera(scene, report, graph.bounds)
-    return Parsed.of(scene, graph.places | {"": name}, report)
+    framed = None if graph.cameras else graph.bounds
+    return Parsed.of(scene, graph.places | {"": name}, report, framed=framed)
