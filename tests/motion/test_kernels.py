@@ -113,7 +113,7 @@ def check_same(found, expected):
     np.testing.assert_allclose(found[3:5], expected[3:5], atol=1e-6)
 
 
-@pytest.mark.parametrize("what", ["all", "rigid"])
+@pytest.mark.parametrize("what", ["all", pytest.param("rigid", marks=pytest.mark.proofs)])
 def test_tree_list_and_twin_find_the_same_bits(what):
     """All kinds at once, at times of their own: one by one, in the tree, and in NumPy."""
     text = ALL if what == "all" else "\n".join(ALL.split("\n")[:6] + ALL.split("\n")[-4:])
