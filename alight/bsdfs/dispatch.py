@@ -24,6 +24,8 @@ from alight.bsdfs.switch import (
     MIXED,
     albedo_row,
     evaluate_row,
+    has_null,
+    is_null,
     material_flags,
     sample_row,
 )
@@ -176,6 +178,35 @@ def _albedo_layers(scene, surface, active):
     while any_lane(more):
         row, share = _layer(scene, surface, i, more)
         value = where(more, value + albedo_row(scene, surface, row, more) * share, value)
+        i = i + 1
+        more = active & (count > i)
+    return value
+
+
+@specialised
+def open_share(program):
+    """``(scene, surface, active) -> float``: what part of light goes on as if nothing was there.
+
+    1 for `null`, 1 - opacity for a mask.
+    """
+    if has_null(program) and LAYERED_NAME in program.bsdfs:
+        return _open_layers
+    return _open_one
+
+
+@kernel
+def _open_one(scene, surface, active):
+    return where(is_null(scene, surface.bsdf), lanes(1.0), 0.0)
+
+
+@kernel
+def _open_layers(scene, surface, active):
+    value = lanes(0.0)
+    count, i = _count(scene, surface), lanes_u32(0)
+    more = active & (count > i)
+    while any_lane(more):
+        row, share = _layer(scene, surface, i, more)
+        value = where(more & is_null(scene, row), value + share, value)
         i = i + 1
         more = active & (count > i)
     return value

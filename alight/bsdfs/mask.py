@@ -4,8 +4,8 @@ r"""Mask: a material with holes, through which light passes straight on.
     + (1 - \alpha)\, f_\text{null}(\omega_o, \omega_i)
 
 The opacity alpha may be a texture (leaves, fences); between 0 and 1 the surface is a veil. Paths go
-through the holes; rays that look for a light stop at them, so the light behind them is found by the
-paths alone.
+through the holes, and rays that look for a light are dimmed by them. For `path` and `direct` a hole
+is the end of an edge, as any surface; `volpath` does not count it.
 
 Source: the plug-in ``mask`` of Mitsuba 3 (https://mitsuba.readthedocs.io).
 """

@@ -14,8 +14,17 @@ from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.jit import kernel, specialised
 from alight.core.maths import exp
-from alight.core.registry import Models, modules
-from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, maximum, where
+from alight.core.registry import Models, Numbers, modules
+from alight.core.simd import (
+    any_lane,
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    where,
+)
 from alight.core.vec import Vec3
 
 #: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
@@ -27,6 +36,8 @@ TWO_SIDED, MIXED, RELIEF = 1, 2, 2
 TWO_SIDED_NAME = "two_sided"
 #: Kernel of models that refract: ``(scene, base, surface)``, the index inside over that outside.
 INNER_INDEX = "inner_index"
+#: Name of the surface that is not there.
+NULL_NAME = "null"
 #: Kernel of models with an inside: ``(scene, base, surface)``, absorption coefficients per metre.
 ABSORPTION = "absorption"
 
@@ -86,6 +97,33 @@ def _turned(scene, row, wo):
 def _relief(scene, row):
     """Row of the map that bends a material's normals, + 1; 0 without one."""
     return material_flags(scene, row) >> RELIEF
+
+
+# ---------------------------------------------------------------- surfaces that are not there
+
+
+def has_null(program) -> bool:
+    """Whether there are surfaces, or holes in them, that light passes as if nothing was there."""
+    return NULL_NAME in program.bsdfs
+
+
+@specialised
+def is_null(program):
+    """``(scene, row) -> mask``: the model of this row is `null`."""
+    if not has_null(program):
+        return _never
+    number = Numbers("bsdfs")[NULL_NAME]
+
+    @kernel
+    def by_kind(scene, row):
+        return _kind(scene, row) == number
+
+    return by_kind
+
+
+@kernel
+def _never(scene, row):
+    return lanes_mask(False)
 
 
 # ---------------------------------------------------------------- evaluate

@@ -53,8 +53,7 @@ def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
     shapes = Counter(placed.shape.type_name() for placed in flat.shapes)
     lights = Counter(light.light.type_name() for light in flat.lights)
     lights.update(p.light.type_name() for p in flat.shapes if p.light is not None)
-    if flat.environment is not None:
-        lights[f"environment {flat.environment.light.type_name()}"] += 1
+    lights.update(f"environment {light.light.type_name()}" for light in flat.environments)
     bsdfs = Counter(bsdf.type_name() for bsdf in flat.bsdfs)
     read = ", ".join(f"{number} {kind}" for kind, number in scene.source.remarks.read)
     return [

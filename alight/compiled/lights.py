@@ -15,10 +15,12 @@ from alight.core.view import View
 from alight.lights import area
 from alight.lights.environment import Environment, make_map
 from alight.lights.environment_map import EMPTY, EnvironmentMap
+from alight.lights.portal import area as portal_area
 from alight.lights.sampling import KINDS, LIGHTS
+from alight.lights.sun import SHARE, TO_SUN
 from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
 from alight.lights.tree_build import Leaves
-from alight.scene.flatten import FlatScene
+from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
 
 Selection = Literal["auto", "power", "uniform", "tree"]
@@ -48,6 +50,8 @@ class CompiledLights(NamedTuple):
         No light emits anything.
     has_tree : bool
         Lights are chosen by a tree, for `Program.light_tree`.
+    environments : tuple of str
+        For `Program.environments`.
     """
 
     tables: LightTables
@@ -55,6 +59,7 @@ class CompiledLights(NamedTuple):
     shapes: tuple[str, ...]
     is_dark: bool
     has_tree: bool
+    environments: tuple[str, ...]
 
 
 def light_textures(flat: FlatScene) -> list[Texture]:
@@ -85,9 +90,8 @@ def compile_lights(
         Light sampling is combined with BSDF sampling, which finds what the compensated map of an
         environment leaves out.
     """
-    rows, environment = _rows(flat, shapes), _environment(flat, compensated)
-    if environment is not None:
-        rows.append(environment[0])
+    rows, around = _rows(flat, shapes), [_environment(p, compensated) for p in flat.environments]
+    rows += [row for row, _ in around]
     weights = _weights(rows, shapes.radius, selection)
     leaves = None
     if selection == "tree" or (selection == "auto" and _are_many(rows)):
@@ -105,21 +109,28 @@ def compile_lights(
         data[i, 4 : 4 + len(row.numbers)] = row.numbers
         if row.shape >= 0:
             shapes.tables.info.array[row.shape * SHAPE_INFO + 2] = i + 1
-    tables, map_table = choice.tables, EMPTY
+    tables, maps = choice.tables, []
     for i, row in enumerate(rows):
         if row.table is not None:
             info[i, 3] = sum(table.size for table in tables)
             tables.append(row.table)
-    if environment is not None and environment[1] is not None:
-        info[-1, 3], map_table = sum(table.size for table in tables), environment[1].table
-        tables.append(environment[1].cdf)
+    for i, (_, made) in enumerate(around, len(rows) - len(around)):
+        if made is not None:
+            info[i, 1], info[i, 3] = sum(m.size for m in maps), sum(t.size for t in tables)
+            maps.append(made.table)
+            tables.append(made.cdf)
     return CompiledLights(
-        LightTables(View(info), View(data), View(np.concatenate(tables)), View(map_table)),
+        LightTables(View(info), View(data), View(np.concatenate(tables)), _joined(maps)),
         _names(rows),
         _shining(rows, shapes),
         not np.any(weights > 0.0),
         leaves is not None,
+        tuple(row.kind for row, _ in around) if len(around) > 1 else (),
     )
+
+
+def _joined(maps: list[np.ndarray]) -> View:
+    return View(np.concatenate(maps) if maps else EMPTY)
 
 
 def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: CompiledShapes) -> Choosing:
@@ -157,7 +168,7 @@ def _shining(rows: list[LightRow], shapes: CompiledShapes) -> tuple[str, ...]:
 
 
 def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
-    """All lights but the environment."""
+    """All lights but the environments."""
     textures, rows = light_textures(flat), []
     for index, shape in enumerate(shapes.rows):
         light = flat.shapes[shape.source].light
@@ -168,13 +179,9 @@ def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
     return rows + [_row(placed.light, placed.to_world) for placed in flat.lights]
 
 
-def _environment(
-    flat: FlatScene, compensated: bool
-) -> tuple[LightRow, EnvironmentMap | None] | None:
-    """The row of the environment, and its map where it has one."""
-    if flat.environment is None:
-        return None
-    light, to_world = flat.environment.light, flat.environment.to_world
+def _environment(placed: PlacedLight, compensated: bool) -> tuple[LightRow, EnvironmentMap | None]:
+    """The row of an environment, and its map where it has one."""
+    light, to_world = placed.light, placed.to_world
     row, model = _row(light, to_world), LIGHTS[light.type_name()]
     # Such as a sky's, which is made here.
     drawn = model.as_environment(light) if hasattr(model, "as_environment") else light
@@ -209,4 +216,21 @@ def _weights(rows: list[LightRow], radius: float, selection: Selection) -> np.nd
     powers = np.array(
         [LIGHTS[row.kind].power(row.brightness, float(row.areas.sum()), radius) for row in rows]
     )
-    return (powers > 0.0).astype(np.float64) if selection == "uniform" else powers
+    weights = (powers > 0.0).astype(np.float64) if selection == "uniform" else powers
+    areas = np.array([_portal_area(row) for row in rows])
+    if areas.any():
+        # Half of what is drawn from the surroundings, their suns left aside.
+        taken = weights * [0.5 * _without_sun(row) for row in rows]
+        weights = weights - taken + taken.sum() * areas / areas.sum()
+    return weights
+
+
+def _portal_area(row: LightRow) -> float:
+    return portal_area(row.numbers) if row.kind == "portal" else 0.0
+
+
+def _without_sun(row: LightRow) -> float:
+    """Share of the samples of a light that go to its surroundings."""
+    if LIGHTS[row.kind].EXAMPLES[0].placement != "environment" or row.kind == "sun":
+        return 0.0
+    return 1.0 - row.numbers[SHARE - TO_SUN] if row.kind == "sunsky" else 1.0

@@ -9,12 +9,15 @@ import numpy as np
 from alight.compiled.shapes import CompiledShapes
 from alight.core.registry import Models, Numbers
 from alight.core.view import View
-from alight.media.coefficients import Coefficients, extinction, scattering_albedo
+from alight.media.coefficients import Coefficients, extinction, scattering_albedo, shines
 from alight.media.tables import (
     ALBEDO,
     ALBEDOS,
     CHROMATIC,
     DENSITIES,
+    EMISSION,
+    EMISSIONS,
+    EMISSIVE,
     EXTINCTION,
     INFO,
     KEEP,
@@ -77,10 +80,16 @@ def compile_media(
     )
     media = {spec.type_name() for spec in flat.media}
     phases = {spec.phase.type_name() for spec in flat.media}
-    chromatic = any(len(set(extinction(spec))) > 1 for spec in flat.media)
+    features = {
+        CHROMATIC: any(len(set(extinction(spec))) > 1 for spec in flat.media),
+        EMISSIVE: any(shines(spec) for spec in flat.media),
+    }
     return (
         tables,
-        (*(name for name in Numbers("media") if name in media), *(CHROMATIC,) * chromatic),
+        (
+            *(name for name in Numbers("media") if name in media),
+            *(name for name, occurs in features.items() if occurs),
+        ),
         tuple(name for name in Numbers("phases") if name in phases),
     )
 
@@ -88,7 +97,8 @@ def compile_media(
 def _blank() -> tuple[np.ndarray, np.ndarray]:
     """Rows from which every model finds valid indices: grids of one cell."""
     info, data = np.zeros(INFO, np.uint32), np.zeros(STRIDE, np.float32)
-    info[DENSITIES + 1 : DENSITIES + 4] = info[ALBEDOS + 1 : ALBEDOS + 4] = 1
+    for word in (DENSITIES, ALBEDOS, EMISSIONS):
+        info[word + 1 : word + 4] = 1
     return info, data
 
 
@@ -98,6 +108,7 @@ def _packed(spec: Coefficients, voxels: list[np.ndarray]) -> tuple[np.ndarray, n
     info[KIND], info[PHASE] = Numbers("media")[kind], Numbers("phases")[phase]
     data[EXTINCTION : EXTINCTION + 3] = extinction(spec)
     data[ALBEDO : ALBEDO + 3] = scattering_albedo(spec)
+    data[EMISSION : EMISSION + 3] = spec.emission
     data[PARAMETER] = Models("phases")[phase].parameter(spec.phase)
     Models("media")[kind].pack(spec, MediumPacker(info, data, voxels))
     return info, data

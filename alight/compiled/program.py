@@ -22,6 +22,8 @@ class Program(NamedTuple):
         Kinds of shape that carry an area light.
     single_light : bool
         There is one light: nothing has to be chosen, and its rows are the same for all lanes.
+    environments : tuple of str
+        Where there are several, the models of the environments in the order of their rows.
     light_tree : bool
         Lights are chosen by a tree, see `alight.lights.tree`.
     accel : tuple of str
@@ -61,6 +63,7 @@ class Program(NamedTuple):
     phases: tuple[str, ...] = ()
     motion: tuple[str, ...] = ()
     registered: tuple[tuple[str, str, str], ...] = ()
+    environments: tuple[str, ...] = ()
 
     def option(self, name: str, default=None):
         """One of `options`."""

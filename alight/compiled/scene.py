@@ -19,6 +19,7 @@ from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.filters.importance import compile_filter
 from alight.lights.tables import INFO as LIGHT_INFO
+from alight.media.tables import EMISSIVE
 from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
 from alight.scene.flatten import FlatScene, described
@@ -152,6 +153,7 @@ def compile_scene(
         phases=phases,
         motion=motion,
         registered=versions(described(flat)),
+        environments=lights.environments,
     )
     return CompiledScene(
         tables=tables,
@@ -161,7 +163,7 @@ def compile_scene(
         content_hash=content_hash,
         integrator=flat.integrator,
         stats=stats,
-        warnings=(*flat.warnings, *_darkness(flat, lights.is_dark)),
+        warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),
     )
 
 
@@ -178,7 +180,7 @@ def light_motions(flat: FlatScene, shapes: CompiledShapes, paths: MotionTable) -
         for index, row in enumerate(shapes.rows)
         if flat.shapes[row.source].light is not None
     ]
-    surroundings = [0] if flat.environment is not None else []
+    surroundings = [0] * len(flat.environments)
     return shining + [paths.number(placed.motion) for placed in flat.lights] + surroundings
 
 

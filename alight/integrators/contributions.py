@@ -14,7 +14,7 @@ from __future__ import annotations
 import inspect
 from collections import namedtuple
 
-from alight.core.jit import kernel
+from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
 from alight.core.simd import (
     LANES,
@@ -103,26 +103,45 @@ def find(scene, path, light, depth, mask, value):
 
 @kernel
 def leave(scene, path, depth, mask, value):
-    """Log light of the environment, which is the last light, where rays left the scene."""
+    """Log light of the environments, all as of the last light, where rays left the scene."""
     last = lanes_u32(scene.lights.info.size // LIGHT_INFO)
     find(scene, path, last, depth, mask, value)
 
 
+@specialised
+def as_found(program):
+    """``as_found(scene, index)``: the light that a ray would take the light `index` for."""
+    count = len(program.environments)
+
+    @kernel
+    def last_of_the_environments(scene, index):
+        last = scene.lights.info.size // LIGHT_INFO - 1
+        return where(lanes_u32(0) + index + count > last, lanes_u32(last), index)
+
+    @kernel
+    def itself(scene, index):
+        return index
+
+    return last_of_the_environments if count else itself
+
+
 @kernel
-def sample(scene, path, p, n, depth, mask, value):
+def sample(scene, path, p, n, depth, passed, mask, value):
     """Log light that light sampling found from the vertex at the end of edge number `depth`.
 
-    p, n: place of the vertex, and its normal as `sample_light` was given it.
+    p, n: place of the vertex, and its normal as `sample_light` was given it; passed (u32): surfaces
+    that the shadow ray went through.
     """
     dimension = vertex_dimension(depth)
     u, u2 = (
         get_1d(path.sampler, dimension + LIGHT_CHOICE),
         get_2d(path.sampler, dimension + LIGHT_POINT),
     )
-    index = choose_light_at(scene, p, n, u, u2, mask)
+    index = as_found(scene, choose_light_at(scene, p, n, u, u2, mask))
     light = lanes_u32(0) + index + 1
     first = gather(scene.log.first, sample_number(scene.log, path.sampler, mask))
-    write(scene.log, path, light, depth + 1, lanes_u32(BY_LIGHT), first, mask, value)
+    end = depth + passed + 1
+    write(scene.log, path, light, end, lanes_u32(BY_LIGHT), first, mask, value)
 
 
 @kernel

@@ -8,34 +8,25 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.jit import kernel
-from alight.core.spec import Integrator, Truth
 from alight.integrators import path
+from alight.integrators.options import LightSampling
 from alight.integrators.walk import Settings
 
 #: The camera sees a light (1), or a surface that a light shines on (2).
 MAX_DEPTH = 2
 
 
-class Direct(Integrator):
+class Direct(LightSampling):
     """Direct lighting.
 
     Parameters
     ----------
-    light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
-        As for `path`.
     heuristic : {"power", "balance"}, default "power"
-        As for `path`.
-    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
-        As for `path`.
-    hide_emitters : bool, default False
         As for `path`.
     """
 
     type: Literal["direct"] = "direct"
-    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
     heuristic: Literal["power", "balance"] = "power"
-    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
-    hide_emitters: Truth = False
 
 
 EXAMPLES = (

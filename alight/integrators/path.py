@@ -11,20 +11,19 @@ sampling techniques, SIGGRAPH 1995; Arvo and Kirk, Particle transport and image 
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal, Self
-
-from pydantic import model_validator
+from typing import Literal
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
-from alight.bsdfs.flags import DELTA
-from alight.bsdfs.switch import absorbs, concentration, refracts, transmittance
+from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
-from alight.core.simd import any_lane, lanes, lanes_mask, minimum, where
-from alight.core.spec import Depth, Integrator, Truth, invalid
-from alight.core.vec import max_component
+from alight.core.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
+from alight.core.vec import length, max_component
+from alight.integrators.options import PathTracing
+from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -41,9 +40,9 @@ from alight.integrators.walk import (
 )
 from alight.lights.sampling import (
     emitted,
-    environment_of,
     environment_pdf,
     environment_radiance,
+    environments_of,
     has_delta_lights,
     light_pdf,
     lit_normal,
@@ -61,46 +60,22 @@ STRATEGIES = {"emitter": BY_LIGHT, "mis": MIS, "bsdf": BY_BSDF}
 #: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
 MAX_SURVIVAL = 0.95
 
+#: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
+Listeners = namedtuple("Listeners", "meet find leave sample")
+NO_LISTENERS = Listeners(None, None, None, None)
 
-class Path(Integrator):
+
+class Path(PathTracing):
     """Path tracer.
 
     Parameters
     ----------
-    light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
-        How direct light is found: by BSDF sampling, by light sampling, or by both combined. All
-        compute the same picture.
     heuristic : {"power", "balance"}, default "power"
-        How both are weighted under "mis".
-    russian_roulette : {"throughput", "none"}, default "throughput"
-        Whether dim paths end at random, with weights that keep the mean.
-    rr_depth : int >= 1, default 5
-        Depth from which roulette is played.
-    max_depth : int >= 1, optional
-        Longest path, counted in edges after the camera: 1 shows lights only, 2 adds direct light.
-        Unlimited by default, which needs roulette.
-    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
-        Probability of each light: by its power, the same for all, or by a tree that knows where
-        lights are and where they face; "auto" takes the tree for many lights, else the power.
-    hide_emitters : bool, default False
-        Whether the camera sees through lights: surfaces that shine, and the environment. They
-        light the scene as ever.
+        How both ways to find light are weighted under "mis".
     """
 
     type: Literal["path"] = "path"
-    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
     heuristic: Literal["power", "balance"] = "power"
-    russian_roulette: Literal["throughput", "none"] = "throughput"
-    rr_depth: Depth = 5
-    max_depth: Depth | None = None
-    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
-    hide_emitters: Truth = False
-
-    @model_validator(mode="after")
-    def _paths_end(self) -> Self:
-        if self.max_depth is None and self.russian_roulette == "none":
-            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
-        return self
 
 
 EXAMPLES = (
@@ -136,14 +111,15 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         program.option("heuristic", "power")
     ]
     bsdf_weight, light_weight = weights_of(STRATEGIES[strategy], heuristic)
-    listeners = _Listeners(*(record or (None, None, None, None)))
+    listeners = Listeners(*record) if record else NO_LISTENERS
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights = "area" in program.lights
-    environment = environment_of(program) is not None
-    reach_environment = _write_reach_environment(bsdf_weight, listeners)
-    reach_lamp = _write_reach_lamp(bsdf_weight, listeners)
-    add_direct_light = _write_add_direct_light(light_weight, by_light, listeners)
+    environment = bool(environments_of(program))
+    holes = has_null(program)
+    reach_environment = write_reach_environment(bsdf_weight, listeners)
+    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners)
+    add_direct_light = _write_add_direct_light(light_weight, by_light, holes, listeners)
     play_roulette = _write_play_roulette(refracts(program))
     recorded, meet = record is not None, listeners.meet
     hides = program.option("hide_emitters", False)
@@ -188,7 +164,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         # Direct light, by sampling the lights.
         if samples_lights:
             L, L_direct, rays = add_direct_light(
-                scene, path, surface, wo, depth, active, L, L_direct, rays
+                scene, settings, path, surface, wo, depth, active, L, L_direct, rays
             )
 
         # Where the path goes on.
@@ -210,6 +186,14 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
         if roulette:
             beta, active = play_roulette(scene, settings, path, surface, wi, depth, beta, active)
         p, delta = surface.p, (flags & DELTA) != 0
+        if holes:
+            # Straight on, as if nothing was there: light is looked for from the vertex before.
+            on = (flags & NULL) != 0
+            p, pdf, delta = (
+                where(on, path.p, p),
+                where(on, path.pdf, pdf),
+                where(on, path.delta, delta),
+            )
         if hides:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             o, d, p = where(hidden, beyond, o), where(hidden, path.d, d), where(hidden, path.p, p)
@@ -242,11 +226,7 @@ def _unchanged(scene, surface, wo, t, active, path):
     return path
 
 
-#: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
-_Listeners = namedtuple("_Listeners", "meet find leave sample")
-
-
-def _write_reach_environment(bsdf_weight, listeners):
+def write_reach_environment(bsdf_weight, listeners):
     """``(scene, path, depth, missed, L, L_direct) -> (L, L_direct)``: rays that left the scene."""
     recorded, leave = listeners.leave is not None, listeners.leave
 
@@ -256,7 +236,7 @@ def _write_reach_environment(bsdf_weight, listeners):
             # Other lanes look at one place of a map: that costs no memory traffic.
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
-            w = bsdf_weight(path, environment_pdf(scene, d))
+            w = bsdf_weight(path, environment_pdf(scene, path.p, d))
             L = where(missed, L + path.beta * Le * w, L)
             L_direct = where(missed & (depth <= 2), L, L_direct)
             if recorded:
@@ -266,7 +246,7 @@ def _write_reach_environment(bsdf_weight, listeners):
     return reach_environment
 
 
-def _write_reach_lamp(bsdf_weight, listeners):
+def write_reach_lamp(bsdf_weight, holes, listeners):
     """``(scene, path, hit, surface, depth, active, L, L_direct) -> (L, L_direct)``: lights hit."""
     recorded, find = listeners.find is not None, listeners.find
 
@@ -274,8 +254,12 @@ def _write_reach_lamp(bsdf_weight, listeners):
     def reach_lamp(scene, path, hit, surface, depth, active, L, L_direct):
         shining = active & (surface.light != 0)
         if any_lane(shining):
+            distance = hit.t
+            if holes:
+                # From the last vertex, not from the hole that the path came through.
+                distance = length(surface.p - path.p)
             Le = emitted(scene, surface, -path.d)
-            pdf = light_pdf(scene, surface.light, path.p, path.d, hit.t, surface)
+            pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
             w = bsdf_weight(path, pdf)
             L = where(shining, L + path.beta * Le * w, L)
             L_direct = where(shining & (depth <= 2), L, L_direct)
@@ -286,15 +270,18 @@ def _write_reach_lamp(bsdf_weight, listeners):
     return reach_lamp
 
 
-def _write_add_direct_light(light_weight, by_light, listeners):
-    """``(scene, path, surface, wo, depth, active, L, L_direct, rays) -> (L, L_direct, rays)``.
+def _write_add_direct_light(light_weight, by_light, holes, listeners):
+    """Light sampling.
+
+    ``(scene, settings, path, surface, wo, depth, active, L, L_direct, rays)`` gives the last three
+    anew.
 
     Only delta lights count unless `by_light`.
     """
     recorded, sample = listeners.sample is not None, listeners.sample
 
     @kernel
-    def add_direct_light(scene, path, surface, wo, depth, active, L, L_direct, rays):
+    def add_direct_light(scene, settings, path, surface, wo, depth, active, L, L_direct, rays):
         dimension = vertex_dimension(depth)
         n = lit_normal(surface.ns, wo)
         light = sample_light(
@@ -308,15 +295,24 @@ def _write_add_direct_light(light_weight, by_light, listeners):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
-            rays += count_lanes(lit)
+            if not holes:
+                rays += count_lanes(lit)
             o, end = shadow_ray(surface, light)
-            lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
-            w = light_weight(light, pdf)
+            passed = lanes_u32(0)
+            if holes:
+                # A hole is the end of an edge, for paths and so for shadow rays too.
+                most = passed + settings.max_depth - depth - 1
+                share, passed, rays = come_through_holes(scene, o, light.wi, end, most, lit, rays)
+                lit = lit & (share > 0.0)
+                w = share * light_weight(light, pdf)
+            else:
+                lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
+                w = light_weight(light, pdf)
             Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
             L = where(lit, L + Ld, L)
-            L_direct = where(lit & (depth <= 1), L, L_direct)
+            L_direct = where(lit & (depth + passed <= 1), L, L_direct)
             if recorded:
-                sample(scene, path, surface.p, n, depth, lit, Ld)
+                sample(scene, path, surface.p, n, depth, passed, lit, Ld)
         return L, L_direct, rays
 
     return add_direct_light

@@ -14,14 +14,12 @@ Source: PBR4 section 14.2.3 (VolPathIntegrator); Miller, Georgiev and Jarosz, SI
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Self
-
-from pydantic import model_validator
+from typing import ClassVar, Literal
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
-from alight.bsdfs.flags import DELTA
-from alight.bsdfs.switch import concentration, refracts
+from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
@@ -34,15 +32,22 @@ from alight.core.simd import (
     minimum,
     where,
 )
-from alight.core.spec import Depth, Integrator, Truth, invalid
-from alight.core.vec import length, max_component
-from alight.integrators.path import BY_BSDF, BY_LIGHT, MAX_SURVIVAL, MIS, STRATEGIES
+from alight.core.vec import max_component
+from alight.integrators.options import PathTracing
+from alight.integrators.path import (
+    BY_BSDF,
+    BY_LIGHT,
+    MAX_SURVIVAL,
+    MIS,
+    NO_LISTENERS,
+    STRATEGIES,
+    write_reach_environment,
+    write_reach_lamp,
+)
+from alight.integrators.shadow_rays import come_through
 from alight.integrators.volume_walk import (
     FREE_FLIGHT,
     VolumePath,
-    come_through,
-    has_null,
-    is_null,
     mean,
     medium_beyond,
 )
@@ -56,30 +61,28 @@ from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
     ROULETTE,
+    UNLIMITED,
     count_lanes,
     to_local,
     to_world,
     vertex_dimension,
 )
 from alight.lights.sampling import (
-    emitted,
-    environment_of,
-    environment_pdf,
-    environment_radiance,
+    environments_of,
     has_delta_lights,
-    light_pdf,
     lit_normal,
     sample_light,
     shadow_ray,
 )
+from alight.media.grid import emission
 from alight.media.sampling import evaluate_phase, fly, sample_phase
-from alight.media.tables import stream_of
+from alight.media.tables import EMISSIVE, stream_of
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
 
 
-class VolPath(Integrator):
+class VolPath(PathTracing):
     """Volumetric path tracer.
 
     Parameters
@@ -87,34 +90,13 @@ class VolPath(Integrator):
     light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
         How direct light is found: by sampling BSDFs and phase functions, by light sampling, or by
         both combined. All compute the same picture.
-    russian_roulette : {"throughput", "none"}, default "throughput"
-        Whether dim paths end at random, with weights that keep the mean.
-    rr_depth : int >= 1, default 5
-        Depth from which roulette is played.
     max_depth : int >= 1, optional
         Longest path, counted in edges after the camera; scattering in a medium ends an edge,
-        passing a `null` surface does not. Unlimited by default, which needs roulette.
-    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
-        As for `path`.
-    hide_emitters : bool, default False
-        Whether the camera sees through lights: surfaces that shine, and the environment. They
-        light the scene as ever.
+        passing a `null` surface or a hole does not. Unlimited by default, which needs roulette.
     """
 
     sees_media: ClassVar[bool] = True
     type: Literal["volpath"] = "volpath"
-    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
-    russian_roulette: Literal["throughput", "none"] = "throughput"
-    rr_depth: Depth = 5
-    max_depth: Depth | None = None
-    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
-    hide_emitters: Truth = False
-
-    @model_validator(mode="after")
-    def _paths_end(self) -> Self:
-        if self.max_depth is None and self.russian_roulette == "none":
-            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
-        return self
 
 
 EXAMPLES = (
@@ -133,10 +115,10 @@ def step(program):
     samples_lights = by_light or has_delta_lights(program)
     found_weight, chosen_weight = _weights_of(strategy)
     area_lights, nulls = "area" in program.lights, has_null(program)
-    environment = environment_of(program) is not None
+    environment = bool(environments_of(program))
     roulette = program.option("russian_roulette") == "throughput"
-    reach_environment = _write_reach_environment(found_weight)
-    reach_lamp = _write_reach_lamp(found_weight, nulls)
+    reach_environment = write_reach_environment(found_weight, NO_LISTENERS)
+    reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS)
     add_direct_light = _write_add_direct_light(chosen_weight, by_light)
     play_roulette = _write_play_roulette(refracts(program))
     hides = program.option("hide_emitters", False)
@@ -161,7 +143,7 @@ def step(program):
         # Surfaces that are not there are no vertices, nor lights that the camera looks through.
         passing, shining = lanes_mask(False), met
         if nulls:
-            passing = met & is_null(scene, surface)
+            passing = met & is_null(scene, surface.bsdf)
         if hides:
             hidden = met & (path.depth == 0) & (surface.light != 0)
             passing, shining = passing | hidden, met & ~hidden
@@ -179,9 +161,17 @@ def step(program):
         dimension = vertex_dimension(path.steps)
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
-        wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, active & ~scattered)
+        turning = active & ~scattered
+        if nulls:
+            # The last surface may be a hole, behind which the last edge goes on.
+            turning = met & ~passing
+        wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, turning)
         d = to_world(surface, wi)
         delta = (flags & DELTA) != 0
+        if nulls:
+            # Holes in a surface are no vertices either.
+            hole = turning & ((flags & NULL) != 0)
+            passing, active = passing | hole, active & ~hole
         d, weight, pdf, delta = turn_in_medium(
             scene, path, u2, active & scattered, d, weight, pdf, delta
         )
@@ -221,7 +211,8 @@ def pass_media(program):
 
 @kernel
 def _pass_nothing(scene, path, t):
-    return _moved(path, path.medium, path.beta, path.ours, path.lights), lanes_mask(False), t
+    moved = _moved(path, path.L, path.L_direct, path.medium, path.beta, path.ours, path.lights)
+    return moved, lanes_mask(False), t
 
 
 @kernel
@@ -230,6 +221,7 @@ def _fly(scene, path, t):
     medium = where(first, lanes_u32(0) + scene.media.start[0], path.medium)
     within = path.active & (medium != 0)
     beta, ours, lights, scattered = path.beta, path.ours, path.lights, lanes_mask(False)
+    L, L_direct = path.L, path.L_direct
     if any_lane(within):
         u = get_1d(path.sampler, vertex_dimension(path.steps + 1) + FREE_FLIGHT)
         stream = stream_of(path.sampler, 2 * path.steps)
@@ -237,17 +229,41 @@ def _fly(scene, path, t):
         scattered = within & flight.scattered
         t = where(scattered, flight.t, t)
         beta = where(within, beta * flight.factor, beta)
-        beta = where(scattered, beta * flight.albedo, beta)
         ours = where(within, ours * flight.factor, ours)
         lights = where(within, lights * flight.light, lights)
-    return _moved(path, medium, beta, ours, lights), scattered, t
+        L, L_direct = shine(scene, path, medium, t, beta, ours, flight.albedo, scattered)
+        beta = where(scattered, beta * flight.albedo, beta)
+    return _moved(path, L, L_direct, medium, beta, ours, lights), scattered, t
+
+
+@specialised
+def shine(program):
+    """``(scene, path, medium, t, beta, ours, albedo, scattered) -> (L, L_direct)``: with its light.
+
+    A collision is an absorption with the probability 1 - albedo; absorbed is what is emitted, times
+    the medium's emission (Kirchhoff). No other strategy finds this light.
+    """
+    return _shine if EMISSIVE in program.media else _stay_dark
 
 
 @kernel
-def _moved(path, medium, beta, ours, lights):
+def _stay_dark(scene, path, medium, t, beta, ours, albedo, scattered):
+    return path.L, path.L_direct
+
+
+@kernel
+def _shine(scene, path, medium, t, beta, ours, albedo, scattered):
+    Le = emission(scene, where(scattered, medium, 0), path.o + t * path.d)
+    absorbed = lanes_vec3(1.0) - albedo
+    L = where(scattered, path.L + beta * absorbed * Le * (1.0 / mean(ours)), path.L)
+    return L, where(scattered & (path.depth <= 1), L, path.L_direct)
+
+
+@kernel
+def _moved(path, L, L_direct, medium, beta, ours, lights):
     """The path with one more step, and these."""
     return VolumePath(
-        path.o, path.d, path.p, path.L, path.L_direct, beta, path.pdf, path.delta, path.depth,
+        path.o, path.d, path.p, L, L_direct, beta, path.pdf, path.delta, path.depth,
         path.sampler, path.active, path.rays, medium, path.channel, path.steps + 1, ours, lights,
     )  # fmt: skip
 
@@ -300,44 +316,6 @@ def _towards_light(scene, path, wi, scattered, f, pdf):
 # ---------------------------------------------------------------- light
 
 
-def _write_reach_environment(found_weight):
-    """``(scene, path, depth, missed, L, L_direct) -> (L, L_direct)``: rays that left the scene."""
-
-    @kernel
-    def reach_environment(scene, path, depth, missed, L, L_direct):
-        if any_lane(missed):
-            # Other lanes look at one place of a map: that costs no memory traffic.
-            d = where(missed, path.d, 0.0)
-            Le = environment_radiance(scene, d)
-            w = found_weight(path, environment_pdf(scene, d))
-            L = where(missed, L + path.beta * Le * w, L)
-            L_direct = where(missed & (depth <= 2), L, L_direct)
-        return L, L_direct
-
-    return reach_environment
-
-
-def _write_reach_lamp(found_weight, nulls):
-    """``(scene, path, hit, surface, depth, met, L, L_direct) -> (L, L_direct)``: lights hit."""
-
-    @kernel
-    def reach_lamp(scene, path, hit, surface, depth, met, L, L_direct):
-        shining = met & (surface.light != 0)
-        if any_lane(shining):
-            distance = hit.t
-            if nulls:
-                # From the last vertex, not from a surface that is not there.
-                distance = length(surface.p - path.p)
-            Le = emitted(scene, surface, -path.d)
-            pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
-            w = found_weight(path, pdf)
-            L = where(shining, L + path.beta * Le * w, L)
-            L_direct = where(shining & (depth <= 2), L, L_direct)
-        return L, L_direct
-
-    return reach_lamp
-
-
 def _write_add_direct_light(chosen_weight, by_light):
     """Light sampling at surfaces and in media.
 
@@ -369,8 +347,8 @@ def _write_add_direct_light(chosen_weight, by_light):
             medium = medium_beyond(scene, surface, light.wi, path.medium)
             medium = where(scattered, path.medium, medium)
             stream = stream_of(path.sampler, 2 * path.steps + 1)
-            crossing, rays = come_through(
-                scene, o, light.wi, end, medium, path.channel, stream, lit, rays
+            crossing, _, rays = come_through(
+                scene, o, light.wi, end, medium, path.channel, stream, UNLIMITED, lit, rays
             )
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost

@@ -1,4 +1,4 @@
-"""What paths through media keep beside a `Path`, and how they and shadow rays cross borders.
+"""What paths through media keep beside a `Path`, and how they cross borders.
 
 **The rule of borders.** A path is in one medium. A shape with an interior or an exterior is a
 border: whoever leaves it against its outer normal, in whatever way, is in its interior then, and
@@ -17,22 +17,15 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel import intersect_closest, is_occluded
-from alight.bsdfs.switch import models_of
-from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
-    any_lane,
     gather,
-    lanes,
-    lanes_mask,
     lanes_u32,
     lanes_vec3,
     load_lanes,
     to_uint,
     where,
 )
-from alight.core.vec import dot, max_component
 from alight.integrators.queue import (
     MORE_FLOATS,
     MORE_UINTS,
@@ -41,12 +34,10 @@ from alight.integrators.queue import (
     put_vector,
     vector_at,
 )
-from alight.integrators.walk import Path, begin_paths, count_lanes, no_paths
-from alight.media.sampling import cross
-from alight.media.tables import CHROMATIC, KEEP, Crossing, segment_of
+from alight.integrators.walk import Path, begin_paths, no_paths
+from alight.media.tables import CHROMATIC, KEEP
 from alight.samplers.sampling import get_1d
-from alight.shapes.hit import side_of, spawn_origin
-from alight.shapes.surfaces import make_surface
+from alight.shapes.hit import side_of
 
 #: A `Path`, and: medium (u32), row of the tables that the path is in, 0 for none; channel (u32),
 #: which chooses distances; steps (u32), surfaces and collisions so far, borders too; ours (Vec3):
@@ -60,9 +51,6 @@ VolumePath = namedtuple(
 #: Dimension of the camera that chooses the channel; place of the free flight among a vertex's.
 CHANNEL = 5
 FREE_FLIGHT = 7
-
-#: Name of the surface that is not there.
-NULL_NAME = "null"
 
 
 @kernel
@@ -144,31 +132,6 @@ def mean(v):
 # ---------------------------------------------------------------- borders
 
 
-def has_null(program) -> bool:
-    """Whether the program has surfaces that are not there."""
-    return NULL_NAME in program.bsdfs
-
-
-@specialised
-def is_null(program):
-    """``is_null(scene, surface) -> mask``: the whole material is `null`."""
-    numbers = [u.number for u in models_of(program) if u.model.EXAMPLES[0].type_name() == NULL_NAME]
-    if not numbers:
-
-        @kernel
-        def never(scene, surface):
-            return lanes_mask(False)
-
-        return never
-    (number,) = numbers
-
-    @kernel
-    def by_kind(scene, surface):
-        return gather(scene.materials.info, 2 * surface.bsdf) == number
-
-    return by_kind
-
-
 @specialised
 def medium_beyond(program):
     """``medium_beyond(scene, surface, w, medium)``: what rays are in that leave along w."""
@@ -188,73 +151,3 @@ def medium_beyond(program):
         return where(found == KEEP, medium, found)
 
     return by_side
-
-
-# ---------------------------------------------------------------- shadow rays
-
-
-@specialised
-def come_through(program):
-    """``come_through(scene, o, d, end, medium, channel, stream, lit, rays) -> (Crossing, rays)``.
-
-    What of the light comes through on the way from o along the unit d to the distance end; nothing
-    where a surface stands in the way that is there. `medium` is what the rays start in.
-    """
-    if has_null(program):
-        return _through_borders
-    return _along_one_segment if program.media else _through_empty_space
-
-
-@kernel
-def _through_empty_space(scene, o, d, end, medium, channel, stream, lit, rays):
-    dark = is_occluded(scene, o, d, end, lit)
-    passed = where(dark, lanes_vec3(0.0), lanes_vec3(1.0))
-    return Crossing(passed, lanes_vec3(1.0), lanes(1.0)), rays + count_lanes(lit)
-
-
-@kernel
-def _along_one_segment(scene, o, d, end, medium, channel, stream, lit, rays):
-    dark = is_occluded(scene, o, d, end, lit)
-    found = cross(scene, medium, o, d, end, channel, stream, lit & ~dark)
-    passed = where(dark, lanes_vec3(0.0), found.passed)
-    return Crossing(passed, found.light, found.boost), rays + count_lanes(lit)
-
-
-@specialised
-def _cross_segment(program):
-    """`alight.media.sampling.cross`, or nothing to cross."""
-    if program.media:
-        return cross
-
-    @kernel
-    def empty(scene, medium, o, d, t_max, channel, stream, active):
-        return Crossing(lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0))
-
-    return empty
-
-
-@kernel
-def _through_borders(scene, o, d, end, medium, channel, stream, lit, rays):
-    passed, light, boost = lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0)
-    going, segment = lit, lanes_u32(0)
-    while any_lane(going):
-        rays += count_lanes(going)
-        hit = intersect_closest(scene, o, d, end, going)
-        met = going & (hit.t < INFINITY)
-        t = where(met, hit.t, end)
-        part = segment_of(stream, segment)
-        found = _cross_segment(scene, medium, o, d, t, channel, part, going)
-        passed = where(going, passed * found.passed, passed)
-        light = where(going, light * found.light, light)
-        boost = where(going, boost * found.boost, boost)
-        surface = make_surface(scene, hit, o, d, met)
-        through = met & is_null(scene, surface)
-        passed = where(met & ~through, lanes_vec3(0.0), passed)
-        beyond = spawn_origin(surface.p, surface.error, surface.ng, d)
-        # The new origin lies beyond the border: measured from there, the end is nearer.
-        end = where(through, end - dot(beyond - o, d), end)
-        medium = where(through, medium_beyond(scene, surface, d, medium), medium)
-        o = where(through, beyond, o)
-        going = through & (max_component(passed) > 0.0)
-        segment = segment + 1
-    return Crossing(passed, light, boost), rays

@@ -7,6 +7,7 @@ from alight.lights import (
     environment,
     ies,
     point,
+    portal,
     projector,
     sky,
     spot,
@@ -26,4 +27,5 @@ MODELS = (
     sunsky,
     ies,
     projector,
+    portal,
 )

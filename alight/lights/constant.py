@@ -11,12 +11,12 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.constants import INFINITY, INV_FOUR_PI, PI
+from alight.core.constants import INV_FOUR_PI, PI
 from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask, lanes_vec3
+from alight.core.simd import lanes, lanes_vec3
 from alight.core.spec import Color, Light, Triple
 from alight.core.warps import square_to_uniform_sphere
-from alight.lights.tables import LightSample
+from alight.lights.tables import from_infinity
 
 
 class Constant(Light):
@@ -51,22 +51,18 @@ def power(luminance: float, area: float, radius: float) -> float:
 
 
 @kernel
-def sample(scene, index, p, u, u2):
-    """Choose any direction; see `alight.lights.area.sample`."""
-    one = lanes(1.0)
-    wi = square_to_uniform_sphere(u2)
-    return LightSample(
-        wi, INFINITY * one, lanes_vec3(1.0), INV_FOUR_PI * one, lanes_mask(False), one, lanes(0.0)
-    )
+def sample(scene, back, p, u, u2):
+    """Choose any direction; see `alight.lights.environment.sample`."""
+    return from_infinity(square_to_uniform_sphere(u2), lanes_vec3(1.0), lanes(INV_FOUR_PI))
 
 
 @kernel
-def pdf(scene, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
     return lanes(INV_FOUR_PI)
 
 
 @kernel
-def radiance(scene, d):
+def radiance(scene, back, d):
     """Radiance that arrives from the unit direction d, without the light's colour."""
     return lanes_vec3(1.0)

@@ -32,17 +32,15 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.constants import INFINITY, INV_PI, INV_TWO_PI, PI
+from alight.core.constants import INV_PI, INV_TWO_PI, PI
 from alight.core.distributions import bilinear, pmf_cell, sample_bilinear, sample_cell
-from alight.core.jit import kernel
+from alight.core.jit import kernel, specialised
 from alight.core.maths import arctan2, sincos_2pi
 from alight.core.simd import (
     absolute,
     as_float,
     as_int,
     gather,
-    lanes,
-    lanes_mask,
     maximum,
     minimum,
     minimum_u32,
@@ -62,7 +60,7 @@ from alight.lights.environment_map import (
     EnvironmentMap,
     environment_map,
 )
-from alight.lights.tables import LightSample
+from alight.lights.tables import INFO, from_infinity
 from alight.textures.images import Image, Pixels, source_problem
 
 #: A place on the map. column, row: of its cell; x: fraction of the cell's width, y: of the angle
@@ -158,43 +156,46 @@ def make_map(spec: Environment, to_world: np.ndarray, compensated: bool) -> Envi
     return environment_map(radiance, (axes @ about_y).T, spec.sampling, compensated)
 
 
+# In what follows `at` is where the map starts in the table.
+
+
 @kernel
-def to_map(scene, d):
+def to_map(scene, at, d):
     """A direction of the world in the space of the map."""
     m = scene.lights.map
-    return Vec3(dot(row_vec3(m, 0), d), dot(row_vec3(m, 3), d), dot(row_vec3(m, 6), d))
+    return Vec3(dot(row_vec3(m, at), d), dot(row_vec3(m, at + 3), d), dot(row_vec3(m, at + 6), d))
 
 
 @kernel
-def from_map(scene, d):
+def from_map(scene, at, d):
     """The inverse: the transpose."""
     m = scene.lights.map
-    return row_vec3(m, 0) * d.x + row_vec3(m, 3) * d.y + row_vec3(m, 6) * d.z
+    return row_vec3(m, at) * d.x + row_vec3(m, at + 3) * d.y + row_vec3(m, at + 6) * d.z
 
 
 @kernel
-def band_of(scene, row):
+def band_of(scene, at, row):
     """(q at the upper edge, difference of q to the lower edge, mask: seen from +y) of a row.
 
     q is sin^2(theta / 2) with theta from the nearer pole, so that it is precise there.
     """
     m = scene.lights.map
-    start = FIRST_BAND + BAND * row
-    return gather(m, start), gather(m, start + 1), 2 * row + 1 <= as_int(m[ROWS])
+    start = at + FIRST_BAND + BAND * row
+    return gather(m, start), gather(m, start + 1), 2 * row + 1 <= as_int(m[at + ROWS])
 
 
 @kernel
-def locate(scene, d):
+def locate(scene, at, d):
     """The `Place` of unit directions in the space of the map; valid whatever d is."""
     m = scene.lights.map
-    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
+    columns, rows = as_int(m[at + COLUMNS]), as_int(m[at + ROWS])
     x = arctan2(d.x, -d.z) * INV_TWO_PI * as_float(columns) - 0.5
     x = where(x < 0.0, x + as_float(columns), x)
     column = minimum_u32(to_uint(x), columns - 1)
     squared = d.x * d.x + d.z * d.z
     y = arctan2(sqrt(squared), d.y) * INV_PI * as_float(rows)
     row = minimum_u32(to_uint(y), rows - 1)
-    edge, size, upper = band_of(scene, row)
+    edge, size, upper = band_of(scene, at, row)
     # sin^2 theta = 4 q (1 - q), and 1 - q = (1 + |cos theta|) / 2 does not cancel.
     q = 0.5 * squared / (1.0 + where(upper, d.y, -d.y))
     return Place(
@@ -207,11 +208,11 @@ def locate(scene, d):
 
 
 @kernel
-def corners_of(scene, column, row):
+def corners_of(scene, at, column, row):
     """Indices of the four texels of a cell: upper left, upper right, lower left, lower right."""
     m = scene.lights.map
-    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
-    first = FIRST_BAND + BAND * rows + TEXEL * columns * row
+    columns, rows = as_int(m[at + COLUMNS]), as_int(m[at + ROWS])
+    first = at + FIRST_BAND + BAND * rows + TEXEL * columns * row
     right = where(column + 1 < columns, column + 1, 0)
     a, b = first + TEXEL * column, first + TEXEL * right
     return a, b, a + TEXEL * columns, b + TEXEL * columns
@@ -226,9 +227,9 @@ def channel(scene, corners, k):
 
 
 @kernel
-def shown(scene, place):
+def shown(scene, at, place):
     """Radiance of the map at a place, without `scale`."""
-    corners, x, y = corners_of(scene, place.column, place.row), place.x, place.y
+    corners, x, y = corners_of(scene, at, place.column, place.row), place.x, place.y
     return Vec3(
         bilinear(channel(scene, corners, 0), x, y),
         bilinear(channel(scene, corners, 1), x, y),
@@ -237,25 +238,70 @@ def shown(scene, place):
 
 
 @kernel
-def density(scene, weights, pmf, place, size):
+def density(scene, at, weights, pmf, place, size):
     """Density per solid angle in a cell of probability `pmf`; size: of its band."""
-    columns = as_float(as_int(scene.lights.map[COLUMNS]))
+    columns = as_float(as_int(scene.lights.map[at + COLUMNS]))
     mean = 0.25 * (weights[0] + weights[1] + weights[2] + weights[3])
     relative = bilinear(weights, place.x, place.c) / where(mean > 0.0, mean, 1.0)
     # The cell covers 2 pi / columns in azimuth and 2 |size| in cos(theta).
     return relative * pmf * columns * (0.5 * INV_TWO_PI) / absolute(size)
 
 
+@specialised
+def map_at(program):
+    """``map_at(scene, back)``: where the map of an environment starts in `LightTables.map`."""
+    if len(program.environments) < 2:
+
+        @kernel
+        def the_only_one(scene, back):
+            return 0
+
+        return the_only_one
+
+    @kernel
+    def as_noted(scene, back):
+        info = scene.lights.info
+        return as_int(info[info.size - INFO * back + 1])
+
+    return as_noted
+
+
 @kernel
-def sample(scene, index, p, u, u2):
-    """Choose a direction; see `alight.lights.area.sample`."""
-    m = scene.lights.map
-    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
-    start = as_int(scene.lights.info[scene.lights.info.size - 1])
-    column, row, pmf, rest = sample_cell(scene.lights.cdf, start, rows, columns, u, u2)
-    weights = channel(scene, corners_of(scene, column, row), 3)
+def cells_at(scene, back):
+    """Where the choice of cells starts in `LightTables.cdf`."""
+    info = scene.lights.info
+    return as_int(info[info.size - INFO * back + 3])
+
+
+@kernel
+def sample(scene, back, p, u, u2):
+    """Choose a direction.
+
+    Parameters
+    ----------
+    scene : namedtuple
+        With the field `lights`.
+    back : int
+        The environment is the light of this number from the end; uniform.
+    p : Vec3
+        Where it is seen from; of no concern.
+    u, u2
+        Uniform in [0, 1): one number and a pair.
+
+    Returns
+    -------
+    LightSample
+        Without the probability of choosing this light; radiance over the light's colour (which the
+        caller multiplies).
+    """
+    m, at = scene.lights.map, map_at(scene, back)
+    columns, rows = as_int(m[at + COLUMNS]), as_int(m[at + ROWS])
+    column, row, pmf, rest = sample_cell(
+        scene.lights.cdf, cells_at(scene, back), rows, columns, u, u2
+    )
+    weights = channel(scene, corners_of(scene, at, column, row), 3)
     x, c = sample_bilinear(weights, rest)
-    edge, size, upper = band_of(scene, row)
+    edge, size, upper = band_of(scene, at, row)
     q = edge + c * size
     cosine, sine = 1.0 - 2.0 * q, 2.0 * sqrt(q * (1.0 - q))
     cosine = where(upper, cosine, -cosine)
@@ -263,32 +309,28 @@ def sample(scene, index, p, u, u2):
     s, z = sincos_2pi(where(turn < 1.0, turn, turn - 1.0))
     y = arctan2(sine, cosine) * INV_PI * as_float(rows) - to_float(row)
     place = Place(column, row, x, minimum(maximum(y, 0.0), 1.0), c)
-    one = lanes(1.0)
-    return LightSample(
-        from_map(scene, Vec3(sine * s, cosine, -sine * z)),
-        INFINITY * one,
-        shown(scene, place),
-        density(scene, weights, pmf, place, size),
-        lanes_mask(False),
-        one,
-        lanes(0.0),
+    return from_infinity(
+        from_map(scene, at, Vec3(sine * s, cosine, -sine * z)),
+        shown(scene, at, place),
+        density(scene, at, weights, pmf, place, size),
     )
 
 
 @kernel
-def pdf(scene, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
-    m = scene.lights.map
-    columns, rows = as_int(m[COLUMNS]), as_int(m[ROWS])
-    start = as_int(scene.lights.info[scene.lights.info.size - 1])
-    place = locate(scene, to_map(scene, d))
+    m, at = scene.lights.map, map_at(scene, back)
+    columns, rows = as_int(m[at + COLUMNS]), as_int(m[at + ROWS])
+    place = locate(scene, at, to_map(scene, at, d))
+    start = cells_at(scene, back)
     pmf = pmf_cell(scene.lights.cdf, start, rows, columns, place.column, place.row)
-    weights = channel(scene, corners_of(scene, place.column, place.row), 3)
-    _, size, _ = band_of(scene, place.row)
-    return density(scene, weights, pmf, place, size)
+    weights = channel(scene, corners_of(scene, at, place.column, place.row), 3)
+    _, size, _ = band_of(scene, at, place.row)
+    return density(scene, at, weights, pmf, place, size)
 
 
 @kernel
-def radiance(scene, d):
+def radiance(scene, back, d):
     """Radiance that arrives from the unit direction d, without the light's colour."""
-    return shown(scene, locate(scene, to_map(scene, d)))
+    at = map_at(scene, back)
+    return shown(scene, at, locate(scene, at, to_map(scene, at, d)))

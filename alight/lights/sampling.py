@@ -9,12 +9,21 @@ from __future__ import annotations
 from alight.core.distributions import sample_discrete
 from alight.core.jit import kernel, specialised
 from alight.core.registry import Models, Numbers
-from alight.core.simd import any_lane, gather, is_finite, lanes, lanes_mask, lanes_vec3, where
+from alight.core.simd import (
+    any_lane,
+    gather,
+    is_finite,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    where,
+)
 from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.area import pdf as area_pdf
 from alight.lights.emission import emitted_color
 from alight.lights.moving import moving_pdf, moving_sample
-from alight.lights.tables import INFO, STRIDE, LightSample
+from alight.lights.tables import INFO, STRIDE, LightSample, row_of
 from alight.lights.tree import choose_by_tree, plain_probability
 from alight.shapes.hit import shadow_length, spawn_origin
 
@@ -44,11 +53,49 @@ def no_sample(scene, index, p, u, u2):
     return LightSample(vector, zero, vector, zero, lanes_mask(False), zero, zero)
 
 
+def _is_around(name: str) -> bool:
+    return LIGHTS[name].EXAMPLES[0].placement == "environment"
+
+
+def _is_seen(name: str) -> bool:
+    return hasattr(LIGHTS[name], "radiance")
+
+
+def _sample_of(name: str):
+    """A light's `sample` by its row; of the one environment it is the last."""
+    own = LIGHTS[name].sample
+    if not _is_around(name):
+        return own
+
+    @kernel
+    def of_the_last_light(scene, index, p, u, u2):
+        return own(scene, 1, p, u, u2)
+
+    return of_the_last_light
+
+
+def _by_row(names: tuple[str, ...], others):
+    """A kernel that runs `sample` of each of several environments where it was chosen."""
+    if not names:
+        return others
+    own, back, after = LIGHTS[names[0]].sample, len(names), _by_row(names[1:], others)
+
+    @kernel
+    def choose(scene, index, p, u, u2):
+        result = after(scene, index, p, u, u2)
+        mine = lanes_u32(0) + index == scene.lights.info.size // INFO - back
+        if any_lane(mine):
+            result = blend(mine, own(scene, back, p, u, u2), result)
+        return result
+
+    return choose
+
+
 def _by_kind(names: tuple[str, ...]):
     """A kernel that runs each light's `sample` where it was chosen."""
     if not names:
         return no_sample
-    own, number = LIGHTS[names[0]].sample, KINDS[names[0]]
+    own, number = _sample_of(names[0]), KINDS[names[0]]
     if len(names) == 1:
         return own
     others = _by_kind(names[1:])
@@ -67,7 +114,9 @@ def _by_kind(names: tuple[str, ...]):
 @specialised
 def sample_chosen(program):
     """``sample_chosen(scene, index, p, u, u2) -> LightSample`` of the lights `index`."""
-    own = _by_kind(tuple(name for name in LIGHTS if name in program.lights))
+    several = program.environments
+    names = tuple(name for name in LIGHTS if name in program.lights and name not in several)
+    own = _by_row(several, _by_kind(names))
     return moving_sample(own) if "lights" in program.motion else own
 
 
@@ -162,6 +211,7 @@ def sample_light(program):
         # No light from behind, from nowhere, or from farther than float32 can tell.
         valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0)
         radiance = s.radiance * gather_vec3(scene.lights.data, index * STRIDE)
+        radiance, pdf = together(scene, index, p, s.wi, radiance, pdf)
         return LightSample(
             s.wi,
             s.distance,
@@ -184,6 +234,7 @@ def _from_the_tree(scene, p, ns, u, u2, active):
     pdf = s.pdf * choice.plain
     valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0) & (choice.pmf > 0.0)
     radiance = s.radiance * gather_vec3(scene.lights.data, choice.index * STRIDE)
+    radiance, pdf = together(scene, choice.index, p, s.wi, radiance, pdf)
     factor = choice.plain / where(valid, choice.pmf, 1.0)
     return LightSample(
         s.wi,
@@ -320,48 +371,108 @@ def emitted(program):
     return on_outer_side
 
 
-def environment_of(program):
-    """The model of the program's light from infinity, of which it has at most one, or None."""
-    models = (LIGHTS[name] for name in program.lights if name in LIGHTS)
-    return next((m for m in models if m.EXAMPLES[0].placement == "environment"), None)
+def environments_of(program) -> tuple[str, ...]:
+    """Names of the models of the program's lights from infinity, in the order of their rows."""
+    if program.environments:
+        return program.environments
+    return tuple(name for name in program.lights if name in LIGHTS and _is_around(name))
+
+
+def _sum_of(parts: tuple):
+    """``(scene, p, d)``: the sum of kernels ``(scene, p, d)``, at least one."""
+    first = parts[0]
+    if len(parts) == 1:
+        return first
+    others = _sum_of(parts[1:])
+
+    @kernel
+    def added(scene, p, d):
+        return first(scene, p, d) + others(scene, p, d)
+
+    return added
+
+
+def _radiance_of(name: str, back: int):
+    radiance = LIGHTS[name].radiance
+
+    @kernel
+    def colored(scene, p, d):
+        return row_vec3(scene.lights.data, row_of(scene, back)) * radiance(scene, back, d)
+
+    return colored
+
+
+def _density_of(name: str, back: int):
+    density = LIGHTS[name].pdf
+
+    @kernel
+    def chosen(scene, p, d):
+        return density(scene, back, p, d) * scene.lights.data[row_of(scene, back) + 3]
+
+    return chosen
 
 
 @specialised
 def environment_radiance(program):
     """``environment_radiance(scene, d)``: radiance of a ray that leaves the scene along unit d."""
-    model = environment_of(program)
-    if model is None:
+    names = tuple(enumerate(environments_of(program)[::-1], 1))
+    # Portals send nothing.
+    parts = tuple(_radiance_of(name, back) for back, name in names if _is_seen(name))
+    if not parts:
 
         @kernel
         def black(scene, d):
             return lanes_vec3(0.0)
 
         return black
-    radiance = model.radiance
+    total = _sum_of(parts)
 
     @kernel
-    def of_the_last_light(scene, d):
-        color = row_vec3(scene.lights.data, scene.lights.data.size - STRIDE)
-        return color * radiance(scene, d)
+    def from_anywhere(scene, d):
+        return total(scene, d, d)
 
-    return of_the_last_light
+    return from_anywhere
 
 
 @specialised
 def environment_pdf(program):
-    """``environment_pdf(scene, d)``: density of `sample_light` for a ray that leaves the scene."""
-    model = environment_of(program)
-    if model is None:
+    """Density of `sample_light` for a ray that leaves the scene.
+
+    ``environment_pdf(scene, p, d)``: p, d: the vertex that it comes from, and its unit direction.
+    """
+    names = tuple(enumerate(environments_of(program)[::-1], 1))
+    if not names:
 
         @kernel
-        def impossible(scene, d):
+        def impossible(scene, p, d):
             return lanes(0.0)
 
         return impossible
-    density = model.pdf
+    return _sum_of(tuple(_density_of(name, back) for back, name in names))
+
+
+@specialised
+def together(program):
+    """``together(scene, index, p, wi, radiance, pdf)``: those of several environments as of one.
+
+    A ray cannot tell from which of them its light comes; nor does a sample, whichever of them drew
+    its direction: it brings the light of all, with the density of their mixture.
+    """
+    count = len(program.environments)
+    if not count:
+
+        @kernel
+        def each_by_itself(scene, index, p, wi, radiance, pdf):
+            return radiance, pdf
+
+        return each_by_itself
 
     @kernel
-    def of_the_last_light(scene, d):
-        return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]
+    def of_all(scene, index, p, wi, radiance, pdf):
+        around = lanes_u32(0) + index >= scene.lights.info.size // INFO - count
+        if any_lane(around):
+            radiance = where(around, environment_radiance(scene, wi), radiance)
+            pdf = where(around, environment_pdf(scene, p, wi), pdf)
+        return radiance, pdf
 
-    return of_the_last_light
+    return of_all

@@ -13,15 +13,15 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.constants import INFINITY, INV_TWO_PI, PI
+from alight.core.constants import INV_TWO_PI, PI
 from alight.core.frame import frame_from_normal
 from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask, lanes_vec3, where
+from alight.core.simd import lanes_vec3, where
 from alight.core.spec import Color, Triple
 from alight.core.vec import length_squared, renormalize, row_vec3
 from alight.core.warps import square_to_uniform_cone
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, solid_angle
-from alight.lights.tables import STRIDE, LightSample
+from alight.lights.tables import from_infinity, row_of
 
 #: Numbers of the light's row: unit vector to the sun, 1 - cos of its half angle, its radiance over
 #: the light's colour; of a sky's sun also the probability that it is sampled.
@@ -83,9 +83,9 @@ def power(luminance: float, area: float, radius: float) -> float:
 
 
 @kernel
-def in_the_disk(scene, d):
-    """Where unit directions point to the sun, which is the last light."""
-    k = scene.lights.data.size - STRIDE
+def in_the_disk(scene, back, d):
+    """Where unit directions point to the sun."""
+    k = row_of(scene, back)
     # By the chord: the cosine of a small angle does not tell it.
     return length_squared(d - row_vec3(scene.lights.data, k + TO_SUN)) <= (
         2.0 * scene.lights.data[k + SIZE]
@@ -93,9 +93,9 @@ def in_the_disk(scene, d):
 
 
 @kernel
-def to_the_disk(scene, u2):
+def to_the_disk(scene, back, u2):
     """Directions to the sun, all equally likely."""
-    k = scene.lights.data.size - STRIDE
+    k = row_of(scene, back)
     axis = lanes_vec3(1.0) * row_vec3(scene.lights.data, k + TO_SUN)
     s, t = frame_from_normal(axis)
     w = square_to_uniform_cone(u2, scene.lights.data[k + SIZE])
@@ -103,29 +103,21 @@ def to_the_disk(scene, u2):
 
 
 @kernel
-def sample(scene, index, p, u, u2):
-    """Choose a direction; see `alight.lights.area.sample`."""
-    wi, one = to_the_disk(scene, u2), lanes(1.0)
-    return LightSample(
-        wi,
-        INFINITY * one,
-        radiance(scene, wi),
-        pdf(scene, wi),
-        lanes_mask(False),
-        one,
-        lanes(0.0),
-    )
+def sample(scene, back, p, u, u2):
+    """Choose a direction; see `alight.lights.environment.sample`."""
+    wi = to_the_disk(scene, back, u2)
+    return from_infinity(wi, radiance(scene, back, wi), pdf(scene, back, p, wi))
 
 
 @kernel
-def pdf(scene, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
-    size = scene.lights.data[scene.lights.data.size - STRIDE + SIZE]
-    return where(in_the_disk(scene, d), INV_TWO_PI / size, 0.0)
+    size = scene.lights.data[row_of(scene, back) + SIZE]
+    return where(in_the_disk(scene, back, d), INV_TWO_PI / size, 0.0)
 
 
 @kernel
-def radiance(scene, d):
+def radiance(scene, back, d):
     """Radiance that arrives from the unit direction d, without the light's colour."""
-    bright = row_vec3(scene.lights.data, scene.lights.data.size - STRIDE + RADIANCE)
-    return where(in_the_disk(scene, d), bright, lanes_vec3(0.0))
+    bright = row_vec3(scene.lights.data, row_of(scene, back) + RADIANCE)
+    return where(in_the_disk(scene, back, d), bright, lanes_vec3(0.0))

@@ -14,11 +14,10 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.constants import INFINITY, INV_TWO_PI
 from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask, lanes_vec3, where
+from alight.core.simd import where
 from alight.core.spec import Color, Reflectance, Triple
-from alight.core.vec import luminance, row_vec3
+from alight.core.vec import luminance
 from alight.core.vec3 import Vec3
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, picture, solid_angle
 from alight.lights.environment import Environment
@@ -26,8 +25,10 @@ from alight.lights.environment import pdf as pdf_of_sky
 from alight.lights.environment import power as power
 from alight.lights.environment import radiance as radiance_of_sky
 from alight.lights.environment import sample as sample_sky
-from alight.lights.sun import RADIANCE, SHARE, SIZE, disk, in_the_disk, to_the_disk
-from alight.lights.tables import STRIDE, LightSample
+from alight.lights.sun import SHARE, disk, to_the_disk
+from alight.lights.sun import pdf as pdf_of_sun
+from alight.lights.sun import radiance as radiance_of_sun
+from alight.lights.tables import from_infinity, row_of
 from alight.textures.images import Image
 
 
@@ -107,37 +108,24 @@ def beside_the_map(spec: SunSky) -> Triple:
 
 
 @kernel
-def sample(scene, index, p, u, u2):
-    """Choose a direction; see `alight.lights.area.sample`."""
-    share = scene.lights.data[scene.lights.data.size - STRIDE + SHARE]
+def sample(scene, back, p, u, u2):
+    """Choose a direction; see `alight.lights.environment.sample`."""
+    share = scene.lights.data[row_of(scene, back) + SHARE]
     to_sun = u < share
     rest = where(to_sun, u, u - share) / where(to_sun, share, 1.0 - share)
-    of_sky = sample_sky(scene, index, p, rest, u2)
-    wi = where(to_sun, to_the_disk(scene, u2), of_sky.wi)
-    one = lanes(1.0)
-    return LightSample(
-        wi,
-        INFINITY * one,
-        radiance(scene, wi),
-        pdf(scene, wi),
-        lanes_mask(False),
-        one,
-        lanes(0.0),
-    )
+    of_sky = sample_sky(scene, back, p, rest, u2)
+    wi = where(to_sun, to_the_disk(scene, back, u2), of_sky.wi)
+    return from_infinity(wi, radiance(scene, back, wi), pdf(scene, back, p, wi))
 
 
 @kernel
-def pdf(scene, d):
+def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
-    k = scene.lights.data.size - STRIDE
-    share, size = scene.lights.data[k + SHARE], scene.lights.data[k + SIZE]
-    of_sun = where(in_the_disk(scene, d), INV_TWO_PI / size, 0.0)
-    return share * of_sun + (1.0 - share) * pdf_of_sky(scene, d)
+    share = scene.lights.data[row_of(scene, back) + SHARE]
+    return share * pdf_of_sun(scene, back, p, d) + (1.0 - share) * pdf_of_sky(scene, back, p, d)
 
 
 @kernel
-def radiance(scene, d):
+def radiance(scene, back, d):
     """Radiance that arrives from the unit direction d, without the light's colour."""
-    bright = row_vec3(scene.lights.data, scene.lights.data.size - STRIDE + RADIANCE)
-    disk = where(in_the_disk(scene, d), bright, lanes_vec3(0.0))
-    return disk + radiance_of_sky(scene, d)
+    return radiance_of_sun(scene, back, d) + radiance_of_sky(scene, back, d)

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+from alight.core.constants import INFINITY
+from alight.core.jit import kernel
+from alight.core.simd import lanes, lanes_mask
+
 #: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
 #: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that
-#: of the environment's map (see `alight.core.distributions`); map: the environment's, see
+#: of the environments' maps (see `alight.core.distributions`); map: the environments', see
 #: `alight.lights.environment_map`.
-#: The environment, where there is one, is the last light.
+#: Environments are the last lights.
 LightTables = namedtuple("LightTables", "info data cdf map")
 
-#: Words of `LightTables.info` a light: kind, shape, texture of the radiance + 1 (0: none), start of
-#: its table in cdf.
+#: Words of `LightTables.info` a light: kind, shape (of an environment: start of its map), texture
+#: of the radiance + 1 (0: none), start of its table in cdf.
 INFO = 4
 
 #: Name in `Program.lights` beside the models: the radiance of an area light has a texture.
@@ -28,3 +32,16 @@ STRIDE = 16
 #: probability of choosing this light, 0 if nothing can arrive; delta: mask, all light comes from
 #: this one direction; cosine, error: at the light, for `alight.shapes.hit.shadow_length`.
 LightSample = namedtuple("LightSample", "wi distance radiance pdf delta cosine error")
+
+
+@kernel
+def row_of(scene, back):
+    """Offset in `LightTables.data` of an environment, the light number `back` from the end."""
+    return scene.lights.data.size - STRIDE * back
+
+
+@kernel
+def from_infinity(wi, radiance, pdf):
+    """The `LightSample` of an environment that can be hit."""
+    one = lanes(1.0)
+    return LightSample(wi, INFINITY * one, radiance, pdf, lanes_mask(False), one, lanes(0.0))

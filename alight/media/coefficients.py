@@ -27,6 +27,9 @@ class Coefficients(Medium):
         Absorption and scattering, in the place of both; one alone leaves the other 0.
     scale : float > 0, default 1
         Factor of all coefficients.
+    emission : Color, W m^-2 sr^-1, default 0
+        What the medium shines with where it absorbs: deep inside of one that only absorbs, light is
+        this bright. On a way dt it adds sigma_a times this, times dt.
     phase : PhaseFunction, default isotropic
         Where scattered light goes.
     """
@@ -36,6 +39,7 @@ class Coefficients(Medium):
     sigma_a: Color | None = None
     sigma_s: Color | None = None
     scale: Positive = 1.0
+    emission: Color = (0.0, 0.0, 0.0)
     phase: Annotated[PhaseFunction, Model("phase function", "phases")] = Isotropic()
 
     @model_validator(mode="after")
@@ -45,6 +49,13 @@ class Coefficients(Medium):
         if first and second:
             raise invalid("takes sigma_t and albedo, or sigma_a and sigma_s, got some of both")
         return self
+
+
+def shines(spec: Any) -> bool:
+    """Whether a medium adds light; of a grid in a file, that is its `emission`."""
+    grid = getattr(spec, "emission_values", None)
+    source = max(spec.emission) if grid is None else float(grid.values.max())
+    return source > 0.0 and min(scattering_albedo(spec)) < 1.0 and max(extinction(spec)) > 0.0
 
 
 def extinction(spec: Any) -> Triple:

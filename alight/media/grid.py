@@ -16,6 +16,7 @@ integral formulation of light transport, SIGGRAPH 2019; PBR4 section 11.2.1 and 
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -45,6 +46,8 @@ from alight.media.tables import (
     ALBEDO,
     ALBEDOS,
     DENSITIES,
+    EMISSION,
+    EMISSIONS,
     EXTINCTION,
     FARTHEST,
     INFO,
@@ -79,6 +82,8 @@ class Grid(Coefficients):
         The densities themselves, factors of the coefficients.
     albedo_values : (nz, ny, nx) or (nz, ny, nx, 3) array, optional
         In the place of `albedo`, interpolated too; each in [0, 1].
+    emission_values : (nz, ny, nx) or (nz, ny, nx, 3) array, optional
+        In the place of `emission`, interpolated too.
     low, high : Vector3, m, defaults (0, 0, 0) and (1, 1, 1)
         Corners of the box in the world.
     matrix : (12,) float, optional
@@ -89,6 +94,7 @@ class Grid(Coefficients):
     file: str | None = None
     values: Values | None = None
     albedo_values: Values | None = None
+    emission_values: Values | None = None
     low: Vector3 = (0.0, 0.0, 0.0)
     high: Vector3 = (1.0, 1.0, 1.0)
     matrix: Annotated[tuple[float, ...], Numbers(12, Interval())] | None = None
@@ -139,21 +145,20 @@ EXAMPLES = (
     Grid(values=_STEP),
     Grid(values=_STEP, sigma_t=(4.0, 2.0, 1.0), albedo=0.9, phase=HenyeyGreenstein(g=0.6)),
     Grid(values=_STEP, albedo_values=_STEP[..., None] * [1.0, 0.5, 0.0], low=(-1.0, 0.0, 0.0)),
+    Grid(values=_STEP, albedo=0.2, emission_values=_STEP[..., None] * [3.0, 1.0, 0.0]),
 )
 
 
 def pack(spec: Grid, packer) -> None:
-    """The densities, the albedos, and the matrix from the world to the unit cube."""
+    """The densities, what else varies, and the matrix from the world to the unit cube."""
     assert spec.values is not None
     packer.grid(DENSITIES, spec.values.values)
     packer.data[LARGEST] = spec.values.values.max()
     packer.data[MATRIX : MATRIX + 12] = np.linalg.inv(to_world(spec))[:3].ravel()
-    if spec.albedo_values is not None:
-        values = np.broadcast_to(
-            spec.albedo_values.values, (*spec.albedo_values.values.shape[:3], 3)
-        )
-        packer.grid(ALBEDOS, values)
-        packer.info[ALBEDOS] += 1
+    for word, volume in ((ALBEDOS, spec.albedo_values), (EMISSIONS, spec.emission_values)):
+        if volume is not None:
+            packer.grid(word, np.broadcast_to(volume.values, (*volume.values.shape[:3], 3)))
+            packer.info[word] += 1
 
 
 # ---------------------------------------------------------------- looking up
@@ -259,14 +264,14 @@ def density(scene, medium, p):
 
 
 @kernel
-def _albedo(scene, medium, p):
-    """Albedo at a point of the unit cube."""
-    value = gather_vec3(scene.media.data, medium * STRIDE + ALBEDO)
-    word = gather(scene.media.info, medium * INFO + ALBEDOS)
-    varies = word != 0
+def _colour(scene, medium, constant, word, p):
+    """Colour at a point of the unit cube: from the grid at a word of the table, or a constant."""
+    value = gather_vec3(scene.media.data, medium * STRIDE + constant)
+    found = gather(scene.media.info, medium * INFO + word)
+    varies = found != 0
     if any_lane(varies):
-        start = where(varies, word - 1, 0)
-        corners = _corners(scene, where(varies, medium, 0), ALBEDOS, p)
+        start = where(varies, found - 1, 0)
+        corners = _corners(scene, where(varies, medium, 0), word, p)
         voxels = scene.media.voxels
         red = _blended(voxels, start, 3, corners)
         green = _blended(voxels, start + 1, 3, corners)
@@ -274,12 +279,22 @@ def _albedo(scene, medium, p):
     return value
 
 
+@kernel
+def emission(scene, medium, p):
+    """What a medium shines with at a point of the world."""
+    return _colour(scene, medium, EMISSION, EMISSIONS, _into_cube(scene, medium, p, 1.0))
+
+
 # ---------------------------------------------------------------- tracking
+
+#: What stays the same on the way of a ray: the ray in the unit cube, its end, extinctions of the
+#: channels where the density is 1, rate of collisions in the one that chose, and reciprocals.
+_Way = namedtuple("_Way", "o d end thickness largest rate ratio per_rate per_largest")
 
 
 @kernel
-def fly(scene, medium, o, d, t_max, channel, u, stream, active):
-    """A `Flight` along rays of unit direction d, to the surface at t_max, metres."""
+def _enter(scene, medium, o, d, t_max, channel, active):
+    """The `_Way` of rays, where it begins, and the mask of those that get there."""
     thickness = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
     largest = gather(scene.media.data, medium * STRIDE + LARGEST)
     chosen = pick(thickness, channel)
@@ -287,19 +302,35 @@ def fly(scene, medium, o, d, t_max, channel, u, stream, active):
     per_rate, per_largest = 1.0 / maximum(rate, 1e-30), 1.0 / maximum(largest, 1e-30)
     og, dg = _into_cube(scene, medium, o, 1.0), _into_cube(scene, medium, d, 0.0)
     t, end = _inside(og, dg, t_max)
-    going = active & (t < end)
+    way = _Way(og, dg, end, thickness, largest, rate, ratio, per_rate, per_largest)
+    return way, t, active & (t < end)
+
+
+@kernel
+def _collide(scene, medium, way, t, v, going):
+    """To the next collision, or to the end: (mask of collisions, t, part that is real, change).
+
+    `change`: densities of this in the three channels, over that in the one that chose.
+    """
+    there = t - log(1.0 - v) * way.per_rate
+    inside = going & (there < way.end) & (way.rate > 0.0)
+    reached = where(inside, there, way.end)
+    real = density(scene, medium, way.o + reached * way.d) * way.per_largest
+    change = decay(way.thickness * way.largest, way.rate, reached - t)
+    return inside, reached, real, where(inside, change * way.ratio, change)
+
+
+@kernel
+def fly(scene, medium, o, d, t_max, channel, u, stream, active):
+    """A `Flight` along rays of unit direction d, to the surface at t_max, metres."""
+    way, t, going = _enter(scene, medium, o, d, t_max, channel, active)
     scattered, step = lanes_mask(False), lanes_u32(0)
     factor, light = lanes_vec3(1.0), lanes_vec3(1.0)
     while any_lane(going):
         v, w = step_numbers(stream, step)
-        there = t - log(1.0 - v) * per_rate
-        inside = going & (there < end) & (rate > 0.0)
-        reached = where(inside, there, end)
-        real = density(scene, medium, og + reached * dg) * per_largest
+        inside, reached, real, change = _collide(scene, medium, way, t, v, going)
         collides = inside & (w < real)
         null = inside & ~collides
-        change = decay(thickness * largest, rate, reached - t)
-        change = where(inside, change * ratio, change)
         factor = where(going, factor * change, factor)
         # A collision that does nothing had the probability 1 - real; light sampling has no choice.
         light = where(going, light * change * where(null, 1.0 / (1.0 - real), 1.0), light)
@@ -307,30 +338,18 @@ def fly(scene, medium, o, d, t_max, channel, u, stream, active):
         t = where(going, reached, t)
         going = null
         step = step + 1
-    albedo = _albedo(scene, medium, og + t * dg)
+    albedo = _colour(scene, medium, ALBEDO, ALBEDOS, way.o + t * way.d)
     return Flight(scattered, where(scattered, t, t_max), factor, light, albedo)
 
 
 @kernel
 def cross(scene, medium, o, d, t_max, channel, stream, active):
     """A `Crossing` along shadow rays of unit direction d and length t_max, metres."""
-    thickness = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
-    largest = gather(scene.media.data, medium * STRIDE + LARGEST)
-    chosen = pick(thickness, channel)
-    rate, ratio = chosen * largest, share(thickness, chosen)
-    per_rate, per_largest = 1.0 / maximum(rate, 1e-30), 1.0 / maximum(largest, 1e-30)
-    og, dg = _into_cube(scene, medium, o, 1.0), _into_cube(scene, medium, d, 0.0)
-    t, end = _inside(og, dg, t_max)
-    going = active & (t < end)
+    way, t, going = _enter(scene, medium, o, d, t_max, channel, active)
     light, passed, boost, step = lanes_vec3(1.0), lanes(1.0), lanes(1.0), lanes_u32(0)
     while any_lane(going):
         v, w = step_numbers(stream, step)
-        there = t - log(1.0 - v) * per_rate
-        inside = going & (there < end) & (rate > 0.0)
-        reached = where(inside, there, end)
-        real = density(scene, medium, og + reached * dg) * per_largest
-        change = decay(thickness * largest, rate, reached - t)
-        change = where(inside, change * ratio, change)
+        inside, reached, real, change = _collide(scene, medium, way, t, v, going)
         light = where(going, light * change, light)
         passed = where(inside, passed * maximum(1.0 - real, 0.0), passed)
         dim = inside & (passed * boost < DIM)

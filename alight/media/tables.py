@@ -19,20 +19,25 @@ from alight.core.vec import Vec3
 MediaTables = namedtuple("MediaTables", "info data voxels borders start")
 
 #: Words of `MediaTables.info` a medium: kind, kind of its phase function; of a grid the start of
-#: its densities and their counts along x, y, z, then those of its albedos + 1 (0: none) and counts.
+#: its densities and their counts along x, y, z, then those of its albedos + 1 (0: none) and counts,
+#: and likewise of its emission.
 INFO = 16
-KIND, PHASE, DENSITIES, ALBEDOS = 0, 1, 2, 6
+KIND, PHASE, DENSITIES, ALBEDOS, EMISSIONS = 0, 1, 2, 6, 10
 
 #: Numbers of `MediaTables.data` a medium: extinction (3), albedo (3), parameter of the phase
-#: function, largest density, and the matrix (3 rows of 4) from the world to a grid's unit cube.
+#: function, largest density, the matrix (3 rows of 4) from the world to a grid's unit cube, and
+#: emission (3).
 STRIDE = 32
-EXTINCTION, ALBEDO, PARAMETER, LARGEST, MATRIX = 0, 3, 6, 7, 8
+EXTINCTION, ALBEDO, PARAMETER, LARGEST, MATRIX, EMISSION = 0, 3, 6, 7, 8, 20
 
 #: In `MediaTables.borders`: light stays in the medium that it is in.
 KEEP = 0xFFFFFFFF
 
 #: What programs call it that the channels of a medium are extinguished differently.
 CHROMATIC = "chromatic"
+
+#: What programs call it that a medium shines.
+EMISSIVE = "emissive"
 
 #: What a path did on its way to a surface.
 #: scattered: mask, it was scattered at the distance t before; factor (Vec3): throughput, and the
@@ -43,7 +48,7 @@ Flight = namedtuple("Flight", "scattered t factor light albedo")
 
 #: How light comes through on the way of a shadow ray. passed (Vec3): transmittance; light (Vec3):
 #: density of what was chosen on the way; both over that density in the channel that chose;
-#: boost: further factor of the transmittance, from roulette.
+#: boost: further factor of the transmittance, from roulette and from holes in surfaces.
 Crossing = namedtuple("Crossing", "passed light boost")
 
 #: Names a stream of random numbers for the steps of a tracking: keys, and the first counter.

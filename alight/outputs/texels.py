@@ -5,7 +5,9 @@ The kind of a file is told by its first bytes, not by its name.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,14 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".exr", ".hdr", ".pfm", ".npy")
 
 #: The library reads all channels of an EXR file at once; this is 1 GB.
 MOST_NUMBERS = 2**28
+
+#: Blocks of 16 MB that Pillow keeps for the next picture: as many as one of 4096 x 4096 takes. New
+#: memory costs five times as much time as decoding a JPEG file into it.
+KEPT_BLOCKS = 5
+#: One entry for each `reusing_memory` that is open.
+_reusing: list[bool] = []
+#: Rows that are copied from Pillow's memory at once.
+STRIP = 64
 
 #: Called with width and height before memory is asked for; raises ValueError to refuse.
 SizeCheck = Callable[[int, int], None]
@@ -80,6 +90,20 @@ def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray
         raise ValueError(f"is broken ({error})") from None
 
 
+@contextmanager
+def reusing_memory() -> Iterator[None]:
+    """Let pictures that are read inside take the memory of those before them."""
+    _reusing.append(True)
+    try:
+        yield
+    finally:
+        _reusing.pop()
+        pillow = sys.modules.get("PIL.Image")
+        if pillow is not None and not _reusing:
+            pillow.core.set_blocks_max(0)
+            pillow.core.clear_cache()
+
+
 def _read_with_pillow(source: Path | bytes | memoryview, check_size: SizeCheck) -> np.ndarray:
     import io
     import warnings
@@ -92,6 +116,8 @@ def _read_with_pillow(source: Path | bytes | memoryview, check_size: SizeCheck) 
     with warnings.catch_warnings():
         # Pillow's own limits are above ours, but it reports them before we see the size.
         warnings.simplefilter("ignore")
+        if _reusing:
+            Image.core.set_blocks_max(KEPT_BLOCKS)
         try:
             with Image.open(opened(source), formats=("PNG", "JPEG")) as image:
                 check_size(*image.size)
@@ -107,11 +133,22 @@ def _pixels_of(image: Any, again: Callable[[], Any]) -> np.ndarray:
     if wide and image.mode in ("RGB", "RGBA"):
         return _sixteen_bits(image, again)
     if image.mode in ("1", "L"):
-        return np.asarray(image.convert("L") if image.mode == "1" else image)
+        return _as_array(image.convert("L") if image.mode == "1" else image)
     if image.mode in ("LA", "RGBA"):
-        return np.asarray(image)
+        return _as_array(image)
     wanted = "RGBA" if "transparency" in image.info else "RGB"
-    return np.asarray(image if image.mode == wanted else image.convert(wanted))
+    return _as_array(image if image.mode == wanted else image.convert(wanted))
+
+
+def _as_array(image: Any) -> np.ndarray:
+    """The pixels of an image of 8 bits, in strips: whole, Pillow copies them three times."""
+    width, height, channels = *image.size, len(image.getbands())
+    shape = (height, width, channels)[: 2 + (channels > 1)]
+    pixels = np.zeros(shape, np.uint8)
+    for top in range(0, height, STRIP):
+        strip = np.asarray(image.crop((0, top, width, min(top + STRIP, height))))
+        pixels[top : top + STRIP] = strip
+    return pixels
 
 
 def _sixteen_bits(image: Any, again: Callable[[], Any]) -> np.ndarray:

@@ -47,8 +47,10 @@ def largest_sample(flat: FlatScene) -> float | None:
         return None
     weight = _largest(_weight_of(bsdf) for bsdf in flat.bsdfs)
     lights = [shape.light for shape in flat.shapes if shape.light is not None]
-    if flat.environment is not None:
-        lights.append(flat.environment.light)
+    if len(flat.environments) > 1:
+        # They add up.
+        return None
+    lights += [placed.light for placed in flat.environments]
     radiance = _largest(_radiance_of(light) for light in lights)
     start = _filter_weight(flat.film.filter)
     if weight is None or radiance is None or start is None:

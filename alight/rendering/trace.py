@@ -22,7 +22,7 @@ from alight.compiled.scene import compile_scene
 from alight.compiled.shapes import compile_shapes
 from alight.core.errors import OptionError
 from alight.films.fixed_point import carry, to_float
-from alight.integrators.volume_walk import come_through
+from alight.integrators.shadow_rays import come_through
 from alight.integrators.walk import make_settings, step
 from alight.lights.sampling import (
     emitted,

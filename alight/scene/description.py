@@ -35,6 +35,7 @@ from alight.core.spec import (
     invalid,
 )
 from alight.filters.box import Box
+from alight.media.coefficients import shines
 from alight.samplers.sobol import Sobol
 from alight.scene.transform import IDENTITY, Transform
 
@@ -402,7 +403,12 @@ class Scene(Spec):
                     used.add(node.instance)
                     names.append(node.instance)
         lights = [self.environment, *(node.light for node in nodes)]
-        return any(light is not None and not light.is_black for light in lights)
+        return any(light is not None and not light.is_black for light in lights) or self._glows()
+
+    def _glows(self) -> bool:
+        """Whether one of the media adds light."""
+        used = (self.media.get(m) if isinstance(m, str) else m for _, m in self.used_media())
+        return any(medium is not None and shines(medium) for medium in used)
 
     def walk(self) -> Iterator[tuple[str, str, Node]]:
         """Visit all nodes of the graph, parents first: node path, key path, node."""

@@ -25,6 +25,7 @@ from alight.core.spec import (
     Texture,
 )
 from alight.media.coefficients import Coefficients
+from alight.outputs.texels import reusing_memory
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.images import ImageStore
 from alight.scene.meshes import Geometry, MeshStore
@@ -103,9 +104,9 @@ class FlatScene:
     textures : dict of str to Texture
         The named textures.
     lights : list of PlacedLight
-        Lights without a shape, but for the environment.
-    environment : PlacedLight or None
-        Light from infinity; of its matrix only the rotation counts.
+        Lights without a shape, but for environments.
+    environments : list of PlacedLight
+        Light from infinity, which adds up; of their matrices only the rotation counts.
     camera : PlacedCamera
         Viewpoint.
     film, sampler, integrator
@@ -123,7 +124,7 @@ class FlatScene:
     bsdfs: list[Bsdf]
     textures: dict[str, Texture]
     lights: list[PlacedLight]
-    environment: PlacedLight | None
+    environments: list[PlacedLight]
     camera: PlacedCamera
     film: FilmSettings
     sampler: Sampler
@@ -144,14 +145,15 @@ def flatten(scene: Scene) -> FlatScene:
     store = MeshStore(scene.source.folder)
     images = ImageStore(scene.source.folder)
     volumes = VolumeStore(scene.source.folder)
-    issues = find_problems(scene, store, images, volumes)
+    with reusing_memory():
+        issues = find_problems(scene, store, images, volumes)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
     camera = _place_camera(scene)
     flattener = _Flattener(scene, store, images, volumes, camera.camera.shutter)
     if scene.environment is not None:
         light = images.resolved(scene.environment, scene.textures)
-        flattener.environment = PlacedLight("environment", light, np.eye(4))
+        flattener.environments.append(PlacedLight("environment", light, np.eye(4)))
     for name, node in scene.nodes.items():
         flattener.place(name, node, None)
     standing_in = scene.medium if camera.camera.medium is None else camera.camera.medium
@@ -162,7 +164,7 @@ def flatten(scene: Scene) -> FlatScene:
         bsdfs=flattener.bsdfs,
         textures=dict(scene.textures),
         lights=flattener.lights,
-        environment=flattener.environment,
+        environments=flattener.environments,
         camera=camera,
         film=scene.film,
         sampler=scene.sampler,
@@ -184,7 +186,7 @@ class _Flattener:
     shutter: tuple[float, float]
     shapes: list[PlacedShape] = field(default_factory=list)
     lights: list[PlacedLight] = field(default_factory=list)
-    environment: PlacedLight | None = None
+    environments: list[PlacedLight] = field(default_factory=list)
     bsdfs: list[Bsdf] = field(default_factory=list)
     geometries: list[Geometry] = field(default_factory=list)
     media: list[Coefficients] = field(default_factory=list)
@@ -213,7 +215,7 @@ class _Flattener:
             elif light is not None:
                 placed = PlacedLight(path, light, to_world, here.motion)
                 if light.placement == "environment":
-                    self.environment = placed
+                    self.environments.append(placed)
                 else:
                     self.lights.append(placed)
             below = [(f"{path}/{name}", child, here, bsdf) for name, child in node.children.items()]
@@ -335,8 +337,7 @@ def described(flat: FlatScene) -> Iterator[Spec]:
     yield from flat.bsdfs
     yield from (placed.light for placed in flat.lights)
     yield from (shape.light for shape in flat.shapes if shape.light is not None)
-    if flat.environment is not None:
-        yield flat.environment.light
+    yield from (placed.light for placed in flat.environments)
 
 
 def _parts(flat: FlatScene) -> Iterator[bytes]:
@@ -346,7 +347,7 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
     for settings in (flat.film, flat.sampler, flat.integrator):
         yield _content(settings)
     yield _content(flat.camera.camera) + flat.camera.to_world.tobytes() + _moved(flat.camera)
-    yield b"" if flat.environment is None else _placed_content(flat.environment)
+    yield b"|".join(_placed_content(placed) for placed in flat.environments)
     for bsdf in flat.bsdfs:
         yield _content(bsdf)
     for geometry in flat.geometries:

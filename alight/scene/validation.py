@@ -72,8 +72,6 @@ class _Checker:
     # Named textures that cannot be used, and how many steps the others take.
     wrong_textures: set[str] = field(default_factory=set)
     steps: dict[str, int] = field(default_factory=dict)
-    # Where environments are given.
-    surroundings: list[str] = field(default_factory=list)
     # Materials that something makes two-sided, and where.
     two_sided: list[tuple[str, Bsdf | str]] = field(default_factory=list)
 
@@ -303,16 +301,16 @@ class _Checker:
         self.check_textured(light, path)
 
     def check_surroundings(self, kind: str, path: str, to_world: Matrix) -> None:
-        """Check a node with an environment: there is one, and its matrix keeps angles."""
+        """Check a node with an environment: its matrix keeps angles, a portal's right ones."""
         if path.startswith("prototypes"):
             self.report(f"{path}.light", f"{kind} surrounds the scene: not in a prototype")
             return
-        if self.surroundings:
-            text = f"a scene has one environment: there is {self.surroundings[0]} already"
-            self.report(f"{path}.light", text)
-        self.surroundings.append(f"{path}.light")
         linear = to_world[:3, :3]
         square = linear.T @ linear
+        if kind == "portal light":
+            if abs(square[0, 1]) > 1e-4 * np.sqrt(square[0, 0] * square[1, 1]):
+                self.report(f"{path}.transform", "must keep the portal a rectangle")
+            return
         if not np.allclose(square, np.eye(3) * square[0, 0], rtol=0.0, atol=1e-4 * square[0, 0]):
             self.report(f"{path}.transform", "must keep all angles: an environment is only turned")
 
@@ -346,8 +344,9 @@ class _Checker:
             return
         if light.placement != "environment":
             self.report("environment", f"must surround the scene, got {light.type_name()} light")
+        elif light.type_name() == "portal":
+            self.report("environment", "a portal has a place: give it a node of its own")
         self.check_light_textures(light, "environment")
-        self.surroundings.append("environment")
 
 
 def all_nodes(scene: Scene) -> Iterator[tuple[str, Node]]:

@@ -78,7 +78,7 @@ class Rows:
     dtype: DTypeLike
 
     def check(self, value: object) -> np.ndarray:
-        """Return a read-only copy of shape (n, columns)."""
+        """Return a read-only copy of shape (n, columns), or the table itself if it is one."""
         try:
             table = np.asarray(value)
         except ValueError:  # rows of different lengths
@@ -90,6 +90,9 @@ class Rows:
             found = f"shape {table.shape}" if table.ndim else type(value).__name__
             raise invalid(f"must be a table of numbers, shape (n, {self.columns}), got {found}")
         self._check_range(table)
+        owned = table.base is None and not table.flags.writeable and table.flags.c_contiguous
+        if owned and table.dtype == self.dtype:
+            return table
         table = np.array(table, self.dtype, order="C")
         table.setflags(write=False)
         return table
@@ -98,9 +101,13 @@ class Rows:
         # Conversion alone would wrap large indices around and cut off fractions.
         if np.issubdtype(self.dtype, np.integer):
             limit = np.iinfo(self.dtype).max
+            if table.dtype.kind in "iu" and _lies_in(table, 0, limit):
+                return
             bad = ~((table >= 0) & (table <= limit) & (table == np.floor(table)))
             wanted = f"whole numbers in [0, {limit}]"
         else:
+            if _lies_in(table, -1e15, 1e15):
+                return
             bad = ~(np.abs(table) <= 1e15)
             wanted = "finite and at most 1e+15 in size"
         if bad.any():
@@ -110,6 +117,11 @@ class Rows:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
         """Use `check` alone."""
         return core_schema.no_info_plain_validator_function(self.check)
+
+
+def _lies_in(table: np.ndarray, low: float, high: float) -> bool:
+    """Whether all numbers do; false if one is NaN."""
+    return table.size == 0 or bool(low <= table.min() and table.max() <= high)
 
 
 Points = Annotated[NDArray[np.float32], Rows(3, np.float32)]

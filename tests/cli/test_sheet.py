@@ -131,6 +131,7 @@ def test_facts_name_what_is_not_known():
     tile = Tile("a/b", "glb", spp=64.0, seconds=1.234, error=math.nan, dropped=("x", "y"))
     assert tile.facts == ["64 spp, 1.23 s, error unknown", "2 dropped"]
     assert Tile("a", "glb", error=0.0123).facts[1] == "read as it is"
+    assert Tile("a", "glb", error=1300.0).facts[0].endswith("± over 1000 %")
 
 
 def test_long_names_and_messages_stay_in_their_tiles():

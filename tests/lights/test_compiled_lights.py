@@ -79,7 +79,7 @@ def _root(scene, points, numbers, vectors, scalars, n):
         store_lanes(scalars, 3 * n + i, s.error)
         store_lanes(scalars, 4 * n + i, length)
         store_lanes(scalars, 5 * n + i, light_pdf(scene, facing.light, p, s.wi, one, facing))
-        store_lanes(scalars, 6 * n + i, environment_pdf(scene, s.wi))
+        store_lanes(scalars, 6 * n + i, environment_pdf(scene, s.wi, s.wi))
         store_vec3(vectors, 9 * n + i, n, environment_radiance(scene, s.wi))
         i += LANES
 

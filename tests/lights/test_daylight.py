@@ -132,7 +132,7 @@ def test_samples_and_rays_agree(light):
     _, run = around(light)
     wi, radiance, pdf = sampled(run)
     assert length_error(wi) < 1e-6
-    np.testing.assert_allclose(run(environment_pdf, vec(wi)), pdf, rtol=2e-3)
+    np.testing.assert_allclose(run(environment_pdf, vec(wi), vec(wi)), pdf, rtol=2e-3)
     seen = run(environment_radiance, vec(wi))
     np.testing.assert_allclose([seen.x, seen.y, seen.z], radiance, rtol=1e-3, atol=1e-4)
 
@@ -168,7 +168,7 @@ def test_light_sampling_finds_all_the_light(light):
         to_sun, edge = TURN[:3, :3] @ light.to_sun, np.cos(np.radians(0.5 * light.diameter))
         d = d[:, d.T @ to_sun < edge]
         share = float(np.mean(wi.T @ to_sun > edge))
-    density = np.asarray(run(environment_pdf, vec(d)), float) * np.ones(d.shape[1])
+    density = np.asarray(run(environment_pdf, vec(d), vec(d)), float) * np.ones(d.shape[1])
     total = 4.0 * np.pi * density.sum() / N + share
     spread = 4.0 * np.pi * density.std() / np.sqrt(N) + 1.0 / np.sqrt(N)
     assert abs(total - 1.0) < LARGEST_Z * spread

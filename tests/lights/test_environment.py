@@ -60,7 +60,8 @@ def sample(world, n, seed=1):
 
 def pdf(world, d):
     """Density at directions (3, n)."""
-    return np.broadcast_to(run(environment_pdf, world.scene, vec(d)), d.shape[1]).astype(float)
+    found = run(environment_pdf, world.scene, vec(0.0 * d), vec(d))
+    return np.broadcast_to(found, d.shape[1]).astype(float)
 
 
 def seen(world, d):

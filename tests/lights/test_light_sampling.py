@@ -354,7 +354,7 @@ def test_constant_environment():
         assert abs(z_of_mean(component, 0.0)) < LARGEST_Z
         assert abs(z_of_mean(component**2, 1.0 / 3.0)) < LARGEST_Z
     d = vec(wi)
-    np.testing.assert_allclose(run(environment_pdf, world.scene, d), np.max(s.pdf), rtol=1e-6)
+    np.testing.assert_allclose(run(environment_pdf, world.scene, d, d), np.max(s.pdf), rtol=1e-6)
     seen = rows(run(environment_radiance, world.scene, d)).reshape(3, -1)
     np.testing.assert_allclose(seen[:, 0], (1, 2, 3))
 
@@ -407,7 +407,7 @@ def test_lights_are_chosen_as_asked(selection):
         World((Rectangle(), translate(3, 0, 0).matrix, Area())), (3.0, 0.0, 1.0), up
     )
     assert pdf[0] == pytest.approx(pmf[0] * alone[0], rel=1e-6)
-    sky_pdf = run(environment_pdf, world.scene, vec(up))
+    sky_pdf = run(environment_pdf, world.scene, vec(up), vec(up))
     assert float(sky_pdf) == pytest.approx(pmf[4] / (4 * np.pi), rel=1e-6)
 
 

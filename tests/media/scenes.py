@@ -50,10 +50,11 @@ nodes:
 """
 
 
-def bodies(albedo, extinction=EXTINCTION, g: float = 0.0, **changes) -> alight.Scene:
+def bodies(albedo, extinction=EXTINCTION, g: float = 0.0, emission=0.0, **changes) -> alight.Scene:
     """The scene with these numbers in all of its media; `changes` are fields of the scene."""
     scene = loads(_TEXT, "bodies")
     numbers = {"sigma_t": extinction, "albedo": albedo, "phase": HenyeyGreenstein(g=g)}
+    numbers |= {"emission": emission}
     media = {name: medium.replaced(**numbers) for name, medium in scene.media.items()}
     return scene.replaced(media=media, **changes)
 
@@ -106,3 +107,18 @@ def agree(found: np.ndarray, expected: np.ndarray, pixels: np.ndarray, largest: 
     bright = expected[pixels].mean(0)
     assert np.all(np.abs(mean) <= SIGMAS * error + 3e-6 * bright), (mean / error, mean, bright)
     assert np.all(SIGMAS * error < largest * bright), SIGMAS * error / bright
+
+
+def interpolated(x, y, z, values=DENSITIES) -> np.ndarray:
+    """Values between the centres of the grid's cells, in float64."""
+    values, result = np.asarray(values), np.zeros(())
+    axes = []
+    for at, low, high, count in zip((x, y, z), LOW, HIGH_CORNER, values.shape[::-1], strict=True):
+        place = np.clip((at - low) / (high - low) * count - 0.5, 0, count - 1)
+        first = np.minimum(place.astype(int), count - 2)
+        axes.append(((first, 1.0 - place + first), (first + 1, place - first)))
+    for ix, wx in axes[0]:
+        for iy, wy in axes[1]:
+            for iz, wz in axes[2]:
+                result = result + values[iz, iy, ix] * wx * wy * wz
+    return result

@@ -6,16 +6,14 @@ import pytest
 import alight
 from alight.scene import loads
 from tests.media.scenes import (
-    DENSITIES,
     EXTINCTION,
     HIGH,
-    HIGH_CORNER,
-    LOW,
     RADIUS,
     TO_SUN,
     agree,
     bodies,
     columns,
+    interpolated,
     places,
     sun,
 )
@@ -161,19 +159,3 @@ nodes:
         check=False,
     )
     return scene.nodes["wall"]
-
-
-def interpolated(x, y, z):
-    """Densities between the centres of the grid's cells, in float64."""
-    values = np.array(DENSITIES)
-    result = 0.0
-    axes = []
-    for at, low, high, count in zip((x, y, z), LOW, HIGH_CORNER, values.shape[::-1], strict=True):
-        place = np.clip((at - low) / (high - low) * count - 0.5, 0, count - 1)
-        first = np.minimum(place.astype(int), count - 2)
-        axes.append(((first, 1.0 - place + first), (first + 1, place - first)))
-    for ix, wx in axes[0]:
-        for iy, wy in axes[1]:
-            for iz, wz in axes[2]:
-                result = result + values[iz, iy, ix] * wx * wy * wz
-    return result

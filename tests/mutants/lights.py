@@ -163,6 +163,18 @@ LIGHT = (
         f"{TREE}::test_rays_find_the_density_that_light_sampling_says",
     ),
     Mutant(
+        "environments whose samples bring the light of one only",
+        "lights/sampling.py",
+        (("where(around, environment_radiance(scene, wi), radiance)", "radiance"),),
+        "tests/lights/test_several_environments.py::test_samples_bring_the_light_of_all",
+    ),
+    Mutant(
+        "portal that is forgotten where a ray leaves",
+        "lights/portal.py",
+        (("where(ahead & inside, density, 0.0)", "where(ahead & inside, 0.0, 0.0)"),),
+        "tests/lights/test_portals.py::test_samples_bring_the_light_of_the_surroundings",
+    ),
+    Mutant(
         "sun whose samples do not know those of the sky",
         "lights/sunsky.py",
         (("(1.0 - share) * pdf_of_sky(scene, d)", "pdf_of_sky(scene, d)"),),

@@ -62,6 +62,30 @@ MEDIA = (
         f"{FORMS}::test_light_scattered_once_is_the_integral_along_the_ray",
     ),
     Mutant(
+        "shadow rays go through holes undimmed",
+        "integrators/shadow_rays.py",
+        (("boost * share", "boost"),),
+        "tests/estimators/test_holes.py::test_a_point_light_is_dimmed_by_what_stands_before_it",
+    ),
+    Mutant(
+        "light sampling weighed with holes, paths without",
+        "integrators/shadow_rays.py",
+        (
+            (
+                "where(met & ~(share > 0.0), lanes_vec3(0.0), passed)",
+                "where(met, passed * share, passed)",
+            ),
+            ("boost * share", "boost"),
+        ),
+        "tests/estimators/test_holes.py::test_path_and_volpath_see_the_same_through_holes",
+    ),
+    Mutant(
+        "media shine where they scatter too",
+        "integrators/volpath.py",
+        (("lanes_vec3(1.0) - albedo", "lanes_vec3(1.0)"),),
+        "tests/media/test_emission.py::test_in_a_furnace_as_bright_as_themselves_media_vanish",
+    ),
+    Mutant(
         "light scattered forward goes backward",
         "media/sampling.py",
         (("length_squared(wi - d)", "length_squared(wi + d)"),),

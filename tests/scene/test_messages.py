@@ -122,7 +122,6 @@ SCENES = {
     "point-light-on-shape": CAMERA + "nodes: {a: {shape: cube, light: point}}\n",
     "area-light-without-shape": CAMERA + "nodes: {a: {light: area}}\n",
     "area-light-on-plane": CAMERA + "nodes: {a: {shape: plane, light: area}}\n",
-    "two-environments": CAMERA + "nodes: {a: {light: constant}}\n",
     "environment-on-shape": "alight: 1\ncamera: {}\nnodes: {a: {shape: cube, light: constant}}\n",
     "environment-in-prototype": CAMERA + "prototypes: {a: {light: constant}}\n",
     "environment-stretched": "alight: 1\ncamera: {}\n"

@@ -80,6 +80,17 @@ def DomeLight "sky" {
     assert sky.rotate == pytest.approx(30.0)
     plain = load('def DomeLight "sky" { float inputs:intensity = 2 }').environment
     assert (plain.type, plain.radiance) == ("constant", (2.0, 2.0, 2.0))
+    # A second one, turned by a parent that must not turn it again.
+    scene = load("""
+def DomeLight "plain" { float inputs:intensity = 2 }
+def Xform "turned" {
+    float xformOp:rotateY = 40
+    uniform token[] xformOpOrder = ["xformOp:rotateY"]
+    def DomeLight "sky" { asset inputs:texture:file = @sky.exr@ }
+}""")
+    assert scene.environment.type_name() == "constant"
+    assert scene.nodes["dome"].light.rotate == pytest.approx(40.0)
+    np.testing.assert_array_equal(scene.nodes["dome"].transform.matrix, np.eye(4))
 
 
 def test_a_camera_has_its_angle_place_and_lens(load):

@@ -73,6 +73,8 @@ class World:
     lights : list of PlacedLight
     environment : Light, optional
     environment_to_world : (4, 4) matrix, optional
+    around : list of PlacedLight
+        Further environments.
     selection : str
         How lights are chosen.
     compensated : bool
@@ -85,6 +87,7 @@ class World:
         lights=(),
         environment=None,
         environment_to_world=None,
+        around=(),
         selection="power",
         compensated=False,
     ):
@@ -98,11 +101,12 @@ class World:
                 index = geometries.index(geometry)
             light = light[0] if light else None
             shapes.append(PlacedShape("shape", shape, np.asarray(to_world, float), 0, light, index))
+        around = list(around)
         if environment is not None:
             turned = np.eye(4) if environment_to_world is None else environment_to_world
-            environment = PlacedLight("environment", environment, turned)
+            around = [PlacedLight("environment", environment, turned), *around]
         flat = SimpleNamespace(
-            shapes=shapes, geometries=geometries, lights=list(lights), environment=environment
+            shapes=shapes, geometries=geometries, lights=list(lights), environments=around
         )
         self.shapes = compile_shapes(flat)
         self.lights = compile_lights(flat, self.shapes, selection, compensated=compensated)

@@ -1,5 +1,6 @@
 """Pictures from files: every format, in scenes, saved, hashed; and files that are broken."""
 
+import io
 import os
 import struct
 import zlib
@@ -10,11 +11,13 @@ from PIL import Image as Pillow
 
 from alight.compiled.materials import compile_materials
 from alight.compiled.scene import compile_scene
+from alight.compiled.textures import pack_bytes
 from alight.core.errors import SceneError
 from alight.films import fixed_point
 from alight.integrators.walk import make_settings
 from alight.outputs import write_image
 from alight.outputs.png import encode_png
+from alight.outputs.texels import STRIP, decode_texels, reusing_memory
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, dumps, flatten, load, loads, save
@@ -251,3 +254,38 @@ def test_exponents_can_be_pictures(folder):
     (bsdf,) = flatten(loads(text, "scene.yaml", folder)).bsdfs
     tables, _, names = compile_materials([bsdf])
     assert names == ("constant", "bitmap") and tables.texture.array[6] == 1
+
+
+@pytest.mark.parametrize("mode", ["L", "LA", "RGB", "RGBA", "P", "1"])
+def test_pictures_of_several_strips_are_whole(mode):
+    pixels = np.random.default_rng(3).integers(0, 256, (2 * STRIP + 7, 5, 4), np.uint8)
+    picture = Pillow.fromarray(pixels[..., : 4 if "A" in mode else 3]).convert(mode)
+    file = io.BytesIO()
+    picture.save(file, "PNG")
+    wanted = {"P": "RGB", "1": "L"}.get(mode, mode)
+    found = decode_texels(file.getvalue(), lambda width, height: None)
+    np.testing.assert_array_equal(found, np.asarray(picture.convert(wanted)))
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 3), (1, 1, 1), (3, 5, 3), (4, 2, 1)])
+def test_packed_texels_have_red_in_their_lowest_byte(shape):
+    texels = np.random.default_rng(4).integers(0, 256, shape, np.uint8)
+    words = np.full(shape[0] * shape[1], 0xFFFFFFFF, np.uint32)
+    pack_bytes(texels, words)
+    red, green, blue = np.broadcast_to(texels, (*shape[:2], 3)).reshape(-1, 3).T.astype(np.uint32)
+    np.testing.assert_array_equal(words, red | green << 8 | blue << 16)
+
+
+def test_memory_of_pictures_is_kept_only_while_more_are_read():
+    file = io.BytesIO()
+    Pillow.fromarray(SMALL).save(file, "PNG")
+
+    def kept():
+        decode_texels(file.getvalue(), lambda width, height: None)
+        return Pillow.core.get_stats()["blocks_cached"]
+
+    with reusing_memory():
+        with reusing_memory():
+            assert kept() > 0
+        assert kept() > 0
+    assert kept() == 0

@@ -10,9 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from alight.core.errors import AlightError
+from alight.films import Film
 from alight.outputs.display import Display
 from alight.rendering import render
 from alight.scene import Scene, load
+
+#: Relative errors above this are no figures: a few pixels decide on all of the picture.
+_LARGEST = 10.0
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,11 @@ class Tile:
     @property
     def facts(self) -> list[str]:
         """Two short lines: samples, time and error; remarks."""
-        error = "error unknown" if math.isnan(self.error) else f"± {100.0 * self.error:.2g} %"
+        error = f"± {100.0 * self.error:.2g} %"
+        if not self.error <= _LARGEST:
+            error = (
+                "error unknown" if math.isnan(self.error) else f"± over {100.0 * _LARGEST:.0f} %"
+            )
         remarks = [
             f"{len(found)} {word}"
             for found, word in ((self.approximated, "approximated"), (self.dropped, "dropped"))
@@ -113,7 +121,7 @@ def render_tile(
         seconds=film.stats["seconds"]["render"],
         all_seconds=time.perf_counter() - begin,
         error=film.relmse_estimate().relrmse.value,
-        approximated=_approximated(loaded),
+        approximated=_approximated(loaded, film),
         dropped=remarks.notes,
     )
 
@@ -131,6 +139,9 @@ def fitted(size: tuple[int, int], tile: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
-def _approximated(scene: Scene) -> tuple[str, ...]:
-    """Remarks of the reader and warnings of the scene, each once."""
-    return tuple(dict.fromkeys([*scene.source.remarks.warnings, *scene.warnings]))
+def _approximated(scene: Scene, film: Film) -> tuple[str, ...]:
+    """Remarks of the reader and warnings of the scene, each once; what went wrong in the render."""
+    found = [*scene.source.remarks.warnings, *scene.warnings]
+    if film.invalid:
+        found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
+    return tuple(dict.fromkeys(found))

@@ -113,9 +113,10 @@ def draw_sheet(
             lines = lines[: int(_MESSAGE * size[1] / _LINE)]
             inset = round(0.5 * (1.0 - _MESSAGE) * size[0])
             draw.multiline_text((left + inset, top + inset), "\n".join(lines), _BAD, font)
-        words = [f"{tile.name}  ({tile.kind})", *(tile.facts if tile.pixels is not None else [])]
-        for n, text in enumerate(words):
-            cut = _cut(draw, text, font, size[0])
+        # Of long names the end tells more: folders are often the same.
+        name = _cut(draw, f"{tile.name}  ({tile.kind})"[::-1], font, size[0])[::-1]
+        facts = tile.facts if tile.pixels is not None else []
+        for n, cut in enumerate([name, *(_cut(draw, text, font, size[0]) for text in facts)]):
             place = (left, top + size[1] + 2 + n * _LINE)
             draw.text(place, cut, _INK if n == 0 else _GREY, font)
     for n, text in enumerate(texts):

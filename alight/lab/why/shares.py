@@ -285,5 +285,6 @@ def _names(scene: Scene, flat: FlatScene, compiled: CompiledScene) -> tuple[list
     sources = [row.source for row in compile_shapes(flat).rows]
     lights = [flat.shapes[sources[rows[k]]].name for k in sorted(rows)]
     lights += [light.name for light in flat.lights]
-    lights += [] if flat.environment is None else [flat.environment.name]
+    # Several environments are one light: `alight.integrators.contributions`.
+    lights += [" + ".join(light.name for light in flat.environments)] * len(flat.environments)
     return lights, list(material_names(scene, flat))

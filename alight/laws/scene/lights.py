@@ -50,7 +50,7 @@ def density_towards(scene, p, d):
     found = hit.t < 3.0e38
     surface = make_surface(scene, hit, p, d, found)
     area = light_pdf(scene, surface.light, p, d, hit.t, surface)
-    return where(found, area, environment_pdf(scene, d))
+    return where(found, area, environment_pdf(scene, p, d))
 
 
 class Cone(NamedTuple):
@@ -102,8 +102,7 @@ def check_lights(flat: FlatScene, compiled: CompiledScene, seed: int) -> Iterato
     shining = [shape for shape in flat.shapes if shape.light is not None and not _is_dark(shape)]
     parts = [(shape.name, _alone(flat, shapes=[shape])) for shape in shining]
     parts += [(light.name, _alone(flat, lights=[light])) for light in flat.lights]
-    if flat.environment is not None:
-        parts.append((flat.environment.name, _alone(flat, environment=flat.environment)))
+    parts += [(light.name, _alone(flat, environments=[light])) for light in flat.environments]
     for name, one in parts[:MOST_LIGHTS]:
         yield from _of_one(f"light {name}", one, _box(flat), rng)
     if len(parts) > MOST_LIGHTS:
@@ -117,7 +116,7 @@ def _is_dark(shape: PlacedShape) -> bool:
 
 def _alone(flat: FlatScene, **kept: Any) -> FlatScene:
     """The scene with one light and nothing else."""
-    nothing: dict[str, Any] = {"shapes": [], "lights": [], "environment": None}
+    nothing: dict[str, Any] = {"shapes": [], "lights": [], "environments": []}
     return dataclasses.replace(flat, **(nothing | kept))
 
 

@@ -176,7 +176,7 @@ def _brightest(flat: FlatScene) -> float:
     """Luminance of the brightest thing that BSDF sampling can come upon."""
     found = [0.0]
     lights = [shape.light for shape in flat.shapes if shape.light is not None]
-    lights += [] if flat.environment is None else [flat.environment.light]
+    lights += [placed.light for placed in flat.environments]
     for light in lights:
         # Its colours, and the largest values of its pictures and textures.
         values = [v.maximum() if hasattr(v, "maximum") else v for _, v in light]

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from alight.core.errors import Issue, SceneError
+from alight.outputs.texels import reusing_memory
 from alight.scene.formats import gltf, mesh_scene, obj_scene
 from alight.scene.formats.parsed import Parsed
 
@@ -57,4 +58,5 @@ def read_model(path: Path, name: str) -> Parsed:
         data = path.read_bytes()
     except OSError as error:
         raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
-    return PARSERS[path.suffix.lower()](data, name, path.parent)
+    with reusing_memory():
+        return PARSERS[path.suffix.lower()](data, name, path.parent)

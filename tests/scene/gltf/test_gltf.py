@@ -200,8 +200,8 @@ def test_what_gltf_cannot_hold_of_a_material_is_listed(tmp_path):
 
 
 def test_what_gltf_cannot_hold_is_listed(tmp_path):
-    lost = write(flatten(load("cornell-box")), tmp_path / "a.glb")
-    assert any("is no mesh" in line for line in lost)
+    lost = write(flatten(load("infinite-plane")), tmp_path / "a.glb")
+    assert any("a plane is no mesh" in line for line in lost)
     lost = write(flatten(load("material-ball")), tmp_path / "b.glb")
     assert any("environment" in line for line in lost)
     assert any("media" in line for line in write(flatten(load("fog")), tmp_path / "c.glb"))
@@ -239,6 +239,25 @@ def test_texture_transforms_are_seen_from_above():
     m.node(mesh=m.square(material, TEXCOORD_1=m.accessor(other)))
     uvs = parsed(m).data["nodes"]["node 0"]["shape"].uvs
     np.testing.assert_array_equal(uvs, [[0.25, 0.75]] * 4)
+
+
+def test_of_several_sets_of_coordinates_the_base_colors_is_taken_and_it_is_said():
+    m = Maker()
+    m.picture(np.zeros((2, 2, 3), np.uint8))
+    pbr = {"baseColorTexture": {"index": 0}}
+    second = {"index": 0, "texCoord": 1}
+    one = m.material(pbrMetallicRoughness=pbr, emissiveTexture=second, normalTexture=second)
+    # Nothing is seen of occlusion, so its coordinates do not count.
+    other = m.material(pbrMetallicRoughness=pbr, occlusionTexture=second)
+    coordinates = np.full((4, 2), 0.25, "<f4")
+    for material in (one, other):
+        m.node(mesh=m.square(material, TEXCOORD_1=m.accessor(coordinates)))
+    found = parsed(m)
+    for node in found.data["nodes"].values():
+        np.testing.assert_array_equal(node["shape"].uvs, UVS * [1, -1] + [0, 1])
+    said = [line for line in found.warnings if "several sets" in line]
+    taken = "its textures use several sets of coordinates; TEXCOORD_0 is taken for all"
+    assert said == [f"/materials/0: {taken}"]
 
 
 def test_textures_of_normals_are_numbers():

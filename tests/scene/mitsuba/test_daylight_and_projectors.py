@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from alight.lights.daylight import Daylight
-from tests.scene.mitsuba.test_objects import issues, node, read
+from tests.scene.mitsuba.reading import issues, node, read
 
 
 def to_sun(body):

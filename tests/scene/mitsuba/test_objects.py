@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.shapes.mesh import Mesh
-from tests.scene.mitsuba.reading import issues, messages, native, node, read, read_bsdf
+from tests.scene.mitsuba.reading import messages, native, node, read, read_bsdf
 
 GREY = "{type: diffuse, reflectance: 0.5}"
 
@@ -283,8 +283,15 @@ def test_lights():
     assert found.bsdf.reflectance == (0.0, 0.0, 0.0)
     body = '<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>'
     assert node(read(body)).light.file == "sky.exr"
-    [issue] = issues('<emitter type="constant"/><emitter type="constant"/>')
-    assert "one emitter around it at most" in issue.message
+
+
+def test_emitters_around_the_scene_add_up():
+    picture = '<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>'
+    sun = '<emitter type="sun"><vector name="sun_direction" x="0" y="1" z="1"/></emitter>'
+    scene = read(f'<emitter type="constant"/>{picture}{sun}<emitter type="constant"/>')
+    assert scene.environment.type_name() == "constant"
+    kinds = [found.light.type_name() for found in scene.nodes.values() if found.light]
+    assert kinds == ["environment", "sun", "constant"]
 
 
 # ---------------------------------------------------------------- cameras, films and the like

@@ -116,6 +116,16 @@ def test_light_from_all_around():
     assert read(body).environment.radiance == (1.0, 1.0, 0.0)
 
 
+def test_lights_from_all_around_add_up(tmp_path):
+    np.save(tmp_path / "map.npy", np.ones((8, 8, 3), np.float32))
+    picture = 'LightSource "infinite" "string filename" "map.npy"'
+    body = f'{picture}\nLightSource "infinite" "rgb L" [1 0 0]\n{picture}'
+    scene = read(body, folder=tmp_path)
+    assert scene.environment.radiance == (1.0, 0.0, 0.0)
+    assert [found.light.type_name() for found in scene.nodes.values()] == ["environment"] * 2
+    assert not any("not covered" in text for text in scene.warnings)
+
+
 # ---------------------------------------------------------------- settings
 
 

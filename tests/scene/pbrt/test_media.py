@@ -34,6 +34,9 @@ MEDIA = {
         "phase: {type: henyey_greenstein, g: -0.3}}"
     ),
     f'{FOG} "float scale" 0': "{type: homogeneous, sigma_a: 0, sigma_s: 0}",
+    f'{FOG} "rgb sigma_a" 1 "rgb sigma_s" 1 "rgb Le" [1 2 4] "float Lescale" 0.5'.replace(
+        '" 1', '" [1 1 1]'
+    ): "{type: homogeneous, sigma_a: 1, sigma_s: 1, emission: [0.5, 1, 2]}",
 }
 
 
@@ -68,6 +71,18 @@ def test_a_grid_has_the_densities_of_the_file_in_the_box_of_the_file():
     # It falls to what is outside: to half of it at the faces of the box, a quarter at the edges.
     assert density(found, (10, 1, 1)) == pytest.approx(0.5)
     assert density(found, (18, 2, 5)) == pytest.approx(1.5)
+
+
+def test_a_grid_shines_cell_by_cell():
+    le = '"rgb Le" [2 1 0] '
+    assert medium(f"{CLOUD} {le}", "cloud").emission == (2, 1, 0)
+    found = medium(f'{CLOUD} {le} "float Lescale" [0 1 2 3 4 5]', "cloud")
+    assert found.emission == (0, 0, 0)
+    # Around them is the rim of empty cells, as around the densities.
+    inner = found.emission_values.values[1:-1, 1:-1, 1:-1]
+    np.testing.assert_array_equal(inner, np.arange(6.0).reshape(3, 1, 2, 1) * [2.0, 1.0, 0.0])
+    assert found.emission_values.values.shape[:3] == found.values.values.shape[:3]
+    assert found.emission_values.values.sum() == inner.sum()
 
 
 def test_surfaces_are_borders_only_where_their_sides_differ():
@@ -141,7 +156,10 @@ REFUSED = {
     'MakeNamedMedium "fog"': 'needs "string type"',
     f"{FOG}\n{FOG}": "is given twice",
     f'{FOG} "string preset" "Skin1"': "is not covered: give sigma_a and sigma_s",
-    f'{FOG} "rgb Le" [1 1 1]': "media do not shine",
+    f'{FOG} "rgb Le" [-1 1 1]': "must not shine less than 0",
+    CLOUD.replace("cloud", "fog") + ' "float temperature" [1 2 3 4 5 6]': "give Le and Lescale",
+    CLOUD.replace("cloud", "fog") + ' "rgb Le" [1 1 1] "float Lescale" [1 2]': "= 6 numbers, got 2",
+    CLOUD.replace("cloud", "fog") + ' "float Lescale" [1 2 3 4 5 -6]': "[0, 1e+15], got -6",
     f'{FOG} "float g" 1': "must be in (-1, 1), got 1",
     f'{FOG} "float scale" -1': "must be >= 0, got -1",
     f'{FOG} "rgb sigma_a" [-1 0 0]': "must be >= 0, got -1",

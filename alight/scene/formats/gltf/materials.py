@@ -27,8 +27,8 @@ COVERED = (
 )  # fmt: skip
 #: Where textures stand: owner's extension ("" for the material, "pbr" for its core) and keys.
 TEXTURE_KEYS = {
-    "": ("normalTexture", "emissiveTexture"),
     "pbr": ("baseColorTexture", "metallicRoughnessTexture"),
+    "": ("emissiveTexture", "normalTexture"),
     "KHR_materials_anisotropy": ("anisotropyTexture",),
     "KHR_materials_clearcoat": ("clearcoatTexture", "clearcoatRoughnessTexture"),
     "KHR_materials_iridescence": ("iridescenceTexture", "iridescenceThicknessTexture"),

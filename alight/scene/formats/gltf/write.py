@@ -1,8 +1,8 @@
 """Scenes -> .glb files, as far as glTF can hold them; the rest is listed.
 
 Meshes, their places, the camera, point, spot and directional lights, and materials that are
-`principled` or `diffuse`, with bitmaps and their factors. What glTF has no word for (formulas for
-shapes, environments, other materials) is named in the list that comes back.
+`principled` or `diffuse`, with bitmaps and their factors. Shapes that are formulas become meshes.
+What glTF has no word for (environments, other materials) is named in the list that comes back.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ import numpy as np
 from alight.core.spec import Bsdf, Light, Texture
 from alight.outputs.atomic import replacing
 from alight.scene.flatten import FlatScene, PlacedShape, at_opening
-from alight.scene.meshes import Geometry
+from alight.scene.formats.gltf.tessellate import EXACT, flipped, tessellated
+from alight.scene.formats.triangles import MeshArrays
 from alight.textures.bitmap import Bitmap
 from alight.textures.multiply import Multiply
 from alight.textures.vertex_color import VertexColor
@@ -67,7 +68,7 @@ class _Writer:
     used: set[str] = field(default_factory=set)
     _meshes: dict[Any, int] = field(default_factory=dict)
     _materials: dict[Any, int] = field(default_factory=dict)
-    _attributes: dict[int, Json] = field(default_factory=dict)
+    _attributes: dict[Any, Json] = field(default_factory=dict)
     _textures: dict[Any, int] = field(default_factory=dict)
 
     def add_all(self) -> None:
@@ -75,7 +76,7 @@ class _Writer:
             self.add_shape(shape)
         for placed in self.flat.lights:
             self.add_light(placed.light, placed.to_world)
-        if self.flat.environment is not None:
+        if self.flat.environments:
             self.lose("the environment: glTF has no light from infinity around a scene")
         if self.flat.media:
             self.lose("media: glTF has nothing between surfaces")
@@ -108,21 +109,30 @@ class _Writer:
         return self.put("accessors", item)
 
     def add_shape(self, shape: PlacedShape) -> None:
-        if shape.geometry < 0:
-            self.lose(f"{shape.name}: a {shape.shape.type_name()} is no mesh")
-            return
-        key = (shape.geometry, shape.bsdf, None if shape.light is None else id(shape.light))
-        if key not in self._meshes:
-            geometry = self.flat.geometries[shape.geometry]
-            if shape.geometry not in self._attributes:
-                self._attributes[shape.geometry] = self.attributes(geometry)
-            primitive = {
-                **self._attributes[shape.geometry], "material": self.material(shape, key[1:]),
-            }  # fmt: skip
-            self._meshes[key] = self.put("meshes", {"primitives": [primitive]})
-        self.node(shape.to_world, mesh=self._meshes[key], name=shape.name)
+        kind, to_world = shape.shape.type_name(), shape.to_world
+        if shape.geometry >= 0:
+            found = self.flat.geometries[shape.geometry]
+        else:
+            made = tessellated(shape.shape)
+            if made is None:
+                self.lose(f"{shape.name}: a {kind} is no mesh")
+                return
+            found, placed = made
+            to_world = to_world @ placed
+            if kind not in EXACT:
+                self.lose(f"{kind}s: became meshes of {len(found.faces)} triangles")
+        flip = shape.shape.flip_normals
+        surface = (shape.bsdf, None if shape.light is None else id(shape.light))
+        source = (kind, shape.geometry, flip)
+        if (*source, *surface) not in self._meshes:
+            if source not in self._attributes:
+                arrays = MeshArrays(*(getattr(found, name) for name in MeshArrays._fields))
+                self._attributes[source] = self.attributes(flipped(arrays) if flip else arrays)
+            primitive = {**self._attributes[source], "material": self.material(shape, surface)}
+            self._meshes[(*source, *surface)] = self.put("meshes", {"primitives": [primitive]})
+        self.node(to_world, mesh=self._meshes[(*source, *surface)], name=shape.name)
 
-    def attributes(self, geometry: Geometry) -> Json:
+    def attributes(self, geometry: MeshArrays) -> Json:
         found: Json = {"POSITION": self.accessor(geometry.vertices, 5126, "VEC3")}
         if geometry.normals is not None:
             found["NORMAL"] = self.accessor(geometry.normals, 5126, "VEC3")

@@ -151,5 +151,3 @@ NODES: dict[str, Callable[[Draft], list[Step]]] = {
     "sky": sky_and_sun,
     "sun": sky_and_sun,
 }
-#: Emitters that surround the scene.
-ENVIRONMENTS = ("constant", "envmap", "sunsky", "sky", "sun")

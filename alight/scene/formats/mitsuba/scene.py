@@ -137,15 +137,12 @@ def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], 
 def _emitters(
     context: Context, elements: list[Element], data: dict[str, Any], nodes: dict[str, Any]
 ) -> None:
-    around = 0
     for element in elements:
-        if element.type in emitters.ENVIRONMENTS:
-            around += 1
-            if around > 1:
-                context.report.error(element, "a scene has one emitter around it at most")
-                continue
-        if element.type == "constant":
+        if element.type == "constant" and "environment" not in data:
             data["environment"] = emitters.constant(context, element)
+        elif element.type == "constant":
+            name = context.name("nodes", f"constant {len(nodes) + 1}")
+            nodes[name] = {"light": emitters.constant(context, element)}
         elif element.type in emitters.NODES:
             name = element.attributes.get("id") or f"{element.type} {len(nodes) + 1}"
             name = context.name("nodes", name)

@@ -32,6 +32,8 @@ SEEING = ("volpath", "simplevolpath", "bdpt", "mlt")
 #: What media absorb and scatter that say nothing: whole milk, per mm.
 _MILK = {"sigma_a": (0.0011, 0.0024, 0.014), "sigma_s": (2.55, 3.21, 3.77)}
 _LARGEST_G = 0.99
+#: Cells around a grid, which hold 0.
+_RIM = ((1, 1), (1, 1), (1, 1), (0, 0))
 #: What takes the place of a medium that is none of these.
 EMPTY: Data = {"type": "homogeneous", "sigma_t": 0.0}
 
@@ -142,7 +144,7 @@ def _medium(context: Context, p: Parameters, matrix: np.ndarray) -> Data:
     if p.find("preset") is not None:
         text = "is not covered: give sigma_a and sigma_s"
         context.report.not_covered(p.named["preset"], text, "whole milk is taken")
-    _shine(context, p)
+    _shine(context, p, data)
     _phase(context, p, data)
     if data["type"] == "grid":
         _grid(context, p, data, matrix)
@@ -159,14 +161,21 @@ def _color(context: Context, p: Parameters, key: str, usual: Sequence[float]) ->
     return list(usual) if color is None else color
 
 
-def _shine(context: Context, p: Parameters) -> None:
-    """Refuse media that glow."""
-    for key in ("Le", "temperature"):
-        found = p.find(key)
-        if found is not None:
-            context.report.not_covered(found, "is not covered: media do not shine", "left out")
-    why = "media do not shine"
-    p.ignore(why, "Lescale", "temperaturescale", "temperatureoffset", "temperaturecutoff")
+def _shine(context: Context, p: Parameters, data: Data) -> None:
+    """What the medium shines with; of a grid, before ``Lescale``."""
+    found = p.find("temperature")
+    if found is not None:
+        context.report.not_covered(found, "is not covered: give Le and Lescale", "left out")
+    why = "temperatures are not covered"
+    p.ignore(why, "temperaturescale", "temperatureoffset", "temperaturecutoff")
+    found = p.find("Le")
+    color = None if found is None else context.colors.read(found, "light")
+    scale = p.number("Lescale", 1.0) if data["type"] == "homogeneous" else 1.0
+    if found is not None and color is not None:
+        if min(color) < 0.0 or scale < 0.0:
+            context.report.error(found, "must not shine less than 0, nor Lescale be below 0")
+        elif scale * max(color) > 0.0:
+            data["emission"] = [scale * context.exposure * channel for channel in color]
 
 
 def _phase(context: Context, p: Parameters, data: Data) -> None:
@@ -178,6 +187,25 @@ def _phase(context: Context, p: Parameters, data: Data) -> None:
         if cut != g:
             context.report.approximated(p.named["g"], f"was cut to {cut:g}")
         data["phase"] = {"type": "henyey_greenstein", "g": cut}
+
+
+def _shining_cells(
+    context: Context, p: Parameters, data: Data, shape: tuple[int, int, int]
+) -> None:
+    """``Lescale`` of a grid: factors of ``Le``, cell by cell."""
+    found = p.values("Lescale", "float")
+    if found is None:
+        return
+    factors = np.asarray(found.values, np.float64)
+    if len(factors) != np.prod(shape):
+        text = f"must hold nx * ny * nz = {np.prod(shape)} numbers, got {len(factors)}"
+        context.report.error(found, text)
+    elif not 0.0 <= factors.min() <= factors.max() <= 1e15:
+        wrong = factors.min() if factors.min() < 0.0 else factors.max()
+        context.report.error(found, f"must be in [0, 1e+15], got {wrong:g}")
+    elif "emission" in data:
+        cells = factors.reshape(*shape, 1) * np.array(data.pop("emission"))
+        data["emission_values"] = Volume(np.pad(cells.astype(np.float32), _RIM))
 
 
 def _grid(context: Context, p: Parameters, data: Data, matrix: np.ndarray) -> None:
@@ -206,8 +234,8 @@ def _grid(context: Context, p: Parameters, data: Data, matrix: np.ndarray) -> No
         report.error(p.directive, "its transformation must be affine")
     else:
         cells = densities.reshape(nz, ny, nx, 1).astype(np.float32)
-        rim = ((1, 1), (1, 1), (1, 1), (0, 0))
-        data["values"] = Volume(np.pad(cells, rim))
+        data["values"] = Volume(np.pad(cells, _RIM))
+        _shining_cells(context, p, data, (nz, ny, nx))
         side = (high - low) / count
         box = translation(*(low - side)) @ scaling(*(high - low + 2.0 * side))
         data["matrix"] = (matrix @ box)[:3].ravel().tolist()

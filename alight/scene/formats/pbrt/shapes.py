@@ -13,10 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.scene.formats import ply
+from alight.scene.formats import ply, surfaces
 from alight.scene.formats.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldError, subdivide
 from alight.scene.formats.packed import content_of
-from alight.scene.formats.pbrt import surfaces
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.reach import OutOfReachError

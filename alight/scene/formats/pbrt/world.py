@@ -71,7 +71,6 @@ class World:
         self.environment: Data | None = None
         self.media = Media(context)
         self.times = 0.0, 1.0
-        self._map: Directive | None = None
         self._target, self._path = self.nodes, "nodes"
 
     def begin(self) -> None:
@@ -315,7 +314,7 @@ class World:
         p.finish()
 
     def surroundings(self, directive: Directive, p: Parameters) -> None:
-        """Follow an infinite light; constant ones add up."""
+        """Follow an infinite light; they add up, constant ones in one."""
         constant, node = lights.surroundings(self.context, p, self.state.matrix)
         if any(constant):
             before = self.environment["radiance"] if self.environment else [0.0] * 3
@@ -323,16 +322,7 @@ class World:
             self.environment = {"type": "constant", "radiance": total}
             self.context.places["environment"] = directive.place
         elif node is not None:
-            if self._map is not None:
-                text = f"is not covered: there is one around the scene, {self._map.place}"
-                self.context.report.not_covered(directive, text, "left out")
-                return
             self.add(self.nodes, "nodes", directive, node)
-        if self.environment is not None and (self._map is not None or node is not None):
-            text = "is not covered beside the other light from all around"
-            self.context.report.not_covered(directive, text, "the constant one is left out")
-            self.environment = None
-        self._map = directive if node is not None else self._map
 
     # ------------------------------------------------------------ shapes and objects
 

@@ -42,7 +42,7 @@ class Graph:
     ----------
     nodes, prototypes, bsdfs : dict
         Descriptions of the native format.
-    environment : dict or None
+    environments : list of dict
     cameras : list of (str, float)
         Node path and aspect of each camera.
     view : (4, 4) float64 or None
@@ -63,7 +63,7 @@ class Graph:
         self.nodes: dict[str, Data] = {}
         self.prototypes: dict[str, Data] = {}
         self.bsdfs: dict[str, Data] = {}
-        self.environment: Data | None = None
+        self.environments: list[Data] = []
         self.cameras: list[tuple[str, float]] = []
         self.view: Matrix | None = None
         self.bounds = Bounds()
@@ -171,10 +171,7 @@ class Graph:
         placed = read_light(self.stage, prim, to_world)
         self.is_lit = True
         if placed.environment is not None:
-            if self.environment is not None:
-                text = f"{prim.GetPath()}: a second dome is left out"
-                self.stage.report.approximate(text)
-            self.environment = self.environment or placed.environment
+            self.environments.append(placed.environment)
         return placed.node or None
 
     def _solid(self, prim: Any, found: tuple[Data, list[Data]], to_world: Matrix) -> Data:

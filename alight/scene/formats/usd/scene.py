@@ -7,6 +7,7 @@ from typing import Any
 
 from alight.core.errors import Issue, SceneError
 from alight.scene.build import FORMAT_VERSION
+from alight.scene.formats.names import free_name
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import add_camera, add_light
@@ -50,8 +51,13 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         "prototypes": graph.prototypes,
         "nodes": graph.nodes,
     }
-    if graph.environment is not None:
-        scene["environment"] = graph.environment
+    for around in graph.environments:
+        # They stand in the world, not where their prims do.
+        if "environment" in scene:
+            name = free_name("dome", graph.nodes, "dome")
+            graph.nodes[name] = {"light": around}
+        else:
+            scene["environment"] = around
     if not graph.is_lit and not graph.glow.suffices(graph.bounds):
         add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:

@@ -1,0 +1,55 @@
+"""Options that integrators share: how light is found, and how long paths are."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from alight.core.spec import Depth, Integrator, Truth, invalid
+
+
+class LightSampling(Integrator):
+    """Base class of integrators that look for light in two ways.
+
+    Parameters
+    ----------
+    light_sampling : {"mis", "bsdf", "emitter"}, default "mis"
+        How direct light is found: by BSDF sampling, by light sampling, or by both combined. All
+        compute the same picture.
+    light_choice : {"auto", "power", "uniform", "tree"}, default "auto"
+        Probability of each light: by its power, the same for all, or by a tree that knows where
+        lights are and where they face; "auto" takes the tree for many lights, else the power.
+    hide_emitters : bool, default False
+        Whether the camera sees through lights: surfaces that shine, and the environment. They
+        light the scene as ever.
+    """
+
+    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
+    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
+    hide_emitters: Truth = False
+
+
+class PathTracing(LightSampling):
+    """Base class of path tracers.
+
+    Parameters
+    ----------
+    russian_roulette : {"throughput", "none"}, default "throughput"
+        Whether dim paths end at random, with weights that keep the mean.
+    rr_depth : int >= 1, default 5
+        Depth from which roulette is played.
+    max_depth : int >= 1, optional
+        Longest path, counted in edges after the camera: 1 shows lights only, 2 adds direct light.
+        Unlimited by default, which needs roulette.
+    """
+
+    russian_roulette: Literal["throughput", "none"] = "throughput"
+    rr_depth: Depth = 5
+    max_depth: Depth | None = None
+
+    @model_validator(mode="after")
+    def _paths_end(self) -> Self:
+        if self.max_depth is None and self.russian_roulette == "none":
+            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
+        return self

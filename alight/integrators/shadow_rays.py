@@ -1,0 +1,107 @@
+"""Shadow rays that are not simply stopped: by media, and through surfaces that are not there.
+
+A surface lets a part of the light go straight on (`alight.bsdfs.dispatch.open_share`): all of it if
+it is `null`, what its opacity leaves if it is a mask. Paths choose that way at random, shadow rays
+are dimmed. Both find the same light, so that their MIS weights are those of the last vertex that
+turned the path.
+
+Source: PBR4 section 14.2.3 (SampleLd of VolPathIntegrator).
+"""
+
+from __future__ import annotations
+
+from alight.accel import intersect_closest, is_occluded
+from alight.bsdfs.dispatch import open_share
+from alight.bsdfs.switch import has_null
+from alight.core.constants import INFINITY
+from alight.core.jit import kernel, specialised
+from alight.core.simd import any_lane, lanes, lanes_u32, lanes_vec3, where
+from alight.core.vec import dot, max_component
+from alight.integrators.volume_walk import medium_beyond
+from alight.integrators.walk import count_lanes
+from alight.media.sampling import cross
+from alight.media.tables import Crossing, Stream, segment_of
+from alight.shapes.hit import spawn_origin
+from alight.shapes.surfaces import make_surface
+
+
+@specialised
+def come_through(program):
+    """What of the light comes through on the way from o along the unit d to the distance end.
+
+    ``(scene, o, d, end, medium, channel, stream, most, lit, rays) -> (Crossing, passed, rays)``.
+    `medium` is what the rays start in; `passed` counts the surfaces that they went through. Nothing
+    comes through more than `most` of them.
+    """
+    if has_null(program):
+        return _through_borders
+    return _along_one_segment if program.media else _through_empty_space
+
+
+@kernel
+def come_through_holes(scene, o, d, end, most, lit, rays):
+    """`come_through` where there are no media: (part of the light, surfaces passed, rays)."""
+    none = lanes_u32(0)
+    stream = Stream(none, none, none)
+    crossing, passed, rays = come_through(scene, o, d, end, none, none, stream, most, lit, rays)
+    return crossing.passed.x * crossing.boost, passed, rays
+
+
+@kernel
+def _through_empty_space(scene, o, d, end, medium, channel, stream, most, lit, rays):
+    dark = is_occluded(scene, o, d, end, lit)
+    passed = where(dark, lanes_vec3(0.0), lanes_vec3(1.0))
+    found = Crossing(passed, lanes_vec3(1.0), lanes(1.0))
+    return found, lanes_u32(0), rays + count_lanes(lit)
+
+
+@kernel
+def _along_one_segment(scene, o, d, end, medium, channel, stream, most, lit, rays):
+    dark = is_occluded(scene, o, d, end, lit)
+    found = cross(scene, medium, o, d, end, channel, stream, lit & ~dark)
+    passed = where(dark, lanes_vec3(0.0), found.passed)
+    found = Crossing(passed, found.light, found.boost)
+    return found, lanes_u32(0), rays + count_lanes(lit)
+
+
+@specialised
+def _cross_segment(program):
+    """`alight.media.sampling.cross`, or nothing to cross."""
+    if program.media:
+        return cross
+
+    @kernel
+    def empty(scene, medium, o, d, t_max, channel, stream, active):
+        return Crossing(lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0))
+
+    return empty
+
+
+@kernel
+def _through_borders(scene, o, d, end, medium, channel, stream, most, lit, rays):
+    passed, light, boost = lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0)
+    going, segment = lit, lanes_u32(0)
+    while any_lane(going):
+        rays += count_lanes(going)
+        hit = intersect_closest(scene, o, d, end, going)
+        met = going & (hit.t < INFINITY)
+        t = where(met, hit.t, end)
+        part = segment_of(stream, segment)
+        found = _cross_segment(scene, medium, o, d, t, channel, part, going)
+        passed = where(going, passed * found.passed, passed)
+        light = where(going, light * found.light, light)
+        boost = where(going, boost * found.boost, boost)
+        surface = make_surface(scene, hit, o, d, met)
+        segment = where(met, segment + 1, segment)
+        share = where(segment > most, 0.0, open_share(scene, surface, met))
+        # Not a factor of `passed`, which is a density of paths too: theirs leaves the holes out.
+        boost = where(met, boost * share, boost)
+        passed = where(met & ~(share > 0.0), lanes_vec3(0.0), passed)
+        through = met & (max_component(passed) > 0.0)
+        beyond = spawn_origin(surface.p, surface.error, surface.ng, d)
+        # The new origin lies beyond the border: measured from there, the end is nearer.
+        end = where(through, end - dot(beyond - o, d), end)
+        medium = where(through, medium_beyond(scene, surface, d, medium), medium)
+        o = where(through, beyond, o)
+        going = through
+    return Crossing(passed, light, boost), segment, rays
