@@ -15,11 +15,13 @@ from typing import Any
 import numpy as np
 
 from alight.accel.forest import Forest, placed, placed_box
-from alight.accel.layout import ANALYTIC
+from alight.accel.layout import ANALYTIC, MOVING
 from alight.accel.lists import Accelerator
+from alight.accel.moving import MOVING_ROW, MovingAccelerator
 from alight.accel.primitives import (
     Analytic,
     Instance,
+    Moving,
     TriangleSet,
     chosen,
     finite,
@@ -41,11 +43,12 @@ def build_accelerator(
     planes: Sequence[tuple[int, int]] = (),
     instances: Sequence = (),
     geometries: Sequence[tuple[np.ndarray, np.ndarray]] = (),
+    moving: Sequence = (),
     *,
     builder: str = "sah",
     structure: str = "auto",
     threads: int = 1,
-) -> tuple[Accelerator, tuple[str, ...], dict[str, Any]]:
+) -> tuple[Accelerator | MovingAccelerator, tuple[str, ...], dict[str, Any]]:
     """Sort a scene's primitives into lists and a tree.
 
     Parameters
@@ -56,6 +59,7 @@ def build_accelerator(
     instances : sequence of Instance
     geometries : sequence of (vertices (V, 3) float32, faces (F, 3) int32)
         Meshes in their own space.
+    moving : sequence of Moving
     builder : {"sah", "median"}
         How the tree is divided.
     structure : {"auto", "list", "bvh"}
@@ -66,7 +70,7 @@ def build_accelerator(
 
     Returns
     -------
-    accelerator : Accelerator
+    accelerator : Accelerator or MovingAccelerator
     plan : tuple of str
         What kernels specialise on (``Program.accel``).
     stats : dict
@@ -74,7 +78,7 @@ def build_accelerator(
         ``bytes``, ``seconds``.
     """
     begin = time.perf_counter()
-    sorter = _Sorter(triangles, analytic, planes, instances, geometries)
+    sorter = _Sorter(triangles, analytic, planes, instances, geometries, moving)
     if structure == "list":
         sorter.list_everything()
     elif structure == "auto":
@@ -90,7 +94,7 @@ def build_accelerator(
 class _Sorter:
     """Primitives on their way into lists or the tree."""
 
-    def __init__(self, triangles, analytic, planes, instances, geometries):
+    def __init__(self, triangles, analytic, planes, instances, geometries, moving):
         if triangles is None:
             triangles = TriangleSet(
                 np.zeros((0, 3), np.float32),
@@ -106,8 +110,10 @@ class _Sorter:
             (np.ascontiguousarray(v, np.float32), np.ascontiguousarray(f, np.int32))
             for v, f in geometries
         ]
+        self.moving = sorted((Moving(*m) for m in moving), key=lambda m: m.shape)
         self.listed = np.zeros(len(self.triangles.faces), bool)
         self.listed_analytic = np.zeros(len(self.analytic), bool)
+        self.listed_moving: list[Moving] = []
         self.flattened: list[TriangleSet] = []
 
     # ---- what goes into lists
@@ -120,13 +126,19 @@ class _Sorter:
             vertices, faces = self.geometries[one.geometry]
             self.flattened.append(placed(one, vertices, faces))
         self.instances = []
+        self._list_moving()
+
+    def _list_moving(self) -> None:
+        self.listed_moving, self.moving = self.moving, []
 
     def list_the_big(self) -> None:
         """Small scenes into lists; of big ones the few primitives that cover much of the scene."""
         total = len(self.triangles.faces) + len(self.analytic)
+        total += sum(len(self.geometries[m.row][1]) if m.kind == "mesh" else 1 for m in self.moving)
         if total <= LIST_LIMIT and not self.instances:
             self.listed[:] = True
             self.listed_analytic[:] = True
+            self._list_moving()
             return
         room = LIST_LIMIT
         for area, count, is_mesh, first in sorted(self._candidates(), reverse=True):
@@ -158,6 +170,7 @@ class _Sorter:
         """Box of everything but planes, metres."""
         parts = [np.asarray([a.low, a.high], float) for a in self.analytic]
         parts += [placed_box(i, self.geometries[i.geometry][0]) for i in self.instances]
+        parts += [np.asarray([m.low, m.high], float) for m in self.moving]
         if len(self.triangles.faces):
             vertices = self.triangles.vertices
             parts.append(np.asarray([vertices.min(axis=0), vertices.max(axis=0)], float))
@@ -193,22 +206,44 @@ class _Sorter:
             ],
             self.instances,
             self.geometries,
+            self.moving,
         )
         tree, box, tree_plan, stats = forest.build(builder, threads)
         count = len(ids) + sum(len(rows) for rows in lists.values())
+        accelerator = Accelerator(
+            **tables,
+            triangles=_corner_table(corners[alone]),
+            triangle_ids=View(ids[alone].reshape(-1)),
+            pairs=_corner_table(np.hstack([corners[first], corners[second, 2:]])),
+            pair_ids=View(np.hstack([ids[first], ids[second, 1:]]).reshape(-1)),
+            tree=tree,
+            box=box,
+        )
+        if self.moving or self.listed_moving:
+            accelerator = MovingAccelerator(*accelerator, *self._moving_tables())
+            kinds = {m.kind for m in self.listed_moving}
+            tree_plan = (*(f"moving {kind}" for kind in MOVING if kind in kinds), *tree_plan)
         return (
-            Accelerator(
-                **tables,
-                triangles=_corner_table(corners[alone]),
-                triangle_ids=View(ids[alone].reshape(-1)),
-                pairs=_corner_table(np.hstack([corners[first], corners[second, 2:]])),
-                pair_ids=View(np.hstack([ids[first], ids[second, 1:]]).reshape(-1)),
-                tree=tree,
-                box=box,
-            ),
+            accelerator,
             (*plan, *tree_plan),
             {"listed": count, "triangles": len(self.triangles.faces), **stats},
         )
+
+    def _moving_tables(self) -> tuple[View, View]:
+        """The list of what moves, and the corners of its meshes, each once."""
+        firsts, corners = {}, []
+        rows = np.zeros((len(self.listed_moving), MOVING_ROW), np.uint32)
+        for row, one in zip(rows, self.listed_moving, strict=True):
+            first, count = one.row, 0
+            if one.kind == "mesh":
+                vertices, faces = self.geometries[one.row]
+                if one.row not in firsts:
+                    firsts[one.row] = sum(len(part) for part in corners)
+                    corners.append(vertices[faces].reshape(-1, 9))
+                first, count = firsts[one.row], len(faces)
+            row[:] = MOVING.index(one.kind), one.shape, one.motion, first, count
+        joined = np.concatenate(corners or [np.zeros((0, 9), np.float32)]).astype(np.float32)
+        return View(rows.reshape(-1)), _corner_table(joined)
 
     def _listed_triangles(self) -> tuple[np.ndarray, np.ndarray]:
         """Corners (n, 3, 3) float32, metres, and (shape, prim) of triangles in lists, in order."""

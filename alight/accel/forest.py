@@ -13,12 +13,14 @@ from alight.accel.layout import (
     IDS,
     KINDS,
     LEAF,
+    MOVING,
     NODE,
     OTHER,
     WIDTH,
     Bvh,
+    moving_number,
 )
-from alight.accel.primitives import Analytic, Instance, TriangleSet
+from alight.accel.primitives import Analytic, Instance, Moving, TriangleSet
 from alight.core.view import View
 
 #: An instance's box is enlarged by this part of the coordinates: rays are rounded on their way to
@@ -36,13 +38,17 @@ class Forest:
     analytic : list of Analytic
     instances : list of Instance
     geometries : list of (vertices, faces)
+    moving : list of Moving
     """
 
-    def __init__(self, triangles, analytic, instances, geometries):
+    def __init__(self, triangles, analytic, instances, geometries, moving=()):
         self.triangles: TriangleSet = triangles
         self.analytic: list[Analytic] = analytic
         self.instances: list[Instance] = [i for i in instances if len(geometries[i.geometry][1])]
         self.geometries: list[tuple[np.ndarray, np.ndarray]] = geometries
+        self.moving: list[Moving] = [
+            m for m in moving if m.kind != "mesh" or len(geometries[m.row][1])
+        ]
 
     def build(self, method: str, threads: int) -> tuple[Bvh, View, tuple[str, ...], dict[str, Any]]:
         """Build all trees.
@@ -57,16 +63,18 @@ class Forest:
             () if there is nothing in the tree.
         stats : dict
         """
-        others = len(self.analytic) + len(self.instances)
+        others = len(self.analytic) + len(self.instances) + len(self.moving)
         if len(self.triangles.faces) + others == 0:
             empty = View(np.zeros(0, np.float32))
             tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)), 1)
             return tree, View(np.zeros(6, np.float32)), (), {}
-        used = sorted({i.geometry for i in self.instances})
+        used = {i.geometry for i in self.instances}
+        used = sorted(used | {m.row for m in self.moving if m.kind == "mesh"})
         trees = [build_bvh(*self.geometries[g], method=method, threads=threads) for g in used]
         blocks, boxes = np.zeros((others, BLOCK), np.float32), np.zeros((others, 2, 3), np.float32)
         self._describe_analytic(blocks, boxes)
         self._describe_instances(blocks, boxes)
+        self._describe_moving(blocks, boxes)
         vertices = np.ascontiguousarray(self.triangles.vertices, np.float32)
         faces = np.ascontiguousarray(self.triangles.faces, np.int32)
         main, stats = build_bvh(vertices, faces, blocks, boxes, method=method, threads=threads)
@@ -78,10 +86,13 @@ class Forest:
                 stats[key] += more[key]
         ids = np.zeros((len(faces) + others, 2), np.uint32)
         ids[: len(faces), 0], ids[: len(faces), 1] = self.triangles.shape, self.triangles.prim
-        ids[len(faces) :, 0] = [p.shape for p in (*self.analytic, *self.instances)]
+        others = (*self.analytic, *self.instances, *self.moving)
+        ids[len(faces) :, 0] = [p.shape for p in others]
         stats["bytes"] += ids.nbytes
         kinds = {a.kind for a in self.analytic} | ({"instance"} if self.instances else set())
         plan = ("tree", *(kind + "s in tree" for kind in KINDS if kind in kinds))
+        kinds = {m.kind for m in self.moving}
+        plan += tuple(f"moving {kind} in tree" for kind in MOVING if kind in kinds)
         root = main.nodes.array[:NODE].reshape(8, 8)
         box = np.concatenate([root[:3].min(axis=1), root[3:6].max(axis=1)])
         return tree._replace(ids=View(ids)), View(box), plan, stats
@@ -102,14 +113,23 @@ class Forest:
             blocks[row, 2:14] = np.asarray(one.to_object, np.float32).reshape(-1)
             boxes[row] = placed_box(one, self.geometries[one.geometry][0])
 
+    def _describe_moving(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
+        """The same for what moves; of meshes the root stands in once the trees are joined."""
+        for row, one in enumerate(self.moving, len(self.analytic) + len(self.instances)):
+            words = blocks.view(np.uint32)[row]
+            words[:3] = moving_number(one.kind), one.row, one.motion
+            boxes[row] = np.asarray([one.low, one.high])
+
     def _point_to_roots(self, tree: Bvh, roots: dict[int, int]) -> None:
-        """Write the root node of each instance's geometry into its block."""
+        """Write the root node of each instance's and moving mesh's geometry into its block."""
         words = tree.blocks.array.view(np.uint32).reshape(-1, BLOCK)
         first = len(self.triangles.faces) + len(self.analytic)
-        root_of = np.array([roots[i.geometry] for i in self.instances], np.uint32)
-        number = KINDS.index("instance")
-        is_instance = (words[:, IDS + WIDTH - 1] == OTHER) & (words[:, 0] == number)
-        words[is_instance, 1] = root_of[words[is_instance, IDS].astype(np.int64) - first]
+        geometries = [i.geometry for i in self.instances]
+        geometries += [m.row if m.kind == "mesh" else -1 for m in self.moving]
+        root_of = np.array([roots.get(number, 0) for number in geometries], np.uint32)
+        numbers = KINDS.index("instance"), moving_number("mesh")
+        leads_on = (words[:, IDS + WIDTH - 1] == OTHER) & np.isin(words[:, 0], numbers)
+        words[leads_on, 1] = root_of[words[leads_on, IDS].astype(np.int64) - first]
 
 
 def _joined(trees: list[Bvh]) -> tuple[Bvh, list[int]]:

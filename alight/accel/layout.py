@@ -19,7 +19,8 @@ corners a, b, c as 9 rows of WIDTH floats (ax, ay, az, bx, ...), then a row of W
 block that is not full repeats its last triangle. A block whose last index is OTHER holds one
 analytic shape or instance instead: word 0 its kind (`KINDS`), word 1 the row in the data, or for an
 instance the root node of its geometry, words 2..13 the map of the world to its own space (3 rows of
-4); the first index is its own.
+4); the first index is its own. Of what moves (`MOVING`) words 0 and 1 are alike, word 2 is the
+number of its motion.
 """
 
 from __future__ import annotations
@@ -49,6 +50,15 @@ OTHER = 0xFFFFFFFF
 #: What a block can hold besides triangles.
 KINDS = ("sphere", "rectangle", "disk", "instance", "cylinder")
 ANALYTIC = tuple(kind for kind in KINDS if kind != "instance")
+
+#: The same of what moves while the shutter is open; their numbers follow.
+MOVING = ("sphere", "rectangle", "disk", "mesh", "cylinder")
+
+
+def moving_number(kind: str) -> int:
+    """Number of a moving kind in a block."""
+    return len(KINDS) + MOVING.index(kind)
+
 
 #: Levels of nodes below the root until the build gives up on surface areas and halves by count.
 SAH_DEPTH = 24

@@ -8,7 +8,7 @@ spaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 
 from alight.accel.layout import BLOCK, IDS, KINDS, OTHER, WIDTH
@@ -114,9 +114,7 @@ def nothing_is_in_the_way(tree, data, kind, at, index, o, d, t_max):
     return False
 
 
-def _write_branch(kind: str, meet: Callable, otherwise: Callable) -> Callable:
-    number = KINDS.index(kind)
-
+def _write_branch(number: int, meet: Callable, otherwise: Callable) -> Callable:
     @kernel(strict=True)
     def branch(tree, data, kind, at, index, o, d, t_max):
         """Visit a block of the right kind, or leave it to the others."""
@@ -138,17 +136,34 @@ def _write_meet_any_shape(intersect: Callable) -> Callable:
     return shape_is_met
 
 
+def visits_to(kind: str) -> tuple[Callable, Callable]:
+    """What (closest, any) one ray meets of one of the `KINDS`."""
+    if kind == "instance":
+        return meet_instance, instance_is_met
+    return _write_meet_shape(INTERSECT[kind]), _write_meet_any_shape(INTERSECT[kind])
+
+
 @lru_cache(maxsize=64)
 def write_leaves(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
     """Visits (closest, any) to leaves that hold triangles and the given `KINDS`."""
-    meet_other, block_other = nothing_is_met, nothing_is_in_the_way
-    for kind in kinds:
-        if kind == "instance":
-            meet_other = _write_branch(kind, meet_instance, meet_other)
-            block_other = _write_branch(kind, instance_is_met, block_other)
-        else:
-            meet_other = _write_branch(kind, _write_meet_shape(INTERSECT[kind]), meet_other)
-            block_other = _write_branch(kind, _write_meet_any_shape(INTERSECT[kind]), block_other)
+    visits = [(KINDS.index(kind), *visits_to(kind)) for kind in kinds]
+    return leaves_of(*write_chain(visits))
+
+
+def write_chain(
+    visits: Iterable[tuple[int, Callable, Callable]],
+    meet_other: Callable = nothing_is_met,
+    block_other: Callable = nothing_is_in_the_way,
+) -> tuple[Callable, Callable]:
+    """What (closest, any) one ray meets of several kinds: their numbers, closest and any."""
+    for number, meet, block in visits:
+        meet_other = _write_branch(number, meet, meet_other)
+        block_other = _write_branch(number, block, block_other)
+    return meet_other, block_other
+
+
+def leaves_of(meet_other: Callable, block_other: Callable) -> tuple[Callable, Callable]:
+    """Visits (closest, any) to leaves that hold triangles and what a chain of kinds knows."""
 
     @kernel(strict=True)
     def closest_of_leaf(tree, data, block, count, o, d, ray, best):

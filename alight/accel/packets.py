@@ -19,8 +19,16 @@ from alight.accel.lists import (
     write_lists,
 )
 from alight.accel.mixed import write_leaves
+from alight.accel.moving import (
+    data_at_times,
+    data_of_ray,
+    with_times_in_memory,
+    write_moving_leaves,
+    write_moving_lists,
+)
 from alight.accel.rays import MOST, Hits
 from alight.accel.single import NONE, STRETCH, is_traceable, safe_reciprocal
+from alight.accel.together import data_of_all
 from alight.accel.traversal import any_of_triangles, closest_of_triangles
 from alight.accel.turns import write_packet
 from alight.core.constants import INFINITY
@@ -69,10 +77,16 @@ def start(hits, t_max):
     store_lanes(hits.face, 0, lanes_u32(0))
 
 
-def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
+def _write_tree(plan: tuple[str, ...], moving: bool) -> tuple[Callable, Callable]:
     """Kernels that send the lanes of a packet through the tree."""
+    kinds = tuple(kind for kind in KINDS if kind + "s in tree" in plan)
     leaf, any_leaf = write_leaves(kinds) if kinds else (closest_of_triangles, any_of_triangles)
-    closest_of_rays, any_of_rays = write_packet(leaf, True), write_packet(any_leaf, False)
+    of_ray = data_of_all
+    if moving:
+        leaf, any_leaf = write_moving_leaves(plan)
+        of_ray = data_of_ray
+    closest_of_rays = write_packet(leaf, True, of_ray)
+    any_of_rays = write_packet(any_leaf, False, of_ray)
 
     @kernel(strict=True)
     def closest(accel, data, o, d, best):
@@ -112,19 +126,28 @@ def _write_tree(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
         any_of_rays(accel.tree, data, o, d, bits, hits)
         return load_lanes(hits.t, 0)
 
+    if moving:
+        return with_times_in_memory(closest), with_times_in_memory(occlude)
     return closest, occlude
+
+
+@kernel(strict=True)
+def data_of_shapes(scene):
+    """The rows of analytic shapes."""
+    return scene.shapes.data
 
 
 @lru_cache(maxsize=256)
 def _write_queries(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
     """The kernels `intersect_closest` and `is_occluded` of one plan (`accelerator`)."""
-    kinds = tuple(kind for kind in KINDS if kind + "s in tree" in plan)
-    closest_of_lists, occlude_by_lists = write_lists(
+    moving = any(name.startswith("moving ") for name in plan)
+    data_of = data_at_times if moving else data_of_shapes
+    closest_of_lists, occlude_by_lists = (write_moving_lists if moving else write_lists)(
         tuple(name for name in plan if "tree" not in name)
     )
     closest_of_tree, occlude_by_tree = closest_of_nothing, occlude_by_nothing
     if "tree" in plan:
-        closest_of_tree, occlude_by_tree = _write_tree(kinds)
+        closest_of_tree, occlude_by_tree = _write_tree(plan, moving)
 
     @kernel(strict=True)
     def closest(scene, o, d, t_max, active):
@@ -133,7 +156,8 @@ def _write_queries(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
         Parameters
         ----------
         scene : namedtuple
-            With ``accel`` (`Accelerator`) and ``shapes.data``.
+            With ``accel`` (`Accelerator`) and ``shapes.data``; where things move, with ``motions``
+            and ``time`` too.
         o, d : Vec3
             Origins, metres, and directions; |d| is the unit of t.
         t_max : float
@@ -146,7 +170,7 @@ def _write_queries(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
         Hit
             t infinite for a miss; of hits at the same t the one with the lowest (shape, prim).
         """
-        data = scene.shapes.data
+        data = data_of(scene)
         traceable = active & is_traceable(o, d, t_max)
         best = Hit(
             where(traceable, t_max, -1.0), lanes(0.0), lanes(0.0), lanes_u32(NOTHING), lanes_u32(0)
@@ -161,7 +185,7 @@ def _write_queries(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
     @kernel(strict=True)
     def occluded(scene, o, d, t_max, active):
         """Lanes that meet anything at 0 < t <= t_max; parameters as of `closest`."""
-        data = scene.shapes.data
+        data = data_of(scene)
         traceable = active & is_traceable(o, d, t_max)
         end = where(traceable, t_max, -1.0)
         end = occlude_by_lists(scene.accel, data, o, d, end)

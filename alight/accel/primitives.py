@@ -44,6 +44,31 @@ class Instance(NamedTuple):
     to_object: np.ndarray
 
 
+class Moving(NamedTuple):
+    """What moves while the shutter is open.
+
+    Attributes
+    ----------
+    kind : str
+        "mesh" or a kind of `Analytic`.
+    shape : int
+        Shape number.
+    row : int
+        Row in the data, or number of the geometry.
+    motion : int
+        Number of the motion.
+    low, high : (3,) float, metres
+        Bounds over all times.
+    """
+
+    kind: str
+    shape: int
+    row: int
+    motion: int
+    low: Sequence[float]
+    high: Sequence[float]
+
+
 def finite(triangles: TriangleSet) -> TriangleSet:
     """Without the triangles that have an infinite or undefined corner: no ray can meet them."""
     good = np.asarray(np.isfinite(triangles.vertices).all(axis=1))

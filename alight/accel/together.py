@@ -131,7 +131,15 @@ def write_push_places(nearest_first: bool) -> Callable:
     return push_places
 
 
-def write_visit_one(visit: Callable, nearest_first: bool) -> Callable:
+@kernel(strict=True)
+def data_of_all(data, i):
+    """What ray i needs of the data where all rays need the same."""
+    return data
+
+
+def write_visit_one(
+    visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all
+) -> Callable:
     """``(tree, data, code, rays, hits, i)``: ray i visits a leaf and takes down what it hits."""
 
     @kernel(strict=True)
@@ -140,7 +148,7 @@ def write_visit_one(visit: Callable, nearest_first: bool) -> Callable:
             hits.t[i], as_int(hits.index[i]), as_int(hits.face[i]), hits.u[i], hits.v[i]
         )
         best = visit(
-            tree, data, (code & (LEAF - 1)) >> 4, code & 15,
+            tree, of_ray(data, i), (code & (LEAF - 1)) >> 4, code & 15,
             vector_of(rays, ORIGIN, i), vector_of(rays, DIRECTION, i), triangle_ray_of(rays, i),
             best,
         )  # fmt: skip
@@ -152,9 +160,12 @@ def write_visit_one(visit: Callable, nearest_first: bool) -> Callable:
     return visit_one
 
 
-def write_together(visit: Callable, nearest_first: bool) -> Callable:
+def write_together(
+    visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all
+) -> Callable:
     """The first part of a packet's traversal; parameters as of `turns.write_packet`."""
-    visit_one, push_places = write_visit_one(visit, nearest_first), write_push_places(nearest_first)
+    visit_one = write_visit_one(visit, nearest_first, of_ray)
+    push_places = write_push_places(nearest_first)
     meet_children = write_meet_children(nearest_first)
 
     @kernel(strict=True)

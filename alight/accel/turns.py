@@ -14,7 +14,13 @@ from functools import lru_cache
 
 from alight.accel.layout import LEAF
 from alight.accel.rays import MOST, NUMBERS, ROWS, Rays, box_ray_of, write_rays
-from alight.accel.together import OWN, WAITING, write_together, write_visit_one
+from alight.accel.together import (
+    OWN,
+    WAITING,
+    data_of_all,
+    write_together,
+    write_visit_one,
+)
 from alight.accel.traversal import DONE, write_steps
 from alight.core.jit import kernel
 from alight.core.simd import local_floats, local_longs, local_uints, trailing_zeros
@@ -22,10 +28,10 @@ from alight.core.simd import local_floats, local_longs, local_uints, trailing_ze
 _STACKS = OWN * MOST
 
 
-def write_apart(visit: Callable, nearest_first: bool) -> Callable:
+def write_apart(visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all) -> Callable:
     """The second part of a packet's traversal; parameters as of `write_packet`."""
     open_node, next_entry = write_steps(nearest_first)
-    visit_one = write_visit_one(visit, nearest_first)
+    visit_one = write_visit_one(visit, nearest_first, of_ray)
 
     @kernel(strict=True)
     def apart(tree, data, rays, bits, hits, stack, bases):
@@ -70,7 +76,7 @@ def write_apart(visit: Callable, nearest_first: bool) -> Callable:
 
 
 @lru_cache(maxsize=64)
-def write_packet(visit: Callable, nearest_first: bool) -> Callable:
+def write_packet(visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all) -> Callable:
     """The traversal for the rays of a packet.
 
     Parameters
@@ -79,8 +85,11 @@ def write_packet(visit: Callable, nearest_first: bool) -> Callable:
         How one ray visits the blocks of a leaf.
     nearest_first : bool
         False where any hit will do.
+    of_ray : kernel (data, i) -> data
+        What `visit` is given of `data` for ray i.
     """
-    together, apart = write_together(visit, nearest_first), write_apart(visit, nearest_first)
+    together = write_together(visit, nearest_first, of_ray)
+    apart = write_apart(visit, nearest_first, of_ray)
 
     @kernel(strict=True)
     def packet(tree, data, o, d, bits, hits):

@@ -9,7 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from alight.cameras.basis import project_points, unproject_points
 from alight.core.jit import kernel, specialised
+from alight.core.motion import matrix_at, placed, turned
 from alight.core.registry import Models
+from alight.core.simd import lanes_u32
+from alight.core.vec import normalize
 
 if TYPE_CHECKING:
     from alight.core.spec import Camera
@@ -29,7 +32,16 @@ def generate_ray(program):
     def generate_ray(scene, film_x, film_y, u_lens):
         return generate(scene.camera, film_x, film_y, u_lens)
 
-    return generate_ray
+    if "camera" not in program.motion:
+        return generate_ray
+
+    @kernel
+    def generate_moving_ray(scene, film_x, film_y, u_lens):
+        o, d = generate(scene.camera, film_x, film_y, u_lens)
+        m = matrix_at(scene.motions, lanes_u32(scene.motions.camera[0] - 1), scene.time)
+        return placed(m, o), normalize(turned(m, d))
+
+    return generate_moving_ray
 
 
 def project(

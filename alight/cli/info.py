@@ -68,7 +68,20 @@ def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
         ("bsdfs", _counted(bsdfs)),
         ("lights", _counted(lights)),
         ("meshes", f"{len(flat.geometries)} of {_megabytes(mesh_bytes(flat))}"),
+        *moving_facts(flat),
     ]
+
+
+def moving_facts(flat: FlatScene) -> list[tuple[str, str]]:
+    """Say what moves while the shutter is open, if anything does."""
+    counts = {
+        "shapes": sum(placed.motion is not None for placed in flat.shapes),
+        "lights": sum(placed.motion is not None for placed in flat.lights),
+    }
+    found = [f"{count} {name}" for name, count in counts.items() if count]
+    found += ["camera"] * (flat.camera.motion is not None)
+    begin, end = flat.camera.camera.shutter
+    return [("moving", f"{', '.join(found)}; shutter {begin:g} to {end:g}")] if found else []
 
 
 def mesh_bytes(flat: FlatScene) -> int:
@@ -114,6 +127,8 @@ def _siblings(indent: str, nodes: Mapping[str, Node]) -> list[tuple[str, bool, s
 
 
 def _describe(node: Node) -> str:
+    from alight.scene.keyframes import Keyframes
+
     parts = []
     if node.shape is not None:
         parts.append(node.shape.type_name())
@@ -126,7 +141,9 @@ def _describe(node: Node) -> str:
     if node.instance is not None:
         parts.append(f"instance of {node.instance}")
     steps = [step.name for step in node.transform.steps]
-    if steps:
+    if isinstance(node.transform, Keyframes):
+        parts.append(f"[{len(node.transform.frames)} keyframes]")
+    elif steps:
         parts.append(f"[{', '.join(steps)}]")
     return ", ".join(parts)
 

@@ -38,6 +38,9 @@ class Program(NamedTuple):
         Further channels.
     media, phases : tuple of str
         Media and phase functions that occur; the former with features, see `alight.media.tables`.
+    motion : tuple of str
+        What moves while the shutter is open: "shapes", "lights", "camera"; and "rigid" if it all
+        only shifts and turns.
     registered : tuple of (str, str, str)
         Family, name and version of the users' own models in it, see `alight.core.registration`.
     """
@@ -58,6 +61,7 @@ class Program(NamedTuple):
     aovs: tuple[str, ...] = ()
     media: tuple[str, ...] = ()
     phases: tuple[str, ...] = ()
+    motion: tuple[str, ...] = ()
     registered: tuple[tuple[str, str, str], ...] = ()
     environments: tuple[str, ...] = ()
 

@@ -11,8 +11,10 @@ from alight.compiled.cameras import compile_camera
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
 from alight.compiled.media import compile_media
+from alight.compiled.motion import MotionTable
 from alight.compiled.program import Program
-from alight.compiled.shapes import compile_shapes
+from alight.compiled.shapes import CompiledShapes, compile_shapes
+from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.filters.importance import compile_filter
@@ -30,13 +32,19 @@ SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera fi
 SceneWithMedia = namedtuple("SceneWithMedia", (*SceneTables._fields, "media"))
 
 
+#: The same of scenes in which something moves while the shutter is open;
+#: `alight.integrators.moments` adds the times.
+MovingScene = namedtuple("MovingScene", (*SceneTables._fields, "motions"))
+MovingWithMedia = namedtuple("MovingWithMedia", (*SceneWithMedia._fields, "motions"))
+
+
 @dataclass(frozen=True)
 class CompiledScene:
     """A scene as kernels see it.
 
     Attributes
     ----------
-    tables : SceneTables or SceneWithMedia
+    tables : SceneTables, SceneWithMedia, MovingScene or MovingWithMedia
         Arrays; picklable.
     program : Program
         What the kernels must be specialised on.
@@ -52,7 +60,7 @@ class CompiledScene:
         Counts, bytes and seconds of the acceleration structure.
     """
 
-    tables: SceneTables | SceneWithMedia
+    tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
     program: Program
     size: tuple[int, int]
     crop: tuple[int, int, int, int] | None
@@ -87,19 +95,25 @@ def compile_scene(
     threads : int
         For building the BVH.
     """
-    shapes = compile_shapes(flat)
+    paths = MotionTable()
+    shapes = compile_shapes(flat, paths)
     accel, plan, stats = build_accelerator(
         shapes.triangles,
         shapes.analytic,
         shapes.planes,
         shapes.instances,
         shapes.geometries,
+        shapes.moving,
         structure=structure,
         builder=builder,
         threads=threads,
     )
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     light_choice = getattr(flat.integrator, "light_choice", "auto")
+    of_light = light_motions(flat, shapes, paths)
+    if light_choice == "auto" and any(of_light):
+        # The tree knows lights where they are at rest only.
+        light_choice = "power"
     combined = getattr(flat.integrator, "light_sampling", None) == "mis"
     lights = compile_lights(flat, shapes, light_choice, compensated=combined)
     tables = SceneTables(
@@ -114,6 +128,12 @@ def compile_scene(
     if flat.media and flat.integrator.sees_media:
         of_media, media, phases = compile_media(flat, shapes)
         tables = SceneWithMedia(*tables, of_media)
+    camera = paths.number(flat.camera.motion)
+    motion = _what_moves(shapes.motions, of_light, camera)
+    if motion:
+        motion += (RIGID,) * paths.is_rigid
+        motions = paths.tables(shapes.motions, of_light, camera)
+        tables = (MovingWithMedia if media else MovingScene)(*tables, motions)
     program = Program(
         shapes=shapes.kinds,
         bsdfs=bsdfs,
@@ -131,6 +151,7 @@ def compile_scene(
         aovs=aovs,
         media=media,
         phases=phases,
+        motion=motion,
         registered=versions(described(flat)),
         environments=lights.environments,
     )
@@ -144,6 +165,23 @@ def compile_scene(
         stats=stats,
         warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),
     )
+
+
+def _what_moves(of_shape: list[int], of_light: list[int], camera: int) -> tuple[str, ...]:
+    """`Program.motion`."""
+    found = {"shapes": any(of_shape), "lights": any(of_light), "camera": camera > 0}
+    return tuple(name for name, moves in found.items() if moves)
+
+
+def light_motions(flat: FlatScene, shapes: CompiledShapes, paths: MotionTable) -> list[int]:
+    """Of each light, in the order of `compile_lights`, the number of its motion + 1."""
+    shining = [
+        shapes.motions[index]
+        for index, row in enumerate(shapes.rows)
+        if flat.shapes[row.source].light is not None
+    ]
+    surroundings = [0] * len(flat.environments)
+    return shining + [paths.number(placed.motion) for placed in flat.lights] + surroundings
 
 
 def _darkness(flat: FlatScene, is_dark: bool) -> tuple[str, ...]:

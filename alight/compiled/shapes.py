@@ -9,10 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.accel.primitives import Moving
+from alight.compiled.motion import MotionTable
 from alight.core.errors import Issue, SceneError
 from alight.core.view import View
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry
+from alight.scene.motion import Motion
 from alight.shapes import cylinder, disk, plane, rectangle, sphere
 from alight.shapes.cube import Cube
 from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeTables
@@ -85,6 +88,10 @@ class CompiledShapes(NamedTuple):
         Kind, shape, offset of its row in the table, bounds in metres.
     planes : list of (int, int)
         Shape and offset.
+    moving : list of Moving
+        What moves while the shutter is open, of all kinds.
+    motions : list of int
+        Of each shape the number of its motion + 1, 0 where it rests.
     instances : list of (int, int, (3, 4) float32, (3, 4) float32)
         Index into `geometries`, shape, object to world, world to object.
     geometries : list of ((V, 3) float32, (F, 3) int32)
@@ -107,6 +114,8 @@ class CompiledShapes(NamedTuple):
     kinds: tuple[str, ...]
     center: NDArray[np.float64]
     radius: float
+    moving: list[Moving]
+    motions: list[int]
 
 
 @dataclass
@@ -149,15 +158,21 @@ def _or_zeros(table: np.ndarray | None, rows: int, columns: int) -> np.ndarray:
     return np.broadcast_to(np.float32(0.0), (rows, columns))
 
 
-def compile_shapes(flat: FlatScene) -> CompiledShapes:
+def compile_shapes(flat: FlatScene, paths: MotionTable | None = None) -> CompiledShapes:
     """Make the tables of all shapes; the light of a shape is entered by `compile_lights`.
+
+    Parameters
+    ----------
+    flat : FlatScene
+    paths : MotionTable, optional
+        Numbers the motions.
 
     Raises
     ------
     SceneError
         For shapes that are too small, too large or too flat for float32.
     """
-    compiler = _Compiler(flat)
+    compiler = _Compiler(flat, paths or MotionTable())
     issues = []
     for source, placed in enumerate(flat.shapes):
         try:
@@ -181,8 +196,10 @@ def _out_of_range(placed: PlacedShape) -> str:
 
 
 class _Compiler:
-    def __init__(self, flat: FlatScene):
-        self.flat = flat
+    def __init__(self, flat: FlatScene, paths: MotionTable):
+        self.flat, self.paths = flat, paths
+        self.moving: list[Moving] = []
+        self.motions: list[int] = []
         self.info: list[list[int]] = []
         self.data: list[np.ndarray] = []
         self.offset = 0
@@ -194,12 +211,13 @@ class _Compiler:
         self.instances: list[tuple[int, int, np.ndarray, np.ndarray]] = []
         self.geometries: list[tuple[np.ndarray, np.ndarray]] = []
         self.ranges: dict[int, tuple[int, _Range]] = {}
+        self.moving_ranges: dict[tuple[int, bytes], tuple[int, _Range, np.ndarray]] = {}
         self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
         self.shared = self._find_shared()
 
     def _find_shared(self) -> set[int]:
         """Geometries that are kept once for several instances."""
-        uses = Counter(s.geometry for s in self.flat.shapes if s.light is None)
+        uses = Counter(s.geometry for s in self.flat.shapes if s.light is None and s.motion is None)
         return {
             index
             for index, count in uses.items()
@@ -212,7 +230,9 @@ class _Compiler:
         """Enter one shape."""
         shape = placed.shape
         if isinstance(shape, Mesh):
-            if placed.geometry in self.shared and placed.light is None:
+            if placed.motion is not None:
+                self._place_moving_mesh(source, placed)
+            elif placed.geometry in self.shared and placed.light is None:
                 self._place_instance(source, placed)
             else:
                 self._place_mesh(source, placed)
@@ -239,6 +259,7 @@ class _Compiler:
         self.data.append(row)
         self.offset += row.size
         self.rows.append(CompiledShape(kind, source, areas))
+        self.motions.append(self.paths.number(placed.motion))
         return index
 
     def _place_analytic(
@@ -254,10 +275,23 @@ class _Compiler:
             return
         index = self._enter(kind, source, placed, row, flags, np.array([model.area(row)]))
         low, high = model.bounds(row)
+        if placed.motion is not None:
+            self._move(kind, index, offset, placed.motion, low, high)
+            return
         self._grow(low, high)
         self.analytic.append((kind, index, offset, low, high))
 
-    def _place_mesh(self, source: int, placed: PlacedShape) -> None:
+    def _move(
+        self, kind: str, index: int, row: int, motion: Motion, low: np.ndarray, high: np.ndarray
+    ) -> None:
+        """Enter what moves: bounds before the motion."""
+        low, high = motion.bounds(low, high)
+        low, high = low.astype(np.float32), high.astype(np.float32)
+        self._grow(low, high)
+        self.moving.append(Moving(kind, index, row, self.paths.number(motion) - 1, low, high))
+
+    def _add_mesh(self, placed: PlacedShape) -> tuple[np.ndarray, _Range]:
+        """Append a mesh where it is placed: its vertices, and where they are."""
         mesh = self.flat.geometries[placed.geometry]
         matrix = placed.to_world[:3, :3]
         vertices = (mesh.vertices @ matrix.T + placed.to_world[:3, 3]).astype(np.float32)
@@ -267,14 +301,39 @@ class _Compiler:
             # the factor keeps numbers in range.
             inverse = np.linalg.inv(matrix) * np.cbrt(abs(np.linalg.det(matrix)))
             normals = (normals @ inverse).astype(np.float32)
-        place = self.arrays.add(vertices, normals, mesh)
+        return vertices, self.arrays.add(vertices, normals, mesh)
+
+    def _enter_mesh(
+        self, source: int, placed: PlacedShape, vertices: np.ndarray, place: _Range
+    ) -> int:
+        """Append the row of such a mesh."""
+        mesh = self.flat.geometries[placed.geometry]
         # A mirror image reverses the order of the vertices, not the outer side.
-        mirrored = bool(np.linalg.det(matrix) < 0.0)
+        mirrored = bool(np.linalg.det(placed.to_world[:3, :3]) < 0.0)
         flags = mesh_flags(mesh, placed.shape.flip_normals != mirrored)
         # Float64 corners of a big mesh would be the largest array of all.
         areas = np.zeros(0) if placed.light is None else triangle_areas(vertices, mesh.faces)
         index = self._enter("mesh", source, placed, np.zeros(0, np.float32), flags, areas, place)
         self.info[index][3] = 0
+        return index
+
+    def _place_moving_mesh(self, source: int, placed: PlacedShape) -> None:
+        """Enter a mesh with a tree of its own; those that begin alike share it."""
+        assert placed.motion is not None
+        key = placed.geometry, (placed.to_world + 0.0).tobytes()
+        if key not in self.moving_ranges:
+            vertices, place = self._add_mesh(placed)
+            self.moving_ranges[key] = len(self.geometries), place, vertices
+            self.geometries.append((vertices, self.flat.geometries[placed.geometry].faces))
+        number, place, vertices = self.moving_ranges[key]
+        index = self._enter_mesh(source, placed, vertices, place)
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        self._move("mesh", index, number, placed.motion, low, high)
+
+    def _place_mesh(self, source: int, placed: PlacedShape) -> None:
+        mesh = self.flat.geometries[placed.geometry]
+        vertices, place = self._add_mesh(placed)
+        index = self._enter_mesh(source, placed, vertices, place)
         self._grow(vertices.min(axis=0), vertices.max(axis=0))
         self.triangles.append((vertices, mesh.faces, index))
 
@@ -328,6 +387,8 @@ class _Compiler:
             kinds=tuple(name for name in SURFACES if name in kinds),
             center=0.5 * (low + high),
             radius=radius if radius > 0.0 else 1.0,
+            moving=self.moving,
+            motions=self.motions,
         )
 
     def _joined_triangles(self) -> Triangles:

@@ -17,7 +17,7 @@ from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Strict, ValidationError
+from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
 from pydantic_core import PydanticCustomError, core_schema
 
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
@@ -346,11 +346,24 @@ class Medium(Spec):
 
 
 class Camera(Spec):
-    """Base class of cameras; `medium` is what one stands in, if not what the scene is in."""
+    """Base class of cameras.
+
+    `medium` is what one stands in, if not what the scene is in; `shutter` are the times at which it
+    opens and closes, in the unit of the keyframes of what moves.
+    """
 
     family: ClassVar[str] = "cameras"
     kind: ClassVar[str] = "camera"
     medium: Annotated[Medium | str, Model("medium", "media", named=True)] | None = None
+    shutter: Annotated[tuple[float, float], Numbers(2, Interval())] = (0.0, 1.0)
+
+    @model_validator(mode="after")
+    def _closes_after_opening(self) -> Self:
+        begin, end = self.shutter
+        if end < begin:
+            text = "shutter [open, close] must not close before it opens"
+            raise invalid(f"{text}, got [{begin:g}, {end:g}]")
+        return self
 
 
 class Sampler(Spec):

@@ -26,6 +26,7 @@ from alight.core.simd import (
 )
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, normalize
+from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
 
 #: One path per lane.
@@ -49,7 +50,7 @@ PASSES = ("aov", "contributions")
 #: Depth of paths that only roulette ends.
 UNLIMITED = 2**31 - 1
 
-#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time.
+#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time (`moments`).
 FILTER, LENS = 0, 2
 CAMERA_DIMENSIONS = 8
 
@@ -167,8 +168,19 @@ def to_world(surface, w):
 
 @specialised
 def step(program):
-    """The step of the program's integrator, or of a pass beside the picture."""
-    return module_of(program).step(program)
+    """The step of the program's integrator, or of a pass beside the picture.
+
+    Where things move, it sees the scene at the times of its paths.
+    """
+    own = module_of(program).step(program)
+    if not program.motion:
+        return own
+
+    @kernel
+    def step_in_time(scene, settings, path):
+        return own(at_times_of(scene, path.sampler), settings, path)
+
+    return step_in_time
 
 
 def module_of(program):

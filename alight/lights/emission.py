@@ -14,7 +14,7 @@ from alight.shapes.flat import local_coordinates
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import Hit
 from alight.shapes.mesh import choose_triangle
-from alight.shapes.surfaces import KINDS, make_surface
+from alight.shapes.surfaces import KINDS, surface_from_rest
 from alight.textures.fetch import texture_value
 
 
@@ -62,7 +62,7 @@ def sampled_color(program):
             shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
             x, y, prim = coordinates(scene, shape, start, p + s.distance * s.wi, u, u2)
             hit = Hit(s.distance, x, y, shape, prim)
-            surface = make_surface(scene, hit, p, s.wi, textured)
+            surface = surface_from_rest(scene, hit, p, s.wi, textured)
             color = texture_value(scene, texture, surface, color)
         return color
 

@@ -22,6 +22,7 @@ from alight.core.simd import (
 from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.area import pdf as area_pdf
 from alight.lights.emission import emitted_color
+from alight.lights.moving import moving_pdf, moving_sample
 from alight.lights.tables import INFO, STRIDE, LightSample, row_of
 from alight.lights.tree import choose_by_tree, plain_probability
 from alight.shapes.hit import shadow_length, spawn_origin
@@ -115,7 +116,14 @@ def sample_chosen(program):
     """``sample_chosen(scene, index, p, u, u2) -> LightSample`` of the lights `index`."""
     several = program.environments
     names = tuple(name for name in LIGHTS if name in program.lights and name not in several)
-    return _by_row(several, _by_kind(names))
+    own = _by_row(several, _by_kind(names))
+    return moving_sample(own) if "lights" in program.motion else own
+
+
+@specialised
+def pdf_of_area(program):
+    """``pdf_of_area(scene, index, prim, p, wi, distance, cosine)`` of the lights `index`."""
+    return moving_pdf(area_pdf) if "lights" in program.motion else area_pdf
 
 
 def has_delta_lights(program) -> bool:
@@ -327,7 +335,7 @@ def light_pdf(program):
         shines = light > 0
         index = light_index(light)
         cosine = -dot(wi, surface.ng)
-        density = area_pdf(scene, index, surface.prim, p, wi, distance, cosine)
+        density = pdf_of_area(scene, index, surface.prim, p, wi, distance, cosine)
         return where(shines, density * gather(scene.lights.data, index * STRIDE + 3), 0.0)
 
     return with_area_lights

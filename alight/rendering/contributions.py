@@ -23,6 +23,16 @@ from alight.rendering.tiles import tiles_of
 #: `SceneTables`, and the log that the kernels of contributions write.
 RecordedTables = namedtuple("RecordedTables", (*SceneTables._fields, "log"))
 
+#: The same of a scene in which something moves.
+RecordedMotion = namedtuple("RecordedMotion", (*SceneTables._fields, "motions", "log"))
+
+
+def recorded_tables(scene: CompiledScene, log: Log) -> RecordedTables | RecordedMotion:
+    """A scene's tables with a log."""
+    kind = RecordedMotion if scene.program.motion else RecordedTables
+    return kind(*scene.tables, log)
+
+
 #: Room in a log for so many contributions a sample at first; a tile that needs more runs again.
 _ROOM = 6
 
@@ -126,7 +136,7 @@ class Recorder:
                 View(np.array([tile.x0, tile.y0, width, spp, settings.replicates], np.uint32)),
             )
             film = Scratch().film(settings, tile, False)
-            self.kernel(RecordedTables(*self.scene.tables, log), settings, tile, ranges, film)
+            self.kernel(recorded_tables(self.scene, log), settings, tile, ranges, film)
             count = int(log.count.array[0])
             if count <= room:
                 break

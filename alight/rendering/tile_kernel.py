@@ -32,6 +32,7 @@ from alight.core.simd import (
 )
 from alight.films.fixed_point import split
 from alight.filters.importance import sample_filter
+from alight.integrators.moments import at_times_of
 from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, take
 from alight.integrators.walk import FILTER, LENS, count_lanes, empty_paths, start_paths, step
 from alight.samplers.sampling import get_2d, sampler_state
@@ -127,9 +128,8 @@ def start(scene, settings, tile, ranges, cursor):
     # Filter importance sampling: the sample belongs to this pixel alone, at an offset that has
     # the filter's density (Ernst, Stamminger and Greiner 2006).
     dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
-    o, d = generate_ray(
-        scene, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS)
-    )
+    seen = at_times_of(scene, sampler)
+    o, d = generate_ray(seen, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS))
     new = lane_index() < count
     return cursor, start_paths(new, o, d, weight, sampler, empty_paths())
 

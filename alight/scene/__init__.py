@@ -9,6 +9,7 @@ from alight.core.errors import SceneError
 from alight.scene.description import FilmSettings, Node, Scene
 from alight.scene.files import builtin_names, dumps, load, loads, save
 from alight.scene.flatten import FlatScene, content_hash, flatten
+from alight.scene.keyframes import keyframes
 from alight.scene.manager import SceneManager
 from alight.scene.transform import Transform, look_at, matrix, rotate, scale, translate
 
@@ -24,6 +25,7 @@ __all__ = [
     "content_hash",
     "dumps",
     "flatten",
+    "keyframes",
     "load",
     "loads",
     "look_at",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ from alight.outputs.texels import reusing_memory
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.images import ImageStore
 from alight.scene.meshes import Geometry, MeshStore
+from alight.scene.motion import NOWHERE, Motion
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
 from alight.scene.volumes import VolumeStore
@@ -47,7 +48,7 @@ class PlacedShape(NamedTuple):
     shape : Shape
         Description; a mesh's arrays are in `FlatScene.geometries`.
     to_world : (4, 4) float64
-        From the shape's space to the world.
+        From the shape's space to the world, or to where its motion begins.
     bsdf : int
         Index into `FlatScene.bsdfs`.
     light : Light or None
@@ -57,6 +58,8 @@ class PlacedShape(NamedTuple):
     border : (int, int) or None
         Media on the inner and the outer side: 0 for none, else index into `FlatScene.media` + 1.
         None where the shape does not bound any.
+    motion : Motion or None
+        What moves it further while the shutter is open.
     """
 
     name: str
@@ -66,21 +69,24 @@ class PlacedShape(NamedTuple):
     light: Light | None
     geometry: int
     border: tuple[int, int] | None = None
+    motion: Motion | None = None
 
 
 class PlacedLight(NamedTuple):
-    """A light without a shape: name, description, (4, 4) float64 matrix to the world."""
+    """A light without a shape: name, description, (4, 4) float64 matrix to the world, motion."""
 
     name: str
     light: Light
     to_world: Matrix
+    motion: Motion | None = None
 
 
 class PlacedCamera(NamedTuple):
-    """The camera: description and (4, 4) float64 matrix to the world."""
+    """The camera: description, (4, 4) float64 matrix to the world, and motion."""
 
     camera: Camera
     to_world: Matrix
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True)
@@ -143,13 +149,13 @@ def flatten(scene: Scene) -> FlatScene:
         issues = find_problems(scene, store, images, volumes)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
-    flattener = _Flattener(scene, store, images, volumes)
+    camera = _place_camera(scene)
+    flattener = _Flattener(scene, store, images, volumes, camera.camera.shutter)
     if scene.environment is not None:
         light = images.resolved(scene.environment, scene.textures)
         flattener.environments.append(PlacedLight("environment", light, np.eye(4)))
     for name, node in scene.nodes.items():
-        flattener.place(name, node, np.eye(4), None)
-    camera = _place_camera(scene)
+        flattener.place(name, node, None)
     standing_in = scene.medium if camera.camera.medium is None else camera.camera.medium
     start_medium = flattener.medium_number(standing_in)
     return FlatScene(
@@ -177,6 +183,7 @@ class _Flattener:
     store: MeshStore
     images: ImageStore
     volumes: VolumeStore
+    shutter: tuple[float, float]
     shapes: list[PlacedShape] = field(default_factory=list)
     lights: list[PlacedLight] = field(default_factory=list)
     environments: list[PlacedLight] = field(default_factory=list)
@@ -188,31 +195,33 @@ class _Flattener:
     _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
     _geometry_index: dict[str, int] = field(default_factory=dict)
 
-    def place(self, path: str, root: Node, to_parent: Matrix, bsdf: Bsdf | str | None) -> None:
+    def place(self, path: str, root: Node, bsdf: Bsdf | str | None) -> None:
         """Place a node, what it instances, and its children."""
-        stack = [(path, root, to_parent, bsdf)]
+        stack = [(path, root, NOWHERE, bsdf)]
         while stack:
             path, node, parent, bsdf = stack.pop()
-            to_world = parent @ node.transform.matrix
+            here = parent.then(node.transform, self.shutter)
+            to_world = here.matrix
             bsdf = bsdf if node.bsdf is None else node.bsdf
             light = None if node.light is None else self.light(node.light)
             if node.shape is not None:
                 index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
                 border = self.border(node)
-                placed = PlacedShape(path, node.shape, to_world, index, light, geometry, border)
-                self.shapes.append(placed)
+                self.shapes.append(
+                    PlacedShape(
+                        path, node.shape, to_world, index, light, geometry, border, here.motion
+                    )
+                )
             elif light is not None:
-                placed = PlacedLight(path, light, to_world)
+                placed = PlacedLight(path, light, to_world, here.motion)
                 if light.placement == "environment":
                     self.environments.append(placed)
                 else:
                     self.lights.append(placed)
-            below = [
-                (f"{path}/{name}", child, to_world, bsdf) for name, child in node.children.items()
-            ]
+            below = [(f"{path}/{name}", child, here, bsdf) for name, child in node.children.items()]
             if node.instance is not None:
                 prototype = self.scene.prototypes[node.instance]
-                below.insert(0, (f"{path}/{node.instance}", prototype, to_world, bsdf))
+                below.insert(0, (f"{path}/{node.instance}", prototype, here, bsdf))
             stack.extend(reversed(below))
 
     def border(self, node: Node) -> tuple[int, int] | None:
@@ -275,18 +284,33 @@ def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, images: ImageStore) -> Bsdf:
 
 
 def _place_camera(scene: Scene) -> PlacedCamera:
-    if isinstance(scene.camera, Node):
-        assert scene.camera.camera is not None
-        return PlacedCamera(scene.camera.camera, scene.camera.transform.matrix)
     assert scene.camera is not None
-    to_world, node = np.eye(4), None
+    nodes = [scene.camera] if isinstance(scene.camera, Node) else []
     children = scene.nodes
-    for name in scene.camera.split("/"):
-        node = children[name]
-        to_world, children = to_world @ node.transform.matrix, node.children
-    assert node is not None
-    assert node.camera is not None
-    return PlacedCamera(node.camera, to_world)
+    for name in () if nodes else str(scene.camera).split("/"):
+        nodes.append(children[name])
+        children = nodes[-1].children
+    camera, here = nodes[-1].camera, NOWHERE
+    assert camera is not None
+    for node in nodes:
+        here = here.then(node.transform, camera.shutter)
+    return PlacedCamera(camera, here.matrix, here.motion)
+
+
+def at_opening(flat: FlatScene) -> FlatScene:
+    """The scene as it is when the shutter opens: nothing moves."""
+
+    def held(placed: Any) -> Any:
+        if placed.motion is None:
+            return placed
+        return placed._replace(to_world=placed.motion.at(0.0) @ placed.to_world, motion=None)
+
+    return replace(
+        flat,
+        shapes=[held(placed) for placed in flat.shapes],
+        lights=[held(placed) for placed in flat.lights],
+        camera=held(flat.camera),
+    )
 
 
 def content_hash(scene: Scene | FlatScene) -> str:
@@ -322,7 +346,7 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
         yield repr(registered).encode()
     for settings in (flat.film, flat.sampler, flat.integrator):
         yield _content(settings)
-    yield _content(flat.camera.camera) + flat.camera.to_world.tobytes()
+    yield _content(flat.camera.camera) + flat.camera.to_world.tobytes() + _moved(flat.camera)
     yield b"|".join(_placed_content(placed) for placed in flat.environments)
     for bsdf in flat.bsdfs:
         yield _content(bsdf)
@@ -336,7 +360,7 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
             cached[id(shape.shape)] = _content(shape.shape)
         light = b"" if shape.light is None else _content(shape.light)
         numbers = f"{shape.bsdf} {shape.geometry} ".encode()
-        yield cached[id(shape.shape)] + numbers + light + shape.to_world.tobytes()
+        yield cached[id(shape.shape)] + numbers + light + shape.to_world.tobytes() + _moved(shape)
     # Nothing where there are no media: pictures from before there were any keep their hash.
     if flat.media:
         borders = [shape.border for shape in flat.shapes]
@@ -345,10 +369,16 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
 
 
 def _placed_content(placed: PlacedLight) -> bytes:
-    return _content(placed.light) + placed.to_world.tobytes()
+    return _content(placed.light) + placed.to_world.tobytes() + _moved(placed)
+
+
+def _moved(placed: PlacedShape | PlacedLight | PlacedCamera) -> bytes:
+    """What it does while the shutter is open: nothing where it rests, whatever the shutter."""
+    return b"" if placed.motion is None else placed.motion.content
 
 
 def _content(spec: Spec) -> bytes:
     """Describe a model without its mesh arrays, which have a digest of their own."""
-    fields = {name: repr(value) for name, value in spec if name not in (*ARRAYS, "file", "medium")}
+    left_out = (*ARRAYS, "file", "medium", "shutter")
+    fields = {name: repr(value) for name, value in spec if name not in left_out}
     return json.dumps(fields, sort_keys=True).encode()

@@ -3,7 +3,11 @@
     transform: {translate: [0, 1, 0]}
     transform: [{scale: 2}, {rotate: {axis: y, angle: 30}}, {translate: [0, 1, 0]}]
 
-A list is applied from left to right, so this one is M = T R S.
+A list is applied from left to right, so this one is M = T R S. What moves is given at several
+times (`alight.scene.keyframes`), each with its steps, scale first, then rotate, then translate, or
+with a list of `steps`:
+
+    transform: {keyframes: [{time: 0}, {time: 1, translate: [1, 0, 0]}]}
 """
 
 from __future__ import annotations
@@ -12,10 +16,13 @@ from collections.abc import Callable, Mapping
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ValidationError
+from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, show_value, unknown_name
 from alight.core.spec import Degrees, Interval, Numbers, Spec, Triple, Vector3, invalid, translate
 from alight.scene import transform as make
+from alight.scene.keyframes import MOST_KEYFRAMES, Keyframes, keyframes
+from alight.scene.keyframes import problems as keyframe_problems
 from alight.scene.transform import IDENTITY, Transform
 
 Row = Annotated[tuple[float, float, float, float], Numbers(4, Interval())]
@@ -95,13 +102,17 @@ STEPS: dict[str, type[Translate | Rotate | Scale | LookAt | Matrix]] = {
 }
 
 
+#: Steps that may stand side by side in a keyframe, in the order in which they are applied.
+IN_ORDER = ("scale", "rotate", "translate")
+
+
 def parse_transform(data: object, report: Callable[[Issue], None]) -> Transform:
     """Build a transform from plain data.
 
     Parameters
     ----------
     data : mapping or list of mappings
-        Steps, each with the name of one operation.
+        Steps, each with the name of one operation, or keyframes.
     report : callable
         Receives an issue, with a path relative to `data`, for each step that is wrong.
 
@@ -110,6 +121,8 @@ def parse_transform(data: object, report: Callable[[Issue], None]) -> Transform:
     Transform
         The product of the steps that are right.
     """
+    if isinstance(data, Mapping) and "keyframes" in data:
+        return _parse_keyframes(data, report)
     steps = data if isinstance(data, list | tuple) else [data]
     result = IDENTITY
     if len(steps) > MOST_STEPS:
@@ -123,6 +136,68 @@ def parse_transform(data: object, report: Callable[[Issue], None]) -> Transform:
             for issue in error.issues:
                 report(issue.under(prefix))
     return result
+
+
+def _parse_keyframes(data: Mapping[str, Any], report: Callable[[Issue], None]) -> Transform:
+    if len(data) > 1:
+        other = next(name for name in data if name != "keyframes")
+        text = "must stand alone: put what rests into a node above or into every keyframe"
+        report(Issue("keyframes", f"{text}, got {other} beside them", about_key=True))
+        return IDENTITY
+    frames = data["keyframes"]
+    if not isinstance(frames, list | tuple) or not 0 < len(frames) <= MOST_KEYFRAMES:
+        got = len(frames) if isinstance(frames, list | tuple) else show_value(frames)
+        text = f"must be a list of 1 to {MOST_KEYFRAMES} keyframes, got {got}"
+        report(Issue("keyframes", text))
+        return IDENTITY
+    found: list[Issue] = []
+    pairs = [
+        _parse_keyframe(frame, f"keyframes[{i}]", found.append) for i, frame in enumerate(frames)
+    ]
+    if not found:
+        found = [Issue(f"keyframes{path}", text) for path, text in keyframe_problems(pairs)]
+    for issue in found:
+        report(issue)
+    return pairs[0][1] if found else keyframes(pairs)
+
+
+def _parse_keyframe(
+    frame: object, path: str, report: Callable[[Issue], None]
+) -> tuple[float, Transform]:
+    """Time and transform of one keyframe."""
+    if not isinstance(frame, Mapping) or "time" not in frame:
+        report(Issue(path, f"must have a time and steps, got {show_value(frame)}"))
+        return 0.0, IDENTITY
+    keys = dict(frame)
+    try:
+        time = Interval().check(keys.pop("time"))
+    except PydanticCustomError as error:
+        report(Issue(f"{path}.time", error.message()))
+        time = 0.0
+    if "steps" in keys:
+        if len(keys) > 1:
+            report(Issue(f"{path}.steps", "must be alone with the time", about_key=True))
+        steps, place = keys["steps"], f"{path}.steps"
+        result = parse_transform(steps, lambda issue: report(issue.under(place)))
+        if isinstance(result, Keyframes):
+            report(Issue(place, "must be steps of a transform that rests, got keyframes"))
+            result = IDENTITY
+        return time, result
+    unknown = [name for name in keys if name not in STEPS]
+    alone = [name for name in keys if name not in IN_ORDER]
+    for name in unknown:
+        text = unknown_name("transform", name, (*STEPS, "steps"))
+        report(Issue(f"{path}.{name}", text, about_key=True))
+    if not unknown and alone and len(keys) > 1:
+        report(Issue(f"{path}.{alone[0]}", "must be alone with the time", about_key=True))
+    steps = [{name: keys[name]} for name in (*IN_ORDER, *alone) if name in keys and name in STEPS]
+    return time, parse_transform(steps, lambda issue: report(_without_index(issue).under(path)))
+
+
+def _without_index(issue: Issue) -> Issue:
+    """The issue of a step in a keyframe, which is no list."""
+    path = issue.path.partition("]")[2].lstrip(".") if issue.path.startswith("[") else issue.path
+    return Issue(path, issue.message, issue.place, about_key=issue.about_key)
 
 
 def _parse_step(step: object) -> Transform:
@@ -148,6 +223,8 @@ def _parse_step(step: object) -> Transform:
 
 def dump_transform(transform: Transform) -> Any:
     """Write a transform as plain data that `parse_transform` reads back to the same bits."""
+    if isinstance(transform, Keyframes):
+        return {"keyframes": [_dump_keyframe(time, frame) for time, frame in transform.frames]}
     steps = transform.steps
     rebuilt = IDENTITY
     for step in steps:
@@ -157,6 +234,16 @@ def dump_transform(transform: Transform) -> Any:
         return {"matrix": transform.matrix.tolist()}
     data = [{step.name: _plain(step.value)} for step in steps]
     return data[0] if len(data) == 1 else data
+
+
+def _dump_keyframe(time: float, frame: Transform) -> dict[str, Any]:
+    data = dump_transform(frame)
+    steps = data if isinstance(data, list) else [data]
+    names = [name for step in steps for name in step]
+    in_order = [name for name in IN_ORDER if name in names]
+    if names == in_order or len(names) == 1:
+        return {"time": time, **{name: value for step in steps for name, value in step.items()}}
+    return {"time": time, "steps": data}
 
 
 def _plain(value: Any) -> Any:

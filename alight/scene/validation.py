@@ -16,6 +16,7 @@ from alight.scene.description import Node, Scene
 from alight.scene.images import ImageStore
 from alight.scene.media import media_problems
 from alight.scene.meshes import MeshStore, surface_area
+from alight.scene.moving import motion_problems
 from alight.scene.transform import Matrix, is_singular
 from alight.scene.volumes import VolumeStore
 from alight.shapes.mesh import Mesh
@@ -57,7 +58,9 @@ def find_problems(
     checker.check_environment()
     checker.check_nodes()
     checker.check_camera()
-    return checker.issues + media_problems(scene, volumes or VolumeStore(folder))
+    issues = checker.issues + media_problems(scene, volumes or VolumeStore(folder))
+    # Only a graph that is right so far can be walked with its instances.
+    return issues or motion_problems(scene)
 
 
 @dataclass

@@ -5,11 +5,12 @@ from __future__ import annotations
 from alight.core.constants import PI, TWO_PI
 from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
+from alight.core.motion import matrix_at, point_of_rest, turned
 from alight.core.simd import any_lane, gather, lanes, sqrt, where
 from alight.core.vec import Vec3, gather_vec3
 from alight.shapes.cylinder import MATRIX as CYLINDER_MATRIX
 from alight.shapes.flat import E1, E2, local_coordinates
-from alight.shapes.hit import INFO, INSTANCED, UVS
+from alight.shapes.hit import INFO, INSTANCED, UVS, Surface
 from alight.shapes.mesh import along_rows, corners_of, rows_if
 from alight.shapes.sphere import MATRIX as SPHERE_MATRIX
 from alight.shapes.sphere import times
@@ -30,7 +31,30 @@ def uv_derivatives(program):
         kind, k = gather(scene.shapes.info, row), gather(scene.shapes.info, row + 3)
         return chain(scene.shapes, kind, k, surface)
 
-    return derivatives
+    if "shapes" not in program.motion:
+        return derivatives
+
+    @kernel
+    def moving_derivatives(scene, surface):
+        along, across = derivatives(scene, _at_rest(scene, surface))
+        number = gather(scene.motions.of_shape, surface.shape)
+        moving = number != 0
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
+            along = where(moving, turned(m, along), along)
+            across = where(moving, turned(m, across), across)
+        return along, across
+
+    return moving_derivatives
+
+
+@kernel
+def _at_rest(scene, surface):
+    return Surface(
+        point_of_rest(scene, surface), surface.error, surface.ng, surface.ns, surface.s, surface.t,
+        surface.u, surface.v, surface.shape, surface.prim, surface.bsdf, surface.light,
+        surface.color,
+    )  # fmt: skip
 
 
 @kernel

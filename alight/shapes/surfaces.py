@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
-from alight.core.frame import frame_from_normal
+from alight.core.frame import frame_from_normal, frame_from_tangent
 from alight.core.jit import kernel, specialised
+from alight.core.motion import (
+    direction_at_rest,
+    error_in_world,
+    inverse_rows,
+    matrix_at,
+    placed,
+    point_at_rest,
+    turned,
+)
 from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
+from alight.core.vec import normalize
 from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
 from alight.shapes.hit import INFO, Geometry, Surface
 
@@ -108,9 +118,73 @@ def tangents(program):
     return of_the_normal
 
 
+@specialised
+def make_surface(program):
+    """``make_surface(scene, hit, o, d, active)``: `surface_at_rest`, at the times of the rays."""
+    if "shapes" not in program.motion:
+        return surface_at_rest
+
+    @kernel
+    def make_moving_surface(scene, hit, o, d, active):
+        number = gather(scene.motions.of_shape, hit.shape)
+        moving = active & (number != 0)
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
+            w = inverse_rows(m)
+            o = where(moving, point_at_rest(w, o), o)
+            d = where(moving, direction_at_rest(w, d), d)
+        return surface_from_rest(scene, hit, o, d, active)
+
+    return make_moving_surface
+
+
+@specialised
+def surface_from_rest(program):
+    """``surface_from_rest(scene, hit, o, d, active)``: `make_surface` for rays taken to rest."""
+    if "shapes" not in program.motion:
+        return surface_at_rest
+
+    @kernel
+    def moved_surface(scene, hit, o, d, active):
+        surface = surface_at_rest(scene, hit, o, d, active)
+        number = gather(scene.motions.of_shape, hit.shape)
+        moving = active & (number != 0)
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
+            surface = _in_the_world(m, inverse_rows(m), surface, moving)
+        return surface
+
+    return moved_surface
+
+
 @kernel
-def make_surface(scene, hit, o, d, active):
-    """Describe the surfaces that rays have hit.
+def _in_the_world(m, w, surface, moving):
+    """A surface as it is at its time, from what it is at rest."""
+    p = placed(m, surface.p)
+    error = error_in_world(m, w, surface.p, surface.ng, surface.error)
+    # Normals by the inverse transpose: they keep their side, mirrored or not.
+    ng, ns = normalize(turned(w, surface.ng)), normalize(turned(w, surface.ns))
+    s, t = frame_from_tangent(ns, turned(m, surface.s))
+    return Surface(
+        where(moving, p, surface.p),
+        where(moving, error, surface.error),
+        where(moving, ng, surface.ng),
+        where(moving, ns, surface.ns),
+        where(moving, s, surface.s),
+        where(moving, t, surface.t),
+        surface.u,
+        surface.v,
+        surface.shape,
+        surface.prim,
+        surface.bsdf,
+        surface.light,
+        surface.color,
+    )
+
+
+@kernel
+def surface_at_rest(scene, hit, o, d, active):
+    """Describe the surfaces that rays have hit, before what moves has moved.
 
     Parameters
     ----------

@@ -24,6 +24,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from alight.core.jit import kernel
+from alight.core.motion import point_at_opening
 from alight.core.rng import pcg4d
 from alight.core.simd import (
     absolute,
@@ -188,9 +189,10 @@ def evaluate(scene, base, surface):
     """The pattern's colour at a point of a surface."""
     data = scene.materials.texture_data
     in_uv = gather(data, base + 15) > 0.0
-    x = where(in_uv, surface.u, surface.p.x) * gather(data, base + 6) + gather(data, base + 9)
-    y = where(in_uv, surface.v, surface.p.y) * gather(data, base + 7) + gather(data, base + 10)
-    z = where(in_uv, 0.0, surface.p.z) * gather(data, base + 8) + gather(data, base + 11)
+    p = point_at_opening(scene, surface)
+    x = where(in_uv, surface.u, p.x) * gather(data, base + 6) + gather(data, base + 9)
+    y = where(in_uv, surface.v, p.y) * gather(data, base + 7) + gather(data, base + 10)
+    z = where(in_uv, 0.0, p.z) * gather(data, base + 8) + gather(data, base + 11)
     octaves, gain = gather(data, base + 12), gather(data, base + 13)
     turbulent = gather(data, base + 14) > 0.0
     total, sizes, size, k = lanes(0.0), lanes(0.0), lanes(1.0), lanes(0.0)

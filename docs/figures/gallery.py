@@ -24,6 +24,7 @@ SCENES = (
     "lamp-and-glass",
     "milk",
     "mirror-and-glass",
+    "motion-blur",
     "phong-exponents",
     "rough-glass",
     "rough-metals",
@@ -42,6 +43,7 @@ MORE = {
     "lamp-and-glass": 256,
     "milk": 512,
     "mirror-and-glass": 256,
+    "motion-blur": 384,
     "rough-glass": 256,
     "veach-plates": 192,
 }

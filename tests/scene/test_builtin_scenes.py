@@ -28,6 +28,7 @@ SCENES = (
     "lamp-and-glass",
     "material-ball",
     "mirror-and-glass",
+    "motion-blur",
     "phong-exponents",
     "rough-glass",
     "rough-metals",

@@ -14,7 +14,7 @@ from alight.laws.scene.materials import check_materials
 from alight.laws.scene.numbers import check_numbers, check_paths
 from alight.laws.scene.pictures import check_accelerators, check_strategies, integrator_of, small
 from alight.scene import Scene, flatten
-from alight.scene.flatten import FlatScene
+from alight.scene.flatten import FlatScene, at_opening
 
 #: What is looked at, in this order.
 PARTS = ("materials", "lights", "numbers", "paths", "pictures", "accelerators")
@@ -72,7 +72,11 @@ def _findings(
         yield from check_materials(material_names(scene, flat), seed)
     if "lights" in only and scene.integrator.needs_light:
         say("lights")
-        yield from check_lights(flat, compiled, seed)
+        # The laws hold at any one time.
+        still = at_opening(flat)
+        moves = compiled.program.motion
+        compiled_then = compile_scene(still, structure="list") if moves else compiled
+        yield from check_lights(still, compiled_then, seed)
     if "numbers" in only:
         say("random numbers")
         yield from check_numbers(scene.sampler, seed)

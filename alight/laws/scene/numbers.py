@@ -22,7 +22,7 @@ from alight.integrators.walk import CAMERA_DIMENSIONS, make_settings
 from alight.laws.samplers import FAR, sequence, twin, u32
 from alight.laws.scene.findings import Finding
 from alight.laws.statistics import chi_square_tail, uniform_p_value
-from alight.rendering.contributions import RecordedTables, recording_program
+from alight.rendering.contributions import recorded_tables, recording_program
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import Tile, render_tile_kernel
 from alight.samplers.sampling import get_1d, get_2d, sampler_state
@@ -123,7 +123,7 @@ def _followed(
             film = Scratch().film(settings, tile, False)
             ranges = View(np.array([[[0, int(LANES)]]], np.int64))
             with np.errstate(all="ignore"):
-                kernel(RecordedTables(*scene.tables, log), settings, tile, ranges, film)
+                kernel(recorded_tables(scene, log), settings, tile, ranges, film)
             words = log.words.shaped[: int(log.count.array[0])]
             depths.append(words[:, 1].astype(np.int64) & ((1 << HALF) - 1))
     return np.concatenate(depths)

@@ -7,6 +7,7 @@ import pytest
 
 from alight.core.errors import SceneError
 from alight.scene import load, loads
+from alight.scene.keyframes import Keyframes
 from tests.scene.pbrt.reading import HEAD, issues, messages, node, ray, read, world
 
 SPHERE = 'Shape "sphere"'
@@ -86,13 +87,13 @@ def test_screen_window_and_halffov():
     assert read(SPHERE, shifted, lenient=True).warnings
 
 
-def test_animated_things_stand_at_the_start_time_and_it_is_said():
-    body = f"ActiveTransform EndTime Translate 9 9 9 ActiveTransform All Translate 1 0 0 {SPHERE}"
-    scene = read(body)
-    assert world(scene, (0, 0, 0)) == [1, 0, 0]
+def test_animated_lights_without_a_shape_stand_at_the_start_time_and_it_is_said():
+    light = 'LightSource "point"'
+    scene = read(f"ActiveTransform StartTime Translate 9 8 7 ActiveTransform All {light}")
+    [node] = scene.nodes.values()
+    assert node.transform.matrix[:3, 3].tolist() == [9, 8, 7]
+    assert not isinstance(node.transform, Keyframes)
     assert any("start time" in warning for warning in scene.warnings)
-    scene = read(f"ActiveTransform StartTime Translate 9 9 9 {SPHERE}")
-    assert world(scene, (0, 0, 0)) == [9, 9, 9]
 
 
 def test_objects_are_prototypes():

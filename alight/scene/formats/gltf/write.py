@@ -19,7 +19,7 @@ import numpy as np
 
 from alight.core.spec import Bsdf, Light, Texture
 from alight.outputs.atomic import replacing
-from alight.scene.flatten import FlatScene, PlacedShape
+from alight.scene.flatten import FlatScene, PlacedShape, at_opening
 from alight.scene.formats.gltf.tessellate import EXACT, flipped, tessellated
 from alight.scene.formats.triangles import MeshArrays
 from alight.textures.bitmap import Bitmap
@@ -50,7 +50,9 @@ def write(flat: FlatScene, path: Path) -> list[str]:
     OSError
         If it cannot be written.
     """
-    writer = _Writer(flat)
+    writer = _Writer(at_opening(flat))
+    if any(placed.motion for placed in (*flat.shapes, *flat.lights, flat.camera)):
+        writer.lose("what moves: it stands where it is when the shutter opens")
     writer.add_all()
     with replacing(path) as beside:
         beside.write_bytes(writer.bytes())

@@ -37,6 +37,8 @@ class Context:
         ``bsdfs``, ``textures``, ``media`` and ``prototypes`` by name, as in the native format.
     loaded : dict
         Meshes that have been read.
+    moves : bool
+        Whether the file has animations.
     sees_media, uses_media : bool
         Whether the file's integrator knows of media; whether there are any.
     """
@@ -47,6 +49,7 @@ class Context:
     places: dict[str, str] = field(default_factory=dict)
     tables: dict[str, dict[str, Data]] = field(default_factory=dict)
     loaded: dict[Any, Any] = field(default_factory=dict)
+    moves: bool = False
     sees_media: bool = False
     uses_media: bool = False
     _names: dict[tuple[str, str], str] = field(default_factory=dict)

@@ -15,7 +15,7 @@ from alight.scene.formats.mitsuba.values import (
 )
 
 #: Elements that give a value to a parameter.
-VALUES = ("float", "integer", "boolean", "string", "point", "vector", "transform")
+VALUES = ("float", "integer", "boolean", "string", "point", "vector", "transform", "animation")
 COLORS = ("rgb", "srgb", "spectrum", "blackbody")
 #: Elements that are objects of their own.
 OBJECTS = (

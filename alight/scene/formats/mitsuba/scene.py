@@ -81,6 +81,7 @@ def _collect_ids(context: Context, objects: list[Element], document: Document) -
     while stack:
         element = stack.pop()
         stack.extend(reversed(element.children))
+        context.moves = context.moves or element.tag == "animation"
         name = element.attributes.get("id")
         if name is None or element.tag == "ref":
             continue

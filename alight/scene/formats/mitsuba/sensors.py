@@ -11,7 +11,7 @@ from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.films import film, sampler
-from alight.scene.formats.mitsuba.transforms import camera_steps, steps_of
+from alight.scene.formats.mitsuba.transforms import motion_of
 from alight.scene.formats.mitsuba.values import NotNumbersError, parse_number
 
 #: Our names of the cameras.
@@ -41,9 +41,9 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
         context.report.error(surplus, "a sensor has one film and one sampler at most")
     data["film"] = film(context, films[0] if films else None)
     p.ignore("the camera sees things at any distance", "near_clip", "far_clip")
-    p.ignore("nothing moves", "shutter_open", "shutter_close")
+    _shutter(draft)
     _centred(draft)
-    steps = steps_of(p)
+    _, transform = motion_of(p, of_camera=True)
     if kind == "orthographic":
         width, height = data["film"]["size"]
         draft.put("height", 2.0 * height / width)
@@ -56,11 +56,29 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
         draft.number("focus_distance", 1.0)
     else:
         p.ignore("without a lens everything is sharp", "focus_distance", "aperture_radius")
-    draft.put("transform", camera_steps(steps), "to_world")
+    draft.put("transform", transform, "to_world")
     p.finish()
     data["camera"] = draft.data
     spp, data["sampler"] = sampler(context, samplers[0] if samplers else None)
     return spp
+
+
+def _shutter(draft: Draft) -> None:
+    """When the shutter opens and closes; at once, unless the file says."""
+    p, report = draft.properties, draft.context.report
+    if not draft.context.moves:
+        p.ignore("nothing moves", "shutter_open", "shutter_close")
+        return
+    begin, end = p.number("shutter_open", 0.0), p.number("shutter_close", 0.0)
+    assert begin is not None
+    assert end is not None
+    if end < begin:
+        element = p.named.get("shutter_close", draft.element)
+        report.error(element, f"must not be before shutter_open, {begin:g}, got {end:g}")
+        return
+    draft.put("shutter", [begin, end], "shutter_close")
+    if end == begin:
+        report.warn(draft.element, "its shutter closes as it opens: what moves is sharp")
 
 
 def _centred(draft: Draft) -> None:

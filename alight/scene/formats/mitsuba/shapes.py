@@ -13,7 +13,7 @@ from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.emitters import area_light
 from alight.scene.formats.mitsuba.meshes import load_mesh
-from alight.scene.formats.mitsuba.transforms import Step, is_mirrored, matrix_of, steps_of
+from alight.scene.formats.mitsuba.transforms import Step, is_mirrored, matrix_of, motion_of
 from alight.shapes.mesh import Mesh
 
 #: Parameters that no shape needs.
@@ -47,8 +47,8 @@ def convert(context: Context, element: Element, path: str) -> Data | None:
 def _shape(context: Context, element: Element, path: str) -> Data | None:
     draft = Draft(context, element, path)
     p = draft.properties
-    steps = steps_of(p)
-    draft.put("transform", steps or None, "to_world")
+    steps, transform = motion_of(p)
+    draft.put("transform", transform or None, "to_world")
     shape = COVERED[element.type](draft, steps)
     context.places[join_path(path, "shape")] = element.place
     interiors.of_shape(draft)
@@ -187,7 +187,7 @@ def _group(context: Context, element: Element, path: str) -> Data:
 def _instance(context: Context, element: Element, path: str) -> Data | None:
     draft = Draft(context, element, path)
     p = draft.properties
-    draft.put("transform", steps_of(p) or None, "to_world")
+    draft.put("transform", motion_of(p)[1] or None, "to_world")
     groups = p.take("shape", "ref")
     p.finish()
     if len(groups) != 1:

@@ -38,6 +38,64 @@ def steps_of(properties: Properties, name: str = "to_world") -> list[Step]:
     report = properties.report
     if element is None:
         return []
+    if element.tag == "animation":
+        text = "is not covered: shapes, instances and sensors move, this stays"
+        report.not_covered(element, text, "the first keyframe is taken")
+        return _keyframes(element, report)[0][1]
+    return _steps_in(element, report)
+
+
+def motion_of(properties: Properties, of_camera: bool = False) -> tuple[list[Step], Any]:
+    """Ask an object that can move for its transform.
+
+    Parameters
+    ----------
+    properties : Properties
+    of_camera : bool, default False
+        Whether it looks along the axis of Mitsuba's cameras, see `camera_steps`.
+
+    Returns
+    -------
+    steps : list of dict
+        As of `steps_of`; of what moves the first ones.
+    transform : list or dict
+        The native transform.
+    """
+    element = properties.find("to_world")
+    if element is None or element.tag != "animation":
+        steps = steps_of(properties)
+        return steps, camera_steps(steps) if of_camera else steps
+    frames = _keyframes(element, properties.report)
+    keyframes = [
+        {"time": time, "steps": camera_steps(steps) if of_camera else steps}
+        for time, steps in frames
+    ]
+    return frames[0][1], {"keyframes": keyframes}
+
+
+def _keyframes(element: Element, report: Report) -> list[tuple[float, list[Step]]]:
+    """Times and steps of an ``<animation>`` of Mitsuba 0.6."""
+    result: list[tuple[float, list[Step]]] = []
+    for child in element.children:
+        if child.tag != "transform" or "time" not in child:
+            report.error(child, f"must be a <transform time=...>, got {child.label}")
+            continue
+        try:
+            time = parse_number(child.attributes["time"])
+        except NotNumbersError as error:
+            report.error(child, str(error))
+            continue
+        if result and time <= result[-1][0]:
+            text = f"must be later than the one before, {result[-1][0]:g}, got {time:g}"
+            report.error(child, text)
+            continue
+        result.append((time, _steps_in(child, report)))
+    if not result:
+        report.error(element, "has no keyframe")
+    return result or [(0.0, [])]
+
+
+def _steps_in(element: Element, report: Report) -> list[Step]:
     if element.tag != "transform":
         report.error(element, f"must be given as <transform>, got <{element.tag}>")
         return []

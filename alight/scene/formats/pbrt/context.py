@@ -65,3 +65,19 @@ class Context:
         self._last[table, plain] = number
         self._taken.add((table, name))
         return name
+
+    def sees_coordinates(self, value: object) -> bool:
+        """Whether a description, or one that it names, depends on texture coordinates."""
+        stack, seen = [value], set()
+        while stack:
+            value = stack.pop()
+            if isinstance(value, str) and value not in seen:
+                seen.add(value)
+                stack += [t[value] for t in self.tables.values() if value in t]
+            elif isinstance(value, dict):
+                if value.get("type") in ("bitmap", "checkerboard") or "alpha_u" in value:
+                    return True
+                stack.extend(value.values())
+            elif isinstance(value, list):
+                stack.extend(value)
+        return False

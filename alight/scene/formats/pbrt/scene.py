@@ -16,7 +16,7 @@ from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, directives
 from alight.scene.formats.pbrt.materials_of_3 import OF_3
 from alight.scene.formats.pbrt.report import Report
-from alight.scene.formats.pbrt.transforms import inverse
+from alight.scene.formats.pbrt.transforms import FACING, inverse, keyframes
 from alight.scene.formats.pbrt.words import BrokenError, Words
 from alight.scene.formats.pbrt.world import World
 from alight.scene.formats.reach import OutOfReachError, Reach
@@ -89,7 +89,7 @@ class _Reader:
         self.context = context
         self.world = World(context)
         self.settings: dict[str, Directive] = {}
-        self.to_camera = np.eye(4)
+        self.camera_ends: np.ndarray | None = None
         self.around_camera: Directive | None = None
         self.spp: int | None = None
         self.in_world = False
@@ -138,13 +138,15 @@ class _Reader:
             self.context.report.approximated(directive, text)
         self.settings[directive.name] = directive
         if directive.name == "Camera":
-            self.to_camera = self.world.state.matrix
-            self.around_camera = self.world.state.media
-            self.world.report_motion(directive)
-            self.world.systems["camera"] = self.matrix_of_camera(directive)
+            state = self.world.state
+            self.around_camera = state.media
+            self.world.systems["camera"] = self.matrix_of_camera(directive, state.matrix)
+            self.camera_ends = None
+            if state.is_animated:
+                self.camera_ends = self.matrix_of_camera(directive, state.ends)
 
-    def matrix_of_camera(self, directive: Directive) -> np.ndarray:
-        to_world = inverse(self.to_camera)
+    def matrix_of_camera(self, directive: Directive, to_camera: np.ndarray) -> np.ndarray:
+        to_world = inverse(to_camera)
         if to_world is None:
             text = "its transformation is singular: it flattens space"
             self.context.report.error(directive, text)
@@ -172,6 +174,9 @@ class _Reader:
             self.film.pop("crop", None)
         to_world = self.world.systems.get("camera", np.eye(4))
         self.camera = settings.camera(context, found.get("Camera"), to_world, self.film)
+        if self.camera_ends is not None:
+            begin, end = to_world @ FACING, self.camera_ends @ FACING
+            self.camera["transform"] = keyframes(begin, end, self.world.times)
 
     def include(self, directive: Directive) -> None:
         context, name = self.context, directive.type

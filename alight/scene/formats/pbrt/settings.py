@@ -42,7 +42,7 @@ def camera(context: Context, directive: Directive | None, to_world: np.ndarray, 
         p.forget()
         kind = "perspective"
     width, height = film["size"]
-    _shutter(context, p)
+    shutter = _shutter(context, p)
     aspect = p.positive("frameaspectratio", width / height)
     window = [-aspect, aspect, -1.0, 1.0] if aspect > 1.0 else [-1.0, 1.0, -1 / aspect, 1 / aspect]
     found = p.values("screenwindow", "float", count=4)
@@ -68,6 +68,8 @@ def camera(context: Context, directive: Directive | None, to_world: np.ndarray, 
     p.finish()
     if directive.place:
         context.places["camera"] = directive.place
+    if shutter != [0.0, 1.0]:
+        data["shutter"] = shutter
     return {**data, "transform": {"matrix": (to_world @ FACING).tolist()}}
 
 
@@ -85,13 +87,17 @@ def _window(p: Parameters, window: list[float], width: int, height: int) -> floa
     return 0.5 * high
 
 
-def _shutter(context: Context, p: Parameters) -> None:
+def _shutter(context: Context, p: Parameters) -> list[float]:
+    """When the shutter opens and closes; in pbrt 4 light adds up as long as it is open."""
     open_, close = p.number("shutteropen", 0.0), p.number("shutterclose", 1.0)
-    if not context.old:
-        if close <= open_:
-            p.report.error(p.directive, f"shutterclose must be > shutteropen, got {close:g}")
-        else:
-            context.exposure *= close - open_
+    if context.old:
+        # As pbrt 3 does.
+        return sorted((open_, close))
+    if close <= open_:
+        p.report.error(p.directive, f"shutterclose must be > shutteropen, got {close:g}")
+        return [0.0, 1.0]
+    context.exposure *= close - open_
+    return [open_, close]
 
 
 def film(context: Context, directive: Directive | None, pixel_filter: Directive | None) -> Data:

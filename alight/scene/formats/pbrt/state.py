@@ -21,7 +21,7 @@ class State:
     matrix : (4, 4) float64
         When the shutter opens.
     ends : (4, 4) float64
-        At the end time; it counts only in so far as it is reported if it differs.
+        At the end time.
     changes_start, changes_end : bool
         Which of the two transformations change, see ``ActiveTransform``.
     reverse : bool

@@ -11,6 +11,7 @@ pbrt's rules for the sides of surfaces, which are rules about numbers, hold unch
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -97,3 +98,33 @@ def keeps_angles(matrix: Matrix) -> bool:
 def steps(matrix: Matrix) -> dict[str, list[list[float]]] | None:
     """Write a matrix as a step of the native format; None for the identity."""
     return None if np.array_equal(matrix, np.eye(4)) else {"matrix": matrix.tolist()}
+
+
+def keyframes(
+    begin: Matrix, end: Matrix, times: tuple[float, float]
+) -> dict[str, list[dict[str, object]]]:
+    """Write two matrices as keyframes of the native format."""
+    pairs = zip(times, (begin, end), strict=True)
+    return {"keyframes": [{"time": time, "matrix": matrix.tolist()} for time, matrix in pairs]}
+
+
+def moving(
+    node: dict[str, Any], name: str, begin: Matrix, end: Matrix, times: tuple[float, float]
+) -> dict[str, Any]:
+    """Let a node move that stands right for the matrix `begin`; unless that has no inverse."""
+    placed = np.array(node["transform"]["matrix"]) if "transform" in node else np.eye(4)
+    back = inverse(begin)
+    if np.array_equal(placed, begin) or back is None:
+        return {**node, "transform": keyframes(begin, end, times)}
+    rest = {**node, "transform": steps(back @ placed)}
+    return {"transform": keyframes(begin, end, times), "children": {name: rest}}
+
+
+def only_turns(begin: Matrix, end: Matrix) -> bool:
+    """Whether what is between two matrices only shifts and turns."""
+    back = inverse(begin)
+    if back is None or not np.isfinite(end).all():
+        return False
+    linear = (end @ back)[:3, :3]
+    near = np.allclose(linear.T @ linear, np.eye(3), rtol=0.0, atol=1e-9)
+    return near and not swaps_handedness(linear)

@@ -21,6 +21,8 @@ from alight.scene.formats.pbrt.state import State
 from alight.scene.formats.pbrt.textures import Source
 from alight.scene.formats.pbrt.transforms import (
     look_at,
+    moving,
+    only_turns,
     rotation,
     scaling,
     steps,
@@ -68,6 +70,7 @@ class World:
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
         self.media = Media(context)
+        self.times = 0.0, 1.0
         self._target, self._path = self.nodes, "nodes"
 
     def begin(self) -> None:
@@ -142,13 +145,26 @@ class World:
 
     def set_times(self, directive: Directive) -> None:
         """Follow TransformTimes."""
-        self.context.report.note(directive, "is not used: nothing moves")
+        start, end = (float(number) for number in directive.numbers)
+        if not start < end:
+            text = f"must have an end after its start, got {start:g} and {end:g}"
+            self.context.report.error(directive, text)
+        else:
+            self.times = start, end
 
     def report_motion(self, directive: Directive) -> None:
-        """Warn of what moves while the shutter is open."""
+        """Warn of what moves while the shutter is open, and does not here."""
         if self.state.is_animated:
             text = "moves: it stands where it is at the start time"
             self.context.report.approximated(directive, text)
+
+    def rests(self, directive: Directive, shines: bool) -> bool:
+        """Whether a shape stands still, as one that shines does unless it only shifts and turns."""
+        state = self.state
+        if shines and state.is_animated and not only_turns(state.matrix, state.ends):
+            self.report_motion(directive)
+            return True
+        return not state.is_animated
 
     # ------------------------------------------------------------ attributes
 
@@ -312,14 +328,13 @@ class World:
 
     def shape(self, directive: Directive) -> None:
         """Follow Shape."""
-        self.report_motion(directive)
         context, state = self.context, self.state
         p = Parameters(directive, context.report, self.defaults("shape"))
         bound = textures.bind(context, [*p.named.values()], state.textures, numbers=True)
         bsdf: str | Data = materials.material_name(context, state.material, self.named)
         alpha = Source(context, p, bound).number("alpha", None)
         light, sides = self.light_of_shape(directive)
-        textured = any(_sees_coordinates(context, part) for part in (bsdf, alpha, light))
+        textured = any(context.sees_coordinates(part) for part in (bsdf, alpha, light))
         mirrored = swaps_handedness(state.matrix)
         placed = Placed(context, p, state.matrix, state.reverse, mirrored, textured)
         shape = convert_shape(placed)
@@ -338,7 +353,7 @@ class World:
         if light is not None:
             self.shine(directive, node, light, sides, placed.matrix)
         else:
-            self.add(self._target, self._path, directive, node)
+            self.add(self._target, self._path, directive, node, self.rests(directive, False))
 
     def light_of_shape(self, directive: Directive) -> tuple[Data | None, bool]:
         """The light that the shape shines with, and whether from both sides."""
@@ -370,7 +385,8 @@ class World:
             whole = np.pi * area_of(shape, matrix) * (2.0 if sides else 1.0)
             light["radiance"] = [c * power / whole if whole else c for c in light["radiance"]]
         node["light"] = light
-        self.add(self.nodes, "nodes", directive, node)
+        rests = self.rests(directive, True)
+        self.add(self.nodes, "nodes", directive, node, rests)
         if sides and not has_one_side(shape):
             text = f"shines from two sides: two surfaces, {GAP:g} of its size apart, are taken"
             self.context.report.approximated(directive, text)
@@ -378,7 +394,7 @@ class World:
             # The first of both is the border of media.
             sides_of_media = ("interior", "exterior")
             back = {key: value for key, value in back.items() if key not in sides_of_media}
-            self.add(self.nodes, "nodes", directive, back)
+            self.add(self.nodes, "nodes", directive, back, rests)
 
     def begin_object(self, directive: Directive) -> None:
         """Follow ObjectBegin."""
@@ -406,7 +422,6 @@ class World:
 
     def instance(self, directive: Directive) -> None:
         """Follow ObjectInstance."""
-        self.report_motion(directive)
         name = self.objects.get(directive.type)
         if name is None:
             message = unknown_name("object", directive.type, self.objects, listed_as="objects")
@@ -416,31 +431,23 @@ class World:
         step = steps(self.state.matrix)
         if step is not None:
             node["transform"] = step
-        self.add(self._target, self._path, directive, node)
+        self.add(self._target, self._path, directive, node, self.rests(directive, False))
 
-    def add(self, target: dict[str, Data], path: str, directive: Directive, node: Data) -> None:
+    def add(
+        self,
+        target: dict[str, Data],
+        path: str,
+        directive: Directive,
+        node: Data,
+        rests: bool = True,
+    ) -> None:
         """Put a node among others, with a name of its own."""
         wanted = quote(directive.type)[1:-1] or directive.name
         name = self.context.name(path, wanted)
+        if not rests:
+            node = moving(node, wanted, self.state.matrix, self.state.ends, self.times)
         target[name] = node
         self.context.places[join_path(path, name)] = directive.place
-
-
-def _sees_coordinates(context: Context, value: object) -> bool:
-    """Whether a description, or one that it names, depends on texture coordinates."""
-    stack, seen = [value], set()
-    while stack:
-        value = stack.pop()
-        if isinstance(value, str) and value not in seen:
-            seen.add(value)
-            stack += [t[value] for t in context.tables.values() if value in t]
-        elif isinstance(value, dict):
-            if value.get("type") in ("bitmap", "checkerboard") or "alpha_u" in value:
-                return True
-            stack.extend(value.values())
-        elif isinstance(value, list):
-            stack.extend(value)
-    return False
 
 
 _FOLLOW: dict[str, Callable[[World, Directive], None]] = {

@@ -1,0 +1,68 @@
+"""When a sample sees the scene: each has one time, which all rays of its path keep.
+
+It is a dimension of its own of the sampler, uniform between the opening (0) and the closing (1) of
+the shutter, and a pure function of the sample, so that nothing has to be carried along.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.core.jit import kernel, specialised
+from alight.samplers.sampling import get_1d
+
+#: Dimension of the time, see `alight.integrators.walk`.
+TIME = 4
+
+#: Tables of a scene in which something moves (`alight.compiled.scene`), seen at the times of the
+#: lanes; the same with media, and of contributions.
+AtTimes = namedtuple("AtTimes", "shapes materials lights accel camera filter motions time")
+AtTimesInMedia = namedtuple(
+    "AtTimesInMedia", "shapes materials lights accel camera filter media motions time"
+)
+AtTimesRecorded = namedtuple(
+    "AtTimesRecorded", "shapes materials lights accel camera filter motions log time"
+)
+
+
+@specialised
+def at_times_of(program):
+    """``at_times_of(scene, sampler)``: the scene at the times of these samples."""
+    if not program.motion:
+        return always
+    if program.media:
+        return at_times_in_media
+    return at_times_recorded if program.integrator == "contributions" else at_times
+
+
+@kernel
+def always(scene, sampler):
+    """Nothing moves."""
+    return scene
+
+
+@kernel
+def at_times(scene, sampler):
+    """What kernels ask for, and when."""
+    return AtTimes(
+        scene.shapes, scene.materials, scene.lights, scene.accel, scene.camera, scene.filter,
+        scene.motions, get_1d(sampler, TIME),
+    )  # fmt: skip
+
+
+@kernel
+def at_times_in_media(scene, sampler):
+    """The same of a scene with media."""
+    return AtTimesInMedia(
+        scene.shapes, scene.materials, scene.lights, scene.accel, scene.camera, scene.filter,
+        scene.media, scene.motions, get_1d(sampler, TIME),
+    )  # fmt: skip
+
+
+@kernel
+def at_times_recorded(scene, sampler):
+    """The same with a log."""
+    return AtTimesRecorded(
+        scene.shapes, scene.materials, scene.lights, scene.accel, scene.camera, scene.filter,
+        scene.motions, scene.log, get_1d(sampler, TIME),
+    )  # fmt: skip
