@@ -363,8 +363,7 @@ def test_the_studio_looks_the_same_from_any_camera(azimuth, tmp_path):
     m.node(camera=0, rotation=[0, np.sin(half), 0, np.cos(half)])
     (tmp_path / "a.glb").write_bytes(m.glb())
     flat = flatten(load(tmp_path / "a.glb"))
-    light = flat.environment
-    assert light is not None
+    (light,) = flat.environments
     # A direction of the studio's picture, seen from the camera: columns are to_world's axes.
     to_studio = make_map(light.light, light.to_world, compensated=False).table[:9].reshape(3, 3)
     seen = flat.camera.to_world[:3, :3].T @ to_studio.T @ [0.0, 0.0, 1.0]
