@@ -32,7 +32,7 @@ LIGHT = (
         "lights/sampling.py",
         (
             (
-                "return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]",
+                "return density(scene, back, p, d) * scene.lights.data[row_of(scene, back) + 3]",
                 "return lanes(0.0)",
             ),
         ),
@@ -43,8 +43,8 @@ LIGHT = (
         "lights/sampling.py",
         (
             (
-                "return density(scene, d) * scene.lights.data[scene.lights.data.size - STRIDE + 3]",
-                "return density(scene, d)",
+                "return density(scene, back, p, d) * scene.lights.data[row_of(scene, back) + 3]",
+                "return density(scene, back, p, d)",
             ),
         ),
         f"{LIGHTS}::test_lights_are_chosen_as_asked",
@@ -177,7 +177,7 @@ LIGHT = (
     Mutant(
         "sun whose samples do not know those of the sky",
         "lights/sunsky.py",
-        (("(1.0 - share) * pdf_of_sky(scene, d)", "pdf_of_sky(scene, d)"),),
+        (("(1.0 - share) * pdf_of_sky(scene, back, p, d)", "pdf_of_sky(scene, back, p, d)"),),
         f"{DAYLIGHT}::test_light_sampling_finds_all_the_light",
     ),
     Mutant(
