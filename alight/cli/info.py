@@ -41,6 +41,8 @@ def info(
         for line in tree_lines(description):
             typer.echo(line)
     show_remarks(description)
+    for note in flat.notes:
+        typer.echo(f"approximated: {note}", err=True)
 
 
 def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:

@@ -54,8 +54,8 @@ def error_line(error: ErrorEstimate) -> str:
 
 
 def warnings_of(film: Film) -> list[str]:
-    """Say what went wrong while rendering."""
-    found = []
+    """Say what was changed in pictures, and what went wrong while rendering."""
+    found = list(film.stats.get("notes", ()))
     if film.invalid:
         found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
     if film.saturated:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -99,6 +99,8 @@ class Job:
     seed, threads, replicates : int
     largest_sample : float, optional
         Bound of a sample's value, for its films.
+    notes : sequence of str
+        What had to be changed in the scene's pictures.
 
     Attributes
     ----------
@@ -115,7 +117,9 @@ class Job:
         threads: int,
         replicates: int,
         largest_sample: float | None = None,
+        notes: Sequence[str] = (),
     ) -> None:
+        self.notes = list(notes)
         self.scene, self.schedule, self.threads = scene, schedule, threads
         self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
         self.settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
@@ -303,6 +307,7 @@ class Job:
             "peak_rss_mb": peak_memory_mb(),
             "program": self.scene.program._asdict(),
             "accelerator": self.scene.stats,
+            "notes": self.notes,
             "biases": [bias.state() for bias in self.film.biases],
             "verdict": {"word": verdict.word, "line": verdict.line, **verdict.figures},
         }

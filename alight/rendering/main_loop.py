@@ -139,7 +139,7 @@ def make_job(
     replicates = replicates or flat.film.replicates
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
-        largest_sample=largest_sample(flat),
+        largest_sample=largest_sample(flat), notes=flat.notes,
     )  # fmt: skip
 
 

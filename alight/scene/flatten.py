@@ -117,6 +117,8 @@ class FlatScene:
         Different media, grids read.
     start_medium : int
         Index + 1 of what the camera stands in, or 0.
+    notes : list of str
+        What had to be changed in pictures.
     """
 
     shapes: list[PlacedShape]
@@ -132,6 +134,7 @@ class FlatScene:
     warnings: list[str]
     media: list[Coefficients] = field(default_factory=list)
     start_medium: int = 0
+    notes: list[str] = field(default_factory=list)
 
 
 def flatten(scene: Scene) -> FlatScene:
@@ -172,6 +175,7 @@ def flatten(scene: Scene) -> FlatScene:
         warnings=list(scene.warnings),
         media=flattener.media,
         start_medium=start_medium,
+        notes=images.notes,
     )
 
 

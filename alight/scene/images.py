@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, quote
@@ -29,9 +32,15 @@ class ImageStore:
     ----------
     folder : Path, optional
         Where relative names are looked up; the current folder by default.
+
+    Attributes
+    ----------
+    notes : list of str
+        What had to be changed in pictures.
     """
 
     folder: Path | None = None
+    notes: list[str] = field(default_factory=list)
     _files: dict[Path, Image | SceneError] = field(default_factory=dict)
 
     def loaded(self, spec: AnySpec) -> AnySpec:
@@ -50,7 +59,7 @@ class ImageStore:
         path = (self.folder or Path()) / name
         if path not in self._files:
             try:
-                self._files[path] = read_image(path, name)
+                self._files[path] = read_image(path, name, self.notes.append)
             except SceneError as error:
                 self._files[path] = error
         image = self._files[path]
@@ -86,8 +95,11 @@ class ImageStore:
         return spec.replaced(**changes) if changes else spec
 
 
-def read_image(path: Path, name: str = "") -> Image:
+def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = None) -> Image:
     """Read a picture.
+
+    Negative light, which lossy compression and changes of the colour space leave behind in many
+    HDR pictures, is taken for none.
 
     Parameters
     ----------
@@ -95,6 +107,8 @@ def read_image(path: Path, name: str = "") -> Image:
         The file.
     name : str, optional
         How messages call it; names such as ``builtin:sky`` stand for computed pictures.
+    note : callable, optional
+        Is told what had to be changed.
 
     Raises
     ------
@@ -104,6 +118,7 @@ def read_image(path: Path, name: str = "") -> Image:
     name = name or str(path)
     try:
         texels = builtin_texels(name) if is_builtin(name) else read_texels(path, _check_size)
+        texels = _without_negative_light(texels, name, note)
         # Nobody else has this array: marked so, it is not copied.
         texels.setflags(write=False)
         return as_image(texels)
@@ -115,6 +130,20 @@ def read_image(path: Path, name: str = "") -> Image:
     except ValueError as error:
         text = _broken(name, error)
     raise SceneError([Issue("file", text)])
+
+
+def _without_negative_light(
+    texels: NDArray[Any], name: str, note: Callable[[str], None] | None
+) -> NDArray[Any]:
+    if texels.dtype.kind != "f" or not -math.inf < (lowest := np.fmin.reduce(texels, None)) < 0.0:
+        return texels
+    if note is not None:
+        count, size = int((texels < 0.0).any(axis=-1).sum()), texels.shape[0] * texels.shape[1]
+        note(
+            f"{quote(name)}: {count} of {size} texels hold negative light (down to {lowest:.3g}), "
+            "which was taken for none"
+        )
+    return np.maximum(texels, 0.0)
 
 
 def _broken(name: str, error: Exception) -> str:

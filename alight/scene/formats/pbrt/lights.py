@@ -183,7 +183,7 @@ def surroundings(
             light: Data = {"type": "environment", "file": file, "scale": color}
             node = _node(light, matrix @ _MAP_OF_3)
         else:
-            square = _square(read_image(path, found.values[0]))
+            square = _square(read_image(path, found.values[0], p.report.approximate))
             color = _with_power(p, color, "illuminance", _illuminance(square))
             pixels = Image(to_latitude_longitude(square))
             light = {"type": "environment", "pixels": pixels, "scale": color}
