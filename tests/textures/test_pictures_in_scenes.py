@@ -144,7 +144,7 @@ BROKEN = {
     "huge.hdr": (HDR_HEADER + b"-Y 99999 +X 99999\n" + bytes(99), "got 99999 x 99999"),
     "short.hdr": (HDR_HEADER + b"-Y 50 +X 50\n" + bytes(999), "ends early"),
     "huge.pfm": (b"PF\n900000 900000\n-1.0\n", "got 900000 x 900000"),
-    "minus.pfm": (b"Pf\n1 1\n-1.0\n" + np.float32(-2.0).tobytes(), "got -2.0 in row 0, column 0"),
+    "nan.pfm": (b"Pf\n1 1\n-1.0\n" + np.float32(np.nan).tobytes(), "got nan in row 0, column 0"),
 }
 
 
