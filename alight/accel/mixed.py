@@ -79,27 +79,35 @@ any_triangle = write_single(any_of_triangles, False)
 
 
 @kernel(strict=True)
-def meet_instance(tree, data, at, index, o, d, t_max):
-    """The hit of one ray on an instance; index NONE if there is none."""
+def meet_mesh(tree, data, at, index, o, d, t_max):
+    """The hit of one ray, in the space of the mesh, on the mesh of the block at `at`; or NONE."""
     root = as_int(float_bits(tree.blocks[at + 1]))
-    origin, direction = (
-        to_object(tree.blocks, at + 2, o, 1.0),
-        to_object(tree.blocks, at + 2, d, 0.0),
-    )
-    hit = closest_triangle(tree, data, origin, direction, t_max, root)
+    hit = closest_triangle(tree, data, o, d, t_max, root)
     found = index if hit.index != NONE else NONE
     return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
 
 
 @kernel(strict=True)
+def mesh_is_met(tree, data, at, index, o, d, t_max):
+    """True if one ray, in the space of the mesh, meets the mesh of the block at `at`."""
+    root = as_int(float_bits(tree.blocks[at + 1]))
+    return any_triangle(tree, data, o, d, t_max, root).t < 0.0
+
+
+@kernel(strict=True)
+def meet_instance(tree, data, at, index, o, d, t_max):
+    """The hit of one ray on an instance; index NONE if there is none."""
+    origin = to_object(tree.blocks, at + 2, o, 1.0)
+    direction = to_object(tree.blocks, at + 2, d, 0.0)
+    return meet_mesh(tree, data, at, index, origin, direction, t_max)
+
+
+@kernel(strict=True)
 def instance_is_met(tree, data, at, index, o, d, t_max):
     """True if one ray meets an instance."""
-    root = as_int(float_bits(tree.blocks[at + 1]))
-    origin, direction = (
-        to_object(tree.blocks, at + 2, o, 1.0),
-        to_object(tree.blocks, at + 2, d, 0.0),
-    )
-    return any_triangle(tree, data, origin, direction, t_max, root).t < 0.0
+    origin = to_object(tree.blocks, at + 2, o, 1.0)
+    direction = to_object(tree.blocks, at + 2, d, 0.0)
+    return mesh_is_met(tree, data, at, index, origin, direction, t_max)
 
 
 @kernel(strict=True)

@@ -15,14 +15,13 @@ from alight.accel.layout import KINDS, MOVING, moving_number
 from alight.accel.lists import NOTHING, Accelerator, keep, wins, write_lists
 from alight.accel.mixed import (
     INTERSECT,
-    any_triangle,
-    closest_triangle,
     leaves_of,
+    meet_mesh,
+    mesh_is_met,
     visits_to,
     write_chain,
 )
 from alight.accel.rays import MOST
-from alight.accel.single import NONE, SingleHit
 from alight.core.jit import kernel
 from alight.core.motion import direction_at_rest, inverse_rows, matrix_at, point_at_rest
 from alight.core.simd import (
@@ -167,22 +166,6 @@ def _ray_at_rest(tree, data, at, o, d):
     return point_at_rest(w, o), direction_at_rest(w, d)
 
 
-@kernel(strict=True)
-def _meet_mesh(tree, data, at, index, o, d, t_max):
-    """The hit of one ray on a mesh at rest; index NONE if there is none."""
-    root = as_int(float_bits(tree.blocks[at + 1]))
-    hit = closest_triangle(tree, data, o, d, t_max, root)
-    found = index if hit.index != NONE else NONE
-    return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
-
-
-@kernel(strict=True)
-def _mesh_is_met(tree, data, at, index, o, d, t_max):
-    """True if one ray meets a mesh at rest."""
-    root = as_int(float_bits(tree.blocks[at + 1]))
-    return any_triangle(tree, data, o, d, t_max, root).t < 0.0
-
-
 def _unmoved(meet: Callable) -> Callable:
     """A visit to what rests, in a scene in which other things move."""
 
@@ -209,7 +192,7 @@ def write_moving_leaves(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
     moving, resting = [], []
     for kind in MOVING:
         if f"moving {kind} in tree" in plan:
-            visits = (_meet_mesh, _mesh_is_met) if kind == "mesh" else visits_to(kind)
+            visits = (meet_mesh, mesh_is_met) if kind == "mesh" else visits_to(kind)
             moving.append((moving_number(kind), *visits))
     for number, kind in enumerate(KINDS):
         if kind + "s in tree" in plan:

@@ -44,14 +44,15 @@ def compare(
     """Compare two pictures: errors, what an eye sees, and whether it is more than noise."""
     from alight.lab.compare import compare_inputs, make_comparable, read_input
     from alight.lab.compare.figures import exceeded, parse_limits
-    from alight.lab.compare.views import check_target, write_view
+    from alight.lab.compare.views import SUFFIXES, write_view
+    from alight.lab.report.targets import check_target
     from alight.outputs.display import Display
 
     limits = parse_limits(fail_above or [])
     # Checks the exposure.
     Display(exposure)
     if output is not None:
-        check_target(output)
+        check_target(output, SUFFIXES, drawn=(".png", ".html"))
     paths = [a, b] if reference is None else [a, b, reference]
     inputs = make_comparable([read_input(path, layer) for path in paths], skip_invalid)
     found = [

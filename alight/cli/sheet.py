@@ -51,7 +51,8 @@ def sheet(
     """Show scenes side by side: a contact sheet, on which what fails has its message."""
     from alight.cli.options import parse_size
     from alight.core.errors import OptionError
-    from alight.lab.sheet import Tile, check_target, find_scenes, render_tile, write_sheet
+    from alight.lab.report.targets import check_target
+    from alight.lab.sheet import SUFFIXES, Tile, find_scenes, render_tile, write_sheet
     from alight.outputs.display import Display
 
     outputs = output or [Path("sheet.png")]
@@ -63,7 +64,7 @@ def sheet(
         raise OptionError(f"--tile: must be 16 to 4096 pixels wide and high, got {tile}")
     display = Display(exposure)
     for path in outputs:
-        check_target(path)
+        check_target(path, SUFFIXES)
     found, closed = find_scenes(scenes)
     notes = list(note or [])
     if closed:

@@ -100,7 +100,7 @@ class _Remembering:
     """Numba's typing context, which gives at once the answers that it has given before.
 
     To find out what ``a + b`` is, Numba asks everything that is known of +, ours last, and writes
-    a message for each that does not fit: a third of the time of a compilation.
+    a message for each that does not fit: an eighth of the time of a compilation.
     """
 
     def __init__(self, context: Any) -> None:

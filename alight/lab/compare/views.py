@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.errors import OutputError, unknown_name
 from alight.lab.compare.figures import PictureComparison
 from alight.lab.report import pictures
 from alight.lab.report.numbers import number
 from alight.lab.report.page import render_page
-from alight.lab.report.style import require_packages
 from alight.metrics.relmse import default_epsilon
-from alight.outputs.atomic import check_folder, replacing
+from alight.outputs.atomic import replacing
 from alight.outputs.display import Display
 from alight.outputs.image import write_image
 from alight.outputs.tone_mapping import LUMINANCE
@@ -27,26 +25,6 @@ SUFFIXES = (".png", ".html", *_LINEAR)
 
 #: Pixels that one of the pictures side by side is wide, at least and at most.
 _NARROWEST, _WIDEST = 360, 900
-
-
-def check_target(path: Path) -> None:
-    """Refuse a target before any time is spent on it.
-
-    Raises
-    ------
-    OutputError
-        For an unknown suffix or a folder that cannot be written to.
-    OptionError
-        If the packages that draw it are not installed.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise OutputError(f"cannot write {path}: {unknown_name('suffix', suffix, SUFFIXES)}")
-    if suffix == ".png":
-        require_packages("matplotlib")
-    if suffix == ".html":
-        require_packages("matplotlib", "jinja2")
-    check_folder(path)
 
 
 def write_view(path: Path, found: Sequence[PictureComparison], exposure: float) -> Path:

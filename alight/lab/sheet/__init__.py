@@ -2,6 +2,6 @@
 
 from alight.lab.sheet.scenes import find_scenes
 from alight.lab.sheet.tiles import Tile, render_tile
-from alight.lab.sheet.views import check_target, write_sheet
+from alight.lab.sheet.views import SUFFIXES, write_sheet
 
-__all__ = ["Tile", "check_target", "find_scenes", "render_tile", "write_sheet"]
+__all__ = ["SUFFIXES", "Tile", "find_scenes", "render_tile", "write_sheet"]

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alight.core.errors import OutputError, unknown_name
 from alight.lab.report.numbers import number
 from alight.lab.report.page import render_page
 from alight.lab.report.pictures import data_uri
-from alight.lab.report.style import require_packages
 from alight.lab.sheet.tiles import Tile
-from alight.outputs.atomic import check_folder, replacing
+from alight.outputs.atomic import replacing
 
 if TYPE_CHECKING:
     from PIL import ImageDraw
@@ -27,24 +25,6 @@ _GAP, _MARGIN, _LINE, _FONT = 12, 16, 15, 12
 _LINES = 3
 #: Shares of a tile that a message may fill; the rest of it is in the page.
 _MESSAGE = 0.9
-
-
-def check_target(path: Path) -> None:
-    """Refuse a target before any time is spent on it.
-
-    Raises
-    ------
-    OutputError
-        For an unknown suffix or a folder that cannot be written to.
-    OptionError
-        If the packages that make it are not installed.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise OutputError(f"cannot write {path}: {unknown_name('suffix', suffix, SUFFIXES)}")
-    if suffix == ".html":
-        require_packages("matplotlib", "jinja2")
-    check_folder(path)
 
 
 def write_sheet(

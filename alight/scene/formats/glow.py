@@ -49,7 +49,17 @@ class Glow:
         self._images: dict[str, Image | None] = {}
 
     def add(self, mesh: Mesh, to_world: NDArray[np.float64], radiance: Any) -> None:
-        """Count a mesh that shines; `radiance` as of a description of an area light."""
+        """Count a mesh that shines.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            Vertices in metres before `to_world`.
+        to_world : (4, 4) float64
+        radiance : number, color or texture
+            W/(m^2 sr), as an area light of the native format is described. Textures are looked up
+            in the middle of the faces.
+        """
         assert mesh.vertices is not None and mesh.faces is not None
         step = -(-len(mesh.faces) // _FACES)
         faces = np.asarray(mesh.faces)[::step]
