@@ -332,9 +332,9 @@ class _FileWriter:
             return mesh
         if id(mesh) not in self.names:
             name = self.names[id(mesh)] = self.new_name(key_path, ".ply")
-            arrays = MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
+            arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
             ply.save(self.target.with_name(name), arrays)
-        arrays_gone = dict.fromkeys(("vertices", "faces", "normals", "uvs", "colors"))
+        arrays_gone = dict.fromkeys(MeshArrays._fields)
         return mesh.replaced(file=self.names[id(mesh)], **arrays_gone)
 
     def picture(self, spec: Any, key_path: str) -> Any:

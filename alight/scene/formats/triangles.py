@@ -18,6 +18,7 @@ class MeshArrays(NamedTuple):
     normals: NDArray[np.float32] | None = None
     uvs: NDArray[np.float32] | None = None
     colors: NDArray[np.float32] | None = None
+    more_uvs: NDArray[np.float32] | None = None
 
 
 def broken(message: str) -> SceneError:

@@ -213,7 +213,7 @@ class Graph:
         return next(iter(parts.values())) if len(parts) == 1 else {"children": parts}
 
     def _part(self, prim: Any, bound: Any, mesh: Mesh, to_world: Matrix) -> Data:
-        arrays = MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
+        arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
         problem = mesh_problem(arrays)
         if problem:
             self.stage.problem(prim, f"{problem[0]} {problem[1]}")
