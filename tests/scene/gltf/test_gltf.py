@@ -278,7 +278,7 @@ def test_normals_are_bent_along_the_own_coordinates_of_a_mesh():
 
 
 def test_sets_that_nothing_seen_uses_are_dropped():
-    """Of occlusion nothing is seen; one set for all textures is the own one, whatever its number."""
+    """Of occlusion nothing is seen; one set for all textures is the own one."""
     pbr = {"baseColorTexture": {"index": 0}}
     second = {"index": 0, "texCoord": 1}
     node, _, found = square_with_two_sets(pbrMetallicRoughness=pbr, occlusionTexture=second)

@@ -14,7 +14,7 @@ from alight.core.errors import SceneError
 from alight.scene.formats.gltf.accessors import COMPRESSED, read_accessor
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.values import Item
-from alight.scene.formats.triangles import MeshArrays
+from alight.scene.formats.triangles import MeshArrays, joined_sets
 from alight.scene.meshes import mesh_problem
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
@@ -101,20 +101,17 @@ def _coordinates(
     """The own set of texture coordinates, and the others in one array; v upwards."""
     tables = [_table(document, attributes, f"TEXCOORD_{n}", 2, count) for n in sets or (0,)]
     lacking = [f"TEXCOORD_{n}" for n, t in zip(sets, tables, strict=False) if t is None]
-    found = [table for table in tables if table is not None]
     if lacking:
-        instead = "other coordinates of the mesh are" if found else "the place in each triangle is"
+        has_others = len(lacking) < len(tables)
+        instead = "other coordinates of the mesh are" if has_others else "barycentric ones are"
         document.report.approximate(
             f"{primitive.pointer}: it lacks {' and '.join(lacking)}, which its material asks for; "
             f"{instead} taken"
         )
-    if not found:
-        return None, None
-    turned = [
-        np.column_stack([uvs[:, 0], np.float32(1.0) - uvs[:, 1]])
-        for uvs in (found[0] if table is None else table for table in tables)
-    ]
-    return turned[0], np.stack(turned[1:]) if len(turned) > 1 else None
+    up = np.float32(1.0)
+    return joined_sets(
+        [None if t is None else np.column_stack([t[:, 0], up - t[:, 1]]) for t in tables]
+    )
 
 
 def _faces(document: Document, primitive: Item, mode: int, count: int) -> NDArray[np.int32]:
