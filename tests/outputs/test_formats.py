@@ -258,7 +258,7 @@ def test_files_that_are_no_pictures_give_one_message(tmp_path, module, content, 
 def test_a_cut_openexr_file_is_told_of_once(tmp_path, capfd):
     path = write_image(tmp_path / "a.exr", picture(9, 20))
     path.write_bytes(path.read_bytes()[:-20])
-    with pytest.raises(OutputError, match="^cannot read .*broken OpenEXR file"):
+    with pytest.raises(OutputError, match=r"^cannot read .*broken OpenEXR file"):
         read_image(path)
     # The library writes to standard output, where results stand that programs read.
     assert capfd.readouterr() == ("", "")
