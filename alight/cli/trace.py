@@ -40,8 +40,8 @@ def trace(
     position = parse_pixel(pixel)
     load_plugins(plugin)
     options = {
-        "size": size, "camera": camera, "integrator": integrator, "sampler": sampler, "filter": filter_name,
-        "max_depth": max_depth, "rr_depth": rr_depth, "replicates": replicates,
+        "size": size, "camera": camera, "integrator": integrator, "sampler": sampler,
+        "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth, "replicates": replicates,
     }  # fmt: skip
     description = load(
         scene,

@@ -82,8 +82,8 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
         ("ior", "ior", {}),
         (
             "iridescence",
-            "iridescenceFactor iridescenceIor iridescenceThicknessMaximum "
-            "iridescenceThicknessMinimum",
+            ("iridescenceFactor iridescenceIor iridescenceThicknessMaximum "
+             "iridescenceThicknessMinimum"),
             {"iridescenceTexture": "info", "iridescenceThicknessTexture": "info"},
         ),
         (

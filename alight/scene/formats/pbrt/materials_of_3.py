@@ -24,7 +24,6 @@ from alight.scene.formats.pbrt.materials import (
 )
 from alight.scene.formats.pbrt.textures import Value
 
-
 #: Reflectance straight on of a coat of index 5, the largest: ((5 - 1) / (5 + 1))^2.
 BRIGHTEST_COAT = 4.0 / 9.0
 
