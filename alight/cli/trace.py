@@ -41,7 +41,8 @@ def trace(
     load_plugins(plugin)
     options = {
         "size": size, "camera": camera, "integrator": integrator, "sampler": sampler,
-        "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth, "replicates": replicates,
+        "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
+        "replicates": replicates,
     }  # fmt: skip
     description = load(
         scene,
