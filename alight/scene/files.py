@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.core.errors import Issue, SceneError, is_at_or_below, nearest, quote
 from alight.media.volumes import holds_volume
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
@@ -148,8 +148,13 @@ def _built(data: Any, found: list[Issue], source: Source, check: bool) -> Scene:
     issues = builder.issues
     # After a wrong top level nothing is left to check.
     if isinstance(data, dict) and (check or issues):
-        known = {issue.path for issue in issues}
-        issues += [issue for issue in find_problems(scene) if issue.path not in known]
+        # Where something is wrong stands what takes its place: its problems are nobody's.
+        wrong = [issue.path for issue in issues]
+        issues += [
+            issue
+            for issue in find_problems(scene)
+            if not any(is_at_or_below(path, issue.path) for path in wrong)
+        ]
     if issues:
         raise SceneError([issue if issue.place else source.located(issue) for issue in issues])
     return scene

@@ -442,6 +442,7 @@ def test_pictures_inside_of_packages_are_read(tmp_path):
     assert (texels.width, texels.height) == (2, 2)
 
 
+PICTURE = MATERIAL % ("color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>", SQUARE)
 MISTAKES = {
     "type": ('def Cube "c" { token size = "x" }', "/c size must be of type double, got string"),
     "unknown type": ('def Cube "c" { uble size = 1 }', "/c size must be of type double"),
@@ -469,9 +470,18 @@ MISTAKES = {
     "syntax": ("def Mesh {", "is no OpenUSD stage"),
     "reference": ('def "m" (references = @gone.usda@) { }', "does not fit together"),
     "reach": ('def "m" (references = @../out.usda@) { }', "outside of its own folder: out.usda"),
-    "picture": (
-        MATERIAL % ("color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>", SQUARE),
-        '/m/picture no such picture: "p.png"',
+    "picture": (PICTURE, '/m/picture no such picture: "p.png"'),
+    "kind of an input": (
+        PICTURE.replace("float4 inputs:scale = (0.5, 0.5, 0.5, 1)", "float inputs:scale = 2"),
+        "/m/picture inputs:scale must be 4 numbers, got 2.0",
+    ),
+    "text for a number": (
+        PICTURE.replace("float2 inputs:scale = (2, 3)", 'string inputs:rotation = "x"'),
+        '/m/place inputs:rotation must be a number, got "x"',
+    ),
+    "unknown type of an input": (
+        PICTURE.replace("float4 inputs:scale", "flota4 inputs:scale"),
+        "/m/picture inputs:scale is of a type that OpenUSD does not know",
     ),
     "prototype": (
         'def PointInstancer "p" { int[] protoIndices = [3]; point3f[] positions = [(0, 0, 0)] }',
@@ -485,10 +495,22 @@ def test_mistakes_are_refused_with_their_prim(tmp_path, text, message):
     folder = tmp_path / "scene"
     folder.mkdir()
     (tmp_path / "out.usda").write_text(stage_text('def "x" { }'))
+    if text != PICTURE:
+        Image.new("RGB", (2, 2)).save(folder / "p.png")
     (folder / "a.usda").write_text(stage_text(text))
     with pytest.raises(SceneError) as caught:
         alight.load(folder / "a.usda")
     assert message in " ".join(str(caught.value).split())
+
+
+@pytest.mark.parametrize("kind", ["string[]", "coler3f[]"])
+def test_primvars_without_numbers_are_left_out_and_said(load, kind):
+    color = f'{kind} primvars:displayColor = ["a", "b", "c", "d"]' if kind[0] == "s" else ""
+    color = color or f"{kind} primvars:displayColor = [(0, 0, 1)]"
+    scene = load(f'def Mesh "m" {{{SQUARE}{color} (interpolation = "vertex")}}')
+    (bsdf,) = scene.bsdfs.values()
+    assert bsdf.bsdf.reflectance == pytest.approx((0.18, 0.18, 0.18))
+    assert any("primvars:displayColor holds no rows of" in line for line in scene.warnings)
 
 
 def test_the_command_line_says_what_was_read(tmp_path):

@@ -157,10 +157,6 @@ class Materials:
         report = self.document.report
         if item.has("occlusionTexture"):
             report.drop("occlusionTexture: the light itself is traced")
-        extensions = item.object("extensions")
-        for name in extensions.value if extensions else ():
-            if name not in COVERED:
-                report.approximate(f"materials: {name} is not covered and was left out")
 
     def _sets(self, item: Item, pbr: Item) -> tuple[int, ...]:
         """The sets of coordinates of all textures, that of the tangents first."""
@@ -223,9 +219,11 @@ class _Extensions:
         """KHR_materials_transmission, KHR_materials_volume."""
         transmission = self.item.extension("KHR_materials_transmission")
         if transmission is None:
+            self._say_no_part()
             return
         share = self._number(transmission, "transmission", 0.0, "r")
         if share == 0.0:
+            self._say_no_part()
             return
         self.bsdf["transmission"] = share
         volume = self.item.extension("KHR_materials_volume")
@@ -240,6 +238,11 @@ class _Extensions:
         )
         if volume.has("attenuationDistance"):
             self.bsdf["attenuation_distance"] = volume.number("attenuationDistance", 1.0, 1e-9)
+
+    def _say_no_part(self) -> None:
+        if self.item.extension("KHR_materials_volume") is not None:
+            text = "KHR_materials_volume: plays no part without transmission"
+            self.item.report.drop(text)
 
     def clearcoat_and_sheen(self) -> None:
         """KHR_materials_clearcoat, KHR_materials_sheen."""

@@ -9,6 +9,7 @@ from alight.core.errors import SceneError, nearest
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats.gltf.accessors import COMPRESSED
 from alight.scene.formats.gltf.container import Document, open_document
+from alight.scene.formats.gltf.keys import left_out, say_what_is_unknown
 from alight.scene.formats.gltf.materials import COVERED as MATERIALS
 from alight.scene.formats.gltf.materials import Materials
 from alight.scene.formats.gltf.nodes import Graph
@@ -41,6 +42,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     report = Report()
     document = open_document(data, name, folder, report)
     _check_extensions(document)
+    say_what_is_unknown(document.root.value, report)
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
@@ -94,7 +96,7 @@ def _check_extensions(document: Document) -> None:
             root.wrong("extensionsRequired", f"{text}  (covered: {', '.join(sorted(COVERED))})")
     for name in used:
         if name not in COVERED and name not in required:
-            document.report.approximate(f"{name} is not covered and was left out")
+            document.report.approximate(left_out(name))
     if document.report.issues:
         raise SceneError(document.report.issues)
 

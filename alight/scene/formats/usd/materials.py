@@ -50,10 +50,11 @@ def plain_material(stage: Stage, prim: Any) -> Material:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
     color: Any = [0.18] * 3
     if primvar and primvar.HasValue():
-        table = primvar.ComputeFlattened(stage.time)
-        if primvar.GetInterpolation() == UsdGeom.Tokens.constant and table:
-            color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
-        else:
+        table = stage.table(primvar)
+        if table is not None and primvar.GetInterpolation() == UsdGeom.Tokens.constant:
+            if table.shape[1:] == (3,) and len(table):
+                color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
+        elif table is not None:
             color = {"type": "vertex_color", "fallback": 0.18}
     bsdf = {"type": "two_sided", "bsdf": {"type": "diffuse", "reflectance": color}}
     return Material(bsdf, None)

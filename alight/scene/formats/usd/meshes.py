@@ -145,10 +145,12 @@ def _values(
     for name, (primvar, width) in wanted.items():
         if not primvar or not primvar.HasValue():
             continue
-        table = primvar.ComputeFlattened(stage.time)
+        table = stage.table(primvar)
+        if table is None:
+            continue
         rows = _by_corners(table, primvar.GetInterpolation(), len(points), counts, corners)
         if rows is None or rows.shape[1] != width:
-            text = f"{primvar.GetName()} has {len(table or [])} values, which do not fit"
+            text = f"{primvar.GetName()} has {len(table)} values, which do not fit"
             stage.report.approximate(f"{prim.GetPath()}: {text}: left out")
             continue
         if name == "colors":

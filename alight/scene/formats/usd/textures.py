@@ -101,12 +101,12 @@ class Textures:
     def _sampled(self, shader: Any, output: str, is_color: bool) -> Any:
         picture = self.bitmap(shader, is_color=is_color)
         if picture is None:
-            found = self._input(shader, "fallback")
-            if found is None:
+            found = self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
+            if self._input(shader, "fallback") is None:
                 return None
             return [float(c) for c in found][:3] if is_color else float(found[0])
-        scale = tuple(float(c) for c in self._input(shader, "scale") or (1.0,) * 4)
-        bias = tuple(float(c) for c in self._input(shader, "bias") or (0.0,) * 4)
+        scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
+        bias = tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
         if output in _CHANNELS:
             index = _CHANNELS.index(output)
             part = {"type": "channel", "texture": picture, "channel": output}
@@ -122,7 +122,9 @@ class Textures:
         given = self._input(shader, "fallback")
         if not primvar or not primvar.HasValue():
             return _plain(fallback if given is None else given, is_color)
-        table = primvar.ComputeFlattened(self.stage.time)
+        table = self.stage.table(primvar)
+        if table is None:
+            return _plain(fallback, is_color)
         if primvar.GetInterpolation() == UsdGeom.Tokens.constant and len(table):
             return _plain(table[0], is_color)
         if name == "displayColor" and is_color:
@@ -135,9 +137,9 @@ class Textures:
         source, steps = self.source_of(shader, "st"), []
         while source is not None and str(source[0].GetIdAttr().Get()) == "UsdTransform2d":
             node = source[0]
-            scale = [float(c) for c in self._input(node, "scale") or (1.0, 1.0)]
-            angle = float(self._input(node, "rotation") or 0.0)
-            shift = [float(c) for c in self._input(node, "translation") or (0.0, 0.0)]
+            scale = [float(c) for c in self._input(node, "scale", (1.0, 1.0))]
+            angle = float(self._input(node, "rotation", 0.0))
+            shift = [float(c) for c in self._input(node, "translation", (0.0, 0.0))]
             steps = [{"scale": scale}, {"rotate": angle}, {"translate": shift}, *steps]
             source = self.source_of(node, "in")
         name = self._varname(source[0]) if source is not None else ""
@@ -163,12 +165,17 @@ class Textures:
             self._approximate(shader, f"{name} {wrap} became clamp")
         return _WRAPS.get(wrap, "clamp")
 
-    def _input(self, shader: Any, name: str) -> Any:
+    def _input(self, shader: Any, name: str, default: Any = None) -> Any:
+        """Value of an input; with a default, only one of its kind."""
         entry = shader.GetInput(name)
         if not entry:
-            return None
+            return default
         attributes = UsdShade.Utils.GetValueProducingAttributes(entry)
-        return self.stage.value(attributes[0]) if attributes else None
+        if not attributes:
+            return default
+        if default is None:
+            return self.stage.value(attributes[0])
+        return self.stage.alike(attributes[0], default)
 
     def _picture(self, shader: Any, asset: Any) -> Data | None:
         try:
