@@ -96,6 +96,7 @@ ONE_SIDED = frozenset(
     {
         "blend",
         "burley",
+        "coated_conductor",
         "conductor",
         "dielectric",
         "diffuse",
