@@ -86,7 +86,9 @@ def shape_of(wi, power):
     return cells.ravel() / cells.sum()
 
 
-@pytest.mark.parametrize(("name", "most"), [("smooth coat", 0.09), ("satin", 0.12), ("smooth metal", 0.25)])
+@pytest.mark.parametrize(
+    ("name", "most"), [("smooth coat", 0.09), ("satin", 0.12), ("smooth metal", 0.25)]
+)
 def test_light_goes_where_the_walks_send_it(name, most):
     layers, material = layers_of(COATED[name]), Material(COATED[name])
     for cosine in (0.9, 0.5):

@@ -25,7 +25,7 @@ SMOOTH = 1e-3
 SMALLEST_ETA = 1e-6
 MOST_LEVELS = 12
 #: Rougher coats over a matte base are warned of.
-LARGEST_ALPHA = 0.1
+LARGEST_ALPHA = 0.15
 
 
 @dataclass(eq=False)
