@@ -32,6 +32,17 @@ PRINCIPLED = (
         f"{PHYSICS}::test_film_gives_back_in_each_color_what_it_does_not_reflect",
     ),
     Mutant(
+        "a texture of the coat's strength is not looked up",
+        "bsdfs/principled.py",
+        (
+            (
+                '"transmission", "clearcoat",\n    "clearcoat_roughness"',
+                '"transmission",\n    "clearcoat_roughness"',
+            ),
+        ),
+        f"{PHYSICS}::test_each_parameter_alone_may_be_textured[clearcoat]",
+    ),
+    Mutant(
         "density without that of the coat",
         "bsdfs/principled_lobes.py",
         (("others = coat_pdf + sheen_pdf", "others = sheen_pdf"),),

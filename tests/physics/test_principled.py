@@ -141,6 +141,26 @@ def test_parts_that_are_off_change_nothing():
         np.testing.assert_allclose(other, value, rtol=2e-3, err_msg=str(change))
 
 
+EVERYTHING = {
+    "base_color": 0.7, "metallic": 0.3, "roughness": 0.5, "specular": 0.7, "specular_color": 0.6,
+    "anisotropy": 0.5, "anisotropy_rotation": 0.3, "transmission": 0.4, "clearcoat": 0.6,
+    "clearcoat_roughness": 0.4, "sheen_color": 0.5, "sheen_roughness": 0.5, "iridescence": 0.5,
+    "iridescence_thickness": 0.9,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EVERYTHING)
+def test_each_parameter_alone_may_be_textured(name):
+    """Programs in which no material has a texture there only read the number."""
+    value = EVERYTHING[name]
+    textured = Principled(**(EVERYTHING | {name: Checkerboard(color0=value, color1=value)}))
+    wo, wi = direction(0.6), direction(0.3, azimuth=2.5)
+    found, _ = Material(textured).evaluate(wo, wi)
+    expected, _ = Material(Principled(**EVERYTHING)).evaluate(wo, wi)
+    # Rows between which roughnesses are interpolated are 1e-3 apart.
+    np.testing.assert_allclose(found, expected, rtol=2e-3)
+
+
 def test_film_is_the_sum_of_all_wavelengths():
     """Belcour and Barla's sum against Airy's formula, over Gaussians of the eye's response."""
     from alight.bsdfs.thin_film import film_fresnel
