@@ -22,7 +22,7 @@ PRINCIPLED = (
     Mutant(
         "brushed metal given back from all sides what it loses along the tangent",
         "bsdfs/albedo_table.py",
-        (("rows_between(rows, _cosine_of_azimuth(w), ROW)", "rows_between(rows, 1.0, ROW)"),),
+        (("rows_between(rows, _place_of_azimuth(w), ROW)", "rows_between(rows, 1.0, ROW)"),),
         f"{PHYSICS}::test_what_is_brushed_loses_nothing_from_any_side[metal]",
     ),
     Mutant(

@@ -90,6 +90,17 @@ def test_what_is_brushed_loses_nothing_from_any_side(name):
             assert abs(mean - 1.0) < 0.006 + 3.5 * min(error, 0.0015), (azimuth, cosine, mean)
 
 
+@pytest.mark.parametrize(
+    ("strength", "most"), [(1.0, 0.004), (Checkerboard(color0=1.0, color1=1.0), 0.008)]
+)
+def test_grazing_light_across_the_brush_loses_nothing(strength, most):
+    """There the albedo changes within a few degrees of azimuth; textured, rows are fewer."""
+    spec = Principled(**WHITE, metallic=1.0, roughness=0.2, anisotropy=strength)
+    wo = direction(0.05, azimuth=1.55)
+    _, weight, _, _ = Material(spec).sample(wo, random_numbers(400_000, 3))
+    assert abs(weight[1].mean() - 1.0) < most + 3.5 * weight[1].std() / np.sqrt(400_000)
+
+
 def test_means_of_brushed_facets_are_those_over_all_azimuths():
     needs = Needs(2.0)
     row = facet_rows(0.5, 0.9, needs).rows[:ROW]
