@@ -11,8 +11,8 @@ stand at equal steps of the root of alpha, and are interpolated linearly both wa
 
 Of facets whose roughness depends on the direction, rows stand along three axes: the root of the
 lesser alpha, the anisotropy (`alpha_along`), and the root of the cosine between the azimuth and the
-rougher direction, which changes first: across it grazing light sees a smooth surface. An axis along which nothing varies has one row. The means are those
-over all azimuths.
+rougher direction, which changes first: grazing light across it sees a smooth surface. An axis along
+which nothing varies has one row. The means are those over all azimuths.
 
 What a film reflects is no a + b F. Four more curves hold the mean cosines of as many equal parts of
 the light that facets without it let in (1 - F of what leaves white ones). With the film's term
