@@ -79,6 +79,12 @@ AttributeBegin
   Shape "sphere" "float radius" 0.5
 AttributeEnd
 """),
+    (4, """LightSource "infinite" "point3 portal" [-1 0 -1  1 0 -1  1 1 -1  -1 1 -1]
+LightSource "projection" "string filename" "letters.png" "float fov" 50 "float power" 20
+LightSource "goniometric" "string filename" "square.npy" "rgb I" [3 2 1]
+AreaLightSource "diffuse" "string filename" "letters.png" "float scale" 2
+Shape "bilinearmesh" "point3 P" [-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1] "point2 uv" [0 0 1 0 0 1 1 1]
+"""),
     (3, """LightSource "infinite" "rgb L" [0.5 0.5 0.4]
 LightSource "spot" "color I" [4 3 2] "point from" [0 2 4] "point to" [0 0 0] "float coneangle" 40
 Texture "t" "color" "checkerboard" "rgb tex1" [0.9 0.1 0.1] "float vscale" 4

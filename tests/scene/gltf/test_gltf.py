@@ -58,7 +58,7 @@ def test_everything_is_read_or_listed(tmp_path):
     }  # fmt: skip
     said = "\n".join((*remarks.notes, *remarks.warnings))
     for word in ("ACME_hats", "ACME_glitter", "occlusionTexture", "animations", "range",
-                 "opacity of vertices", "spots", "choose with --camera"):  # fmt: skip
+                 "opacity of vertices", "choose with --camera"):  # fmt: skip
         assert word in said, word
     assert "studio" not in said
     # The mesh that stands twice is one prototype; the two others are alike.
@@ -174,9 +174,12 @@ def test_written_layers_and_colors_come_back(tmp_path):
     bsdf: {{type: mask, opacity: 0.25, bsdf: {{type: two_sided, bsdf: {bump}}}}}
   b: {{shape: COLORED, bsdf: {{type: principled}}, light: {{type: area, radiance: [8, 4, 2]}}}}
   c: {{light: {{type: spot, intensity: [4, 2, 1], cutoff_angle: 40, beam_width: 10}}}}
+  e: {{light: {{type: spot, falloff: quadratic}}}}
   d: {{shape: SQUARE, bsdf: {{type: principled, base_color: 0.125}}}}
 """
-    first, second, _ = rewritten(text, tmp_path)
+    first, second, lost = rewritten(text, tmp_path)
+    falloffs = [line for line in lost if "falloff" in line]
+    assert falloffs == ["a spot's linear falloff: glTF's is quadratic"]
     mask = second.bsdfs[second.shapes[0].bsdf]
     assert (mask.type, mask.opacity) == ("mask", 0.25)
     found = mask.bsdf.bsdf
@@ -344,6 +347,7 @@ def test_lights_keep_their_units_and_directions(tmp_path):
     assert found["spot"].light.intensity == (5.0, 2.5, 1.0)
     assert found["spot"].light.cutoff_angle == pytest.approx(np.degrees(0.5))
     assert found["spot"].light.beam_width == pytest.approx(np.degrees(0.1))
+    assert found["spot"].light.falloff == "quadratic"
     # Along -z of its node, which stands upright at x = -2.
     np.testing.assert_allclose(found["spot"].to_world @ [0, 0, 1, 0], [0, 0, -1, 0], atol=1e-12)
     np.testing.assert_allclose(found["spot"].to_world[:3, 3], [-2, 0, 0])

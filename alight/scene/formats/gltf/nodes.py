@@ -345,11 +345,11 @@ def punctual(light: Item) -> Data:
     cone = light.object("spot") or Item({}, light.at("spot"), light.name, light.report)
     outer = cone.number("outerConeAngle", math.pi / 4.0, 1e-4, math.pi / 2.0)
     inner = cone.number("innerConeAngle", 0.0, 0.0, outer)
-    light.report.approximate("spots: they fade out linearly in the angle between the two cones")
     spot = {
         "type": "spot",
         "intensity": emitted,
         "cutoff_angle": math.degrees(outer),
         "beam_width": min(math.degrees(inner), math.degrees(outer)),
+        "falloff": "quadratic",
     }
     return {"transform": _TURNED, "light": spot}

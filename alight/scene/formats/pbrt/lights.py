@@ -14,16 +14,20 @@ from alight.core.errors import Issue, SceneError
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.octahedral import to_latitude_longitude, to_sphere
 from alight.scene.formats.pbrt.parameters import Parameters
+from alight.scene.formats.pbrt.pictured_lights import (
+    LUMINANCE,
+    goniometric,
+    projection,
+    shining_picture,
+    shown,
+    with_power,
+)
 from alight.scene.formats.pbrt.transforms import keeps_angles, steps, turned_to
 from alight.scene.formats.reach import OutOfReachError
 from alight.scene.images import read_image
 from alight.textures.images import Image
 
 Matrix = np.ndarray
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-#: Part of the soft edge over which ours, linear in the angle, comes nearest to pbrt's smooth step:
-#: within 5 % of the intensity for pbrt's default cone, 10 % for any.
-EDGE = 0.75
 MOST_SIDE = 2**13
 
 # From the map of pbrt 3 to its light: our +y is its +z. The mirror turns the columns around.
@@ -63,16 +67,8 @@ def amount(context: Context, p: Parameters, name: str) -> list[float]:
     return found_amount
 
 
-def _with_power(p: Parameters, color: list[float], name: str, whole: float) -> list[float]:
-    """Scale a light whose colour has the luminance 1 so that all of it is what the file asks."""
-    power = p.number(name, -1.0)
-    if power <= 0.0 or whole <= 0.0:
-        return color
-    return [channel * power / whole for channel in color]
-
-
 def _point(context: Context, p: Parameters, matrix: Matrix) -> Data:
-    color = _with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
+    color = with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
     place = _moved(matrix, p.triple("from", (0.0, 0.0, 0.0)))
     return _node({"type": "point", "intensity": color}, _at(place))
 
@@ -86,40 +82,38 @@ def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
         return None
     inner, outer = (math.cos(math.radians(a)) for a in (cone - delta, cone))
     whole = 2.0 * math.pi * ((1.0 - inner) + 0.5 * (inner - outer))
-    color = _with_power(p, amount(context, p, "I"), "power", whole)
+    color = with_power(p, amount(context, p, "I"), "power", whole)
     start, target = p.triple("from", (0.0, 0.0, 0.0)), p.triple("to", (0.0, 0.0, 1.0))
     turn = _towards(p, matrix, target - start)
     if turn is None:
         return None
     if not keeps_angles(matrix):
         p.report.approximated(p.directive, "is stretched by its transformation: it stays round")
-    if delta > 0.0:
-        text = "fades out linearly with the angle, not by pbrt's smooth step"
-        p.report.approximated(p.directive, text)
-    light = {"type": "spot", "intensity": color, **_edge(inner, outer)}
+    light = {
+        "type": "spot",
+        "intensity": color,
+        "cutoff_angle": max(cone, 0.001),
+        "beam_width": cone - delta,
+        "falloff": "quartic" if context.old else "smooth",
+    }
     return _node(light, _at(_moved(matrix, start)) @ turn)
 
 
-def _edge(inner: float, outer: float) -> Data:
-    """The angles between which ours fades out: as bright and as steep half-way."""
-    middle = math.acos(0.5 * (inner + outer))
-    half = 0.5 * EDGE * (inner - outer) / max(math.sin(middle), 1e-6)
-    beam, cutoff = max(0.0, middle - half), min(math.pi, middle + half)
-    return {"cutoff_angle": max(math.degrees(cutoff), 0.001), "beam_width": math.degrees(beam)}
-
-
 def _distant(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
-    color = _with_power(p, amount(context, p, "L"), "illuminance", 1.0)
+    color = with_power(p, amount(context, p, "L"), "illuminance", 1.0)
     start, target = p.triple("from", (0.0, 0.0, 0.0)), p.triple("to", (0.0, 0.0, 1.0))
     turn = _towards(p, matrix, target - start)
     return None if turn is None else _node({"type": "directional", "irradiance": color}, turn)
 
 
-def _goniometric(context: Context, p: Parameters, matrix: Matrix) -> Data:
-    p.leave_out("it shines alike to all sides", "filename", "mapname")
-    color = _with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
-    p.report.approximated(p.directive, "is not covered: a point light is taken")
-    return _node({"type": "point", "intensity": color}, matrix)
+def _goniometric(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
+    light = goniometric(context, p, amount(context, p, "I"))
+    return None if light is None else _node(light, matrix)
+
+
+def _projection(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
+    found = projection(context, p, amount(context, p, "I"))
+    return None if found is None else _node(found[0], matrix @ found[1])
 
 
 def _towards(p: Parameters, matrix: Matrix, direction: np.ndarray) -> Matrix | None:
@@ -147,13 +141,23 @@ def _node(light: Data, matrix: Matrix) -> Data:
     return {"light": light} if step is None else {"transform": step, "light": light}
 
 
-def area_light(context: Context, p: Parameters) -> Data:
-    """Convert an ``AreaLightSource``; ``power`` beside the native keys: all that it shines with."""
+def area_light(context: Context, p: Parameters, area: Callable[[], float]) -> Data:
+    """Convert an ``AreaLightSource``, except for what the size of its shape decides.
+
+    Parameters
+    ----------
+    area : callable
+        Gives that of all sides that shine, m^2; asked for where the light is given as power.
+    """
     p.ignore("lights are chosen by their power", *_UNUSED)
     radiance = amount(context, p, "L")
+    picture, luminance = shining_picture(context, p) or (None, 1.0)
     power = p.number("power", -1.0) * context.exposure
-    p.leave_out("it shines evenly", "filename")
-    return {"type": "area", "radiance": radiance, "power": power}
+    if power > 0.0:
+        whole = math.pi * area() * luminance
+        radiance = [channel * power / whole if whole else channel for channel in radiance]
+    shining = radiance if picture is None else shown(context, p, picture, radiance)
+    return {"type": "area", "radiance": shining}
 
 
 def surroundings(
@@ -169,12 +173,11 @@ def surroundings(
         With the light of a picture.
     """
     p.ignore("lights are chosen by their power", *_UNUSED)
-    p.leave_out("light comes from all around, not through a portal alone", "portal")
     color = amount(context, p, "L")
     name = "mapname" if p.has("mapname") else "filename"
     found = p.values(name, "string", count=1)
     if found is None:
-        return _with_power(p, color, "illuminance", math.pi), None
+        return with_power(p, color, "illuminance", math.pi), None
     node: Data = {}
     try:
         path = context.reach.find(found.values[0])
@@ -184,7 +187,7 @@ def surroundings(
             node = _node(light, matrix @ _MAP_OF_3)
         else:
             square = _square(read_image(path, found.values[0], p.report.approximate))
-            color = _with_power(p, color, "illuminance", _illuminance(square))
+            color = with_power(p, color, "illuminance", _illuminance(square))
             pixels = Image(to_latitude_longitude(square))
             light = {"type": "environment", "pixels": pixels, "scale": color}
             node = _node(light, matrix @ _MAP_OF_4)
@@ -216,5 +219,6 @@ COVERED: dict[str, Callable[[Context, Parameters, Matrix], Data | None]] = {
     "distant": _distant,
     "goniometric": _goniometric,
     "point": _point,
+    "projection": _projection,
     "spot": _spot,
 }

@@ -14,6 +14,7 @@ from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.materials import MaterialItem
 from alight.scene.formats.pbrt.media import Media
 from alight.scene.formats.pbrt.parameters import Parameters
+from alight.scene.formats.pbrt.pictured_lights import portal
 from alight.scene.formats.pbrt.shapes import Placed
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
 from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
@@ -323,6 +324,9 @@ class World:
             self.context.places["environment"] = directive.place
         elif node is not None:
             self.add(self.nodes, "nodes", directive, node)
+        window = portal(p, self.state.matrix)
+        if window is not None:
+            self.add(self.nodes, "nodes", directive, window)
 
     # ------------------------------------------------------------ shapes and objects
 
@@ -333,8 +337,9 @@ class World:
         bound = textures.bind(context, [*p.named.values()], state.textures, numbers=True)
         bsdf: str | Data = materials.material_name(context, state.material, self.named)
         alpha = Source(context, p, bound).number("alpha", None)
-        light, sides = self.light_of_shape(directive)
-        textured = any(context.sees_coordinates(part) for part in (bsdf, alpha, light))
+        lamp = self.lamp_of_shape(directive)
+        textured = any(context.sees_coordinates(part) for part in (bsdf, alpha))
+        textured = textured or (lamp is not None and lamp.has("filename"))
         mirrored = swaps_handedness(state.matrix)
         placed = Placed(context, p, state.matrix, state.reverse, mirrored, textured)
         shape = convert_shape(placed)
@@ -350,41 +355,35 @@ class World:
         step = steps(placed.matrix)
         if step is not None:
             node["transform"] = step
-        if light is not None:
-            self.shine(directive, node, light, sides, placed.matrix)
+        if lamp is not None:
+            self.shine(directive, node, lamp, placed.matrix)
         else:
             self.add(self._target, self._path, directive, node, self.rests(directive, False))
 
-    def light_of_shape(self, directive: Directive) -> tuple[Data | None, bool]:
-        """The light that the shape shines with, and whether from both sides."""
+    def lamp_of_shape(self, directive: Directive) -> Parameters | None:
+        """The light that the shape shines with."""
         state, context = self.state, self.context
         if state.light is None:
-            return None, False
+            return None
         if self._target is not self.nodes:
             text = "shines in an object: pbrt shows no light there"
             context.report.approximated(directive, text)
-            return None, False
+            return None
         if state.light.type not in ("diffuse", "area"):
             text = unknown_name("area light", state.light.type, ("diffuse",))
             context.report.not_covered(state.light, text, "left out")
-            return None, False
-        context.colors.space = state.light_space
-        p = Parameters(state.light, context.report, state.light_defaults)
-        light = lights.area_light(context, p)
-        sides = p.flag("twosided", False)
-        p.finish()
-        return light, sides
+            return None
+        return Parameters(state.light, context.report, state.light_defaults)
 
-    def shine(
-        self, directive: Directive, node: Data, light: Data, sides: bool, matrix: np.ndarray
-    ) -> None:
+    def shine(self, directive: Directive, node: Data, lamp: Parameters, matrix: np.ndarray) -> None:
         """Add a shape that shines."""
         shape = node["shape"]
-        power = light.pop("power")
-        if power > 0.0:
-            whole = np.pi * area_of(shape, matrix) * (2.0 if sides else 1.0)
-            light["radiance"] = [c * power / whole if whole else c for c in light["radiance"]]
-        node["light"] = light
+        sides = lamp.flag("twosided", False)
+        self.context.colors.space = self.state.light_space
+        node["light"] = lights.area_light(
+            self.context, lamp, lambda: area_of(shape, matrix) * (2.0 if sides else 1.0)
+        )
+        lamp.finish()
         rests = self.rests(directive, True)
         self.add(self.nodes, "nodes", directive, node, rests)
         if sides and not has_one_side(shape):
