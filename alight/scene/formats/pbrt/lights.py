@@ -11,18 +11,13 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
+from alight.scene.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.octahedral import to_latitude_longitude, to_sphere
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.pictured_lights import (
-    LUMINANCE,
-    goniometric,
-    projection,
-    shining_picture,
-    shown,
-    with_power,
-)
-from alight.scene.formats.pbrt.transforms import keeps_angles, steps, turned_to
+from alight.scene.formats.pbrt.slides import goniometric, projection
+from alight.scene.formats.pbrt.textures import Source, bitmap
+from alight.scene.formats.pbrt.transforms import keeps_angles, turned_to
 from alight.scene.formats.reach import OutOfReachError
 from alight.scene.images import read_image
 from alight.textures.images import Image
@@ -51,26 +46,10 @@ def light_node(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
     return COVERED[kind](context, p, matrix)
 
 
-def amount(context: Context, p: Parameters, name: str) -> list[float]:
-    """Ask for the light's colour, with ``scale`` and the film's exposure."""
-    found = p.find(name)
-    color = None if found is None else context.colors.read(found, "light")
-    scale = p.find("scale")
-    factor = [1.0] * 3
-    if scale is not None:
-        factor = context.colors.read(scale, "light") or factor
-    color = color or [1.0] * 3
-    found_amount = [c * f * context.exposure for c, f in zip(color, factor, strict=True)]
-    if min(found_amount) < 0.0:
-        p.report.error(p.directive, f"must not shine less than 0, got {min(found_amount):g}")
-        return [0.0] * 3
-    return found_amount
-
-
 def _point(context: Context, p: Parameters, matrix: Matrix) -> Data:
     color = with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
     place = _moved(matrix, p.triple("from", (0.0, 0.0, 0.0)))
-    return _node({"type": "point", "intensity": color}, _at(place))
+    return placed({"type": "point", "intensity": color}, _at(place))
 
 
 def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
@@ -96,24 +75,14 @@ def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
         "beam_width": cone - delta,
         "falloff": "quartic" if context.old else "smooth",
     }
-    return _node(light, _at(_moved(matrix, start)) @ turn)
+    return placed(light, _at(_moved(matrix, start)) @ turn)
 
 
 def _distant(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
     color = with_power(p, amount(context, p, "L"), "illuminance", 1.0)
     start, target = p.triple("from", (0.0, 0.0, 0.0)), p.triple("to", (0.0, 0.0, 1.0))
     turn = _towards(p, matrix, target - start)
-    return None if turn is None else _node({"type": "directional", "irradiance": color}, turn)
-
-
-def _goniometric(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
-    light = goniometric(context, p, amount(context, p, "I"))
-    return None if light is None else _node(light, matrix)
-
-
-def _projection(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
-    found = projection(context, p, amount(context, p, "I"))
-    return None if found is None else _node(found[0], matrix @ found[1])
+    return None if turn is None else placed({"type": "directional", "irradiance": color}, turn)
 
 
 def _towards(p: Parameters, matrix: Matrix, direction: np.ndarray) -> Matrix | None:
@@ -136,28 +105,28 @@ def _at(point: np.ndarray) -> Matrix:
     return result
 
 
-def _node(light: Data, matrix: Matrix) -> Data:
-    step = steps(matrix)
-    return {"light": light} if step is None else {"transform": step, "light": light}
-
-
-def area_light(context: Context, p: Parameters, area: Callable[[], float]) -> Data:
-    """Convert an ``AreaLightSource``, except for what the size of its shape decides.
-
-    Parameters
-    ----------
-    area : callable
-        Gives that of all sides that shine, m^2; asked for where the light is given as power.
-    """
+def area_light(context: Context, p: Parameters) -> Data:
+    """Convert an ``AreaLightSource``; ``power`` beside the native keys: all that it shines with."""
     p.ignore("lights are chosen by their power", *_UNUSED)
     radiance = amount(context, p, "L")
-    picture, luminance = shining_picture(context, p) or (None, 1.0)
     power = p.number("power", -1.0) * context.exposure
-    if power > 0.0:
-        whole = math.pi * area() * luminance
-        radiance = [channel * power / whole if whole else channel for channel in radiance]
-    shining = radiance if picture is None else shown(context, p, picture, radiance)
-    return {"type": "area", "radiance": shining}
+    if p.has("filename"):
+        picture = bitmap(Source(context, p, {}), {"type": "bitmap", "wrap": "clamp"})
+        if picture is not None:
+            if power > 0.0:
+                power /= _mean_luminance(context, context.tables["textures"][picture]["file"])
+            return {"type": "area", "radiance": radiance, "power": power, "picture": picture}
+    return {"type": "area", "radiance": radiance, "power": power}
+
+
+def _mean_luminance(context: Context, file: str) -> float:
+    """Mean luminance of a picture; 1 for a black one, and where it cannot be read."""
+    try:
+        texels = read_image(context.reach.find(file), file).linear()
+    except SceneError:
+        # It is told of when the scene is compiled.
+        return 1.0
+    return float((np.broadcast_to(texels, (*texels.shape[:2], 3)) @ LUMINANCE).mean()) or 1.0
 
 
 def surroundings(
@@ -174,6 +143,10 @@ def surroundings(
     """
     p.ignore("lights are chosen by their power", *_UNUSED)
     color = amount(context, p, "L")
+    # Light from far away has directions, and no place.
+    linear = np.eye(4)
+    linear[:3, :3] = matrix[:3, :3]
+    matrix = linear
     name = "mapname" if p.has("mapname") else "filename"
     found = p.values(name, "string", count=1)
     if found is None:
@@ -184,13 +157,20 @@ def surroundings(
         if context.old:
             file = context.reach.name_of(path)
             light: Data = {"type": "environment", "file": file, "scale": color}
-            node = _node(light, matrix @ _MAP_OF_3)
+            node = placed(light, matrix @ _MAP_OF_3)
         else:
-            square = _square(read_image(path, found.values[0], p.report.approximate))
+            image = read_image(path, found.values[0], p.report.approximate)
+            if image.width == 2 * image.height and not p.has("illuminance"):
+                text = "is no square: it is taken for a map of latitude and longitude, as in pbrt 3"
+                p.report.approximated(found, text)
+                file = context.reach.name_of(path)
+                light = {"type": "environment", "file": file, "scale": color}
+                return [0.0] * 3, placed(light, matrix @ _MAP_OF_3)
+            square = _square(image)
             color = with_power(p, color, "illuminance", _illuminance(square))
             pixels = Image(to_latitude_longitude(square))
             light = {"type": "environment", "pixels": pixels, "scale": color}
-            node = _node(light, matrix @ _MAP_OF_4)
+            node = placed(light, matrix @ _MAP_OF_4)
     except OutOfReachError as error:
         p.report.error(found, str(error))
     except SceneError as error:
@@ -217,8 +197,8 @@ def _illuminance(square: np.ndarray) -> float:
 #: Lights of pbrt with a place of their own.
 COVERED: dict[str, Callable[[Context, Parameters, Matrix], Data | None]] = {
     "distant": _distant,
-    "goniometric": _goniometric,
+    "goniometric": goniometric,
     "point": _point,
-    "projection": _projection,
+    "projection": projection,
     "spot": _spot,
 }

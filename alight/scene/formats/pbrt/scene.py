@@ -16,6 +16,7 @@ from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, directives
 from alight.scene.formats.pbrt.materials_of_3 import OF_3
 from alight.scene.formats.pbrt.report import Report
+from alight.scene.formats.pbrt.stand_ins import ONLY_IN_3
 from alight.scene.formats.pbrt.transforms import FACING, inverse, keyframes
 from alight.scene.formats.pbrt.words import BrokenError, Words
 from alight.scene.formats.pbrt.world import World
@@ -54,7 +55,7 @@ def parse(text: str, name: str, folder: Path | None = None, lenient: bool = Fals
 #: What only pbrt 3 has, and what only pbrt 4 has.
 _OLD = re.compile(
     r'^[ \t]*(WorldEnd\b|Film\s+"image"|(Material\s+|.*"string type"\s*\[?\s*)"('
-    + "|".join(OF_3)
+    + "|".join((*OF_3, *ONLY_IN_3))
     + ')")',
     re.MULTILINE,
 )

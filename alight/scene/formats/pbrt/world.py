@@ -7,31 +7,25 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
-from alight.scene.formats.pbrt import lights, materials, textures
-from alight.scene.formats.pbrt.colors import SPACES
+from alight.scene.formats.pbrt import lights, materials, patterns, textures
+from alight.scene.formats.pbrt.attributes import Attributes
 from alight.scene.formats.pbrt.context import Context, Data
-from alight.scene.formats.pbrt.directives import Directive, Parameter
+from alight.scene.formats.pbrt.directives import Directive
 from alight.scene.formats.pbrt.materials import MaterialItem
 from alight.scene.formats.pbrt.media import Media
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.pictured_lights import portal
+from alight.scene.formats.pbrt.portals import portal
 from alight.scene.formats.pbrt.shapes import Placed
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
 from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.scene.formats.pbrt.state import State
 from alight.scene.formats.pbrt.textures import Source
 from alight.scene.formats.pbrt.transforms import (
-    look_at,
     moving,
-    only_turns,
-    rotation,
-    scaling,
     steps,
     swaps_handedness,
-    translation,
 )
 
-MOST_LEVELS = 1000
 #: What `alight info` counts.
 COUNTED = {
     "AreaLightSource": "area lights",
@@ -44,11 +38,9 @@ COUNTED = {
     "Shape": "shapes",
     "Texture": "textures",
 }
-_TIMES = {"StartTime": (True, False), "EndTime": (False, True), "All": (True, True)}
-_TARGETS = ("shape", "light", "material", "medium", "texture")
 
 
-class World:
+class World(Attributes):
     """Follows directives, and collects nodes.
 
     Attributes
@@ -57,21 +49,16 @@ class World:
         Of the native format.
     environment : dict or None
         The same light from everywhere.
-    systems : dict of str to (4, 4) float64
-        Named coordinate systems, to the world.
     """
 
     def __init__(self, context: Context) -> None:
-        self.context = context
-        self.state = State(materials.default_material())
-        self.stack: list[tuple[str, State | tuple, Directive]] = []
-        self.systems: dict[str, np.ndarray] = {}
+        super().__init__(context)
+        context.textures = textures.COVERED | patterns.PATTERNS
         self.named: dict[str, MaterialItem] = {}
         self.objects: dict[str, str] = {}
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
         self.media = Media(context)
-        self.times = 0.0, 1.0
         self._target, self._path = self.nodes, "nodes"
 
     def begin(self) -> None:
@@ -85,11 +72,6 @@ class World:
         self.stack.clear()
         self.systems["world"] = np.eye(4)
 
-    def close(self) -> None:
-        """Report what was not closed."""
-        for kind, _, directive in self.stack:
-            self.context.report.error(directive, f"has no {kind}End")
-
     def follow(self, directive: Directive) -> None:
         """Do what a directive says."""
         self.context.colors.space = self.state.space
@@ -97,153 +79,13 @@ class World:
             self.context.report.count(COUNTED[directive.name])
         _FOLLOW[directive.name](self, directive)
 
-    # ------------------------------------------------------------ transformations
-
-    def append(self, directive: Directive) -> None:
-        """Translate, Scale, Rotate, LookAt or ConcatTransform."""
-        numbers, name = directive.numbers, directive.name
-        matrix: np.ndarray | None
-        if name == "Translate":
-            matrix = translation(*numbers)
-        elif name == "Scale":
-            matrix = scaling(*numbers)
-        elif name == "Rotate":
-            matrix = rotation(float(numbers[0]), numbers[1:])
-        elif name == "LookAt":
-            matrix = look_at(numbers[:3], numbers[3:6], numbers[6:])
-        else:
-            matrix = numbers.reshape(4, 4).T
-        if matrix is None:
-            text = "has no direction: an axis of length 0, or nothing to look at"
-            self.context.report.error(directive, text)
-        else:
-            self.state.append(matrix)
-
-    def set_matrix(self, directive: Directive) -> None:
-        """Identity, Transform or CoordSysTransform."""
-        if directive.name == "Identity":
-            self.state.set_matrix(np.eye(4))
-        elif directive.name == "Transform":
-            self.state.set_matrix(directive.numbers.reshape(4, 4).T)
-        elif directive.type in self.systems:
-            self.state.set_matrix(self.systems[directive.type])
-        else:
-            kind = "coordinate system"
-            message = unknown_name(kind, directive.type, self.systems, listed_as="known")
-            self.context.report.error(directive, message)
-
-    def name_system(self, directive: Directive) -> None:
-        """Follow CoordinateSystem."""
-        self.systems[directive.type] = self.state.matrix
-
-    def activate(self, directive: Directive) -> None:
-        """Follow ActiveTransform."""
-        if directive.type not in _TIMES:
-            message = unknown_name("time", directive.type, _TIMES, listed_as="times")
-            self.context.report.error(directive, message)
-            return
-        self.state.changes_start, self.state.changes_end = _TIMES[directive.type]
-
-    def set_times(self, directive: Directive) -> None:
-        """Follow TransformTimes."""
-        start, end = (float(number) for number in directive.numbers)
-        if not start < end:
-            text = f"must have an end after its start, got {start:g} and {end:g}"
-            self.context.report.error(directive, text)
-        else:
-            self.times = start, end
-
-    def report_motion(self, directive: Directive) -> None:
-        """Warn of what moves while the shutter is open, and does not here."""
-        if self.state.is_animated:
-            text = "moves: it stands where it is at the start time"
-            self.context.report.approximated(directive, text)
-
-    def rests(self, directive: Directive, shines: bool) -> bool:
-        """Whether a shape stands still, as one that shines does unless it only shifts and turns."""
-        state = self.state
-        if shines and state.is_animated and not only_turns(state.matrix, state.ends):
-            self.report_motion(directive)
-            return True
-        return not state.is_animated
-
-    # ------------------------------------------------------------ attributes
-
-    def begin_attributes(self, directive: Directive) -> None:
-        """Keep the state."""
-        if len(self.stack) >= MOST_LEVELS:
-            self.context.report.error(directive, f"is nested deeper than {MOST_LEVELS} levels")
-        else:
-            self.stack.append(("Attribute", self.state, directive))
-            self.state = self.state.copied()
-
-    def end_attributes(self, directive: Directive) -> None:
-        """Go back to the state that was kept."""
-        kept = self.pop("Attribute", directive)
-        if isinstance(kept, State):
-            self.state = kept
-
-    def begin_transform(self, directive: Directive) -> None:
-        """Keep the transformations; in pbrt 4 it is another word for AttributeBegin."""
-        if len(self.stack) >= MOST_LEVELS:
-            self.context.report.error(directive, f"is nested deeper than {MOST_LEVELS} levels")
-            return
-        state = self.state
-        kept = (state.matrix, state.ends, state.changes_start, state.changes_end)
-        self.stack.append(("Transform", kept, directive))
-
-    def end_transform(self, directive: Directive) -> None:
-        """Go back to the transformations that were kept."""
-        kept = self.pop("Transform", directive)
-        if isinstance(kept, tuple):
-            state = self.state
-            state.matrix, state.ends, state.changes_start, state.changes_end = kept
-
-    def pop(self, kind: str, directive: Directive) -> State | tuple | None:
-        """Take what was kept last, if it is of the kind."""
-        if not self.stack or self.stack[-1][0] != kind:
-            text = f"has no {kind}Begin before it"
-            if self.stack:
-                text += f": the last one open is {self.stack[-1][2].name}"
-            self.context.report.error(directive, text)
-            return None
-        return self.stack.pop()[1]
-
-    def set_defaults(self, directive: Directive) -> None:
-        """Follow Attribute: parameters for all that follows."""
-        if directive.type not in _TARGETS:
-            message = unknown_name("target", directive.type, _TARGETS)
-            self.context.report.error(directive, message)
-            return
-        given = {p.name for p in directive.parameters}
-        old = [p for p in self.defaults(directive.type) if p.name not in given]
-        self.state.defaults = {
-            **self.state.defaults,
-            directive.type: [*directive.parameters, *old],
-        }
-
-    def defaults(self, target: str) -> list[Parameter]:
-        """Parameters that ``Attribute`` has set."""
-        return self.state.defaults.get(target, [])
-
-    def reverse(self, directive: Directive) -> None:
-        """Turn surfaces inside out."""
-        self.state.reverse = not self.state.reverse
-
-    def set_space(self, directive: Directive) -> None:
-        """Follow ColorSpace."""
-        if directive.type in SPACES:
-            self.state.space = directive.type
-        else:
-            message = unknown_name("colour space", directive.type, SPACES)
-            self.context.report.error(directive, message)
-
     # ------------------------------------------------------------ materials, textures, media
 
     def texture(self, directive: Directive) -> None:
         """Follow Texture."""
+        state = self.state
         found = textures.define(
-            self.context, directive, self.defaults("texture"), self.state.textures
+            self.context, directive, self.defaults("texture"), state.textures, state.matrix
         )
         if found is not None:
             key, item = found
@@ -337,9 +179,8 @@ class World:
         bound = textures.bind(context, [*p.named.values()], state.textures, numbers=True)
         bsdf: str | Data = materials.material_name(context, state.material, self.named)
         alpha = Source(context, p, bound).number("alpha", None)
-        lamp = self.lamp_of_shape(directive)
-        textured = any(context.sees_coordinates(part) for part in (bsdf, alpha))
-        textured = textured or (lamp is not None and lamp.has("filename"))
+        light, sides = self.light_of_shape(directive)
+        textured = any(context.sees_coordinates(part) for part in (bsdf, alpha, light))
         mirrored = swaps_handedness(state.matrix)
         placed = Placed(context, p, state.matrix, state.reverse, mirrored, textured)
         shape = convert_shape(placed)
@@ -355,35 +196,44 @@ class World:
         step = steps(placed.matrix)
         if step is not None:
             node["transform"] = step
-        if lamp is not None:
-            self.shine(directive, node, lamp, placed.matrix)
+        if light is not None:
+            self.shine(directive, node, light, sides, placed.matrix)
         else:
             self.add(self._target, self._path, directive, node, self.rests(directive, False))
 
-    def lamp_of_shape(self, directive: Directive) -> Parameters | None:
-        """The light that the shape shines with."""
+    def light_of_shape(self, directive: Directive) -> tuple[Data | None, bool]:
+        """The light that the shape shines with, and whether from both sides."""
         state, context = self.state, self.context
         if state.light is None:
-            return None
+            return None, False
         if self._target is not self.nodes:
             text = "shines in an object: pbrt shows no light there"
             context.report.approximated(directive, text)
-            return None
+            return None, False
         if state.light.type not in ("diffuse", "area"):
             text = unknown_name("area light", state.light.type, ("diffuse",))
             context.report.not_covered(state.light, text, "left out")
-            return None
-        return Parameters(state.light, context.report, state.light_defaults)
+            return None, False
+        context.colors.space = state.light_space
+        p = Parameters(state.light, context.report, state.light_defaults)
+        light = lights.area_light(context, p)
+        sides = p.flag("twosided", False)
+        p.finish()
+        return light, sides
 
-    def shine(self, directive: Directive, node: Data, lamp: Parameters, matrix: np.ndarray) -> None:
+    def shine(
+        self, directive: Directive, node: Data, light: Data, sides: bool, matrix: np.ndarray
+    ) -> None:
         """Add a shape that shines."""
         shape = node["shape"]
-        sides = lamp.flag("twosided", False)
-        self.context.colors.space = self.state.light_space
-        node["light"] = lights.area_light(
-            self.context, lamp, lambda: area_of(shape, matrix) * (2.0 if sides else 1.0)
-        )
-        lamp.finish()
+        power = light.pop("power")
+        if power > 0.0:
+            whole = np.pi * area_of(shape, matrix) * (2.0 if sides else 1.0)
+            light["radiance"] = [c * power / whole if whole else c for c in light["radiance"]]
+        picture = light.pop("picture", None)
+        if picture is not None:
+            light["radiance"] = {"type": "multiply", "a": picture, "b": light["radiance"]}
+        node["light"] = light
         rests = self.rests(directive, True)
         self.add(self.nodes, "nodes", directive, node, rests)
         if sides and not has_one_side(shape):
