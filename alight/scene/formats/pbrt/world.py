@@ -14,16 +14,18 @@ from alight.scene.formats.pbrt.directives import Directive
 from alight.scene.formats.pbrt.materials import MaterialItem
 from alight.scene.formats.pbrt.media import Media
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.shapes import Placed
+from alight.scene.formats.pbrt.placed import Placed
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
 from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.scene.formats.pbrt.state import State
+from alight.scene.formats.pbrt.strands import MOST_TRIANGLES, Bundle
 from alight.scene.formats.pbrt.textures import Source
 from alight.scene.formats.pbrt.transforms import (
     moving,
     steps,
     swaps_handedness,
 )
+from alight.shapes.mesh import Mesh
 
 #: What `alight info` counts.
 COUNTED = {
@@ -58,6 +60,7 @@ class World(Attributes):
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
         self.media = Media(context)
+        self.bundles: dict[object, Bundle] = {}
         self._target, self._path = self.nodes, "nodes"
 
     def begin(self) -> None:
@@ -70,6 +73,11 @@ class World(Attributes):
         )
         self.stack.clear()
         self.systems["world"] = np.eye(4)
+
+    def close(self) -> None:
+        """Finish at the end of the file."""
+        self.tie()
+        super().close()
 
     def follow(self, directive: Directive) -> None:
         """Do what a directive says."""
@@ -194,8 +202,29 @@ class World(Attributes):
             node["transform"] = step
         if light is not None:
             self.shine(directive, node, light, sides, placed.matrix)
+        elif isinstance(shape, Mesh) and directive.type == "curve" and not state.is_animated:
+            self.bundle(directive, node, shape)
         else:
             self.add(self._target, self._path, directive, node, self.rests(directive, False))
+
+    def bundle(self, directive: Directive, node: Data, shape: Mesh) -> None:
+        """Add a curve to those of the same material, of which there may be a million."""
+        state, rest = self.state, {key: node[key] for key in node if key not in ("shape",)}
+        known = (self._path, repr(node["bsdf"]), state.matrix.tobytes(), shape.flip_normals)
+        sides = (node.get("interior"), node.get("exterior"))
+        if (known, sides) not in self.bundles:
+            self.bundles[known, sides] = Bundle(directive, rest)
+            text = "and those like it become tubes, or ribbons, of triangles"
+            self.context.report.approximated(directive, text)
+        if not self.bundles[known, sides].add(shape):
+            self.context.report.error(directive, f"has over {MOST_TRIANGLES} triangles before it")
+
+    def tie(self) -> None:
+        """Add the curves that were collected."""
+        for bundle in self.bundles.values():
+            node = {"shape": bundle.whole(), **bundle.node}
+            self.add(self._target, self._path, bundle.directive, node)
+        self.bundles.clear()
 
     def light_of_shape(self, directive: Directive) -> tuple[Data | None, bool]:
         """The light that the shape shines with, and whether from both sides."""
@@ -249,6 +278,7 @@ class World(Attributes):
         if directive.type in self.objects:
             self.context.report.error(directive, "is given twice")
         self.begin_attributes(directive)
+        self.tie()
         name = self.context.name("prototypes", directive.type)
         self.objects[directive.type] = name
         children: dict[str, Data] = {}
@@ -262,6 +292,7 @@ class World(Attributes):
         if self._target is self.nodes:
             self.context.report.error(directive, "has no ObjectBegin before it")
             return
+        self.tie()
         self._target, self._path = self.nodes, "nodes"
         self.end_attributes(directive)
 
