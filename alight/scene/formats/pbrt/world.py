@@ -21,6 +21,7 @@ from alight.scene.formats.pbrt.state import State
 from alight.scene.formats.pbrt.strands import MOST_TRIANGLES, Bundle
 from alight.scene.formats.pbrt.textures import Source
 from alight.scene.formats.pbrt.transforms import (
+    keeps_angles,
     moving,
     steps,
     swaps_handedness,
@@ -200,7 +201,9 @@ class World(Attributes):
         step = steps(placed.matrix)
         if step is not None:
             node["transform"] = step
-        if light is not None:
+        if light is not None and alpha == 0.0 and self.unseen(directive, node, light, placed):
+            pass
+        elif light is not None:
             self.shine(directive, node, light, sides, placed.matrix)
         elif isinstance(shape, Mesh) and directive.type == "curve" and not state.is_animated:
             self.bundle(directive, node, shape)
@@ -245,6 +248,23 @@ class World(Attributes):
         sides = p.flag("twosided", False)
         p.finish()
         return light, sides
+
+    def unseen(self, directive: Directive, node: Data, light: Data, placed: Placed) -> bool:
+        """Add a light that pbrt 4 does not show, by an opacity of 0; False if it is no sphere."""
+        report, shape = self.context.report, node["shape"]
+        round_ = not isinstance(shape, Mesh) and shape["type"] == "sphere"
+        if self.context.old or not round_ or not keeps_angles(placed.matrix):
+            report.approximated(directive, "has no opacity, but shines: it is seen here")
+            return False
+        # From outside a sphere lights as a point does, but for the edges of shadows.
+        area = area_of(shape, placed.matrix)
+        color, power = light["radiance"], light["power"]
+        intensity = [c * (power / np.pi if power > 0.0 else area) / 4.0 for c in color]
+        report.approximated(directive, "shines without being seen: it becomes a point light")
+        center = placed.matrix[:3, 3].tolist()
+        point: Data = {"light": {"type": "point", "intensity": intensity}}
+        self.add(self.nodes, "nodes", directive, {**point, "transform": {"translate": center}})
+        return True
 
     def shine(
         self, directive: Directive, node: Data, light: Data, sides: bool, matrix: np.ndarray
