@@ -23,8 +23,8 @@ from alight.scene.description import VACUUM
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.substances import SUBSTANCES
 from alight.scene.formats.pbrt.transforms import scaling, translation
+from alight.scene.formats.substances import SUBSTANCES
 
 #: Our names of pbrt's media; the last one is pbrt 3's word for a grid.
 COVERED = {
