@@ -209,7 +209,13 @@ def alphas(m: Making, default: float, prefix: str = "") -> tuple[float | str, fl
             value = 0.0
         elif remapped:
             value = alpha_of(value, old)
+        if isinstance(value, float) and value > 1.0:
+            m.warn(f"is rougher than can be: alpha {value:.3g} became 1")
         found.append(min(max(value, 0.0), 1.0) if isinstance(value, float) else value)
+    names = [f"{prefix}{axis}roughness" for axis in ("", "u", "v")]
+    for parameter in (m.p.named[name] for name in names if m.p.has(name)):
+        if parameter.kind == "float" and float(parameter.values[0]) < 0.0:
+            m.p.report.error(parameter, f"must be >= 0, got {float(parameter.values[0]):g}")
     return found[0], found[1]
 
 

@@ -19,7 +19,7 @@ from alight.scene.formats.pbrt.shapes import convert as convert_shape
 from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.scene.formats.pbrt.state import State
 from alight.scene.formats.pbrt.strands import MOST_TRIANGLES, Bundle
-from alight.scene.formats.pbrt.textures import Source
+from alight.scene.formats.pbrt.textures import Source, TextureItem
 from alight.scene.formats.pbrt.transforms import (
     keeps_angles,
     moving,
@@ -28,6 +28,7 @@ from alight.scene.formats.pbrt.transforms import (
 )
 from alight.shapes.mesh import Mesh
 
+MOST_NAMED = 20
 #: What `alight info` counts.
 COUNTED = {
     "AreaLightSource": "area lights",
@@ -57,6 +58,7 @@ class World(Attributes):
         super().__init__(context)
         context.textures = textures.COVERED | patterns.PATTERNS
         self.named: dict[str, MaterialItem] = {}
+        self.textures: list[TextureItem] = []
         self.objects: dict[str, str] = {}
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
@@ -76,9 +78,19 @@ class World(Attributes):
         self.systems["world"] = np.eye(4)
 
     def close(self) -> None:
-        """Finish at the end of the file."""
+        """Finish at the end of the file; say what nothing uses."""
         self.tie()
         super().close()
+        unused = {
+            "textures": [item.directive for item in self.textures if not item.is_read],
+            "materials": [i.directive for i in self.named.values() if i.native is None],
+        }
+        for kind, directives in unused.items():
+            names = [quote(directive.texts[0]) for directive in directives]
+            if names:
+                more = ", ..." if len(names) > MOST_NAMED else ""
+                listed = ", ".join(names[:MOST_NAMED])
+                self.context.report.drop(f"{kind} that nothing uses are not read: {listed}{more}")
 
     def follow(self, directive: Directive) -> None:
         """Do what a directive says."""
@@ -97,6 +109,7 @@ class World(Attributes):
         )
         if found is not None:
             key, item = found
+            self.textures.append(item)
             self.state.textures = {**self.state.textures, key: item}
             # In pbrt 4 the names of textures are known everywhere from here on.
             for i, (kind, kept, begin) in enumerate(self.stack):
