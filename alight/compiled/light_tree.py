@@ -7,14 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.compiled.light_gain import even_groups, points_on_surfaces
 from alight.compiled.shapes import CompiledShapes
 from alight.core.constants import PI
 from alight.core.distributions import cumulative
 from alight.core.spec import Triple
 from alight.core.vec import luminance
 from alight.core.vec3 import Vec3
-from alight.lights.tree import LEAVES, OUTER_CDF
-from alight.lights.tree_build import Leaves, build_tree
+from alight.lights.tree import FIRST_LEAF, LEAVES, OUTER_CDF
+from alight.lights.tree_build import Leaves, LightTree, build_tree, with_even_groups
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
 
@@ -110,7 +111,7 @@ def find_leaves(
 
 def _no_leaf() -> Leaves:
     vectors, numbers, words = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.uint32)
-    return Leaves(vectors, vectors, vectors, numbers, numbers, numbers, words, words)
+    return Leaves(vectors, vectors, vectors, *(numbers,) * 4, words, words)
 
 
 def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:
@@ -126,9 +127,10 @@ def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -
         spread, factor = 0.0, 1.0
     strength = factor * row.brightness * row.areas
     word = np.array([number], np.uint32)
-    return Leaves(
-        low, high, axis, np.array([spread]), np.array([0.5 * PI]), strength, word, word * 0
-    )
+    # What is flat has its middle in its plane.
+    behind = 0.5 * np.linalg.norm(high - low, axis=1) if spread else np.zeros(1)
+    dark = np.array([0.5 * PI])
+    return Leaves(low, high, axis, np.array([spread]), dark, behind, strength, word, word * 0)
 
 
 def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndarray) -> Leaves:
@@ -140,13 +142,15 @@ def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndar
     kept = row.areas > 0.0
     corners, normal = corners[kept], normal[kept]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    n = len(normal)
+    normal = -normal if info[4] & FLIP else normal
+    n, low, high = len(normal), corners.min(axis=1), corners.max(axis=1)
     return Leaves(
-        corners.min(axis=1),
-        corners.max(axis=1),
-        -normal if info[4] & FLIP else normal,
+        low,
+        high,
+        normal,
         np.zeros(n),
         np.full(n, 0.5 * PI),
+        np.max(np.sum((0.5 * (low + high)[:, None] - corners) * normal[:, None], axis=2), axis=1),
         row.brightness * row.areas[kept],
         np.full(n, number, np.uint32),
         np.flatnonzero(kept).astype(np.uint32),
@@ -164,6 +168,7 @@ def _at_point(number: int, row: LightRow, power: float) -> Leaves:
         np.reshape(axis, (1, 3)),
         np.array([spread]),
         np.array([dark]),
+        np.zeros(1),
         np.array([power / max(solid_angle, 1e-9)]),
         word,
         word * 0,
@@ -186,10 +191,11 @@ def chosen_by_tree(
     cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
     start = OUTER_CDF + cdf.size
     tree = build_tree(leaves, start)
+    tree = with_even_groups(tree, start, _even_nodes(tree, leaves, rows, shapes))
     at = start + tree.nodes.size
     header = np.array([share, len(rows), start, 0.0, *tree.middle, tree.far], np.float32)
     header.view(np.uint32)[LEAVES] = at
-    tables = [header, cdf, tree.nodes.ravel(), tree.table]
+    tables = [header, cdf, tree.nodes.ravel().view(np.float32), tree.table.view(np.float32)]
     starts, at = np.zeros(len(rows), np.uint32), at + tree.table.size
     for number, row in enumerate(rows):
         if row.shape < 0:
@@ -201,3 +207,22 @@ def chosen_by_tree(
         starts[number] = at
         at += ways.size
     return Choosing(tables, starts, np.float32(share) * np.diff(cdf)[: len(rows)])
+
+
+def _even_nodes(
+    tree: LightTree, leaves: Leaves, rows: list[LightRow], shapes: CompiledShapes
+) -> NDArray[np.bool_]:
+    """Of which nodes the scene's surfaces see little else than intensities."""
+    order = np.argsort(tree.numbers)
+    ordered = Leaves(*(column[order] for column in leaves))
+    begin, end = tree.nodes[:, FIRST_LEAF], tree.nodes[:, FIRST_LEAF + 1]
+    return even_groups(
+        ordered, begin, end, points_on_surfaces(shapes, shining_shapes(rows, shapes))
+    )
+
+
+def shining_shapes(rows: list[LightRow], shapes: CompiledShapes) -> NDArray[np.bool_]:
+    """Which shapes are lights."""
+    shining = np.zeros(len(shapes.rows), bool)
+    shining[[row.shape for row in rows if row.shape >= 0]] = True
+    return shining

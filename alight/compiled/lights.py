@@ -7,7 +7,13 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from alight.compiled.light_gain import gain_of_tree
-from alight.compiled.light_tree import Choosing, LightRow, chosen_by_tree, find_leaves
+from alight.compiled.light_tree import (
+    Choosing,
+    LightRow,
+    chosen_by_tree,
+    find_leaves,
+    shining_shapes,
+)
 from alight.compiled.shapes import CompiledShapes
 from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
@@ -151,9 +157,7 @@ def _are_many(rows: list[LightRow]) -> bool:
 
 
 def _gain(rows: list[LightRow], leaves: Leaves, shapes: CompiledShapes) -> float:
-    shining = np.zeros(len(shapes.rows), bool)
-    shining[[row.shape for row in rows if row.shape >= 0]] = True
-    return gain_of_tree(leaves, shapes, shining)
+    return gain_of_tree(leaves, shapes, shining_shapes(rows, shapes))
 
 
 def _names(rows: list[LightRow]) -> tuple[str, ...]:

@@ -46,7 +46,7 @@ def scatter_all(scene, bsdf, wo, other, u, uv, out):
         color = Vec3(0.25, 0.5, 0.75) * load_lanes(uv, i)
         surface = Surface(
             black, zero, up, up, s, t, load_lanes(uv, i), load_lanes(uv, i + N),
-            none, none, material, none, color,
+            none, none, material, none, color, (),
         )  # fmt: skip
         w, v = load_vec3(wo, i), load_vec3(other, i)
         u2 = load_lanes(u, i + N), load_lanes(u, i + 2 * N)

@@ -15,16 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.lights.tree import (
-    ALIKE,
-    CHILD,
-    FAR_AWAY,
-    FIRST_LEAF,
-    LEAF,
-    MOST_LEVELS,
-    NODE,
-    WHOLE,
-)
+from alight.lights.tree import CHILD, FIRST_LEAF, LEAF, MOST_LEVELS, NEXT, NODE, PRIM, WHOLE
+from alight.lights.tree_bounds import CONE, EVEN, FAR_AWAY, WORDS, Groups, pack
+
+#: Radians: lights of which the directions differ by less face much the same way.
+SAME_WAY = 0.5
 
 BINS = 12
 
@@ -40,6 +35,8 @@ class Leaves(NamedTuple):
         Unit vector in the middle of the directions that it faces.
     spread, dark : (n,) float64, radians
         It faces directions up to `spread` from the axis, and is dark from `dark` beyond them.
+    behind : (n,) float64, metres
+        How far against the directions it faces its points lie from the middle of the bounds.
     intensity : (n,) float64, W/sr
         Along the directions that it faces; above 0.
     row, prim : (n,) uint32
@@ -51,6 +48,7 @@ class Leaves(NamedTuple):
     axis: NDArray[np.float64]
     spread: NDArray[np.float64]
     dark: NDArray[np.float64]
+    behind: NDArray[np.float64]
     intensity: NDArray[np.float64]
     row: NDArray[np.uint32]
     prim: NDArray[np.uint32]
@@ -61,7 +59,7 @@ class LightTree(NamedTuple):
 
     Attributes
     ----------
-    nodes : (m, NODE) float32
+    nodes : (m, NODE) uint32
         Two children a node, see `alight.lights.tree`; the root comes first.
     ways : (n,) uint32
         To each leaf: bit i says whether level i goes to the second child.
@@ -69,16 +67,16 @@ class LightTree(NamedTuple):
         Of each leaf, so that those of a group follow each other.
     middle, far : (3,) float32, metres, and float, m^2
         Of all lights, and the squared distance from it from which only intensity counts.
-    table : (3 n + 1,) float32
-        Sums of intensity, rows and triangles of the leaves, as bits.
+    table : (3 n + 1,) uint32
+        Sums of intensity, rows and triangles of the leaves.
     """
 
-    nodes: NDArray[np.float32]
+    nodes: NDArray[np.uint32]
     ways: NDArray[np.uint32]
     numbers: NDArray[np.uint32]
     middle: NDArray[np.float32]
     far: float
-    table: NDArray[np.float32]
+    table: NDArray[np.uint32]
 
 
 def build_tree(leaves: Leaves, start: int) -> LightTree:
@@ -91,29 +89,31 @@ def build_tree(leaves: Leaves, start: int) -> LightTree:
         Where the table will begin; the offsets in it count from 0 of the array it is put in.
     """
     count = len(leaves.row)
-    if count < 2:
-        nodes = np.zeros((1, NODE), np.float32)
-        nodes[:, :CHILD] = _children(leaves, np.arange(count), np.zeros(min(count, 1), int), 1)
-        nodes.view(np.uint32)[0, FIRST_LEAF + 1] = count
-        number = np.zeros(count, np.uint32)
-        return LightTree(nodes, number, number, nodes[0, :3], np.inf, _table(leaves, number))
+    total = max(float(leaves.intensity.sum()), 1e-300)
+    leaves = leaves._replace(intensity=leaves.intensity / total)
     ways, numbers = np.zeros(count, np.uint32), np.zeros(count, np.uint32)
+    if count < 2:
+        nodes = np.zeros((1, NODE), np.uint32)
+        if count:
+            nodes[:, :CHILD] = _children(leaves, _groups(leaves, numbers, numbers), numbers)
+        nodes[0, FIRST_LEAF + 1] = count
+        middle, table = np.zeros(3, np.float32), _table(leaves, numbers)
+        return LightTree(nodes, ways, numbers, middle, np.inf, table)
     levels: list[np.ndarray] = []
     items, sizes, made, begin = np.arange(count), np.array([count]), 1, np.zeros(1, int)
-    whole = _children(leaves, items, begin, 1)[0]
+    whole = _groups(leaves, items, begin)
     for level in range(MOST_LEVELS):
-        nodes = np.zeros((len(sizes), NODE), np.float32)
-        words = nodes.view(np.uint32)
-        words[:, FIRST_LEAF], words[:, FIRST_LEAF + 1] = begin, begin + sizes
+        nodes = np.zeros((len(sizes), NODE), np.uint32)
+        nodes[:, FIRST_LEAF], nodes[:, FIRST_LEAF + 1] = begin, begin + sizes
         items, halves = _split(leaves, items, sizes, MOST_LEVELS - level)
         begin = np.stack([begin, begin + halves[::2]], axis=1).ravel()
         sizes, starts = halves, np.cumsum(halves) - halves
         second = np.repeat(np.arange(len(sizes)) & 1, sizes).astype(np.uint32)
         ways[items] |= second << np.uint32(level)
-        rows = _children(leaves, items, starts, len(sizes))
+        rows = _children(leaves, _groups(leaves, items, starts), items[starts])
         inner = sizes > 1
         number = made + np.cumsum(inner) - 1
-        rows.view(np.uint32)[inner, 10] = start + NODE * number[inner]
+        rows[inner, NEXT], rows[inner, PRIM] = start + NODE * number[inner], 0
         nodes[:, : 2 * CHILD] = rows.reshape(-1, 2 * CHILD)
         levels.append(nodes)
         made += int(inner.sum())
@@ -121,11 +121,32 @@ def build_tree(leaves: Leaves, start: int) -> LightTree:
         items, sizes, begin = items[np.repeat(inner, sizes)], sizes[inner], begin[inner]
         if not len(sizes):
             break
+    far = FAR_AWAY * float(whole.radius[0]) ** 2 if whole.alike[0] else np.inf
     table = _table(leaves, numbers)
-    return LightTree(np.concatenate(levels), ways, numbers, whole[:3], float(whole[11]), table)
+    return LightTree(np.concatenate(levels), ways, numbers, whole.center[0], far, table)
 
 
-def _table(leaves: Leaves, numbers: NDArray[np.uint32]) -> NDArray[np.float32]:
+def with_even_groups(tree: LightTree, start: int, even: NDArray[np.bool_]) -> LightTree:
+    """The same tree, in which intensity alone chooses below some nodes.
+
+    Parameters
+    ----------
+    tree : LightTree
+    start : int
+        That of `build_tree`.
+    even : (m,) bool
+        Those nodes.
+    """
+    nodes = tree.nodes.copy()
+    for child in (0, CHILD):
+        onward = nodes[:, child + NEXT]
+        inner = onward < LEAF
+        there = np.where(inner, (onward.astype(np.int64) - start) // NODE, 0)
+        nodes[inner & even[there], child + CONE] |= np.uint32(EVEN)
+    return tree._replace(nodes=nodes, far=-1.0 if even[0] else tree.far)
+
+
+def _table(leaves: Leaves, numbers: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Sums of intensity, rows and triangles of the leaves in the order of their numbers."""
     order, count = np.argsort(numbers), len(numbers)
     intensity = leaves.intensity[order]
@@ -133,23 +154,18 @@ def _table(leaves: Leaves, numbers: NDArray[np.uint32]) -> NDArray[np.float32]:
     # Each has one unit at least, however bright the others are.
     sums = np.arange(1, count + 1) + np.rint(np.minimum(share, 1.0) * (WHOLE - count))
     words = np.concatenate([[0], sums, leaves.row[order], leaves.prim[order]])
-    return words.astype(np.uint32).view(np.float32)
+    return words.astype(np.uint32)
 
 
-def _children(
-    leaves: Leaves, items: np.ndarray, starts: np.ndarray, rows: int
-) -> NDArray[np.float32]:
-    """Rows of groups of lights that begin at `starts`, as if each were one leaf; (rows, CHILD)."""
-    table = np.zeros((rows, CHILD), np.float32)
-    if not len(items):
-        return table
+def _groups(leaves: Leaves, items: np.ndarray, starts: np.ndarray) -> Groups:
+    """Groups of lights that begin at `starts`."""
     sizes = np.diff(np.append(starts, len(items)))
     low = np.minimum.reduceat(leaves.low[items], starts)
     high = np.maximum.reduceat(leaves.high[items], starts)
     center = (0.5 * (low + high)).astype(np.float32)
     # From the rounded centre, and a little more for the rounding of kernels.
     reach = np.maximum(np.abs(high - center), np.abs(low - center))
-    squared = np.sum(reach * reach, axis=1) * (1.0 + 1e-5)
+    radius = np.linalg.norm(reach, axis=1) * (1.0 + 1e-5)
     mean = np.add.reduceat(leaves.axis[items], starts)
     length = np.linalg.norm(mean, axis=1)
     axis = mean / np.where(length > 1e-9, length, 1.0)[:, None]
@@ -163,16 +179,30 @@ def _children(
     spread = np.where(length > 1e-9, np.minimum(spread + 1e-3, np.pi), np.pi)
     # A lone light's cone is not widened: that it faces one way is known.
     spread = np.where(sizes == 1, leaves.spread[items[starts]], spread)
-    dark = np.maximum.reduceat(leaves.dark[items], starts)
-    table[:, :3], table[:, 3] = center, squared
-    table[:, 4:7], table[:, 7] = axis, np.add.reduceat(leaves.intensity[items], starts)
-    table[:, 8], table[:, 9] = np.cos(spread), np.cos(np.minimum(dark, np.pi))
-    words = table.view(np.uint32)
-    first, alone = items[starts], sizes == 1
-    table[:, 11] = np.where(differ < ALIKE, FAR_AWAY * squared, np.inf)
-    words[:, 10] = leaves.row[first] | np.uint32(LEAF)
-    words[alone, 11] = leaves.prim[first[alone]]
-    return table
+    dark = np.minimum(np.maximum.reduceat(leaves.dark[items], starts), np.pi)
+    behind = np.maximum.reduceat(_behind(leaves, items, np.repeat(center, sizes, axis=0)), starts)
+    intensity = np.add.reduceat(leaves.intensity[items], starts)
+    return Groups(
+        center, radius, np.minimum(behind, radius), axis, np.cos(spread), np.cos(dark), intensity,
+        differ < SAME_WAY,
+    )  # fmt: skip
+
+
+def _behind(leaves: Leaves, items: np.ndarray, center: np.ndarray) -> NDArray[np.float64]:
+    """How far each light lies behind a place, against the directions that it faces; (n,) metres."""
+    away = center - 0.5 * (leaves.low + leaves.high)[items]
+    distance = np.linalg.norm(away, axis=1)
+    cosine = np.sum(away * leaves.axis[items], axis=1) / np.where(distance > 0.0, distance, 1.0)
+    angle = np.maximum(np.arccos(np.clip(cosine, -1.0, 1.0)) - leaves.spread[items], 0.0)
+    return distance * np.cos(angle) + leaves.behind[items]
+
+
+def _children(leaves: Leaves, groups: Groups, first: np.ndarray) -> NDArray[np.uint32]:
+    """Rows of groups, as if each were its first light; (n, CHILD)."""
+    rows = np.zeros((len(first), CHILD), np.uint32)
+    rows[:, :WORDS] = pack(groups)
+    rows[:, NEXT], rows[:, PRIM] = leaves.row[first] | np.uint32(LEAF), leaves.prim[first]
+    return rows
 
 
 def _split(

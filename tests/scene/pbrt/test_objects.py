@@ -109,9 +109,8 @@ def test_amount_of_a_mixture_is_of_the_second_material_and_in_pbrt_3_of_the_firs
 def test_mixtures_that_hold_themselves():
     body = """MakeNamedMaterial "m" "string type" "mix" "string materials" ["m" "m"]
     NamedMaterial "m" Shape "sphere" """
-    found = messages(body)
-    assert len(found) == 2
-    assert all("contains itself" in message for message in found)
+    [message] = messages(body)
+    assert "contains itself" in message
 
 
 # ---------------------------------------------------------------- textures
@@ -324,3 +323,47 @@ def test_bilinear_patches():
     normal = np.cross([2, 0, 0.5], [0, 1, 0.5])
     np.testing.assert_allclose(mesh.normals[middle], normal / np.linalg.norm(normal), atol=1e-6)
     assert any("is not flat" in warning for warning in scene.warnings)
+
+
+# ---------------------------------------------------------------- what is out of range, or unused
+
+
+def test_roughness_below_zero_is_refused_and_above_one_cut_and_said():
+    [message] = messages('Material "conductor" "float vroughness" -0.5 Shape "sphere"')
+    assert message == "must be >= 0, got -0.5"
+    scene = read('Material "dielectric" "float roughness" 4 Shape "sphere"')
+    assert scene.bsdfs["dielectric"].alpha == 1.0
+    assert any("alpha 2 became 1" in line for line in scene.warnings)
+
+
+def test_a_substrate_as_it_stands_becomes_the_brightest_coat():
+    scene = read_old('Material "substrate" Shape "sphere"')
+    coat = scene.bsdfs["substrate"].bsdf
+    assert coat.int_ior == pytest.approx(5.0) and coat.specular_reflectance == (1.0, 1.0, 1.0)
+    assert any("more than 0.444 straight on" in line for line in scene.warnings)
+    # Up to there it reflects what the file says.
+    scene = read_old('Material "substrate" "rgb Ks" [.2 .1 .2] Shape "sphere"')
+    coat = scene.bsdfs["substrate"].bsdf
+    straight_on = ((coat.int_ior - 1.0) / (coat.int_ior + 1.0)) ** 2
+    np.testing.assert_allclose(straight_on * np.array(coat.specular_reflectance), [0.2, 0.1, 0.2])
+
+
+@pytest.mark.parametrize(("given", "said"), [("", True), ('"rgb Ks" [0 0 0]', False)])
+def test_the_gloss_of_translucent_is_left_out_and_said(given, said):
+    scene = read_old(f'Material "translucent" {given} Shape "sphere"')
+    assert any("adds its gloss" in line for line in scene.warnings) == said
+
+
+def test_textures_and_materials_that_nothing_uses_are_listed():
+    scene = read(
+        """Texture "used" "float" "constant" "float value" 0.25
+        Texture "t" "spectrum" "constnt" Texture "u" "spectrum" "imagemap"
+        MakeNamedMaterial "a" "string type" "diffuse"
+        MakeNamedMaterial "b" "string type" "conductor" "texture roughness" "used"
+        NamedMaterial "b" Shape "sphere" """
+    )
+    notes = [note for note in scene.source.remarks.notes if "nothing uses" in note]
+    assert notes == [
+        'textures that nothing uses are not read: "t", "u"',
+        'materials that nothing uses are not read: "a"',
+    ]

@@ -41,8 +41,9 @@ class Attributes:
 
     def close(self) -> None:
         """Report what was not closed."""
-        for kind, _, directive in self.stack:
-            self.context.report.error(directive, f"has no {kind}End")
+        for _, _, directive in self.stack:
+            end = directive.name.replace("Begin", "End")
+            self.context.report.error(directive, f"has no {end}")
 
     def append(self, directive: Directive) -> None:
         """Translate, Scale, Rotate, LookAt or ConcatTransform."""

@@ -22,6 +22,7 @@ def height_of(source: Source, name: str) -> tuple[float, float | str | None]:
         if len(varying) != 1:
             break
         [fixed] = set(names) - set(varying)
+        item.is_read = True
         factor *= _amount(source, p, item, fixed)
         item = item.bound[varying[0]]
     return factor, None if item is None else _value(source.context, item)
@@ -35,6 +36,7 @@ def _amount(source: Source, p: Parameters, item: TextureItem, name: str) -> floa
     """The number that is a part of a texture."""
     if name in item.bound:
         inner = item.bound[name]
+        inner.is_read = True
         return Parameters(inner.directive, source.p.report, inner.defaults).number("value", 1.0)
     return p.number(name, 1.0)
 

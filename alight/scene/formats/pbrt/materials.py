@@ -17,7 +17,6 @@ from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.heights import height_of
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.substances import SUBSTANCES
 from alight.scene.formats.pbrt.textures import (
     Role,
     Source,
@@ -26,6 +25,7 @@ from alight.scene.formats.pbrt.textures import (
     entry,
 )
 from alight.scene.formats.reach import OutOfReachError
+from alight.scene.formats.substances import SUBSTANCES, diffuse_reflectance
 
 #: pbrt treats what is smoother as a mirror.
 SMOOTH = 1e-3
@@ -209,7 +209,13 @@ def alphas(m: Making, default: float, prefix: str = "") -> tuple[float | str, fl
             value = 0.0
         elif remapped:
             value = alpha_of(value, old)
+        if isinstance(value, float) and value > 1.0:
+            m.warn(f"is rougher than can be: alpha {value:.3g} became 1")
         found.append(min(max(value, 0.0), 1.0) if isinstance(value, float) else value)
+    names = [f"{prefix}{axis}roughness" for axis in ("", "u", "v")]
+    for parameter in (m.p.named[name] for name in names if m.p.has(name)):
+        if parameter.kind == "float" and float(parameter.values[0]) < 0.0:
+            m.p.report.error(parameter, f"must be >= 0, got {float(parameter.values[0]):g}")
     return found[0], found[1]
 
 
@@ -408,20 +414,9 @@ def _subsurface(m: Making) -> Data:
         m.p.report.approximated(m.p.named["name"], f"{known.partition('  (')[0]}: 0.7 is taken")
         base = base or [0.7] * 3
     if base is None and isinstance(absorbed, list) and isinstance(scattered, list):
-        base = [_scattered(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
+        base = [diffuse_reflectance(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
     m.warn("scatters below the surface: a coat over a matte base is taken")
     return two_sided({**coat(m, alpha, base or [0.7] * 3, eta, None), "nonlinear": True})
-
-
-def _scattered(absorbed: float, scattered: float, eta: float) -> float:
-    """Diffuse reflectance of a half space. Source: Jensen et al. 2001, equation 15."""
-    if scattered <= 0.0:
-        return 0.0
-    albedo = scattered / (scattered + absorbed)
-    inside = -1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta
-    a = (1.0 + inside) / (1.0 - inside)
-    s = math.sqrt(3.0 * (1.0 - albedo))
-    return 0.5 * albedo * (1.0 + math.exp(-4.0 / 3.0 * a * s)) * math.exp(-s)
 
 
 #: Materials of pbrt that alight has models for; those of pbrt 3 are added by their module.

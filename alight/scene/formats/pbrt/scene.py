@@ -95,12 +95,15 @@ class _Reader:
         self.spp: int | None = None
         self.in_world = False
         self.levels = self.includes = self.bytes = 0
+        self.words: Words | None = None
 
     def file(self, text: str, name: str) -> None:
         """Follow one file."""
         broken: list[BrokenError] = []
+        before = self.words
+        self.words = words = Words(text, name, before)
         try:
-            for directive in directives(Words(text, name), broken):
+            for directive in directives(words, broken):
                 self.follow(directive)
                 if len(self.context.report.issues) + len(broken) > MOST_ISSUES:
                     raise _TooManyError
@@ -110,6 +113,7 @@ class _Reader:
             text = f"has more than {MOST_ISSUES} problems: these are the first"
             self.context.report.issues.append(Issue("", text, name))
         finally:
+            self.words = before
             for error in broken:
                 self.context.report.issues.append(Issue("", str(error), error.place))
 

@@ -42,6 +42,8 @@ class TextureItem:
         From the space in which it is defined to the world.
     levels : int
         Textures in a row that it is made of.
+    is_read : bool
+        Whether anything uses it.
     """
 
     directive: Directive
@@ -51,6 +53,7 @@ class TextureItem:
     matrix: np.ndarray = field(default_factory=lambda: np.eye(4))
     levels: int = 1
     value: Value | None = None
+    is_read: bool = False
 
 
 Textures = Mapping[tuple[str, str], TextureItem]
@@ -179,6 +182,7 @@ def define(
 
 def texture_value(context: Context, item: TextureItem) -> Value:
     """A texture as a colour, or as the name of an entry of the table ``textures``."""
+    item.is_read = True
     if item.value is None:
         kind = item.directive.type
         space, context.colors.space = context.colors.space, item.space

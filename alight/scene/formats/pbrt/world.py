@@ -14,18 +14,22 @@ from alight.scene.formats.pbrt.directives import Directive
 from alight.scene.formats.pbrt.materials import MaterialItem
 from alight.scene.formats.pbrt.media import Media
 from alight.scene.formats.pbrt.parameters import Parameters
+from alight.scene.formats.pbrt.placed import Placed
 from alight.scene.formats.pbrt.portals import portal
-from alight.scene.formats.pbrt.shapes import Placed
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
 from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.scene.formats.pbrt.state import State
-from alight.scene.formats.pbrt.textures import Source
+from alight.scene.formats.pbrt.strands import MOST_TRIANGLES, Bundle
+from alight.scene.formats.pbrt.textures import Source, TextureItem
 from alight.scene.formats.pbrt.transforms import (
+    keeps_angles,
     moving,
     steps,
     swaps_handedness,
 )
+from alight.shapes.mesh import Mesh
 
+MOST_NAMED = 20
 #: What `alight info` counts.
 COUNTED = {
     "AreaLightSource": "area lights",
@@ -55,10 +59,12 @@ class World(Attributes):
         super().__init__(context)
         context.textures = textures.COVERED | patterns.PATTERNS
         self.named: dict[str, MaterialItem] = {}
+        self.textures: list[TextureItem] = []
         self.objects: dict[str, str] = {}
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
         self.media = Media(context)
+        self.bundles: dict[object, Bundle] = {}
         self._target, self._path = self.nodes, "nodes"
 
     def begin(self) -> None:
@@ -71,6 +77,21 @@ class World(Attributes):
         )
         self.stack.clear()
         self.systems["world"] = np.eye(4)
+
+    def close(self) -> None:
+        """Finish at the end of the file; say what nothing uses."""
+        self.tie()
+        super().close()
+        unused = {
+            "textures": [item.directive for item in self.textures if not item.is_read],
+            "materials": [i.directive for i in self.named.values() if i.native is None],
+        }
+        for kind, directives in unused.items():
+            names = [quote(directive.texts[0]) for directive in directives]
+            if names:
+                more = ", ..." if len(names) > MOST_NAMED else ""
+                listed = ", ".join(names[:MOST_NAMED])
+                self.context.report.drop(f"{kind} that nothing uses are not read: {listed}{more}")
 
     def follow(self, directive: Directive) -> None:
         """Do what a directive says."""
@@ -89,6 +110,7 @@ class World(Attributes):
         )
         if found is not None:
             key, item = found
+            self.textures.append(item)
             self.state.textures = {**self.state.textures, key: item}
             # In pbrt 4 the names of textures are known everywhere from here on.
             for i, (kind, kept, begin) in enumerate(self.stack):
@@ -196,10 +218,33 @@ class World(Attributes):
         step = steps(placed.matrix)
         if step is not None:
             node["transform"] = step
-        if light is not None:
+        if light is not None and alpha == 0.0 and self.unseen(directive, node, light, placed):
+            pass
+        elif light is not None:
             self.shine(directive, node, light, sides, placed.matrix)
+        elif isinstance(shape, Mesh) and directive.type == "curve" and not state.is_animated:
+            self.bundle(directive, node, shape)
         else:
             self.add(self._target, self._path, directive, node, self.rests(directive, False))
+
+    def bundle(self, directive: Directive, node: Data, shape: Mesh) -> None:
+        """Add a curve to those of the same material, of which there may be a million."""
+        state, rest = self.state, {key: node[key] for key in node if key not in ("shape",)}
+        known = (self._path, repr(node["bsdf"]), state.matrix.tobytes(), shape.flip_normals)
+        sides = (node.get("interior"), node.get("exterior"))
+        if (known, sides) not in self.bundles:
+            self.bundles[known, sides] = Bundle(directive, rest)
+            text = "and those like it become tubes, or ribbons, of triangles"
+            self.context.report.approximated(directive, text)
+        if not self.bundles[known, sides].add(shape):
+            self.context.report.error(directive, f"has over {MOST_TRIANGLES} triangles before it")
+
+    def tie(self) -> None:
+        """Add the curves that were collected."""
+        for bundle in self.bundles.values():
+            node = {"shape": bundle.whole(), **bundle.node}
+            self.add(self._target, self._path, bundle.directive, node)
+        self.bundles.clear()
 
     def light_of_shape(self, directive: Directive) -> tuple[Data | None, bool]:
         """The light that the shape shines with, and whether from both sides."""
@@ -220,6 +265,23 @@ class World(Attributes):
         sides = p.flag("twosided", False)
         p.finish()
         return light, sides
+
+    def unseen(self, directive: Directive, node: Data, light: Data, placed: Placed) -> bool:
+        """Add a light that pbrt 4 does not show, by an opacity of 0; False if it is no sphere."""
+        report, shape = self.context.report, node["shape"]
+        round_ = not isinstance(shape, Mesh) and shape["type"] == "sphere"
+        if self.context.old or not round_ or not keeps_angles(placed.matrix):
+            report.approximated(directive, "has no opacity, but shines: it is seen here")
+            return False
+        # From outside a sphere lights as a point does, but for the edges of shadows.
+        area = area_of(shape, placed.matrix)
+        color, power = light["radiance"], light["power"]
+        intensity = [c * (power / np.pi if power > 0.0 else area) / 4.0 for c in color]
+        report.approximated(directive, "shines without being seen: it becomes a point light")
+        center = placed.matrix[:3, 3].tolist()
+        point: Data = {"light": {"type": "point", "intensity": intensity}}
+        self.add(self.nodes, "nodes", directive, {**point, "transform": {"translate": center}})
+        return True
 
     def shine(
         self, directive: Directive, node: Data, light: Data, sides: bool, matrix: np.ndarray
@@ -253,6 +315,7 @@ class World(Attributes):
         if directive.type in self.objects:
             self.context.report.error(directive, "is given twice")
         self.begin_attributes(directive)
+        self.tie()
         name = self.context.name("prototypes", directive.type)
         self.objects[directive.type] = name
         children: dict[str, Data] = {}
@@ -266,6 +329,7 @@ class World(Attributes):
         if self._target is self.nodes:
             self.context.report.error(directive, "has no ObjectBegin before it")
             return
+        self.tie()
         self._target, self._path = self.nodes, "nodes"
         self.end_attributes(directive)
 

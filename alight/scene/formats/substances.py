@@ -1,9 +1,12 @@
-"""Coefficients of well-known media by pbrt's names, per millimetre, red, green and blue.
+"""Coefficients of well-known media, per millimetre, red, green and blue.
 
-Source: Jensen et al., A practical model for subsurface light transport, SIGGRAPH 2001, figure 5.
+Source: Jensen et al., A practical model for subsurface light transport, SIGGRAPH 2001, figure 5,
+and equation 15 for the diffuse reflectance.
 """
 
 from __future__ import annotations
+
+import math
 
 Triple = tuple[float, float, float]
 
@@ -22,3 +25,14 @@ SUBSTANCES: dict[str, tuple[Triple, Triple]] = {
     "Spectralon": ((11.6, 20.4, 14.9), (0.0, 0.0, 0.0)),
     "Wholemilk": ((2.55, 3.21, 3.77), (0.0011, 0.0024, 0.014)),
 }
+
+
+def diffuse_reflectance(absorbed: float, scattered: float, eta: float) -> float:
+    """Part of the light that a half space of a medium gives back."""
+    if scattered <= 0.0:
+        return 0.0
+    albedo = scattered / (scattered + absorbed)
+    inside = -1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta
+    a = (1.0 + inside) / (1.0 - inside)
+    s = math.sqrt(3.0 * (1.0 - albedo))
+    return 0.5 * albedo * (1.0 + math.exp(-4.0 / 3.0 * a * s)) * math.exp(-s)
