@@ -33,9 +33,9 @@ MOST_GAIN = 10.0
 #: Lights that stand for all, by their intensity.
 MOST_LIGHTS = 2048
 
-#: A group of a tree is even if it could gain less. Looking into it costs some 30 % of a path's time
-#: (decision 20).
-LEAST_IN_GROUP = 0.25
+#: A group of a tree is even if it could gain less; all lights together are if it is less than
+#: `LEAST_IN_ALL`: then no path looks at a node, which takes 20 to 60 % of its time (decision 20).
+LEAST_IN_GROUP, LEAST_IN_ALL = 0.03, 0.25
 
 #: What is said of a group must come from so many points at least, and of so many lights that stand
 #: for others.
@@ -128,21 +128,21 @@ def _boxes(shapes: CompiledShapes, asked: NDArray[np.bool_]) -> tuple[np.ndarray
 
 
 def even_groups(
+    points: NDArray[np.float64],
     leaves: Leaves,
     begin: NDArray[np.integer],
     end: NDArray[np.integer],
-    points: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
     """Which groups of lights may be chosen from by intensity alone.
 
     Parameters
     ----------
+    points : (n, 3) float64
+        Of `points_on_surfaces`.
     leaves : Leaves
         In the order of the tree.
     begin, end : (groups,) int
         First leaf of each group, and the one behind its last.
-    points : (n, 3) float64
-        Of `points_on_surfaces`.
 
     Returns
     -------
@@ -174,7 +174,8 @@ def even_groups(
     excess = ratio / light[lit, None] - share
     sum_of_shares, squares = share.sum(axis=0), (share**2).sum(axis=0)
     told = (sum_of_shares**2 >= LEAST_POINTS * squares) & (sum_of_shares > 0.0)
-    return told & (high - low >= least) & (excess.sum(axis=0) < LEAST_IN_GROUP * sum_of_shares)
+    bound = np.where((low == 0) & (high == len(chosen)), LEAST_IN_ALL, LEAST_IN_GROUP)
+    return told & (high - low >= least) & (excess.sum(axis=0) < bound * sum_of_shares)
 
 
 def _sums(numbers: NDArray[np.float64], low: np.ndarray, high: np.ndarray) -> np.ndarray:

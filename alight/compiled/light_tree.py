@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +15,8 @@ from alight.core.distributions import cumulative
 from alight.core.spec import Triple
 from alight.core.vec import luminance
 from alight.core.vec3 import Vec3
-from alight.lights.tree import FIRST_LEAF, LEAVES, OUTER_CDF
-from alight.lights.tree_build import Leaves, LightTree, build_tree, with_even_groups
+from alight.lights.tree import LEAVES, OUTER_CDF
+from alight.lights.tree_build import Leaves, build_tree
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
 
@@ -190,12 +191,13 @@ def chosen_by_tree(
         share = min(max(share, LEAST_OUTER), MOST_OUTER)
     cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
     start = OUTER_CDF + cdf.size
-    tree = build_tree(leaves, start)
-    tree = with_even_groups(tree, start, _even_nodes(tree, leaves, rows, shapes))
-    at = start + tree.nodes.size
+    points = points_on_surfaces(shapes, shining_shapes(rows, shapes))
+    tree = build_tree(leaves, start, partial(even_groups, points))
+    at = start + tree.top.size + tree.nodes.size
     header = np.array([share, len(rows), start, 0.0, *tree.middle, tree.far], np.float32)
     header.view(np.uint32)[LEAVES] = at
-    tables = [header, cdf, tree.nodes.ravel().view(np.float32), tree.table.view(np.float32)]
+    words = [tree.nodes.ravel(), tree.table]
+    tables = [header, cdf, tree.top.ravel(), *(part.view(np.float32) for part in words)]
     starts, at = np.zeros(len(rows), np.uint32), at + tree.table.size
     for number, row in enumerate(rows):
         if row.shape < 0:
@@ -207,18 +209,6 @@ def chosen_by_tree(
         starts[number] = at
         at += ways.size
     return Choosing(tables, starts, np.float32(share) * np.diff(cdf)[: len(rows)])
-
-
-def _even_nodes(
-    tree: LightTree, leaves: Leaves, rows: list[LightRow], shapes: CompiledShapes
-) -> NDArray[np.bool_]:
-    """Of which nodes the scene's surfaces see little else than intensities."""
-    order = np.argsort(tree.numbers)
-    ordered = Leaves(*(column[order] for column in leaves))
-    begin, end = tree.nodes[:, FIRST_LEAF], tree.nodes[:, FIRST_LEAF + 1]
-    return even_groups(
-        ordered, begin, end, points_on_surfaces(shapes, shining_shapes(rows, shapes))
-    )
 
 
 def shining_shapes(rows: list[LightRow], shapes: CompiledShapes) -> NDArray[np.bool_]:

@@ -28,7 +28,7 @@ from alight.lights.tree import (
     plain_probability,
 )
 from alight.lights.tree_bounds import ALIKE, AXIS, CONE, REACH, STRENGTH, Groups
-from alight.lights.tree_build import Leaves, build_tree
+from alight.lights.tree_build import Leaves, binary_tree
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
 from alight.shapes.rectangle import Rectangle
@@ -128,6 +128,21 @@ def test_densities_for_mis_add_up_to_one_and_agree():
     error = np.sqrt(lit.mean() * (1.0 - lit.mean()) / N)
     assert abs(found.plain[lit][first].sum() - lit.mean()) < LARGEST_Z * error
     assert lit.mean() > 0.9
+
+
+def test_choice_where_groups_are_dark():
+    # Ceiling lamps of eight floors, of equal power; p is on the fifth, and most shine elsewhere.
+    down = rotate("x", 180).matrix @ np.diag([0.1, 0.1, 0.1, 1.0])
+    places = [(x, y, 4.0 * z + 2.5) for z in range(8) for x in (0, 3) for y in (0, 3)]
+    world = World(
+        *((Rectangle(), translate(*at).matrix @ down, Area()) for at in places), selection="tree"
+    )
+    found, _ = choices(world, (1.0, 1.0, 16.0), UP)
+    there = found.pmf > 0.0
+    names, first, counts = np.unique(found.index[there], return_index=True, return_counts=True)
+    assert names.min() == 16 and len(names) == 16
+    said = found.pmf[there][first].astype(float)
+    assert chi_square(np.append(counts, N - counts.sum()), said) > SIGNIFICANCE
 
 
 def irradiance(world, program, p, n, seed):
@@ -273,7 +288,7 @@ def test_nodes_bound_their_lights(kind):
     axes = rng.normal(size=(n, 3)) + np.array([0.0, 0.0, 2.0])
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     leaves = leaves_at(places, axes)
-    tree = build_tree(leaves, 100)
+    tree = binary_tree(leaves._replace(intensity=leaves.intensity / n), 100)
     words = np.ascontiguousarray(tree.nodes[:, : 2 * CHILD]).reshape(-1, CHILD)
     for item in range(n):
         at, way, child = 0, int(tree.ways[item]), 0

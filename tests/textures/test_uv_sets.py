@@ -9,6 +9,7 @@ import json
 import numpy as np
 import pytest
 
+import alight
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.core.uv_sets import NO_SET, UV_SETS
@@ -195,6 +196,21 @@ def test_a_bump_map_rises_with_its_set():
     # Differences of heights 2^-13 apart have four digits.
     np.testing.assert_allclose(found.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), rtol=2e-4)
     assert np.abs(found - expected).mean() < 1e-3
+
+
+def test_machine_code_agrees():
+    """All of it in one program: colours, normals and heights from three sets, with copies."""
+    noise = {"type": "noise", "space": "uv", "scale": 3, "uv_set": 1}
+    bent = {"type": "normal_map", "texture": SLOPES | {"uv_set": 2}, "bsdf": diffuse(noise)}
+    high = {"type": "bump_map", "texture": GREYS | {"uv_set": 1}, "scale": 0.1,
+            "bsdf": diffuse(COLOURS | {"uv_set": 2})}  # fmt: skip
+    both = {"type": "blend", "bsdfs": [bent, high]}
+    scene = scene_of(grid(FIRST, SECOND, GRID), both, copies=True, sun=True)
+    film = alight.render(scene, spp=4, seed=1, threads=1, replicates=1)
+    # Along edges a ray may meet the one triangle or the other.
+    difference = np.abs(film.mean - picture(scene))
+    assert (difference > 1e-3).mean() < 0.02
+    assert np.median(difference) < 1e-5
 
 
 # ---------------------------------------------------------------- without the set

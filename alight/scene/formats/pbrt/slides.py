@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.lights.ies import LUMENS
+from alight.lights.ies import LUMENS, Ies, mean_color
 from alight.scene.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.octahedral import to_square
@@ -81,7 +81,6 @@ def goniometric(context: Context, p: Parameters, matrix: np.ndarray) -> Data | N
     map_ = texels.mean(axis=2, dtype=np.float64)
     if np.ptp(texels, axis=2).max() > 1e-3 * map_.max():
         p.report.approximated(p.directive, "shines in one colour: that of its picture is left out")
-    color = with_power(p, color, "power", 4.0 * math.pi * float(map_.mean()))
     vertical = np.arange(0.0, 180.0 + _DOWN, _DOWN)
     horizontal = np.arange(0.0, 360.0 + _AROUND, _AROUND)
     theta, phi = np.radians(vertical)[None, :], np.radians(horizontal)[:, None]
@@ -89,14 +88,13 @@ def goniometric(context: Context, p: Parameters, matrix: np.ndarray) -> Data | N
     # The map's z is the light's y.
     z, up = y, np.broadcast_to(np.cos(theta), y.shape)
     values = _looked_up(map_, np.stack([x, up, z], axis=-1), context.old)
-    light: Data = {
-        "type": "ies",
+    profile = {
         "vertical_angles": vertical.tolist(),
         "horizontal_angles": horizontal.tolist(),
         "candela": (LUMENS * values).tolist(),
-        "scale": color,
     }
-    return placed(light, matrix)
+    color = with_power(p, color, "power", 4.0 * math.pi * mean_color(Ies(**profile))[0])
+    return placed({"type": "ies", **profile, "scale": color}, matrix)
 
 
 def _looked_up(map_: np.ndarray, directions: np.ndarray, old: bool) -> np.ndarray:
