@@ -193,7 +193,7 @@ def test_projections_stand_upright_and_have_their_power(tmp_path):
 
 
 def test_goniometric_lights_shine_as_their_map(tmp_path):
-    n = 64
+    n = 256
     middle = (np.arange(n) + 0.5) / n
     directions = to_sphere(np.stack(np.meshgrid(middle, middle), axis=-1))
     # In the map z is up; the light's up is y.
