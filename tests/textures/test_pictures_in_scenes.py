@@ -97,6 +97,25 @@ def test_jpeg(tmp_path):
     assert np.abs(read_image(tmp_path / "a.jpg").texels.astype(int) - smooth).max() <= 3
 
 
+@pytest.mark.parametrize("name", ["a.bmp", "a.tga", "a.tif"])
+def test_other_pictures_of_whole_numbers(name, tmp_path):
+    Pillow.fromarray(SMALL).save(tmp_path / name)
+    np.testing.assert_array_equal(read_image(tmp_path / name).texels, SMALL)
+    if name == "a.bmp":
+        return
+    both = np.dstack([SMALL, SMALL[..., 0]])
+    Pillow.fromarray(both).save(tmp_path / name)
+    found = read_image(tmp_path / name)
+    np.testing.assert_array_equal(found.texels, SMALL)
+    np.testing.assert_array_equal(found.alpha, SMALL[..., 0])
+
+
+def test_floats_in_tiff_files_are_refused(tmp_path):
+    Pillow.fromarray(LINEAR[..., 0].astype(np.float32)).save(tmp_path / "a.tif")
+    with pytest.raises(SceneError, match="holds floats: EXR and PFM files may"):
+        read_image(tmp_path / "a.tif")
+
+
 def test_exr_with_half_floats_and_grey(tmp_path):
     import OpenEXR
 

@@ -20,7 +20,7 @@ from alight.core.errors import Issue, SceneError
 from alight.lights.ies import LUMENS, Ies, mean_color
 from alight.scene.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
 from alight.scene.formats.pbrt.context import Context, Data
-from alight.scene.formats.pbrt.octahedral import to_square
+from alight.scene.formats.pbrt.octahedral import texel, to_square
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.reach import OutOfReachError
 from alight.scene.images import read_image
@@ -110,12 +110,13 @@ def _looked_up(map_: np.ndarray, directions: np.ndarray, old: bool) -> np.ndarra
     i, j = np.floor(s).astype(int), np.floor(t).astype(int)
     a, b = s - i, t - j
 
-    def texel(column: np.ndarray, row: np.ndarray) -> np.ndarray:
-        column = column % columns if old else np.clip(column, 0, columns - 1)
-        return map_[np.clip(row, 0, rows - 1), column]
+    def at(column: np.ndarray, row: np.ndarray) -> np.ndarray:
+        if not old:
+            return texel(map_, column, row)
+        return map_[np.clip(row, 0, rows - 1), column % columns]
 
-    top = (1.0 - a) * texel(i, j) + a * texel(i + 1, j)
-    return (1.0 - b) * top + b * ((1.0 - a) * texel(i, j + 1) + a * texel(i + 1, j + 1))
+    top = (1.0 - a) * at(i, j) + a * at(i + 1, j)
+    return (1.0 - b) * top + b * ((1.0 - a) * at(i, j + 1) + a * at(i + 1, j + 1))
 
 
 def _picture(context: Context, p: Parameters) -> np.ndarray | None:
