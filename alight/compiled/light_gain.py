@@ -9,6 +9,11 @@ with the second moment
 
 a choice by :math:`c_i` itself with 1. So R says by what factor a tree can lower the error at best,
 shadows and cosines at x left aside. It is asked at points on the scene's surfaces.
+
+The same holds for a group of lights in a tree: below it, a choice by power has :math:`R_g(x) - 1`
+more variance than the best one, at the points that the group gives much of their light. Where that
+is small in the mean, :math:`\operatorname E_x s_g (R_g - 1) / \operatorname E_x s_g` with the part
+:math:`s_g = \sum_g c_i / \sum c_i` of the light, the group is not looked into.
 """
 
 from __future__ import annotations
@@ -28,11 +33,24 @@ MOST_GAIN = 10.0
 #: Lights that stand for all, by their intensity.
 MOST_LIGHTS = 2048
 
+#: A group of a tree is even if it could gain less: some of what can be gained is given for time.
+LEAST_IN_GROUP = 0.1
+
+#: What is said of a group must come from so many points at least, and of so many lights that stand
+#: for others.
+LEAST_POINTS, LEAST_LIGHTS = 16.0, 32
+
+#: Of the light from far beyond the scene so much counts at least: roofs and walls are not asked
+#: for, and what is left of daylight in a room is about that.
+DAYLIGHT = 0.02
+
 #: Triangles that stand for all.
 MOST_TRIANGLES = 1 << 14
 
 
-def gain_of_tree(leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.bool_]) -> float:
+def gain_of_tree(
+    leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.bool_], beside: float = 0.0
+) -> float:
     """Mean of R, counted to `MOST_GAIN`, over points on surfaces that do not shine.
 
     Parameters
@@ -41,6 +59,9 @@ def gain_of_tree(leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.boo
     shapes : CompiledShapes
     shining : (shapes,) bool
         Which shapes are lights.
+    beside : float, W/m^2
+        What lights without a place send, of which `DAYLIGHT` counts: where they outshine the leaves
+        there is little to gain.
 
     Returns
     -------
@@ -50,13 +71,15 @@ def gain_of_tree(leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.boo
     points = points_on_surfaces(shapes, shining)
     if not len(points) or not len(leaves.row):
         return MOST_GAIN if len(leaves.row) else 1.0
-    weights = _weights(leaves, points)
+    weights = _weights(leaves, _chosen(leaves), points)
     mean = weights.mean(axis=1)
     lit = mean > 0.0
     if not lit.any():
         return 1.0
-    second = (weights[lit] / mean[lit, None]) ** 2
-    return float(np.minimum(second.mean(axis=1), MOST_GAIN).mean())
+    excess = np.mean((weights[lit] / mean[lit, None]) ** 2, axis=1) - 1.0
+    light = mean[lit] * leaves.intensity.sum()
+    share = light / (light + DAYLIGHT * beside)
+    return float(np.minimum(1.0 + share**2 * excess, MOST_GAIN).mean())
 
 
 def points_on_surfaces(shapes: CompiledShapes, shining: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -114,11 +137,74 @@ def _boxes(shapes: CompiledShapes, asked: NDArray[np.bool_]) -> tuple[np.ndarray
     return np.reshape(corner, (n, 3)), np.reshape(edges, (n, 3, 3)), np.array(area)
 
 
-def _weights(leaves: Leaves, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """w, (points, lights), of lights that are chosen by their intensity."""
+def even_groups(
+    points: NDArray[np.float64],
+    leaves: Leaves,
+    begin: NDArray[np.integer],
+    end: NDArray[np.integer],
+) -> NDArray[np.bool_]:
+    """Which groups of lights may be chosen from by intensity alone.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Of `points_on_surfaces`.
+    leaves : Leaves
+        In the order of the tree.
+    begin, end : (groups,) int
+        First leaf of each group, and the one behind its last.
+
+    Returns
+    -------
+    (groups,) bool
+    """
+    count = len(leaves.row)
+    if not len(points) or not count:
+        return np.zeros(len(begin), bool)
+    if count <= MOST_LIGHTS:
+        chosen, intensity, least = np.arange(count), leaves.intensity, 2
+    else:
+        chosen, least = _chosen(leaves), LEAST_LIGHTS
+        intensity = np.full(len(chosen), 1.0 / len(chosen))
+    low, high = np.searchsorted(chosen, begin), np.searchsorted(chosen, end)
+    weights = _weights(leaves, chosen, points)
+    sums = [
+        _sums(intensity[None], low, high),
+        _sums(intensity * weights, low, high),
+        _sums(intensity * weights**2, low, high),
+    ]
+    whole, first, second = sums
+    light = (intensity * weights).sum(axis=1)
+    lit = light > 0.0
+    if not lit.any():
+        return np.zeros(len(begin), bool)
+    share = first[lit] / light[lit, None]
+    # s (R - 1) with R = whole * second / first^2.
+    ratio = np.where(first[lit] > 0.0, whole * second[lit] / np.maximum(first[lit], 1e-300), 0.0)
+    excess = ratio / light[lit, None] - share
+    sum_of_shares, squares = share.sum(axis=0), (share**2).sum(axis=0)
+    told = (sum_of_shares**2 >= LEAST_POINTS * squares) & (sum_of_shares > 0.0)
+    little = excess.sum(axis=0) < LEAST_IN_GROUP * sum_of_shares
+    return told & little & (high - low >= least)
+
+
+def _sums(numbers: NDArray[np.float64], low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Sums of the columns [low, high) of each row."""
+    sums = np.concatenate([np.zeros((len(numbers), 1)), np.cumsum(numbers, axis=1)], axis=1)
+    return sums[:, high] - sums[:, low]
+
+
+def _chosen(leaves: Leaves) -> NDArray[np.integer]:
+    """`MOST_LIGHTS` lights by their intensity, ascending; they may repeat."""
     sums = np.cumsum(leaves.intensity)
     wanted = (np.arange(MOST_LIGHTS) + 0.5) / MOST_LIGHTS * sums[-1]
-    chosen = np.minimum(np.searchsorted(sums, wanted), len(sums) - 1)
+    return np.minimum(np.searchsorted(sums, wanted), len(sums) - 1)
+
+
+def _weights(
+    leaves: Leaves, chosen: NDArray[np.integer], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """w, (points, lights), of some lights."""
     low, high = leaves.low[chosen], leaves.high[chosen]
     to_light = 0.5 * (low + high) - points[:, None]
     squared = np.sum(to_light * to_light, axis=2)

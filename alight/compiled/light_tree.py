@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.compiled.light_gain import even_groups, points_on_surfaces
 from alight.compiled.shapes import CompiledShapes
 from alight.core.constants import PI
 from alight.core.distributions import cumulative
@@ -110,7 +112,7 @@ def find_leaves(
 
 def _no_leaf() -> Leaves:
     vectors, numbers, words = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.uint32)
-    return Leaves(vectors, vectors, vectors, numbers, numbers, numbers, words, words)
+    return Leaves(vectors, vectors, vectors, *(numbers,) * 4, words, words)
 
 
 def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:
@@ -126,9 +128,10 @@ def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -
         spread, factor = 0.0, 1.0
     strength = factor * row.brightness * row.areas
     word = np.array([number], np.uint32)
-    return Leaves(
-        low, high, axis, np.array([spread]), np.array([0.5 * PI]), strength, word, word * 0
-    )
+    # What is flat has its middle in its plane.
+    behind = 0.5 * np.linalg.norm(high - low, axis=1) if spread else np.zeros(1)
+    dark = np.array([0.5 * PI])
+    return Leaves(low, high, axis, np.array([spread]), dark, behind, strength, word, word * 0)
 
 
 def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndarray) -> Leaves:
@@ -140,13 +143,15 @@ def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndar
     kept = row.areas > 0.0
     corners, normal = corners[kept], normal[kept]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    n = len(normal)
+    normal = -normal if info[4] & FLIP else normal
+    n, low, high = len(normal), corners.min(axis=1), corners.max(axis=1)
     return Leaves(
-        corners.min(axis=1),
-        corners.max(axis=1),
-        -normal if info[4] & FLIP else normal,
+        low,
+        high,
+        normal,
         np.zeros(n),
         np.full(n, 0.5 * PI),
+        np.max(np.sum((0.5 * (low + high)[:, None] - corners) * normal[:, None], axis=2), axis=1),
         row.brightness * row.areas[kept],
         np.full(n, number, np.uint32),
         np.flatnonzero(kept).astype(np.uint32),
@@ -164,6 +169,7 @@ def _at_point(number: int, row: LightRow, power: float) -> Leaves:
         np.reshape(axis, (1, 3)),
         np.array([spread]),
         np.array([dark]),
+        np.zeros(1),
         np.array([power / max(solid_angle, 1e-9)]),
         word,
         word * 0,
@@ -171,9 +177,24 @@ def _at_point(number: int, row: LightRow, power: float) -> Leaves:
 
 
 def chosen_by_tree(
-    rows: list[LightRow], powers: NDArray[np.float64], leaves: Leaves, shapes: CompiledShapes
+    rows: list[LightRow],
+    powers: NDArray[np.float64],
+    leaves: Leaves,
+    shapes: CompiledShapes,
+    *,
+    walked: bool,
 ) -> Choosing:
-    """The tree, the lights beside it, and for each triangle the way to its leaf."""
+    """The tree, the lights beside it, and for each triangle the way to its leaf.
+
+    Parameters
+    ----------
+    rows : list of LightRow
+    powers : (n,) float64, W
+    leaves : Leaves
+    shapes : CompiledShapes
+    walked : bool
+        It is looked at where the lights are, not at their intensities alone.
+    """
     inner = np.zeros(len(rows))
     np.add.at(inner, leaves.row, 1.0)
     outer = np.where(inner > 0.0, 0.0, powers)
@@ -185,11 +206,16 @@ def chosen_by_tree(
         share = min(max(share, LEAST_OUTER), MOST_OUTER)
     cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
     start = OUTER_CDF + cdf.size
-    tree = build_tree(leaves, start)
-    at = start + tree.nodes.size
+    if walked:
+        points = points_on_surfaces(shapes, shining_shapes(rows, shapes))
+        tree = build_tree(leaves, start, partial(even_groups, points))
+    else:
+        tree = build_tree(leaves, start)._replace(far=-1.0)
+    at = start + tree.top.size + tree.nodes.size
     header = np.array([share, len(rows), start, 0.0, *tree.middle, tree.far], np.float32)
     header.view(np.uint32)[LEAVES] = at
-    tables = [header, cdf, tree.nodes.ravel(), tree.table]
+    words = [tree.nodes.ravel(), tree.table]
+    tables = [header, cdf, tree.top.ravel(), *(part.view(np.float32) for part in words)]
     starts, at = np.zeros(len(rows), np.uint32), at + tree.table.size
     for number, row in enumerate(rows):
         if row.shape < 0:
@@ -201,3 +227,10 @@ def chosen_by_tree(
         starts[number] = at
         at += ways.size
     return Choosing(tables, starts, np.float32(share) * np.diff(cdf)[: len(rows)])
+
+
+def shining_shapes(rows: list[LightRow], shapes: CompiledShapes) -> NDArray[np.bool_]:
+    """Which shapes are lights."""
+    shining = np.zeros(len(shapes.rows), bool)
+    shining[[row.shape for row in rows if row.shape >= 0]] = True
+    return shining

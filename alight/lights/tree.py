@@ -1,17 +1,9 @@
-r"""Light tree: which light a point is lit by, chosen by where the lights are and where they face.
+"""Light tree: which light a point is lit by, chosen by where the lights are and where they face.
 
-A binary tree over all lights that have a place; each triangle of a shining mesh is one of them. A
-child is known by a sphere around its lights, a cone of the directions they face, and their
-intensity. From the root a path goes down at random, to each child in proportion to a guess at the
-light that it sends to the point,
-
-.. math::
-    \frac{I \cos(\theta_w - \theta_o - \theta_u)}{d^2} \cdot \cos(\theta_i - \theta_u)
-
-with :math:`\theta_w` from the cone's axis, :math:`\theta_o` the cone's half angle, :math:`\theta_u`
-the half angle under which the sphere is seen, and :math:`\theta_i` from the normal of the point;
-negative differences count as 0, and a child whose lights cannot shine there gets nothing. Nearer
-than the sphere's radius its lights can be anywhere, and no angle counts.
+A tree over all lights that have a place; each triangle of a shining mesh is one of them. The root
+has up to four children, which all lanes look at together, others two. From the root a path goes
+down at random, to each child in proportion to a guess at the light that it sends to the point
+(`alight.lights.tree_bounds`).
 
 A path that comes upon a lamp weighs itself against light sampling by a density that leaves the
 normal out: paths do not keep the normals of the vertices that they come from. Both sides of
@@ -20,13 +12,14 @@ sampling divides by the probability that it really had.
 
 Once the sphere of a group is small from where it is seen, and its lights face much the same way,
 they only differ by their intensity, and that alone decides: a leaf is found by bisection in a table
-of sums, as the table of powers is. Where that holds for all lights together, no node is looked at.
+of sums, as the table of powers is. So it is below groups of which the surfaces of the scene see
+little else than their intensity (`alight.compiled.light_gain`), however near they are. Where either
+holds for all lights together, no node is looked at.
 
 Lights without a place (environments, directional ones) are chosen beside the tree, by their power.
 
 Source: Conty Estevez and Kulla, Importance sampling of many lights with adaptive tree splitting,
-Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018 (without the splitting); PBR4 section 12.6.3 for
-bounding both cosines.
+Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018 (without the splitting); PBR4 section 12.6.3.
 """
 
 from __future__ import annotations
@@ -43,52 +36,50 @@ from alight.core.simd import (
     float_bits,
     gather,
     lanes,
+    lanes_mask,
     lanes_u32,
     maximum,
     minimum,
     minimum_u32,
-    rsqrt,
-    sqrt,
     to_float,
     to_uint,
     where,
 )
-from alight.core.vec import dot, gather_vec3, row_vec3
+from alight.core.vec import dot, row_vec3
 from alight.lights.tables import INFO
+from alight.lights.tree_bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
 
 #: `LightTables.cdf` of a program with a tree starts with: probability of the lights beside the
-#: tree; how many rows of `LightTables.info` there are; start of the tree; start of the leaves
-#: (bits); middle of all lights, and the squared distance from which only intensity counts; then the
-#: distribution of the lights beside the tree. After the tree follow the leaves, group by group:
-#: sums of their intensities (bits; one more than there are leaves), row and triangle of each
-#: (bits); at last, light by light and triangle by triangle, way and number of the leaf (bits).
+#: tree; how many rows of `LightTables.info` there are; start of the root's children, which the
+#: binary nodes follow; start of the leaves (bits); middle of all lights, and the squared distance
+#: from which only intensity counts; then the distribution of the lights beside the tree. After the
+#: tree follow the leaves, group by group: sums of their intensities (bits; one more than there are
+#: leaves), row and triangle of each (bits); at last, light by light and triangle by triangle, way
+#: and number of the leaf (bits).
 OUTER, ROWS, START, LEAVES, MIDDLE, FAR_FROM_ALL, OUTER_CDF = 0, 1, 2, 3, 4, 7, 8
 
 #: What the intensities add up to: each leaf has at least 1. Not NaN as bits.
 WHOLE = 1 << 30
 
-#: Numbers of a child: centre, radius squared; axis, intensity; cosines of the cone's half angle and
-#: of the angle beyond it where it is dark; where to go on (bits); triangle (bits) of a light, and
-#: of others the squared distance from which only intensity counts. Two children are a node, with
-#: the numbers (bits) of its first leaf and of the one behind its last.
-CHILD, FIRST_LEAF, NODE = 12, 24, 26
-INTENSITY, COS_SPREAD, COS_DARK, NEXT, PRIM, FAR = 7, 8, 9, 10, 11, 11
+#: Words of a child: those of `alight.lights.tree_bounds`, where to go on, and the triangle of a
+#: light. Two children are a node, with the numbers of its first leaf and the one behind its last.
+CHILD, FIRST_LEAF, NODE = WORDS + 2, 2 * WORDS + 4, 2 * WORDS + 6
+NEXT, PRIM = WORDS, WORDS + 1
 
-#: `FAR` over the squared radius; infinite where directions differ by more than `ALIKE`, radians.
-FAR_AWAY, ALIKE = 36.0, 0.5
+#: Children of the root, and numbers of each: those of `alight.lights.tree_bounds.unpack`, then as
+#: bits where to go on and the triangle.
+TOP, TOP_ROW = 4, ROW + 2
+TOP_NEXT, TOP_PRIM = ROW, ROW + 1
 
 #: In NEXT: the rest of the word is the row of a light, not the offset of a node.
 LEAF = 0x80000000
 
-#: Deepest way: its bits, one a node and from the root on, fit a float32 that is not NaN.
-MOST_LEVELS = 30
+#: A way: the root's child (the lowest bits), then for each node whether it goes on to the second
+#: one. The deepest way fits a float32 that is not NaN.
+TOP_BITS, MOST_LEVELS = 2, 28
 
 #: Smallest cosine at the lit point that counts where light from behind may matter.
 BEHIND = 0.1
-
-#: Within a sphere, its lights count as if at least this share of the squared radius away: what is
-#: nearest gives most of the light, not what is in the mean. Measured (decision 19).
-CLOSEST = 0.1
 
 #: Materials that only light from the viewer's side of the shading normal reaches, other than by
 #: delta lobes, and those that are made of others. What is not in here may do anything.
@@ -96,6 +87,7 @@ ONE_SIDED = frozenset(
     {
         "blend",
         "burley",
+        "coated_conductor",
         "conductor",
         "dielectric",
         "diffuse",
@@ -119,57 +111,6 @@ Choice = namedtuple("Choice", "index pmf plain rest")
 
 #: After so many levels u has few digits left.
 SPENT = 10
-
-# Bounds are rounded; a light must not be dark where it shines a little.
-_GRAZING, _LEAST = 1e-3, 1e-3
-
-
-@kernel
-def importance(cdf, k, p, n, everywhere, behind):
-    """What a child may send to a point, and the squared distance of its centre.
-
-    Parameters
-    ----------
-    cdf : View
-    k : uint32
-        Offset of the child.
-    p, n : Vec3
-        The point, and its unit normal on the side that is lit.
-    everywhere : mask
-        The point has no normal.
-    behind : float
-        Least cosine at the point.
-
-    Returns
-    -------
-    plain, importance, squared : float
-        Without and with the cosine at the point; m^2.
-    """
-    to_center = gather_vec3(cdf, k) - p
-    squared, axis = gather(cdf, k + 3), gather_vec3(cdf, k + 4)
-    far = maximum(dot(to_center, to_center), 1e-30)
-    inverse = rsqrt(far)
-    inside = far <= squared
-    sin2_u = minimum(squared * inverse * inverse, 1.0)
-    cos_u, sin_u = sqrt(1.0 - sin2_u), sqrt(sin2_u)
-    # At the lights: the angle from the axis, less that of the cone, less that of the sphere.
-    cos_o = gather(cdf, k + COS_SPREAD)
-    cos_w = maximum(minimum(-dot(axis, to_center) * inverse, 1.0), -1.0)
-    sin_w, sin_o = sqrt(1.0 - cos_w * cos_w), sqrt(maximum(1.0 - cos_o * cos_o, 0.0))
-    within = cos_w >= cos_o
-    cos_x = where(within, 1.0, cos_w * cos_o + sin_w * sin_o)
-    sin_x = where(within, 0.0, sin_w * cos_o - cos_w * sin_o)
-    cos_l = where(inside | (cos_x >= cos_u), 1.0, cos_x * cos_u + sin_x * sin_u)
-    shines = inside | (cos_l > gather(cdf, k + COS_DARK) - _GRAZING)
-    plain = gather(cdf, k + INTENSITY) * maximum(cos_l, _LEAST) / maximum(far, CLOSEST * squared)
-    plain = where(shines, plain, 0.0)
-    # At the lit point likewise.
-    cos_i = maximum(minimum(dot(n, to_center) * inverse, 1.0), -1.0)
-    sin_i = sqrt(1.0 - cos_i * cos_i)
-    near = inside | everywhere | (cos_i >= cos_u)
-    cos_r = where(near, 1.0, cos_i * cos_u + sin_i * sin_u)
-    cos_r = where(cos_r > -_GRAZING, maximum(cos_r, _LEAST), 0.0)
-    return plain, plain * maximum(cos_r, behind), far
 
 
 @kernel
@@ -206,6 +147,12 @@ def is_far(cdf, p):
 
 
 @kernel
+def first_node(cdf):
+    """Offset of the binary node of all leaves."""
+    return as_int(cdf[START]) + TOP * TOP_ROW
+
+
+@kernel
 def leaf_by_intensity(cdf, k, u, extra):
     """A leaf of the group at the node k: (its number, its probability in the group)."""
     leaves = bits(cdf, LEAVES)
@@ -228,7 +175,7 @@ def leaf_words(cdf, leaf):
     """(row of the light, its triangle) of a leaf."""
     leaves = bits(cdf, LEAVES)
     # The last of the sums is the number of the leaves' end: all of the root's node.
-    count = bits(cdf, as_int(cdf[START]) + (FIRST_LEAF + 1))
+    count = bits(cdf, first_node(cdf) + (FIRST_LEAF + 1))
     rows = leaves + count + 1
     return bits(cdf, rows + leaf), bits(cdf, rows + count + leaf)
 
@@ -245,39 +192,65 @@ def choose_leaf(program):
     def from_the_root(scene, p, n, u, extra, active):
         cdf = scene.lights.cdf
         everywhere = dot(n, n) < 0.5
-        k, chosen = lanes_u32(as_int(cdf[START])), lanes_u32(0)
+        k, onward, prim = lanes_u32(first_node(cdf)), lanes_u32(LEAF), lanes_u32(0)
         pmf, plain = lanes(1.0), lanes(1.0)
         coasting = active & is_far(cdf, p)
         walking = active & ~coasting
+        if any_lane(walking):
+            total, plain_total, apart = lanes(0.0), lanes(0.0), lanes_mask(False)
+            top, i = as_int(cdf[START]), 0
+            while i < TOP:
+                a = guess(bounds_of_row(cdf, top), p, n, everywhere, behind)
+                before = total
+                total, plain_total = total + a.importance, plain_total + a.plain
+                # The next one takes the place of those before with its share of the sum.
+                scaled = u * total
+                taken = scaled >= before
+                share = where(taken, a.importance, before)
+                rest = where(taken, scaled - before, scaled) / maximum(share, 1e-30)
+                rest = minimum(maximum(rest, 0.0), ONE_MINUS_EPSILON)
+                u = where(walking & (share > 0.0), rest, u)
+                pmf, plain = where(taken, a.importance, pmf), where(taken, a.plain, plain)
+                onward = where(taken, float_bits(lanes(cdf[top + TOP_NEXT])), onward)
+                prim = where(taken, float_bits(lanes(cdf[top + TOP_PRIM])), prim)
+                apart = where(taken, a.apart, apart)
+                top += TOP_ROW
+                i += 1
+            alive = total > 0.0
+            pmf = where(walking, where(alive, pmf / where(alive, total, 1.0), 0.0), 1.0)
+            plain = where(walking, plain / where(alive, plain_total, 1.0), 1.0)
+            walking = walking & alive & (onward < LEAF)
+            k = where(walking, onward, k)
+            coasting = coasting | (walking & apart)
+            walking = walking & ~apart
         level = 0
         while any_lane(walking):
-            plain_a, a, far_a = importance(cdf, k, p, n, everywhere, behind)
-            plain_b, b, far_b = importance(cdf, k + CHILD, p, n, everywhere, behind)
-            total, plain_total = a + b, plain_a + plain_b
+            a = guess(bounds_at(cdf, k), p, n, everywhere, behind)
+            b = guess(bounds_at(cdf, k + CHILD), p, n, everywhere, behind)
+            total, plain_total = a.importance + b.importance, a.plain + b.plain
             alive = total > 0.0
-            share = where(alive, a / where(alive, total, 1.0), 0.0)
+            share = where(alive, a.importance / where(alive, total, 1.0), 0.0)
             first, mine, rest = divide(u, share)
             u = where(walking, rest, u)
             pmf = where(walking, where(alive, pmf * mine, 0.0), pmf)
-            weight = where(first, plain_a, plain_b) / where(alive, plain_total, 1.0)
+            weight = where(first, a.plain, b.plain) / where(alive, plain_total, 1.0)
             plain = where(walking, plain * weight, plain)
-            chosen = where(walking, where(first, k, k + CHILD), chosen)
-            onward = float_bits(gather(cdf, chosen + NEXT))
+            chosen = where(first, k, k + CHILD)
+            onward = where(walking, float_bits(gather(cdf, chosen + NEXT)), onward)
+            prim = where(walking, float_bits(gather(cdf, chosen + PRIM)), prim)
             walking = walking & alive & (onward < LEAF)
             k = where(walking, onward, k)
-            apart = walking & (where(first, far_a, far_b) > gather(cdf, chosen + FAR))
+            apart = walking & where(first, a.apart, b.apart)
             coasting = coasting | apart
             walking = walking & ~apart
             level += 1
             if level == SPENT:
                 u = where(walking, more_digits(u, extra, pmf), u)
                 extra = where(walking, 0.0, extra)
-        word = float_bits(gather(cdf, chosen + NEXT))
-        ended = active & ~coasting & (pmf > 0.0) & (word >= LEAF)
-        index = where(ended, word & (LEAF - 1), 0)
-        prim = where(ended, float_bits(gather(cdf, chosen + PRIM)), 0)
+        ended = active & ~coasting & (pmf > 0.0) & (onward >= LEAF)
+        index, prim = where(ended, onward & (LEAF - 1), 0), where(ended, prim, 0)
         if any_lane(coasting):
-            leaf, share = leaf_by_intensity(cdf, where(coasting, k, as_int(cdf[START])), u, extra)
+            leaf, share = leaf_by_intensity(cdf, where(coasting, k, first_node(cdf)), u, extra)
             pmf, plain = where(coasting, pmf * share, pmf), where(coasting, plain * share, plain)
             rows, prims = leaf_words(cdf, leaf)
             index, prim = where(coasting, rows, index), where(coasting, prims, prim)
@@ -319,22 +292,38 @@ def plain_probability(scene, index, prim, p, active):
     cdf = scene.lights.cdf
     entry = where(active, gather(scene.lights.info, index * INFO + 3) + 2 * prim, 0)
     way, leaf = bits(cdf, entry), where(active, bits(cdf, entry + 1), 0)
-    k, plain = lanes_u32(as_int(cdf[START])), lanes(1.0)
-    none = p * 0.0
+    k, onward, plain = lanes_u32(first_node(cdf)), lanes_u32(LEAF), lanes(1.0)
+    none, everywhere = p * 0.0, lanes_mask(True)
     coasting = active & is_far(cdf, p)
     walking = active & ~coasting
+    if any_lane(walking):
+        total, apart = lanes(0.0), lanes_mask(False)
+        top, i = as_int(cdf[START]), lanes_u32(0)
+        while top < first_node(cdf):
+            a = guess(bounds_of_row(cdf, top), p, none, everywhere, 0.0)
+            total, mine = total + a.plain, (way & (TOP - 1)) == i
+            plain, apart = where(walking & mine, a.plain, plain), where(mine, a.apart, apart)
+            onward = where(mine, float_bits(lanes(cdf[top + TOP_NEXT])), onward)
+            top += TOP_ROW
+            i += 1
+        plain = where(walking, plain / where(total > 0.0, total, 1.0), plain)
+        way = way >> TOP_BITS
+        walking = walking & (onward < LEAF) & (plain > 0.0)
+        k = where(walking, onward, k)
+        coasting = coasting | (walking & apart)
+        walking = walking & ~apart
     while any_lane(walking):
-        a, _, far_a = importance(cdf, k, p, none, walking, 0.0)
-        b, _, far_b = importance(cdf, k + CHILD, p, none, walking, 0.0)
+        a = guess(bounds_at(cdf, k), p, none, everywhere, 0.0)
+        b = guess(bounds_at(cdf, k + CHILD), p, none, everywhere, 0.0)
         second = (way & 1) != 0
-        total = a + b
-        share = where(second, b, a) / where(total > 0.0, total, 1.0)
+        total = a.plain + b.plain
+        share = where(second, b.plain, a.plain) / where(total > 0.0, total, 1.0)
         plain = where(walking, plain * share, plain)
         way = where(walking, way >> 1, way)
         chosen = where(second, k + CHILD, k)
         onward = float_bits(gather(cdf, chosen + NEXT))
         walking = walking & (onward < LEAF) & (plain > 0.0)
-        apart = walking & (where(second, far_b, far_a) > gather(cdf, chosen + FAR))
+        apart = walking & where(second, b.apart, a.apart)
         k = where(walking, onward, k)
         coasting = coasting | apart
         walking = walking & ~apart

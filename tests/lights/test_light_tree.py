@@ -5,7 +5,7 @@ from collections import namedtuple
 import numpy as np
 import pytest
 
-from alight.compiled.light_gain import MOST_GAIN, gain_of_tree
+from alight.compiled.light_gain import LEAST_IN_GROUP, MOST_GAIN, even_groups, gain_of_tree
 from alight.compiled.lights import MOST_WITHOUT_TREE
 from alight.core.jit import instantiate, kernel
 from alight.core.simd import LANES, lanes_mask, load_lanes, store_lanes
@@ -17,8 +17,18 @@ from alight.lights.point import Point
 from alight.lights.sampling import light_pdf, sample_light
 from alight.lights.spot import Spot
 from alight.lights.tables import INFO
-from alight.lights.tree import CHILD, LEAF, MOST_LEVELS, NODE, choose_by_tree, plain_probability
-from alight.lights.tree_build import Leaves, build_tree
+from alight.lights.tree import (
+    CHILD,
+    LEAF,
+    MOST_LEVELS,
+    NEXT,
+    NODE,
+    PRIM,
+    choose_by_tree,
+    plain_probability,
+)
+from alight.lights.tree_bounds import ALIKE, AXIS, CONE, FLAT, REACH, STRENGTH, Groups
+from alight.lights.tree_build import Leaves, binary_tree
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
 from alight.shapes.rectangle import Rectangle
@@ -111,10 +121,28 @@ def test_densities_for_mis_add_up_to_one_and_agree():
     # Lamps at points are found by the tree only.
     shares = [found.plain[word == w][0] for w in lamps if 24 * 16 <= w < 48 * 16]
     assert 0.9 < total + beside + sum(shares) <= 1.0 + 1e-5
-    # Without a normal nothing is dark, so all of it is seen.
+    # Without a normal both are the same, and what is missing leads to groups that are dark.
     found, word = choices(world, p, NONE)
-    _, first = np.unique(word[found.pmf > 0.0], return_index=True)
-    assert found.plain[found.pmf > 0.0][first].sum() == pytest.approx(1.0, abs=5e-3)
+    lit = found.pmf > 0.0
+    _, first = np.unique(word[lit], return_index=True)
+    error = np.sqrt(lit.mean() * (1.0 - lit.mean()) / N)
+    assert abs(found.plain[lit][first].sum() - lit.mean()) < LARGEST_Z * error
+    assert lit.mean() > 0.9
+
+
+def test_choice_where_groups_are_dark():
+    # Ceiling lamps of eight floors, of equal power; p is on the fifth, and most shine elsewhere.
+    down = rotate("x", 180).matrix @ np.diag([0.1, 0.1, 0.1, 1.0])
+    places = [(x, y, 4.0 * z + 2.5) for z in range(8) for x in (0, 3) for y in (0, 3)]
+    world = World(
+        *((Rectangle(), translate(*at).matrix @ down, Area()) for at in places), selection="tree"
+    )
+    found, _ = choices(world, (1.0, 1.0, 16.0), UP)
+    there = found.pmf > 0.0
+    names, first, counts = np.unique(found.index[there], return_index=True, return_counts=True)
+    assert names.min() == 16 and len(names) == 16
+    said = found.pmf[there][first].astype(float)
+    assert chi_square(np.append(counts, N - counts.sum()), said) > SIGNIFICANCE
 
 
 def irradiance(world, program, p, n, seed):
@@ -219,6 +247,43 @@ def test_gain_of_two_lamps():
     assert gain_of_tree(leaves, shapes, np.ones(1, bool)) == MOST_GAIN
 
 
+def test_daylight_leaves_little_to_gain():
+    floor = (Rectangle(), np.diag([20.0, 20.0, 1.0, 1.0]), None)
+    rng = np.random.default_rng(1)
+    spots = np.append(rng.uniform(-20, 20, (40, 2)), np.full((40, 1), 2.0), axis=1)
+    lamps = [PlacedLight("lamp", Point(), translate(*at).matrix) for at in spots]
+    for radiance, expected in ((1.0, True), (3000.0, False)):
+        world = World(floor, lights=lamps, environment=Constant(radiance=radiance), selection="auto")
+        assert world.lights.has_tree == expected
+
+
+def test_a_tree_without_gain_chooses_by_intensity():
+    # A ring of lamps around a small floor: near, and all as far.
+    floor = (Rectangle(), np.eye(4), None)
+    turns = [rotate("z", 18.0 * k).matrix @ translate(6, 0, 3).matrix for k in range(20)]
+    lamps = [PlacedLight("lamp", Point(intensity=k + 1.0), at) for k, at in enumerate(turns)]
+    found, _ = choices(World(floor, lights=lamps, selection="tree"), (0.5, 0.0, 0.0), UP)
+    np.testing.assert_allclose(found.pmf, (found.index + 1.0) / 210.0, rtol=1e-5)
+    np.testing.assert_array_equal(found.pmf, found.plain)
+
+
+def test_even_groups_are_those_that_gain_little():
+    # Two lamps at heights 1 and 2 above one point, two at 9 and 9.5; all of one intensity.
+    heights = np.array([1.0, 2.0, 9.0, 9.5])
+    places = np.outer(heights, [0.0, 0.0, 1.0])
+    leaves = leaves_at(places, np.tile([0.0, 0.0, -1.0], (4, 1)))
+    points = np.zeros((32, 3))
+    begin, end = np.array([0, 0, 2]), np.array([4, 2, 4])
+    light = 1.0 / heights**2
+    gain = [
+        2.0 * (light[a:b] ** 2).sum() / light[a:b].sum() ** 2 - 1.0 for a, b in ((0, 2), (2, 4))
+    ]
+    assert gain[1] < LEAST_IN_GROUP < gain[0]
+    assert even_groups(points, leaves, begin, end).tolist() == [False, False, True]
+    # Too few points tell nothing.
+    assert not even_groups(points[:8], leaves, begin, end).any()
+
+
 def test_few_lights_have_no_tree():
     few = [PlacedLight("lamp", Point(), translate(k, 0, 0).matrix) for k in range(64)]
     assert not World(lights=few[:MOST_WITHOUT_TREE], selection="auto").lights.has_tree
@@ -243,8 +308,9 @@ def leaves_at(places, axes):
     n = len(places)
     ones, words = np.ones(n), np.arange(n, dtype=np.uint32)
     return Leaves(
-        places - 0.01, places + 0.01, axes, 0.1 * ones, 0.5 * np.pi * ones, ones, words, words
-    )
+        places - 0.01, places + 0.01, axes, 0.1 * ones, 0.5 * np.pi * ones, 0.0 * ones, ones,
+        words, words,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", ["even", "same place", "each twice as far"])
@@ -259,25 +325,47 @@ def test_nodes_bound_their_lights(kind):
     axes = rng.normal(size=(n, 3)) + np.array([0.0, 0.0, 2.0])
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     leaves = leaves_at(places, axes)
-    tree = build_tree(leaves, 100)
-    rows = np.ascontiguousarray(tree.nodes[:, : 2 * CHILD]).reshape(-1, CHILD)
-    words = rows.view(np.uint32)
+    tree = binary_tree(leaves._replace(intensity=leaves.intensity / n), 100)
+    words = np.ascontiguousarray(tree.nodes[:, : 2 * CHILD]).reshape(-1, CHILD)
     for item in range(n):
         at, way, child = 0, int(tree.ways[item]), 0
         for _ in range(MOST_LEVELS):
             child = 2 * at + (way & 1)
             way >>= 1
-            row = rows[child].astype(float)
-            ends = np.abs(leaves.low[item] - row[:3]), np.abs(leaves.high[item] - row[:3])
-            corners = np.maximum(*ends)
-            assert np.sum(corners**2) <= row[3] * (1.0 + 1e-5)
-            angle = np.arccos(np.clip(row[4:7] @ axes[item], -1.0, 1.0)) + 0.1
-            assert row[8] == pytest.approx(-1.0) or angle <= np.arccos(row[8]) + 2e-3
-            if words[child, 10] >= LEAF:
+            group = unpacked(words[child])
+            ends = np.abs(leaves.low[item] - group.center), np.abs(leaves.high[item] - group.center)
+            assert np.linalg.norm(np.maximum(*ends)) <= group.radius * (1.0 + 1e-5)
+            lone = words[child, NEXT] >= LEAF
+            # Up to the rounding of the axis, which `_GRAZING` allows for.
+            within = np.cos(max(np.arccos(group.cosine) - 0.1, 0.0))
+            assert group.axis @ axes[item] >= within - 2e-3
+            # All directions that it faces, from all of its places.
+            away = group.center - places[item]
+            length = max(float(np.linalg.norm(away)), 1e-9)
+            angle = np.arccos(np.clip(away @ axes[item] / length, -1.0, 1.0))
+            least = length * np.cos(max(angle - 0.1, 0.0))
+            assert least <= group.behind + 1e-5 * (1.0 + np.abs(places[item]).max())
+            if lone:
                 break
-            at = (int(words[child, 10]) - 100) // NODE
-        assert words[child, 10] == LEAF | item and words[child, 11] == item
-    np.testing.assert_allclose(rows[:2, 7].sum(), n, rtol=1e-5)
+            at = (int(words[child, NEXT]) - 100) // NODE
+        assert words[child, NEXT] == LEAF | item and words[child, PRIM] == item
+    total = sum(unpacked(row).intensity for row in words[:2])
+    assert total == pytest.approx(1.0, rel=0.01)
+
+
+def unpacked(words):
+    """`Groups` of one row."""
+    high, low = (words >> 16).astype(np.uint32), (words & 0xFFFF).astype(np.uint32)
+    radius, behind, intensity = (
+        float((part << 16).astype(np.uint32).view(np.float32))
+        for part in (high[REACH], low[REACH], high[STRENGTH] & 0x7FFF)
+    )
+    axis = np.array([(int(words[AXIS]) >> k & 1023) - 511 for k in (0, 10, 20)]) / 511.0
+    cosine = (int(words[CONE]) >> 15 & 32767) / 32767 * 2.0 - 1.0
+    dark = int(low[STRENGTH]) / 65535 * 2.0 - 1.0
+    center = words[:3].view(np.float32).astype(float)
+    flat, alike = bool(words[STRENGTH] & FLAT), bool(words[AXIS] & ALIKE)
+    return Groups(center, radius, behind, axis, cosine, dark, intensity, flat, alike)
 
 
 @kernel

@@ -15,7 +15,7 @@ from alight.scene.formats.gltf.materials import Materials
 from alight.scene.formats.gltf.nodes import Graph
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.report import Report
-from alight.scene.formats.surroundings import SIZE, add_camera, add_light
+from alight.scene.formats.surroundings import SIZE, add_camera, add_light, use_first_camera
 
 #: Extensions that are read.
 COVERED = (
@@ -65,15 +65,8 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
 
 def _use_camera(document: Document, graph: Graph, scene: dict[str, Any]) -> None:
     """Show what the first camera sees."""
-    path, index = graph.cameras[0]
-    if len(graph.cameras) > 1:
-        others = ", ".join(path for path, _ in graph.cameras[1:])
-        document.report.approximate(
-            f"the picture is that of the first camera, {path}; others: {others} "
-            "(choose with --camera)"
-        )
-    scene["camera"] = path
-    item = document.list("cameras")[index]
+    use_first_camera(scene, document.report, [path for path, _ in graph.cameras])
+    item = document.list("cameras")[graph.cameras[0][1]]
     perspective = item.object("perspective")
     orthographic = item.object("orthographic")
     aspect = SIZE[0] / SIZE[1]
