@@ -223,6 +223,10 @@ MISTAKES = {
         f'def Mesh "m" {{{SQUARE}}}'.replace("(2, 1, 0)", "(2, nan, 0)"),
         "/m points must be finite",
     ),
+    "not finite": (
+        'def Camera "c" { float verticalAperture = nan }',
+        "/c verticalAperture must be finite, got nan",
+    ),
     "syntax": ("def Mesh {", "is no OpenUSD stage"),
     "reference": ('def "m" (references = @gone.usda@) { }', "does not fit together"),
     "reach": ('def "m" (references = @../out.usda@) { }', "outside of its own folder: out.usda"),
@@ -257,6 +261,13 @@ def test_mistakes_are_refused_with_their_prim(tmp_path, text, message):
     with pytest.raises(SceneError) as caught:
         alight.load(folder / "a.usda")
     assert message in " ".join(str(caught.value).split())
+
+
+@pytest.mark.parametrize("unit", ["inf", "nan", "0", "-1"])
+def test_units_that_are_no_lengths_are_refused(unit, tmp_path):
+    (tmp_path / "a.usda").write_text(stage_text('def Sphere "s" { }', unit=unit))
+    with pytest.raises(SceneError, match="metersPerUnit\n  must be > 0 and at most 1e\\+12"):
+        alight.load(tmp_path / "a.usda")
 
 
 @pytest.mark.parametrize("kind", ["string[]", "coler3f[]"])
