@@ -263,6 +263,17 @@ def test_a_metal_keeps_its_colour_and_roughness(tmp_path):
     assert found.base_color.type == "multiply"
 
 
+def test_lacquered_metals_have_a_coat(tmp_path):
+    """The metal has the colour that it has below the coat."""
+    bsdf = {"type": "coated_conductor", "eta": [3.0] * 3, "k": [0.0] * 3, "int_ior": 1.5,
+            "alpha": 0.25, "coat_alpha": 0.04, "thickness": 1.0}  # fmt: skip
+    found, _, lost = again(bsdf, tmp_path)
+    assert found.base_color == pytest.approx([1 / 9] * 3)
+    assert (found.metallic, found.roughness) == (1.0, pytest.approx(0.5))
+    assert (found.clearcoat, found.clearcoat_roughness) == (1.0, pytest.approx(0.2))
+    assert "coated_conductor: the thickness of its coat" in lost
+
+
 @pytest.mark.parametrize(("along", "across"), [(0.64, 0.16), (0.16, 0.64)])
 def test_brushed_metals_keep_both_roughnesses(along, across, tmp_path):
     bsdf = {"type": "rough_conductor", "alpha_u": along, "alpha_v": across}
