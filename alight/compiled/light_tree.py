@@ -112,7 +112,7 @@ def find_leaves(
 
 def _no_leaf() -> Leaves:
     vectors, numbers, words = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.uint32)
-    return Leaves(vectors, vectors, vectors, *(numbers,) * 4, words, words)
+    return Leaves(vectors, vectors, vectors, numbers, numbers, numbers, numbers, words, words)
 
 
 def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:
@@ -177,9 +177,24 @@ def _at_point(number: int, row: LightRow, power: float) -> Leaves:
 
 
 def chosen_by_tree(
-    rows: list[LightRow], powers: NDArray[np.float64], leaves: Leaves, shapes: CompiledShapes
+    rows: list[LightRow],
+    powers: NDArray[np.float64],
+    leaves: Leaves,
+    shapes: CompiledShapes,
+    *,
+    walked: bool,
 ) -> Choosing:
-    """The tree, the lights beside it, and for each triangle the way to its leaf."""
+    """The tree, the lights beside it, and for each triangle the way to its leaf.
+
+    Parameters
+    ----------
+    rows : list of LightRow
+    powers : (n,) float64, W
+    leaves : Leaves
+    shapes : CompiledShapes
+    walked : bool
+        It is looked at where the lights are, not at their intensities alone.
+    """
     inner = np.zeros(len(rows))
     np.add.at(inner, leaves.row, 1.0)
     outer = np.where(inner > 0.0, 0.0, powers)
@@ -191,8 +206,11 @@ def chosen_by_tree(
         share = min(max(share, LEAST_OUTER), MOST_OUTER)
     cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
     start = OUTER_CDF + cdf.size
-    points = points_on_surfaces(shapes, shining_shapes(rows, shapes))
-    tree = build_tree(leaves, start, partial(even_groups, points))
+    if walked:
+        points = points_on_surfaces(shapes, shining_shapes(rows, shapes))
+        tree = build_tree(leaves, start, partial(even_groups, points))
+    else:
+        tree = build_tree(leaves, start)._replace(far=-1.0)
     at = start + tree.top.size + tree.nodes.size
     header = np.array([share, len(rows), start, 0.0, *tree.middle, tree.far], np.float32)
     header.view(np.uint32)[LEAVES] = at

@@ -1,7 +1,7 @@
 """Light tree: which light a point is lit by, chosen by where the lights are and where they face.
 
 A tree over all lights that have a place; each triangle of a shining mesh is one of them. The root
-has up to eight children, which all lanes look at together, others two. From the root a path goes
+has up to four children, which all lanes look at together, others two. From the root a path goes
 down at random, to each child in proportion to a guess at the light that it sends to the point
 (`alight.lights.tree_bounds`).
 
@@ -68,7 +68,7 @@ NEXT, PRIM = WORDS, WORDS + 1
 
 #: Children of the root, and numbers of each: those of `alight.lights.tree_bounds.unpack`, then as
 #: bits where to go on and the triangle.
-TOP, TOP_ROW = 8, ROW + 2
+TOP, TOP_ROW = 4, ROW + 2
 TOP_NEXT, TOP_PRIM = ROW, ROW + 1
 
 #: In NEXT: the rest of the word is the row of a light, not the offset of a node.
@@ -76,7 +76,7 @@ LEAF = 0x80000000
 
 #: A way: the root's child (the lowest bits), then for each node whether it goes on to the second
 #: one. The deepest way fits a float32 that is not NaN.
-TOP_BITS, MOST_LEVELS = 3, 27
+TOP_BITS, MOST_LEVELS = 2, 28
 
 #: Smallest cosine at the lit point that counts where light from behind may matter.
 BEHIND = 0.1
