@@ -184,6 +184,7 @@ def texture_value(context: Context, item: TextureItem) -> Value:
     """A texture as a colour, or as the name of an entry of the table ``textures``."""
     item.is_read = True
     if item.value is None:
+        value: Value = list(GREY)
         kind = item.directive.type
         space, context.colors.space = context.colors.space, item.space
         known = context.textures
@@ -193,7 +194,6 @@ def texture_value(context: Context, item: TextureItem) -> Value:
             p.finish()
         else:
             context.report.unknown(item.directive, "texture", kind, known, "grey 0.5 is taken")
-            value = list(GREY)
         context.colors.space = space
         item.value = value
     return item.value
