@@ -189,12 +189,14 @@ def texture_value(context: Context, item: TextureItem) -> Value:
         known = context.textures
         if kind in known:
             p = Parameters(item.directive, context.report, item.defaults)
-            item.value = known[kind](Source(context, p, item.bound, matrix=item.matrix))
+            value: Value = known[kind](Source(context, p, item.bound, matrix=item.matrix))
             p.finish()
         else:
             context.report.unknown(item.directive, "texture", kind, known, "grey 0.5 is taken")
-            item.value = list(GREY)
+            value = list(GREY)
         context.colors.space = space
+        item.value = value
+        return value
     return item.value
 
 
