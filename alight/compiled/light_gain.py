@@ -33,19 +33,24 @@ MOST_GAIN = 10.0
 #: Lights that stand for all, by their intensity.
 MOST_LIGHTS = 2048
 
-#: A group of a tree is even if it could gain less. Looking into it costs some 30 % of a path's time
-#: (decision 20).
-LEAST_IN_GROUP = 0.25
+#: A group of a tree is even if it could gain less: some of what can be gained is given for time.
+LEAST_IN_GROUP = 0.1
 
 #: What is said of a group must come from so many points at least, and of so many lights that stand
 #: for others.
 LEAST_POINTS, LEAST_LIGHTS = 16.0, 32
 
+#: Of the light from far beyond the scene so much counts at least: roofs and walls are not asked
+#: for, and what is left of daylight in a room is about that.
+DAYLIGHT = 0.02
+
 #: Triangles that stand for all.
 MOST_TRIANGLES = 1 << 14
 
 
-def gain_of_tree(leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.bool_]) -> float:
+def gain_of_tree(
+    leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.bool_], beside: float = 0.0
+) -> float:
     """Mean of R, counted to `MOST_GAIN`, over points on surfaces that do not shine.
 
     Parameters
@@ -54,6 +59,9 @@ def gain_of_tree(leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.boo
     shapes : CompiledShapes
     shining : (shapes,) bool
         Which shapes are lights.
+    beside : float, W/m^2
+        What lights without a place send, of which `DAYLIGHT` counts: where they outshine the leaves
+        there is little to gain.
 
     Returns
     -------
@@ -68,8 +76,10 @@ def gain_of_tree(leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.boo
     lit = mean > 0.0
     if not lit.any():
         return 1.0
-    second = (weights[lit] / mean[lit, None]) ** 2
-    return float(np.minimum(second.mean(axis=1), MOST_GAIN).mean())
+    excess = np.mean((weights[lit] / mean[lit, None]) ** 2, axis=1) - 1.0
+    light = mean[lit] * leaves.intensity.sum()
+    share = light / (light + DAYLIGHT * beside)
+    return float(np.minimum(1.0 + share**2 * excess, MOST_GAIN).mean())
 
 
 def points_on_surfaces(shapes: CompiledShapes, shining: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -128,21 +138,21 @@ def _boxes(shapes: CompiledShapes, asked: NDArray[np.bool_]) -> tuple[np.ndarray
 
 
 def even_groups(
+    points: NDArray[np.float64],
     leaves: Leaves,
     begin: NDArray[np.integer],
     end: NDArray[np.integer],
-    points: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
     """Which groups of lights may be chosen from by intensity alone.
 
     Parameters
     ----------
+    points : (n, 3) float64
+        Of `points_on_surfaces`.
     leaves : Leaves
         In the order of the tree.
     begin, end : (groups,) int
         First leaf of each group, and the one behind its last.
-    points : (n, 3) float64
-        Of `points_on_surfaces`.
 
     Returns
     -------
@@ -174,7 +184,8 @@ def even_groups(
     excess = ratio / light[lit, None] - share
     sum_of_shares, squares = share.sum(axis=0), (share**2).sum(axis=0)
     told = (sum_of_shares**2 >= LEAST_POINTS * squares) & (sum_of_shares > 0.0)
-    return told & (high - low >= least) & (excess.sum(axis=0) < LEAST_IN_GROUP * sum_of_shares)
+    little = excess.sum(axis=0) < LEAST_IN_GROUP * sum_of_shares
+    return told & little & (high - low >= least)
 
 
 def _sums(numbers: NDArray[np.float64], low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +15,8 @@ from alight.core.distributions import cumulative
 from alight.core.spec import Triple
 from alight.core.vec import luminance
 from alight.core.vec3 import Vec3
-from alight.lights.tree import FIRST_LEAF, LEAVES, OUTER_CDF
-from alight.lights.tree_build import Leaves, LightTree, build_tree, with_even_groups
+from alight.lights.tree import LEAVES, OUTER_CDF
+from alight.lights.tree_build import Leaves, build_tree
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
 
@@ -111,7 +112,7 @@ def find_leaves(
 
 def _no_leaf() -> Leaves:
     vectors, numbers, words = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.uint32)
-    return Leaves(vectors, vectors, vectors, *(numbers,) * 4, words, words)
+    return Leaves(vectors, vectors, vectors, numbers, numbers, numbers, numbers, words, words)
 
 
 def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:
@@ -176,9 +177,24 @@ def _at_point(number: int, row: LightRow, power: float) -> Leaves:
 
 
 def chosen_by_tree(
-    rows: list[LightRow], powers: NDArray[np.float64], leaves: Leaves, shapes: CompiledShapes
+    rows: list[LightRow],
+    powers: NDArray[np.float64],
+    leaves: Leaves,
+    shapes: CompiledShapes,
+    *,
+    walked: bool,
 ) -> Choosing:
-    """The tree, the lights beside it, and for each triangle the way to its leaf."""
+    """The tree, the lights beside it, and for each triangle the way to its leaf.
+
+    Parameters
+    ----------
+    rows : list of LightRow
+    powers : (n,) float64, W
+    leaves : Leaves
+    shapes : CompiledShapes
+    walked : bool
+        It is looked at where the lights are, not at their intensities alone.
+    """
     inner = np.zeros(len(rows))
     np.add.at(inner, leaves.row, 1.0)
     outer = np.where(inner > 0.0, 0.0, powers)
@@ -190,12 +206,16 @@ def chosen_by_tree(
         share = min(max(share, LEAST_OUTER), MOST_OUTER)
     cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
     start = OUTER_CDF + cdf.size
-    tree = build_tree(leaves, start)
-    tree = with_even_groups(tree, start, _even_nodes(tree, leaves, rows, shapes))
-    at = start + tree.nodes.size
+    if walked:
+        points = points_on_surfaces(shapes, shining_shapes(rows, shapes))
+        tree = build_tree(leaves, start, partial(even_groups, points))
+    else:
+        tree = build_tree(leaves, start)._replace(far=-1.0)
+    at = start + tree.top.size + tree.nodes.size
     header = np.array([share, len(rows), start, 0.0, *tree.middle, tree.far], np.float32)
     header.view(np.uint32)[LEAVES] = at
-    tables = [header, cdf, tree.nodes.ravel().view(np.float32), tree.table.view(np.float32)]
+    words = [tree.nodes.ravel(), tree.table]
+    tables = [header, cdf, tree.top.ravel(), *(part.view(np.float32) for part in words)]
     starts, at = np.zeros(len(rows), np.uint32), at + tree.table.size
     for number, row in enumerate(rows):
         if row.shape < 0:
@@ -207,18 +227,6 @@ def chosen_by_tree(
         starts[number] = at
         at += ways.size
     return Choosing(tables, starts, np.float32(share) * np.diff(cdf)[: len(rows)])
-
-
-def _even_nodes(
-    tree: LightTree, leaves: Leaves, rows: list[LightRow], shapes: CompiledShapes
-) -> NDArray[np.bool_]:
-    """Of which nodes the scene's surfaces see little else than intensities."""
-    order = np.argsort(tree.numbers)
-    ordered = Leaves(*(column[order] for column in leaves))
-    begin, end = tree.nodes[:, FIRST_LEAF], tree.nodes[:, FIRST_LEAF + 1]
-    return even_groups(
-        ordered, begin, end, points_on_surfaces(shapes, shining_shapes(rows, shapes))
-    )
 
 
 def shining_shapes(rows: list[LightRow], shapes: CompiledShapes) -> NDArray[np.bool_]:

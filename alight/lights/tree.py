@@ -1,8 +1,9 @@
 """Light tree: which light a point is lit by, chosen by where the lights are and where they face.
 
-A binary tree over all lights that have a place; each triangle of a shining mesh is one of them.
-From the root a path goes down at random, to each child in proportion to a guess at the light that
-it sends to the point (`alight.lights.tree_bounds`).
+A tree over all lights that have a place; each triangle of a shining mesh is one of them. The root
+has up to four children, which all lanes look at together, others two. From the root a path goes
+down at random, to each child in proportion to a guess at the light that it sends to the point
+(`alight.lights.tree_bounds`).
 
 A path that comes upon a lamp weighs itself against light sampling by a density that leaves the
 normal out: paths do not keep the normals of the vertices that they come from. Both sides of
@@ -46,14 +47,15 @@ from alight.core.simd import (
 )
 from alight.core.vec import dot, row_vec3
 from alight.lights.tables import INFO
-from alight.lights.tree_bounds import WORDS, bounds_at, guess
+from alight.lights.tree_bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
 
 #: `LightTables.cdf` of a program with a tree starts with: probability of the lights beside the
-#: tree; how many rows of `LightTables.info` there are; start of the tree; start of the leaves
-#: (bits); middle of all lights, and the squared distance from which only intensity counts; then the
-#: distribution of the lights beside the tree. After the tree follow the leaves, group by group:
-#: sums of their intensities (bits; one more than there are leaves), row and triangle of each
-#: (bits); at last, light by light and triangle by triangle, way and number of the leaf (bits).
+#: tree; how many rows of `LightTables.info` there are; start of the root's children, which the
+#: binary nodes follow; start of the leaves (bits); middle of all lights, and the squared distance
+#: from which only intensity counts; then the distribution of the lights beside the tree. After the
+#: tree follow the leaves, group by group: sums of their intensities (bits; one more than there are
+#: leaves), row and triangle of each (bits); at last, light by light and triangle by triangle, way
+#: and number of the leaf (bits).
 OUTER, ROWS, START, LEAVES, MIDDLE, FAR_FROM_ALL, OUTER_CDF = 0, 1, 2, 3, 4, 7, 8
 
 #: What the intensities add up to: each leaf has at least 1. Not NaN as bits.
@@ -64,11 +66,17 @@ WHOLE = 1 << 30
 CHILD, FIRST_LEAF, NODE = WORDS + 2, 2 * WORDS + 4, 2 * WORDS + 6
 NEXT, PRIM = WORDS, WORDS + 1
 
+#: Children of the root, and numbers of each: those of `alight.lights.tree_bounds.unpack`, then as
+#: bits where to go on and the triangle.
+TOP, TOP_ROW = 4, ROW + 2
+TOP_NEXT, TOP_PRIM = ROW, ROW + 1
+
 #: In NEXT: the rest of the word is the row of a light, not the offset of a node.
 LEAF = 0x80000000
 
-#: Deepest way: its bits, one a node and from the root on, fit a float32 that is not NaN.
-MOST_LEVELS = 30
+#: A way: the root's child (the lowest bits), then for each node whether it goes on to the second
+#: one. The deepest way fits a float32 that is not NaN.
+TOP_BITS, MOST_LEVELS = 2, 28
 
 #: Smallest cosine at the lit point that counts where light from behind may matter.
 BEHIND = 0.1
@@ -79,6 +87,7 @@ ONE_SIDED = frozenset(
     {
         "blend",
         "burley",
+        "coated_conductor",
         "conductor",
         "dielectric",
         "diffuse",
@@ -138,6 +147,12 @@ def is_far(cdf, p):
 
 
 @kernel
+def first_node(cdf):
+    """Offset of the binary node of all leaves."""
+    return as_int(cdf[START]) + TOP * TOP_ROW
+
+
+@kernel
 def leaf_by_intensity(cdf, k, u, extra):
     """A leaf of the group at the node k: (its number, its probability in the group)."""
     leaves = bits(cdf, LEAVES)
@@ -160,7 +175,7 @@ def leaf_words(cdf, leaf):
     """(row of the light, its triangle) of a leaf."""
     leaves = bits(cdf, LEAVES)
     # The last of the sums is the number of the leaves' end: all of the root's node.
-    count = bits(cdf, as_int(cdf[START]) + (FIRST_LEAF + 1))
+    count = bits(cdf, first_node(cdf) + (FIRST_LEAF + 1))
     rows = leaves + count + 1
     return bits(cdf, rows + leaf), bits(cdf, rows + count + leaf)
 
@@ -177,10 +192,37 @@ def choose_leaf(program):
     def from_the_root(scene, p, n, u, extra, active):
         cdf = scene.lights.cdf
         everywhere = dot(n, n) < 0.5
-        k, chosen = lanes_u32(as_int(cdf[START])), lanes_u32(0)
+        k, onward, prim = lanes_u32(first_node(cdf)), lanes_u32(LEAF), lanes_u32(0)
         pmf, plain = lanes(1.0), lanes(1.0)
         coasting = active & is_far(cdf, p)
         walking = active & ~coasting
+        if any_lane(walking):
+            total, plain_total, apart = lanes(0.0), lanes(0.0), lanes_mask(False)
+            top, i = as_int(cdf[START]), 0
+            while i < TOP:
+                a = guess(bounds_of_row(cdf, top), p, n, everywhere, behind)
+                before = total
+                total, plain_total = total + a.importance, plain_total + a.plain
+                # The next one takes the place of those before with its share of the sum.
+                scaled = u * total
+                taken = scaled >= before
+                share = where(taken, a.importance, before)
+                rest = where(taken, scaled - before, scaled) / maximum(share, 1e-30)
+                rest = minimum(maximum(rest, 0.0), ONE_MINUS_EPSILON)
+                u = where(walking & (share > 0.0), rest, u)
+                pmf, plain = where(taken, a.importance, pmf), where(taken, a.plain, plain)
+                onward = where(taken, float_bits(lanes(cdf[top + TOP_NEXT])), onward)
+                prim = where(taken, float_bits(lanes(cdf[top + TOP_PRIM])), prim)
+                apart = where(taken, a.apart, apart)
+                top += TOP_ROW
+                i += 1
+            alive = total > 0.0
+            pmf = where(walking, where(alive, pmf / where(alive, total, 1.0), 0.0), 1.0)
+            plain = where(walking, plain / where(alive, plain_total, 1.0), 1.0)
+            walking = walking & alive & (onward < LEAF)
+            k = where(walking, onward, k)
+            coasting = coasting | (walking & apart)
+            walking = walking & ~apart
         level = 0
         while any_lane(walking):
             a = guess(bounds_at(cdf, k), p, n, everywhere, behind)
@@ -193,8 +235,9 @@ def choose_leaf(program):
             pmf = where(walking, where(alive, pmf * mine, 0.0), pmf)
             weight = where(first, a.plain, b.plain) / where(alive, plain_total, 1.0)
             plain = where(walking, plain * weight, plain)
-            chosen = where(walking, where(first, k, k + CHILD), chosen)
-            onward = float_bits(gather(cdf, chosen + NEXT))
+            chosen = where(first, k, k + CHILD)
+            onward = where(walking, float_bits(gather(cdf, chosen + NEXT)), onward)
+            prim = where(walking, float_bits(gather(cdf, chosen + PRIM)), prim)
             walking = walking & alive & (onward < LEAF)
             k = where(walking, onward, k)
             apart = walking & where(first, a.apart, b.apart)
@@ -204,12 +247,10 @@ def choose_leaf(program):
             if level == SPENT:
                 u = where(walking, more_digits(u, extra, pmf), u)
                 extra = where(walking, 0.0, extra)
-        word = float_bits(gather(cdf, chosen + NEXT))
-        ended = active & ~coasting & (pmf > 0.0) & (word >= LEAF)
-        index = where(ended, word & (LEAF - 1), 0)
-        prim = where(ended, float_bits(gather(cdf, chosen + PRIM)), 0)
+        ended = active & ~coasting & (pmf > 0.0) & (onward >= LEAF)
+        index, prim = where(ended, onward & (LEAF - 1), 0), where(ended, prim, 0)
         if any_lane(coasting):
-            leaf, share = leaf_by_intensity(cdf, where(coasting, k, as_int(cdf[START])), u, extra)
+            leaf, share = leaf_by_intensity(cdf, where(coasting, k, first_node(cdf)), u, extra)
             pmf, plain = where(coasting, pmf * share, pmf), where(coasting, plain * share, plain)
             rows, prims = leaf_words(cdf, leaf)
             index, prim = where(coasting, rows, index), where(coasting, prims, prim)
@@ -251,10 +292,26 @@ def plain_probability(scene, index, prim, p, active):
     cdf = scene.lights.cdf
     entry = where(active, gather(scene.lights.info, index * INFO + 3) + 2 * prim, 0)
     way, leaf = bits(cdf, entry), where(active, bits(cdf, entry + 1), 0)
-    k, plain = lanes_u32(as_int(cdf[START])), lanes(1.0)
+    k, onward, plain = lanes_u32(first_node(cdf)), lanes_u32(LEAF), lanes(1.0)
     none, everywhere = p * 0.0, lanes_mask(True)
     coasting = active & is_far(cdf, p)
     walking = active & ~coasting
+    if any_lane(walking):
+        total, apart = lanes(0.0), lanes_mask(False)
+        top, i = as_int(cdf[START]), lanes_u32(0)
+        while top < first_node(cdf):
+            a = guess(bounds_of_row(cdf, top), p, none, everywhere, 0.0)
+            total, mine = total + a.plain, (way & (TOP - 1)) == i
+            plain, apart = where(walking & mine, a.plain, plain), where(mine, a.apart, apart)
+            onward = where(mine, float_bits(lanes(cdf[top + TOP_NEXT])), onward)
+            top += TOP_ROW
+            i += 1
+        plain = where(walking, plain / where(total > 0.0, total, 1.0), plain)
+        way = way >> TOP_BITS
+        walking = walking & (onward < LEAF) & (plain > 0.0)
+        k = where(walking, onward, k)
+        coasting = coasting | (walking & apart)
+        walking = walking & ~apart
     while any_lane(walking):
         a = guess(bounds_at(cdf, k), p, none, everywhere, 0.0)
         b = guess(bounds_at(cdf, k + CHILD), p, none, everywhere, 0.0)

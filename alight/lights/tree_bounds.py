@@ -44,7 +44,7 @@ from alight.core.simd import (
     to_float,
     where,
 )
-from alight.core.vec import dot, gather_vec3
+from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.core.vec3 import Vec3
 
 #: Words of a group: centre; radius and h (bfloat16 each); axis (10 bits a coordinate) and whether
@@ -54,7 +54,7 @@ from alight.core.vec3 import Vec3
 REACH, AXIS, CONE, STRENGTH, WORDS = 3, 4, 5, 6, 7
 
 #: In AXIS and CONE: the group counts by intensity if it is far; wherever it is.
-ALIKE = EVEN = 0x80000000
+ALIKE = EVEN = FLAT = 0x80000000
 
 #: What is far: squared distance over squared radius.
 FAR_AWAY = 36.0
@@ -83,6 +83,8 @@ class Groups(NamedTuple):
         Cosines of the cone's half angle, and of the angle beyond it where it is dark.
     intensity : (n,) float64
         As part of all lights'.
+    flat : (n,) bool
+        Each light faces one direction.
     alike : (n,) bool
         From afar only intensity counts: directions differ little.
     """
@@ -94,6 +96,7 @@ class Groups(NamedTuple):
     cosine: NDArray[np.float64]
     dark: NDArray[np.float64]
     intensity: NDArray[np.float64]
+    flat: NDArray[np.bool_]
     alike: NDArray[np.bool_]
 
 
@@ -110,7 +113,7 @@ def pack(groups: Groups) -> NDArray[np.uint32]:
     words[:, CONE] = (cosine.astype(np.int64) << 15) | np.ceil(sine * _FIFTEENTH).astype(np.int64)
     dark = np.floor((groups.dark + 1.0) * (0.5 * _SIXTEENTH)).astype(np.int64)
     intensity = np.maximum(groups.intensity, 1e-30)
-    words[:, STRENGTH] = (_upwards(intensity) << 16) | dark
+    words[:, STRENGTH] = (_upwards(intensity) << 16) | dark | np.where(groups.flat, FLAT, 0)
     return words
 
 
@@ -123,8 +126,34 @@ def _upwards(x: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.where(single > 0.0, (bits + 0xFFFF) >> 16, bits >> 16)
 
 
-#: What kernels load of a group: a Vec3, and words.
-Bounds = namedtuple("Bounds", "center reach axis cone strength")
+def unpack(words: NDArray[np.uint32]) -> NDArray[np.float32]:
+    """What `bounds_at` makes of the words, for `bounds_of_row`; (n, ROW)."""
+    words = np.ascontiguousarray(words)
+    halves = [(words[:, k] & np.uint32(0x7FFF0000)).view(np.float32) for k in (REACH, STRENGTH)]
+    lower = (words[:, REACH] << np.uint32(16)).view(np.float32)
+    word = words[:, AXIS].astype(np.int64)
+    axis = [((word >> k & 1023) - _TENTH) / _TENTH for k in (0, 10, 20)]
+    cone, strength = words[:, CONE].astype(np.int64), words[:, STRENGTH].astype(np.int64)
+    cosine = (cone >> 15 & _FIFTEENTH) * (2.0 / _FIFTEENTH) - 1.0
+    dark = (strength & _SIXTEENTH) * (2.0 / _SIXTEENTH) - 1.0
+    far = np.where(word >= ALIKE, FAR_AWAY * halves[0].astype(float) ** 2, NEVER)
+    far = np.where(cone >= EVEN, -1.0, np.minimum(far, NEVER))
+    rows = np.zeros((len(words), ROW), np.float32)
+    rows[:, :3] = words[:, :3].view(np.float32)
+    columns = (halves[0], lower, *axis, cosine, (cone & _FIFTEENTH) / _FIFTEENTH, dark, halves[1])
+    for k, column in enumerate((*columns, strength >= FLAT, far), 3):
+        rows[:, k] = column
+    return rows
+
+
+#: What kernels know of a group; far: squared distance from which only intensity counts.
+Bounds = namedtuple("Bounds", "center radius behind axis cosine sine dark intensity flat far")
+
+#: Numbers of a row of `unpack`: those of `Bounds`.
+RADIUS, INTENSITY, FAR, ROW = 3, 11, 13, 14
+
+#: In `Bounds.far`: nowhere; metres squared.
+NEVER = 3e38
 
 #: plain, importance: what a group may send, without and with the cosine at the point; apart: mask,
 #: only intensity counts below it.
@@ -133,25 +162,44 @@ Guess = namedtuple("Guess", "plain importance apart")
 
 @kernel
 def bounds_at(cdf, k):
-    """The group in the row k of each lane."""
+    """The group that is packed at the offset k of each lane."""
+    reach, turn = float_bits(gather(cdf, k + REACH)), float_bits(gather(cdf, k + AXIS))
+    cone, strength = float_bits(gather(cdf, k + CONE)), float_bits(gather(cdf, k + STRENGTH))
+    radius = bits_float(reach & 0xFFFF0000)
+    axis = Vec3(
+        to_float(turn & 1023) * (1.0 / 511.0) - 1.0,
+        to_float((turn >> 10) & 1023) * (1.0 / 511.0) - 1.0,
+        to_float((turn >> 20) & 1023) * (1.0 / 511.0) - 1.0,
+    )
+    far = where(turn >= ALIKE, FAR_AWAY * radius * radius, NEVER)
     return Bounds(
         gather_vec3(cdf, k),
-        float_bits(gather(cdf, k + REACH)),
-        float_bits(gather(cdf, k + AXIS)),
-        float_bits(gather(cdf, k + CONE)),
-        float_bits(gather(cdf, k + STRENGTH)),
+        radius,
+        bits_float(reach << 16),
+        axis,
+        to_float((cone >> 15) & 32767) * (2.0 / 32767.0) - 1.0,
+        to_float(cone & 32767) * (1.0 / 32767.0),
+        to_float(strength & 65535) * (2.0 / 65535.0) - 1.0,
+        bits_float(strength & 0x7FFF0000),
+        where(strength >= FLAT, 1.0, 0.0),
+        where(cone >= EVEN, -1.0, far),
     )
 
 
 @kernel
-def bounds_of_all(cdf, k):
-    """The group in the row k, which is uniform: each word is loaded once for all lanes."""
+def bounds_of_row(cdf, k):
+    """The group in the row of `unpack` at the uniform offset k: scalars, the same for all lanes."""
     return Bounds(
-        Vec3(lanes(cdf[k]), lanes(cdf[k + 1]), lanes(cdf[k + 2])),
-        float_bits(lanes(cdf[k + REACH])),
-        float_bits(lanes(cdf[k + AXIS])),
-        float_bits(lanes(cdf[k + CONE])),
-        float_bits(lanes(cdf[k + STRENGTH])),
+        row_vec3(cdf, k),
+        cdf[k + 3],
+        cdf[k + 4],
+        row_vec3(cdf, k + 5),
+        cdf[k + 8],
+        cdf[k + 9],
+        cdf[k + 10],
+        cdf[k + 11],
+        cdf[k + 12],
+        cdf[k + 13],
     )
 
 
@@ -176,29 +224,26 @@ def guess(group, p, n, everywhere, behind):
     to_center = group.center - p
     far = maximum(dot(to_center, to_center), 1e-30)
     inverse = rsqrt(far)
-    r, h = bits_float(group.reach & 0xFFFF0000), bits_float(group.reach << 16)
-    sine = r * inverse
+    sine = group.radius * inverse
     # At the lights: the angle from the axis, less that of the cone.
-    word = group.axis
-    axis = Vec3(
-        to_float(word & 1023) - 511.0,
-        to_float((word >> 10) & 1023) - 511.0,
-        to_float((word >> 20) & 1023) - 511.0,
-    )
-    cos_w = dot(axis, to_center) * (inverse * (-1.0 / 511.0))
-    cos_w = maximum(minimum(cos_w, 1.0), -1.0)
+    cos_w = maximum(minimum(-dot(group.axis, to_center) * inverse, 1.0), -1.0)
     sin_w = sqrt(1.0 - cos_w * cos_w)
-    cos_o = to_float((group.cone >> 15) & 32767) * (2.0 / 32767.0) - 1.0
-    sin_o = to_float(group.cone & 32767) * (1.0 / 32767.0)
-    towards = where(cos_w >= cos_o, 1.0, cos_w * cos_o + sin_w * sin_o) + h * inverse
-    dark = to_float(group.strength & 65535) * (2.0 / 65535.0) - 1.0
-    shines = towards > dark - absolute(dark) * sine - _GRAZING
-    nearness = rsqrt(maximum(far, CLOSEST * r * r))
-    intensity = bits_float(group.strength & 0xFFFF0000)
-    plain = intensity * maximum(minimum(towards, 1.0), _LEAST) * (nearness * nearness)
+    within = cos_w >= group.cosine
+    towards = where(within, 1.0, cos_w * group.cosine + sin_w * group.sine)
+    towards += group.behind * inverse
+    shines = towards > group.dark - absolute(lanes(group.dark)) * sine - _GRAZING
+    # The mean of what is lit, if the lights' cosines are spread evenly from here to there.
+    opposite = cos_w <= -group.cosine
+    away = where(opposite, -1.0, cos_w * group.cosine - sin_w * group.sine)
+    away = away + group.behind * inverse
+    towards = maximum(minimum(towards, 1.0), _LEAST)
+    away = minimum(where(group.flat > 0.0, away, towards), towards)
+    span = rsqrt(towards - minimum(away, 0.0))
+    mean = 0.5 * (towards + maximum(away, 0.0)) * towards * (span * span)
+    nearness = rsqrt(maximum(far, CLOSEST * (group.radius * group.radius)))
+    plain = group.intensity * mean * (nearness * nearness)
     plain = where(shines, plain, 0.0)
     # At the lit point likewise.
     facing = where(everywhere, 1.0, dot(n, to_center) * inverse + sine)
     cosine = where(facing > -_GRAZING, maximum(minimum(facing, 1.0), _LEAST), 0.0)
-    alike = (group.axis >= ALIKE) & (far > FAR_AWAY * r * r)
-    return Guess(plain, plain * maximum(cosine, behind), alike | (group.cone >= EVEN))
+    return Guess(plain, plain * maximum(cosine, behind), far > group.far)

@@ -10,13 +10,39 @@ over bins; the cones that are stored in the end bound all of their lights.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.lights.tree import CHILD, FIRST_LEAF, LEAF, MOST_LEVELS, NEXT, NODE, PRIM, WHOLE
-from alight.lights.tree_bounds import CONE, EVEN, FAR_AWAY, WORDS, Groups, pack
+from alight.lights.tree import (
+    CHILD,
+    FIRST_LEAF,
+    LEAF,
+    MOST_LEVELS,
+    NEXT,
+    NODE,
+    PRIM,
+    TOP,
+    TOP_BITS,
+    TOP_ROW,
+    WHOLE,
+)
+from alight.lights.tree_bounds import (
+    CONE,
+    EVEN,
+    FAR,
+    FAR_AWAY,
+    INTENSITY,
+    NEVER,
+    RADIUS,
+    ROW,
+    WORDS,
+    Groups,
+    pack,
+    unpack,
+)
 
 #: Radians: lights of which the directions differ by less face much the same way.
 SAME_WAY = 0.5
@@ -59,10 +85,12 @@ class LightTree(NamedTuple):
 
     Attributes
     ----------
+    top : (TOP, TOP_ROW) float32
+        Children of the root; those that it lacks send nothing.
     nodes : (m, NODE) uint32
-        Two children a node, see `alight.lights.tree`; the root comes first.
+        Two children a node, see `alight.lights.tree`; that of all leaves comes first.
     ways : (n,) uint32
-        To each leaf: bit i says whether level i goes to the second child.
+        To each leaf: the root's child, then a bit a node.
     numbers : (n,) uint32
         Of each leaf, so that those of a group follow each other.
     middle, far : (3,) float32, metres, and float, m^2
@@ -71,6 +99,7 @@ class LightTree(NamedTuple):
         Sums of intensity, rows and triangles of the leaves.
     """
 
+    top: NDArray[np.float32]
     nodes: NDArray[np.uint32]
     ways: NDArray[np.uint32]
     numbers: NDArray[np.uint32]
@@ -79,7 +108,19 @@ class LightTree(NamedTuple):
     table: NDArray[np.uint32]
 
 
-def build_tree(leaves: Leaves, start: int) -> LightTree:
+class BinaryTree(NamedTuple):
+    """A `LightTree` before its root is widened; `ways` have a bit a node."""
+
+    nodes: NDArray[np.uint32]
+    ways: NDArray[np.uint32]
+    numbers: NDArray[np.uint32]
+    middle: NDArray[np.float32]
+    far: float
+
+
+def build_tree(
+    leaves: Leaves, start: int, find_even: Callable[[Leaves, Any, Any], Any] | None = None
+) -> LightTree:
     """Make the tree.
 
     Parameters
@@ -87,18 +128,42 @@ def build_tree(leaves: Leaves, start: int) -> LightTree:
     leaves : Leaves
     start : int
         Where the table will begin; the offsets in it count from 0 of the array it is put in.
+    find_even : callable, optional
+        ``find_even(leaves, begin, end) -> (m,) bool``: of groups of leaves, in the order of their
+        numbers, from which of them intensity alone may choose.
     """
-    count = len(leaves.row)
     total = max(float(leaves.intensity.sum()), 1e-300)
     leaves = leaves._replace(intensity=leaves.intensity / total)
+    start += TOP * TOP_ROW
+    tree = binary_tree(leaves, start)
+    order = np.argsort(tree.numbers)
+    leaves = Leaves(*(column[order] for column in leaves))
+    if find_even is not None:
+        begin, end = tree.nodes[:, FIRST_LEAF], tree.nodes[:, FIRST_LEAF + 1]
+        tree = _with_even_groups(tree, start, find_even(leaves, begin, end))
+    top, ways = _widened(tree, start)
+    return LightTree(top, tree.nodes, ways, tree.numbers, tree.middle, tree.far, _table(leaves))
+
+
+def binary_tree(leaves: Leaves, start: int) -> BinaryTree:
+    """Make the nodes, level by level.
+
+    Parameters
+    ----------
+    leaves : Leaves
+        Of intensities that add up to 1.
+    start : int
+        Where the nodes will begin.
+    """
+    count = len(leaves.row)
     ways, numbers = np.zeros(count, np.uint32), np.zeros(count, np.uint32)
     if count < 2:
         nodes = np.zeros((1, NODE), np.uint32)
+        nodes[:, [NEXT, CHILD + NEXT]] = LEAF
         if count:
             nodes[:, :CHILD] = _children(leaves, _groups(leaves, numbers, numbers), numbers)
         nodes[0, FIRST_LEAF + 1] = count
-        middle, table = np.zeros(3, np.float32), _table(leaves, numbers)
-        return LightTree(nodes, ways, numbers, middle, np.inf, table)
+        return BinaryTree(nodes, ways, numbers, np.zeros(3, np.float32), NEVER)
     levels: list[np.ndarray] = []
     items, sizes, made, begin = np.arange(count), np.array([count]), 1, np.zeros(1, int)
     whole = _groups(leaves, items, begin)
@@ -121,22 +186,12 @@ def build_tree(leaves: Leaves, start: int) -> LightTree:
         items, sizes, begin = items[np.repeat(inner, sizes)], sizes[inner], begin[inner]
         if not len(sizes):
             break
-    far = FAR_AWAY * float(whole.radius[0]) ** 2 if whole.alike[0] else np.inf
-    table = _table(leaves, numbers)
-    return LightTree(np.concatenate(levels), ways, numbers, whole.center[0], far, table)
+    far = FAR_AWAY * float(whole.radius[0]) ** 2 if whole.alike[0] else NEVER
+    return BinaryTree(np.concatenate(levels), ways, numbers, whole.center[0], far)
 
 
-def with_even_groups(tree: LightTree, start: int, even: NDArray[np.bool_]) -> LightTree:
-    """The same tree, in which intensity alone chooses below some nodes.
-
-    Parameters
-    ----------
-    tree : LightTree
-    start : int
-        That of `build_tree`.
-    even : (m,) bool
-        Those nodes.
-    """
+def _with_even_groups(tree: BinaryTree, start: int, even: NDArray[np.bool_]) -> BinaryTree:
+    """The same, in which intensity alone chooses below some nodes."""
     nodes = tree.nodes.copy()
     for child in (0, CHILD):
         onward = nodes[:, child + NEXT]
@@ -146,14 +201,67 @@ def with_even_groups(tree: LightTree, start: int, even: NDArray[np.bool_]) -> Li
     return tree._replace(nodes=nodes, far=-1.0 if even[0] else tree.far)
 
 
-def _table(leaves: Leaves, numbers: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Sums of intensity, rows and triangles of the leaves in the order of their numbers."""
-    order, count = np.argsort(numbers), len(numbers)
-    intensity = leaves.intensity[order]
-    share = np.cumsum(intensity) / max(float(intensity.sum()), 1e-300)
+def _widened(tree: BinaryTree, start: int) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """The root's children, and the ways that begin with them.
+
+    What is bright and large is opened first: there is most to tell apart.
+    """
+    top, ways = np.zeros((TOP, TOP_ROW), np.float32), np.zeros_like(tree.ways)
+    count = len(ways)
+    if not count:
+        return top, ways
+    found = [_Child(tree.nodes[0, :CHILD], 0, 1, 1)]
+    if count > 1:
+        found = _pair(tree.nodes, 0, start, 1)
+    while len(found) < TOP:
+        largest = max(range(len(found)), key=lambda i: found[i].extent)
+        if found[largest].extent < 0.0:
+            break
+        child = found[largest]
+        number = (int(child.words[NEXT]) - start) // NODE
+        found[largest : largest + 1] = _pair(tree.nodes, number, start, child.depth + 1)
+    words = np.array([child.words for child in found])
+    top[: len(found), :ROW] = unpack(words[:, :WORDS])
+    top[: len(found), ROW:] = np.ascontiguousarray(words[:, NEXT:]).view(np.float32)
+    for i, (_, first, end, depth) in enumerate(found):
+        mine = (tree.numbers >= first) & (tree.numbers < end)
+        ways[mine] = np.uint32(i) | tree.ways[mine] >> np.uint32(depth) << np.uint32(TOP_BITS)
+    return top, ways
+
+
+class _Child(NamedTuple):
+    """A child of the root: its words, first leaf, the one behind its last, and how deep it was."""
+
+    words: NDArray[np.uint32]
+    first: int
+    end: int
+    depth: int
+
+    @property
+    def extent(self) -> float:
+        """Intensity times squared radius; less than 0 for what is not looked into."""
+        bounds = unpack(self.words[None, :WORDS])[0]
+        is_open = self.words[NEXT] < LEAF and bounds[FAR] >= 0.0
+        return float(bounds[INTENSITY] * bounds[RADIUS] ** 2) if is_open else -1.0
+
+
+def _pair(nodes: NDArray[np.uint32], number: int, start: int, depth: int) -> list[_Child]:
+    """Both children of a node."""
+    node = nodes[number]
+    first, end = int(node[FIRST_LEAF]), int(node[FIRST_LEAF + 1])
+    a, b = node[:CHILD], node[CHILD : 2 * CHILD]
+    middle = first + 1
+    if a[NEXT] < LEAF:
+        middle = int(nodes[(int(a[NEXT]) - start) // NODE, FIRST_LEAF + 1])
+    return [_Child(a, first, middle, depth), _Child(b, middle, end, depth)]
+
+
+def _table(leaves: Leaves) -> NDArray[np.uint32]:
+    """Sums of intensity, rows and triangles of the leaves, which come in their order."""
+    count, share = len(leaves.row), np.cumsum(leaves.intensity)
     # Each has one unit at least, however bright the others are.
     sums = np.arange(1, count + 1) + np.rint(np.minimum(share, 1.0) * (WHOLE - count))
-    words = np.concatenate([[0], sums, leaves.row[order], leaves.prim[order]])
+    words = np.concatenate([[0], sums, leaves.row, leaves.prim])
     return words.astype(np.uint32)
 
 
@@ -184,7 +292,7 @@ def _groups(leaves: Leaves, items: np.ndarray, starts: np.ndarray) -> Groups:
     intensity = np.add.reduceat(leaves.intensity[items], starts)
     return Groups(
         center, radius, np.minimum(behind, radius), axis, np.cos(spread), np.cos(dark), intensity,
-        differ < SAME_WAY,
+        np.maximum.reduceat(own, starts) <= 0.0, differ < SAME_WAY,
     )  # fmt: skip
 
 

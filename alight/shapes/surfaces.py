@@ -18,6 +18,7 @@ from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import normalize
 from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
 from alight.shapes.hit import INFO, Geometry, Surface
+from alight.shapes.mesh import corners_of
 
 #: Name of a shape -> its number in `ShapeTables.info`. (A cube is compiled to six rectangles.)
 KINDS = {model.__name__.rpartition(".")[2]: i for i, model in enumerate(MODELS)}
@@ -127,7 +128,7 @@ def chart_of(program):
 
     @kernel
     def on_triangle(tables, hit):
-        i0, i1, i2 = mesh.corners_of(tables, hit.shape, hit.prim)
+        i0, i1, i2 = corners_of(tables, hit.shape, hit.prim)
         return Chart(hit.u, hit.v, i0, i1, i2, lanes_u32(0))
 
     return on_triangle

@@ -5,7 +5,7 @@ from collections import namedtuple
 import numpy as np
 import pytest
 
-from alight.compiled.light_gain import MOST_GAIN, gain_of_tree
+from alight.compiled.light_gain import LEAST_IN_GROUP, MOST_GAIN, even_groups, gain_of_tree
 from alight.compiled.lights import MOST_WITHOUT_TREE
 from alight.core.jit import instantiate, kernel
 from alight.core.simd import LANES, lanes_mask, load_lanes, store_lanes
@@ -27,8 +27,8 @@ from alight.lights.tree import (
     choose_by_tree,
     plain_probability,
 )
-from alight.lights.tree_bounds import ALIKE, AXIS, CONE, REACH, STRENGTH, Groups
-from alight.lights.tree_build import Leaves, build_tree
+from alight.lights.tree_bounds import ALIKE, AXIS, CONE, FLAT, REACH, STRENGTH, Groups
+from alight.lights.tree_build import Leaves, binary_tree
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
 from alight.shapes.rectangle import Rectangle
@@ -128,6 +128,21 @@ def test_densities_for_mis_add_up_to_one_and_agree():
     error = np.sqrt(lit.mean() * (1.0 - lit.mean()) / N)
     assert abs(found.plain[lit][first].sum() - lit.mean()) < LARGEST_Z * error
     assert lit.mean() > 0.9
+
+
+def test_choice_where_groups_are_dark():
+    # Ceiling lamps of eight floors, of equal power; p is on the fifth, and most shine elsewhere.
+    down = rotate("x", 180).matrix @ np.diag([0.1, 0.1, 0.1, 1.0])
+    places = [(x, y, 4.0 * z + 2.5) for z in range(8) for x in (0, 3) for y in (0, 3)]
+    world = World(
+        *((Rectangle(), translate(*at).matrix @ down, Area()) for at in places), selection="tree"
+    )
+    found, _ = choices(world, (1.0, 1.0, 16.0), UP)
+    there = found.pmf > 0.0
+    names, first, counts = np.unique(found.index[there], return_index=True, return_counts=True)
+    assert names.min() == 16 and len(names) == 16
+    said = found.pmf[there][first].astype(float)
+    assert chi_square(np.append(counts, N - counts.sum()), said) > SIGNIFICANCE
 
 
 def irradiance(world, program, p, n, seed):
@@ -232,6 +247,45 @@ def test_gain_of_two_lamps():
     assert gain_of_tree(leaves, shapes, np.ones(1, bool)) == MOST_GAIN
 
 
+def test_daylight_leaves_little_to_gain():
+    floor = (Rectangle(), np.diag([20.0, 20.0, 1.0, 1.0]), None)
+    rng = np.random.default_rng(1)
+    spots = np.append(rng.uniform(-20, 20, (40, 2)), np.full((40, 1), 2.0), axis=1)
+    lamps = [PlacedLight("lamp", Point(), translate(*at).matrix) for at in spots]
+    for radiance, expected in ((1.0, True), (3000.0, False)):
+        world = World(
+            floor, lights=lamps, environment=Constant(radiance=radiance), selection="auto"
+        )
+        assert world.lights.has_tree == expected
+
+
+def test_a_tree_without_gain_chooses_by_intensity():
+    # A ring of lamps around a small floor: near, and all as far.
+    floor = (Rectangle(), np.eye(4), None)
+    turns = [rotate("z", 18.0 * k).matrix @ translate(6, 0, 3).matrix for k in range(20)]
+    lamps = [PlacedLight("lamp", Point(intensity=k + 1.0), at) for k, at in enumerate(turns)]
+    found, _ = choices(World(floor, lights=lamps, selection="tree"), (0.5, 0.0, 0.0), UP)
+    np.testing.assert_allclose(found.pmf, (found.index + 1.0) / 210.0, rtol=1e-5)
+    np.testing.assert_array_equal(found.pmf, found.plain)
+
+
+def test_even_groups_are_those_that_gain_little():
+    # Two lamps at heights 1 and 2 above one point, two at 9 and 9.5; all of one intensity.
+    heights = np.array([1.0, 2.0, 9.0, 9.5])
+    places = np.outer(heights, [0.0, 0.0, 1.0])
+    leaves = leaves_at(places, np.tile([0.0, 0.0, -1.0], (4, 1)))
+    points = np.zeros((32, 3))
+    begin, end = np.array([0, 0, 2]), np.array([4, 2, 4])
+    light = 1.0 / heights**2
+    gain = [
+        2.0 * (light[a:b] ** 2).sum() / light[a:b].sum() ** 2 - 1.0 for a, b in ((0, 2), (2, 4))
+    ]
+    assert gain[1] < LEAST_IN_GROUP < gain[0]
+    assert even_groups(points, leaves, begin, end).tolist() == [False, False, True]
+    # Too few points tell nothing.
+    assert not even_groups(points[:8], leaves, begin, end).any()
+
+
 def test_few_lights_have_no_tree():
     few = [PlacedLight("lamp", Point(), translate(k, 0, 0).matrix) for k in range(64)]
     assert not World(lights=few[:MOST_WITHOUT_TREE], selection="auto").lights.has_tree
@@ -273,7 +327,7 @@ def test_nodes_bound_their_lights(kind):
     axes = rng.normal(size=(n, 3)) + np.array([0.0, 0.0, 2.0])
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     leaves = leaves_at(places, axes)
-    tree = build_tree(leaves, 100)
+    tree = binary_tree(leaves._replace(intensity=leaves.intensity / n), 100)
     words = np.ascontiguousarray(tree.nodes[:, : 2 * CHILD]).reshape(-1, CHILD)
     for item in range(n):
         at, way, child = 0, int(tree.ways[item]), 0
@@ -306,13 +360,14 @@ def unpacked(words):
     high, low = (words >> 16).astype(np.uint32), (words & 0xFFFF).astype(np.uint32)
     radius, behind, intensity = (
         float((part << 16).astype(np.uint32).view(np.float32))
-        for part in (high[REACH], low[REACH], high[STRENGTH])
+        for part in (high[REACH], low[REACH], high[STRENGTH] & 0x7FFF)
     )
     axis = np.array([(int(words[AXIS]) >> k & 1023) - 511 for k in (0, 10, 20)]) / 511.0
     cosine = (int(words[CONE]) >> 15 & 32767) / 32767 * 2.0 - 1.0
     dark = int(low[STRENGTH]) / 65535 * 2.0 - 1.0
-    center, alike = words[:3].view(np.float32).astype(float), bool(words[AXIS] & ALIKE)
-    return Groups(center, radius, behind, axis, cosine, dark, intensity, alike)
+    center = words[:3].view(np.float32).astype(float)
+    flat, alike = bool(words[STRENGTH] & FLAT), bool(words[AXIS] & ALIKE)
+    return Groups(center, radius, behind, axis, cosine, dark, intensity, flat, alike)
 
 
 @kernel

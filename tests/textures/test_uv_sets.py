@@ -9,6 +9,7 @@ import json
 import numpy as np
 import pytest
 
+import alight
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.core.uv_sets import NO_SET, UV_SETS
@@ -197,6 +198,21 @@ def test_a_bump_map_rises_with_its_set():
     assert np.abs(found - expected).mean() < 1e-3
 
 
+def test_machine_code_agrees():
+    """All of it in one program: colours, normals and heights from three sets, with copies."""
+    noise = {"type": "noise", "space": "uv", "scale": 3, "uv_set": 1}
+    bent = {"type": "normal_map", "texture": SLOPES | {"uv_set": 2}, "bsdf": diffuse(noise)}
+    high = {"type": "bump_map", "texture": GREYS | {"uv_set": 1}, "scale": 0.1,
+            "bsdf": diffuse(COLOURS | {"uv_set": 2})}  # fmt: skip
+    both = {"type": "blend", "bsdfs": [bent, high]}
+    scene = scene_of(grid(FIRST, SECOND, GRID), both, copies=True, sun=True)
+    film = alight.render(scene, spp=4, seed=1, threads=1, replicates=1)
+    # Along edges a ray may meet the one triangle or the other.
+    difference = np.abs(film.mean - picture(scene))
+    assert (difference > 1e-3).mean() < 0.02
+    assert np.median(difference) < 1e-5
+
+
 # ---------------------------------------------------------------- without the set
 
 
@@ -248,6 +264,10 @@ def test_sets_survive_saving(tmp_path):
     a, b = (flatten(s).geometries[-1] for s in (scene, again))
     np.testing.assert_array_equal(b.more_uvs, sets)
     assert a.digest == b.digest
+    # Meshes that differ in them alone are two.
+    other = large.replaced(shape=large.shape.replaced(more_uvs=sets[::-1]))
+    c = flatten(scene.replaced(nodes={**scene.nodes, "it": other})).geometries[-1]
+    assert c.digest != a.digest
 
 
 @pytest.mark.parametrize(

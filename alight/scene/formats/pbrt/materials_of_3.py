@@ -69,7 +69,7 @@ def _glass(m: Making) -> Data:
 
 
 def _metal(m: Making) -> Data:
-    keys = metal(m, ("eta", "k"), None, 1.0)
+    keys = metal(m, ("eta", "k"), None)
     return two_sided({"type": "rough_conductor", **keys, **facets(*alphas(m, 0.01))})
 
 
