@@ -45,6 +45,17 @@ def test_bases_and_degrees_go_through_the_same_points():
     np.testing.assert_allclose(middle[:, 1], 2.0 * x - x * x, atol=1e-5)
 
 
+def test_cubic_splines_are_the_cubics_that_their_points_blossom_to():
+    # Marsden: uniform B-splines with the coefficients k^3 - k add up to x^3, those with k to x.
+    points = " ".join(f"{k} {k**3 - k} 0" for k in range(-1, 4))
+    mesh = mesh_of(
+        f'Shape "curve" "float width" 1e-3 "string basis" "bspline" "point3 P" [{points}]'
+    )
+    middle = mesh.vertices.reshape(2 * PIECES + 1, SIDES, 3).mean(axis=1)
+    np.testing.assert_allclose(middle[:, 0], np.linspace(0.0, 2.0, 2 * PIECES + 1), atol=1e-5)
+    np.testing.assert_allclose(middle[:, 1], middle[:, 0] ** 3, atol=1e-5)
+
+
 def test_ribbons_face_as_their_normals_say():
     body = f'Shape "curve" "string type" "ribbon" {STRAIGHT} "normal N" [0 1 0  0 1 0]'
     mesh = mesh_of(body)
