@@ -270,6 +270,20 @@ def test_extensions_of_materials(extension, value, wanted):
     assert {key: bsdf[key] for key in bsdf if key not in plain} == wanted
 
 
+def test_a_reflection_of_more_than_the_index_has_becomes_a_larger_index():
+    """F0 = 0.04 times 2, as some exporters write it; of what transmits light the index stays."""
+    bright = {"KHR_materials_specular": {"specularColorFactor": [2, 1, 0.5]}}
+    bsdf = core(material_of(extensions=bright))
+    assert ((bsdf["ior"] - 1.0) / (bsdf["ior"] + 1.0)) ** 2 == pytest.approx(0.08)
+    assert bsdf["specular_color"] == [1.0, 0.5, 0.25]
+    glass = bright | {"KHR_materials_transmission": {"transmissionFactor": 1}}
+    bsdf = core(material_of(extensions=glass))
+    assert "ior" not in bsdf
+    assert bsdf["specular_color"] == [1.0, 1.0, 0.5]
+    mirror = {"KHR_materials_specular": {"specularColorFactor": [99, 99, 99]}}
+    assert core(material_of(extensions=mirror))["ior"] == 5.0
+
+
 def test_glass_has_a_volume_and_needs_no_second_side():
     extensions = {
         "KHR_materials_transmission": {"transmissionFactor": 1},

@@ -245,10 +245,28 @@ class _Extensions:
             self.bsdf["specular"] = self._number(specular, "specular", 1.0, "a")
             factor = specular.numbers("specularColorFactor", (1.0, 1.0, 1.0), 0.0)
             if max(factor) > 1.0:
-                text = f"{specular.pointer}: specularColorFactor was cut to 1"
-                self.item.report.approximate(text)
+                factor = self._brighter(specular, factor)
             picture = self.textures.bitmap(specular, "specularColorTexture", is_color=True)
-            self.bsdf["specular_color"] = multiplied([min(c, 1.0) for c in factor], picture)
+            self.bsdf["specular_color"] = multiplied(list(factor), picture)
+
+    def _brighter(self, specular: Item, factor: tuple[float, ...]) -> tuple[float, ...]:
+        """A reflection stronger than that of the index: the index that has it, and the tint left.
+
+        Source: KHR_materials_specular, F0 = min(((n - 1) / (n + 1))^2 specularColor, 1).
+        """
+        if self.item.extension("KHR_materials_transmission") is not None:
+            # Light would be refracted otherwise.
+            self.item.report.approximate(f"{specular.pointer}: specularColorFactor was cut to 1")
+            return tuple(min(c, 1.0) for c in factor)
+        index, most = self.bsdf.get("ior", 1.5), max(factor)
+        normal = ((index - 1.0) / (index + 1.0)) ** 2
+        root = math.sqrt(most * normal)
+        brightest = (1.0 + root) / (1.0 - root) if root < 1.0 else math.inf
+        if brightest > LARGEST_IOR:
+            text = f"{specular.pointer}: its reflection became that of index {LARGEST_IOR:g}"
+            self.item.report.approximate(text)
+        self.bsdf["ior"] = min(brightest, LARGEST_IOR)
+        return tuple(c / most for c in factor)
 
     def transmission_and_volume(self) -> None:
         """KHR_materials_transmission, KHR_materials_volume."""
