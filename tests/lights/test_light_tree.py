@@ -253,7 +253,9 @@ def test_daylight_leaves_little_to_gain():
     spots = np.append(rng.uniform(-20, 20, (40, 2)), np.full((40, 1), 2.0), axis=1)
     lamps = [PlacedLight("lamp", Point(), translate(*at).matrix) for at in spots]
     for radiance, expected in ((1.0, True), (3000.0, False)):
-        world = World(floor, lights=lamps, environment=Constant(radiance=radiance), selection="auto")
+        world = World(
+            floor, lights=lamps, environment=Constant(radiance=radiance), selection="auto"
+        )
         assert world.lights.has_tree == expected
 
 
