@@ -247,16 +247,6 @@ def test_gain_of_two_lamps():
     assert gain_of_tree(leaves, shapes, np.ones(1, bool)) == MOST_GAIN
 
 
-def test_daylight_leaves_little_to_gain():
-    floor = (Rectangle(), np.diag([20.0, 20.0, 1.0, 1.0]), None)
-    rng = np.random.default_rng(1)
-    spots = np.append(rng.uniform(-20, 20, (40, 2)), np.full((40, 1), 2.0), axis=1)
-    lamps = [PlacedLight("lamp", Point(), translate(*at).matrix) for at in spots]
-    for radiance, expected in ((1.0, True), (3000.0, False)):
-        world = World(floor, lights=lamps, environment=Constant(radiance=radiance), selection="auto")
-        assert world.lights.has_tree == expected
-
-
 def test_a_tree_without_gain_chooses_by_intensity():
     # A ring of lamps around a small floor: near, and all as far.
     floor = (Rectangle(), np.eye(4), None)
