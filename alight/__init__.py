@@ -5,6 +5,14 @@ Examples
 >>> import alight
 >>> film = alight.render("cornell-box", spp=16)  # doctest: +SKIP
 >>> film.save("cornell.png")  # doctest: +SKIP
+
+Everything that a user can mend is an `AlightError`, with the place and the remedy:
+
+>>> try:
+...     alight.load("cornell-bx")
+... except alight.AlightError as error:
+...     print(str(error).splitlines()[1].split("  ")[1])
+no such scene file; did you mean "cornell-box"?
 """
 
 from __future__ import annotations
@@ -24,6 +32,11 @@ _PUBLIC = {
     "Trace": "alight.rendering.trace",
     "trace": "alight.rendering.trace",
     "register": "alight.core.registration",
+    "AlightError": "alight.core.errors",
+    "FilmError": "alight.core.errors",
+    "OptionError": "alight.core.errors",
+    "OutputError": "alight.core.errors",
+    "SceneError": "alight.core.errors",
     "check_laws": "alight.laws",
     "Film": "alight.films",
     "load": "alight.scene",
@@ -33,6 +46,7 @@ _PUBLIC = {
 }
 
 if TYPE_CHECKING:
+    from alight.core.errors import AlightError, FilmError, OptionError, OutputError, SceneError
     from alight.core.registration import register
     from alight.films import Film
     from alight.films.denoising import denoise
@@ -42,9 +56,14 @@ if TYPE_CHECKING:
     from alight.scene import Scene, SceneManager, load, save
 
 __all__ = [
+    "AlightError",
     "Film",
+    "FilmError",
+    "OptionError",
+    "OutputError",
     "Progress",
     "Scene",
+    "SceneError",
     "SceneManager",
     "Trace",
     "__version__",

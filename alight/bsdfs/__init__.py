@@ -5,6 +5,7 @@ from alight.bsdfs import (
     bump_map,
     burley,
     burley_thin,
+    coated_conductor,
     conductor,
     dielectric,
     diffuse,
@@ -50,4 +51,5 @@ MODELS = (
     mask,
     normal_map,
     bump_map,
+    coated_conductor,
 )

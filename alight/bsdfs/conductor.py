@@ -65,8 +65,8 @@ def _known(metal: str) -> str:
     return metal
 
 
-class Metallic(Bsdf):
-    """Base class of metals, by name or by index of refraction.
+class OfMetal(Bsdf):
+    """Base class of what is made of metal, by name or by index of refraction.
 
     Parameters
     ----------
@@ -76,14 +76,11 @@ class Metallic(Bsdf):
         Real part of the index of refraction.
     k : Color, optional
         Extinction coefficient, the imaginary part.
-    specular_reflectance : ColorTexture, default 1
-        Factor of what is reflected, each channel in [0, 1]; 1 for real metals.
     """
 
     metal: Annotated[str, AfterValidator(_known)] | None = None
     eta: PositiveColor | None = None
     k: Color | None = None
-    specular_reflectance: ColorTexture = WHITE
 
     @model_validator(mode="after")
     def _has_one_index(self) -> Self:
@@ -99,6 +96,20 @@ class Metallic(Bsdf):
         if self.eta is not None and self.k is not None:
             return self.eta, self.k
         return METALS[self.metal or "gold"]
+
+
+class Metallic(OfMetal):
+    """Base class of bare metals.
+
+    Parameters
+    ----------
+    metal, eta, k
+        As in `OfMetal`.
+    specular_reflectance : ColorTexture, default 1
+        Factor of what is reflected, each channel in [0, 1]; 1 for real metals.
+    """
+
+    specular_reflectance: ColorTexture = WHITE
 
 
 class Conductor(Metallic):

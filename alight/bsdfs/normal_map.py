@@ -3,9 +3,10 @@ r"""Normal map: the normals of another surface in the place of the own ones, fro
 .. math:: n \propto (c\,(2 r - 1),\; c\,(2 g - 1),\; 2 b - 1)
 
 with the picture's channels r, g, b (read as they are, without a decoding of colours) and the scale
-c. x runs along growing u, y along growing v, z along the surface's normal, on charts that are
-mirrored too; with `follow_uv` off, y is always z times x, as Mitsuba has it. See
-`alight.bsdfs.relief` for the rims. Of several maps on one material the innermost one counts.
+c. x runs along growing u, y along growing v (of the picture's `uv_set`), z along the surface's
+normal, on charts that are mirrored too; with `follow_uv` off, y is always z times x, as Mitsuba has
+it. See `alight.bsdfs.relief` for the rims. Of several maps on one material the innermost one
+counts.
 
 Source: Blinn 1978, Simulation of wrinkled surfaces; glTF 2.0, section 3.9.3, for the scale; the
 plug-in ``normalmap`` of Mitsuba 3.
@@ -18,10 +19,11 @@ from typing import ClassVar, Literal
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, packed_modes
+from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, OF_SET, packed_modes
 from alight.bsdfs.relief import SLOTS as RELIEF_SLOTS
 from alight.bsdfs.rough_conductor import RoughConductor
 from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Truth
+from alight.textures.nesting import uv_set_of
 
 
 class NormalMap(Nested):
@@ -72,7 +74,12 @@ def pack(spec: NormalMap, packer) -> None:
     """Fill the row of the map."""
     packer.color("texture", spec.texture)
     packer.numbers("scale", spec.scale)
-    packer.numbers("modes", packed_modes(spec.rims, spec.fading) + FOLLOWS_UV * spec.follow_uv)
+    packer.numbers("modes", _modes(spec))
+
+
+def _modes(spec: NormalMap) -> float:
+    modes = packed_modes(spec.rims, spec.fading) + FOLLOWS_UV * spec.follow_uv
+    return modes + OF_SET * (uv_set_of(spec.texture) or 0)
 
 
 def features(spec: NormalMap) -> tuple[str, ...]:

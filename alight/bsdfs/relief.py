@@ -28,9 +28,10 @@ from __future__ import annotations
 from alight.bsdfs.flags import DELTA
 from alight.core.frame import frame_from_tangent, to_local, to_world
 from alight.core.jit import kernel, specialised
-from alight.core.simd import gather, lanes, maximum, minimum, sqrt, where
+from alight.core.simd import any_lane, floor, gather, lanes, maximum, minimum, sqrt, to_uint, where
+from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import Vec3, cross, dot, normalize, renormalize
-from alight.shapes.derivatives import uv_derivatives
+from alight.shapes.derivatives import moved_chart, uv_derivatives
 from alight.shapes.hit import Surface
 from alight.textures.fetch import color, scalar, textured_scalar
 
@@ -39,6 +40,8 @@ BENT, NORMALS, HEIGHTS = "bent", "bent:normals", "bent:heights"
 #: Slots of both maps before those of the texture; modes is a sum of the bits below.
 SLOTS = {"scale": 1, "modes": 1}
 IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0
+#: Times the set of texture coordinates by which a normal map is turned; only in programs with sets.
+OF_SET = 32.0
 #: The mirrored viewer stays this part of his height above the surface.
 MARGIN = 0.1
 #: Distance of two heights whose difference is a slope, in texture coordinates.
@@ -68,20 +71,79 @@ def bent_normal(program):
 @kernel
 def _from_normals(scene, base, surface, height, follows):
     texel, scale = color(scene, base + 2, surface), scalar(scene, base, surface)
-    along, across = uv_derivatives(scene, surface)
+    along, across, s, t = axes_of_map(scene, base, surface)
     # The second axis of the picture, on charts that are mirrored too.
-    turned = dot(cross(surface.ns, surface.s), across) * dot(surface.s, along) < 0.0
+    turned = dot(cross(surface.ns, s), across) * dot(s, along) < 0.0
     x, y = scale * (2.0 * texel.x - 1.0), scale * (2.0 * texel.y - 1.0)
-    return normalize(Vec3(x, where(turned & follows, -y, y), maximum(2.0 * texel.z - 1.0, 1e-3)))
+    n = normalize(Vec3(x, where(turned & follows, -y, y), maximum(2.0 * texel.z - 1.0, 1e-3)))
+    return in_own_axes(surface, s, t, n)
+
+
+@specialised
+def axes_of_map(program):
+    """``(scene, base, surface) -> (dp/du, dp/dv, s, t)``: of the set that a map's picture uses."""
+    if UV_SETS not in program.textures:
+        return _own_axes
+
+    @kernel
+    def of_its_set(scene, base, surface):
+        number = floor(scalar(scene, base + 1, surface) * (1.0 / OF_SET))
+        along, across, s, t = _own_axes(scene, base, surface)
+        further = number > 0.0
+        if any_lane(further):
+            other = _charted(surface, to_uint(where(further, number, 0.0)))
+            along1, across1 = uv_derivatives(scene, other)
+            s1, t1 = frame_from_tangent(surface.ns, along1)
+            along, across = where(further, along1, along), where(further, across1, across)
+            s, t = where(further, s1, s), where(further, t1, t)
+        return along, across, s, t
+
+    return of_its_set
 
 
 @kernel
-def _moved(surface, du, dv, shift):
+def _own_axes(scene, base, surface):
+    along, across = uv_derivatives(scene, surface)
+    return along, across, surface.s, surface.t
+
+
+@kernel
+def _charted(surface, number):
+    """The surface with derivatives by another set."""
+    c = surface.chart
+    return Surface(
+        surface.p, surface.error, surface.ng, surface.ns, surface.s, surface.t,
+        surface.u, surface.v, surface.shape, surface.prim, surface.bsdf, surface.light,
+        surface.color, Chart(c.b1, c.b2, c.i0, c.i1, c.i2, number),
+    )  # fmt: skip
+
+
+@specialised
+def in_own_axes(program):
+    """``(surface, s, t, n)``: n of the frame (s, t, ns) in the surface's own frame."""
+    if UV_SETS not in program.textures:
+        return _as_it_is
+
+    @kernel
+    def turned(surface, s, t, n):
+        w = n.x * s + n.y * t
+        return Vec3(dot(w, surface.s), dot(w, surface.t), n.z)
+
+    return turned
+
+
+@kernel
+def _as_it_is(surface, s, t, n):
+    return n
+
+
+@kernel
+def _moved(scene, surface, du, dv, shift):
     """The surface with its texture coordinates moved, and its point with them."""
     return Surface(
         surface.p + shift, surface.error, surface.ng, surface.ns, surface.s, surface.t,
         surface.u + du, surface.v + dv, surface.shape, surface.prim, surface.bsdf, surface.light,
-        surface.color,
+        surface.color, moved_chart(scene, surface, du, dv),
     )  # fmt: skip
 
 
@@ -90,8 +152,8 @@ def _from_heights(scene, base, surface, height, follows):
     scale = scalar(scene, base, surface)
     here = textured_scalar(scene, base + 2, surface)
     along, across = uv_derivatives(scene, surface)
-    right = textured_scalar(scene, base + 2, _moved(surface, STEP, 0.0, STEP * along))
-    above = textured_scalar(scene, base + 2, _moved(surface, 0.0, STEP, STEP * across))
+    right = textured_scalar(scene, base + 2, _moved(scene, surface, STEP, 0.0, STEP * along))
+    above = textured_scalar(scene, base + 2, _moved(scene, surface, 0.0, STEP, STEP * across))
     a = _risen(surface, along, scale * (right - here) * (1.0 / STEP))
     b = _risen(surface, across, scale * (above - here) * (1.0 / STEP))
     n = cross(a, b)
@@ -135,9 +197,28 @@ def _fading(n, fades, wi):
     return where(fades, g, 1.0)
 
 
+@specialised
+def without_set(program):
+    """``without_set(code)``: a sum of bits less those that name a set of coordinates."""
+    if UV_SETS not in program.textures:
+        return _same
+
+    @kernel
+    def rest(code):
+        return code - OF_SET * floor(code * (1.0 / OF_SET))
+
+    return rest
+
+
+@kernel
+def _same(code):
+    return code
+
+
 @kernel
 def _modes(code):
     """(height, follows, fades, lit, folded) of a sum of bits."""
+    code = without_set(code)
     folded = code >= IS_FOLDED
     code = where(folded, code - IS_FOLDED, code)
     lit = code >= IS_LIT

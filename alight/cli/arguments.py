@@ -155,14 +155,14 @@ Plugins = Annotated[
     ),
 ]
 
-_FOREIGN = "Scene files of Mitsuba (.xml)"
+_FOREIGN = "Scene files of other programs"
 
 Definitions = Annotated[
     list[str] | None,
     typer.Option(
         "-D",
         metavar="NAME=VALUE",
-        help="Value of a $NAME in the file. May be repeated.",
+        help="Value of a $NAME in an .xml file. May be repeated.",
         rich_help_panel=_FOREIGN,
     ),
 ]
@@ -170,7 +170,7 @@ Lenient = Annotated[
     bool,
     typer.Option(
         "--lenient",
-        help="Replace what is not covered, and list it.",
+        help="Replace what is not covered (.xml, .pbrt), and list it.",
         rich_help_panel=_FOREIGN,
     ),
 ]

@@ -28,6 +28,7 @@ def convert(
     from alight.scene import flatten, load, save
     from alight.scene.formats.gltf.write import write
 
+    check_suffix(output)
     changes = changes_of({"camera": camera}, assignments or [])
     description = load(scene, changes, definitions=parse_definitions(define), lenient=lenient)
     show_remarks(description)
@@ -37,6 +38,24 @@ def convert(
                 typer.echo(f"glTF cannot hold: {line}", err=True)
         else:
             save(description, output)
+    except OutputError:
+        raise
     except OSError as error:
         raise OutputError(f"cannot write {output}: {error.strerror or error}") from None
     typer.echo(f"scene: {output}")
+
+
+def check_suffix(output: Path) -> None:
+    """Refuse a file whose name ends in nothing that can be written, before the scene is read.
+
+    Raises
+    ------
+    OutputError
+        With the endings that there are.
+    """
+    from alight.core.errors import OutputError, unknown_name
+    from alight.scene.files import SUFFIXES
+
+    if output.suffix.lower() not in (*SUFFIXES, ".glb"):
+        text = unknown_name("suffix", output.suffix, (*SUFFIXES, ".glb"))
+        raise OutputError(f"cannot write {output}: {text}")

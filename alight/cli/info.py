@@ -91,7 +91,7 @@ def mesh_bytes(flat: FlatScene) -> int:
     arrays = (
         array
         for g in flat.geometries
-        for array in (g.vertices, g.faces, g.normals, g.uvs, g.colors)
+        for array in (g.vertices, g.faces, g.normals, g.uvs, g.colors, g.more_uvs)
     )
     return sum(array.nbytes for array in arrays if array is not None)
 

@@ -17,6 +17,7 @@ def trace(
     sample: Annotated[int, typer.Option(help="Which sample of the pixel.")] = 0,
     seed: arguments.Seed = 0,
     size: arguments.Size = None,
+    camera: arguments.CameraName = None,
     integrator: arguments.IntegratorName = None,
     sampler: arguments.SamplerName = None,
     filter_name: arguments.FilterName = None,
@@ -25,10 +26,12 @@ def trace(
     replicates: arguments.Replicates = None,
     assignments: arguments.Assignments = None,
     plugin: arguments.Plugins = None,
+    define: arguments.Definitions = None,
+    lenient: arguments.Lenient = False,
     as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
 ) -> None:
     """Follow one sample of a pixel, one path vertex a line; breakpoints in kernels work."""
-    from alight.cli.options import changes_of
+    from alight.cli.options import changes_of, parse_definitions
     from alight.cli.plugins import load_plugins
     from alight.cli.reporting import warn
     from alight.rendering.trace import trace as trace_sample
@@ -37,10 +40,16 @@ def trace(
     position = parse_pixel(pixel)
     load_plugins(plugin)
     options = {
-        "size": size, "integrator": integrator, "sampler": sampler, "filter": filter_name,
-        "max_depth": max_depth, "rr_depth": rr_depth, "replicates": replicates,
+        "size": size, "camera": camera, "integrator": integrator, "sampler": sampler,
+        "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
+        "replicates": replicates,
     }  # fmt: skip
-    description = load(scene, changes_of(options, assignments or []))
+    description = load(
+        scene,
+        changes_of(options, assignments or []),
+        definitions=parse_definitions(define),
+        lenient=lenient,
+    )
     for warning in description.warnings:
         warn(warning)
     found = trace_sample(description, position, sample=sample, seed=seed)

@@ -23,6 +23,8 @@ from alight.core.view import View
 from alight.scene.keyframes import Parts, Track, arc
 from alight.scene.motion import Link, Motion
 
+#: Part of the shutter's time below which float32 tells no two moments apart.
+SHORTEST = 2.0**-24
 #: The six numbers of a symmetric matrix.
 _UPPER = np.triu_indices(3)
 
@@ -82,7 +84,8 @@ def _pack(link: Link, row: np.ndarray) -> None:
     for i, segment in enumerate(segments[: len(times) - 1]):
         a, b = frames[i], frames[i + 1]
         angle, aside = arc(a.turn, b.turn)
-        segment[BEGIN], segment[RATE] = times[i], 1.0 / (times[i + 1] - times[i])
+        segment[BEGIN] = times[i]
+        segment[RATE] = 1.0 / max(times[i + 1] - times[i], SHORTEST)
         segment[ANGLE] = angle
         segment[SHIFT : SHIFT + 3], segment[TRAVEL : TRAVEL + 3] = a.shift, b.shift - a.shift
         segment[TURN : TURN + 4], segment[ASIDE : ASIDE + 4] = a.turn, aside

@@ -17,6 +17,7 @@ from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
+from alight.core.uv_sets import UV_SETS
 from alight.filters.importance import compile_filter
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.media.tables import EMISSIVE
@@ -96,7 +97,8 @@ def compile_scene(
         For building the BVH.
     """
     paths = MotionTable()
-    shapes = compile_shapes(flat, paths)
+    materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
+    shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures)
     accel, plan, stats = build_accelerator(
         shapes.triangles,
         shapes.analytic,
@@ -108,7 +110,6 @@ def compile_scene(
         builder=builder,
         threads=threads,
     )
-    materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     light_choice = getattr(flat.integrator, "light_choice", "auto")
     of_light = light_motions(flat, shapes, paths)
     combined = getattr(flat.integrator, "light_sampling", None) == "mis"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from alight.accel.primitives import Moving
 from alight.compiled.motion import MotionTable
+from alight.compiled.uv_sets import uv_shifts
 from alight.core.errors import Issue, SceneError
 from alight.core.view import View
 from alight.scene.flatten import FlatScene, PlacedShape
@@ -127,6 +128,8 @@ class _Arrays:
     normals: list[np.ndarray] = field(default_factory=list)
     uvs: list[np.ndarray] = field(default_factory=list)
     colors: list[np.ndarray] = field(default_factory=list)
+    # First vertex of a mesh -> its further sets of texture coordinates.
+    further: dict[int, np.ndarray] = field(default_factory=dict)
     vertex_count: int = 0
     face_count: int = 0
 
@@ -138,6 +141,8 @@ class _Arrays:
         self.normals.append(_or_zeros(normals, len(vertices), 3))
         self.uvs.append(_or_zeros(mesh.uvs, len(vertices), 2))
         self.colors.append(_or_zeros(mesh.colors, len(vertices), 3))
+        if mesh.more_uvs is not None:
+            self.further[self.vertex_count] = mesh.more_uvs
         self.vertex_count += len(vertices)
         self.face_count += len(mesh.faces)
         return place
@@ -158,7 +163,9 @@ def _or_zeros(table: np.ndarray | None, rows: int, columns: int) -> np.ndarray:
     return np.broadcast_to(np.float32(0.0), (rows, columns))
 
 
-def compile_shapes(flat: FlatScene, paths: MotionTable | None = None) -> CompiledShapes:
+def compile_shapes(
+    flat: FlatScene, paths: MotionTable | None = None, *, uv_sets: bool = False
+) -> CompiledShapes:
     """Make the tables of all shapes; the light of a shape is entered by `compile_lights`.
 
     Parameters
@@ -166,6 +173,8 @@ def compile_shapes(flat: FlatScene, paths: MotionTable | None = None) -> Compile
     flat : FlatScene
     paths : MotionTable, optional
         Numbers the motions.
+    uv_sets : bool
+        Whether textures name further sets of coordinates; else these are not kept.
 
     Raises
     ------
@@ -184,7 +193,7 @@ def compile_shapes(flat: FlatScene, paths: MotionTable | None = None) -> Compile
                 break
     if issues:
         raise SceneError(issues)
-    return compiler.finish()
+    return compiler.finish(uv_sets)
 
 
 def _out_of_range(placed: PlacedShape) -> str:
@@ -359,18 +368,24 @@ class _Compiler:
     def _grow(self, low: np.ndarray, high: np.ndarray) -> None:
         self.low, self.high = np.minimum(self.low, low), np.maximum(self.high, high)
 
-    def finish(self) -> CompiledShapes:
+    def finish(self, uv_sets: bool) -> CompiledShapes:
         """Join all parts."""
         arrays = self.arrays
+        info = np.array(self.info or [[0] * INFO], np.uint32)
+        shifts, further = np.zeros(1, np.uint32), []
+        if uv_sets:
+            shifts = uv_shifts(info, arrays.further, arrays.vertex_count)
+            further = [table for sets in arrays.further.values() for table in sets]
         data = np.concatenate([*self.data, np.zeros(PADDING)]).astype(np.float32)
         tables = ShapeTables(
-            View(np.array(self.info or [[0] * INFO], np.uint32)),
+            View(info),
             View(data),
             View(_joined(arrays.faces, 3, np.uint32)),
             View(_joined(arrays.vertices, 3, np.float32)),
             View(_joined_if_any(arrays.normals, 3)),
-            View(_joined_if_any(arrays.uvs, 2)),
+            View(_joined_if_any([*arrays.uvs, *further], 2)),
             View(_joined_if_any(arrays.colors, 3)),
+            View(shifts),
         )
         kinds = {row.kind for row in self.rows}
         empty = not np.isfinite(self.low).all()

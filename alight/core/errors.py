@@ -64,11 +64,11 @@ class SceneError(AlightError, ValueError):
     Parameters
     ----------
     issues : sequence of Issue
-        At least one.
+        At least one; what stands in it several times is kept once.
     """
 
     def __init__(self, issues: Sequence[Issue]) -> None:
-        self.issues = tuple(issues)
+        self.issues = tuple(dict.fromkeys(issues))
         super().__init__(self.issues)
 
     def __str__(self) -> str:
@@ -91,6 +91,20 @@ def join_path(*parts: str | int) -> str:
         elif part:
             path += part if not path or part.startswith("[") else f".{part}"
     return path
+
+
+def is_at_or_below(path: str, place: str) -> bool:
+    """Whether a key path is a place or leads to something in it.
+
+    Examples
+    --------
+    >>> is_at_or_below("nodes.lamp.light.scale[0]", "nodes.lamp.light")
+    True
+    >>> is_at_or_below("nodes.lamps.light", "nodes.lamp")
+    False
+    """
+    rest = path.removeprefix(place)
+    return bool(place) and path.startswith(place) and rest[:1] in ("", ".", "[")
 
 
 def nearest(name: str, valid: Iterable[str]) -> str | None:

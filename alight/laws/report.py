@@ -19,7 +19,7 @@ def demand(truth: Any, message: str) -> None:
         raise BrokenLawError(message)
 
 
-def demand_close(found: Any, wanted: Any, message: str, rtol: float = 0.0, atol: float = 0.0):
+def demand_close(found: Any, wanted: Any, message: str, rtol: float = 0.0, atol: Any = 0.0):
     """Raise `BrokenLawError`, with the largest difference, unless both agree within bounds."""
     found, wanted = np.asarray(found, float), np.asarray(wanted, float)
     if found.size == 0:

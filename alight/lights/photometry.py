@@ -51,7 +51,8 @@ def profile_problem(profile: Profile) -> str | None:
     """Say what is wrong with angles and values, if anything is."""
     vertical, horizontal, candela = profile
     for name, angles in (("vertical", vertical), ("horizontal", horizontal)):
-        if angles.ndim != 1 or not len(angles) or not np.all(np.diff(angles) > 0.0):
+        finite = angles.ndim == 1 and len(angles) > 0 and np.isfinite(angles).all()
+        if not finite or not np.all(np.diff(angles) > 0.0):
             return f"{name} angles must ascend, got {_some(angles)}"
     if not (vertical[0] >= 0.0 and vertical[-1] <= 180.0):
         return f"vertical angles must lie in [0, 180], got {_some(vertical)}"
@@ -134,7 +135,10 @@ def parse_profile(text: str) -> Profile:
     horizontal = numbers.take(sizes[1], "horizontal angles")
     values = numbers.take(sizes[0] * sizes[1], "candela values").reshape(sizes[1], sizes[0])
     # Multiplier; factors of the ballast and of its lamp.
-    profile = Profile(vertical, horizontal, values * (first[2] * rest[4] * rest[5]))
+    with np.errstate(over="ignore", invalid="ignore"):
+        # What is too large, or no number, is found below.
+        candela = values * (first[2] * rest[4] * rest[5])
+    profile = Profile(vertical, horizontal, candela)
     problem = profile_problem(profile)
     if problem:
         raise ValueError(problem)

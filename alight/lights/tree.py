@@ -87,6 +87,7 @@ ONE_SIDED = frozenset(
     {
         "blend",
         "burley",
+        "coated_conductor",
         "conductor",
         "dielectric",
         "diffuse",

@@ -7,9 +7,10 @@ with the full film as display window. Provenance stands in the header as strings
 from __future__ import annotations
 
 import errno
+import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -113,8 +114,12 @@ def read_size(path: str | Path) -> tuple[int, int, int]:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep what the library writes to stderr about broken files from the user, who is told once."""
-    with Path(os.devnull).open("wb") as nowhere:
+    """Keep what the library writes about broken files from the user, who is told once.
+
+    Its C++ writes to stderr, its Python layer prints to stdout, where results may be read by
+    programs.
+    """
+    with Path(os.devnull).open("wb") as nowhere, redirect_stdout(io.StringIO()):
         kept = os.dup(2)
         try:
             os.dup2(nowhere.fileno(), 2)

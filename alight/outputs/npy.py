@@ -25,4 +25,28 @@ def write(path: Path, picture: Picture, display: Development) -> None:
 
 def read(path: Path) -> np.ndarray:
     """Read the picture that is stored."""
-    return as_picture(np.load(path, allow_pickle=False)).image
+    return as_picture(load_array(path)).image
+
+
+def load_array(path: Path, *, mapped: bool = False) -> np.ndarray:
+    """Read an array.
+
+    Parameters
+    ----------
+    path : Path
+    mapped : bool, default False
+        Leave the numbers in the file: then a header that promises too much costs no memory.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the file cannot be read or is broken.
+    """
+    try:
+        return np.load(path, mmap_mode="r" if mapped else None, allow_pickle=False)
+    except (OSError, ValueError):
+        raise
+    except Exception as error:
+        # NumPy reads the header as Python text: TokenError, SyntaxError, TypeError, ...
+        text = " ".join(str(part) for part in error.args)
+        raise ValueError(f"is broken ({text})") from None

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.outputs import exr, hdr, pfm
+from alight.outputs import exr, hdr, npy, pfm
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".exr", ".hdr", ".pfm", ".npy")
 
@@ -199,7 +199,7 @@ def _read_pfm(path: Path, check_size: SizeCheck) -> np.ndarray:
 
 
 def _read_npy(path: Path, check_size: SizeCheck) -> np.ndarray:
-    array = np.load(path, mmap_mode="r", allow_pickle=False)
+    array = npy.load_array(path, mapped=True)
     if array.ndim not in (2, 3):
         raise ValueError(f"must have the shape (h, w) or (h, w, 3), got {array.shape}")
     check_size(array.shape[1], array.shape[0])

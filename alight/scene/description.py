@@ -217,12 +217,15 @@ class Remarks:
         Samples per pixel that the file asks for.
     read : tuple of (str, int)
         Kinds of things that were read, and how many.
+    assumed : tuple of (str, str)
+        Key path, and the warning that holds for as long as its value stays what it was.
     """
 
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     spp: int | None = None
     read: tuple[tuple[str, int], ...] = ()
+    assumed: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

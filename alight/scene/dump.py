@@ -103,8 +103,10 @@ def _equal(value: Any, default: Any) -> bool:
     return value == default and repr(value) == repr(default)
 
 
-def dump_array(array: np.ndarray) -> list[list[float]] | list[list[int]]:
+def dump_array(array: np.ndarray) -> list[Any]:
     """Write an array as lists, each float32 with the fewest digits that read back to it."""
     if np.issubdtype(array.dtype, np.integer):
         return array.tolist()
+    if array.ndim == 3:
+        return [dump_array(table) for table in array]
     return [[float(str(number)) for number in row] for row in array]

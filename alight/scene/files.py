@@ -12,19 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.core.errors import Issue, SceneError, is_at_or_below, nearest, quote
 from alight.media.volumes import holds_volume
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
-from alight.scene.description import Node, Recipe, Scene, Source
+from alight.scene.description import Recipe, Scene, Source
 from alight.scene.dump import dump_scene
 from alight.scene.formats import mitsuba, native, pbrt, ply
 from alight.scene.formats.models import PARSERS, read_model
 from alight.scene.formats.parsed import Parsed
-from alight.scene.formats.surroundings import Bounds
 from alight.scene.formats.triangles import MeshArrays
+from alight.scene.made_up import fitted
 from alight.scene.manager import SceneManager
-from alight.scene.transform import look_at
 from alight.scene.validation import find_problems
 from alight.shapes.mesh import Mesh
 
@@ -102,10 +101,8 @@ def load(
                 definitions=definitions,
                 lenient=lenient,
             )
-    placed = result.camera
-    result = _changed(result, changes) if changes else result
-    if framed is not None and result.camera == placed:
-        result = _framed_anew(result, framed)
+    if changes:
+        result = fitted(result, _changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
     recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient)
     return result.from_source(replace(result.source, recipe=recipe))
@@ -151,8 +148,13 @@ def _built(data: Any, found: list[Issue], source: Source, check: bool) -> Scene:
     issues = builder.issues
     # After a wrong top level nothing is left to check.
     if isinstance(data, dict) and (check or issues):
-        known = {issue.path for issue in issues}
-        issues += [issue for issue in find_problems(scene) if issue.path not in known]
+        # Where something is wrong stands what takes its place: its problems are nobody's.
+        wrong = [issue.path for issue in issues]
+        issues += [
+            issue
+            for issue in find_problems(scene)
+            if not any(is_at_or_below(path, issue.path) for path in wrong)
+        ]
     if issues:
         raise SceneError([issue if issue.place else source.located(issue) for issue in issues])
     return scene
@@ -188,14 +190,6 @@ def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
     if issues:
         raise SceneError([manager.scene.source.located(issue) for issue in issues])
     return manager.scene
-
-
-def _framed_anew(scene: Scene, framed: Bounds) -> Scene:
-    """Place the automatic camera for the size that the picture has after all changes."""
-    assert isinstance(scene.camera, Node)
-    look = look_at(*framed.viewpoint(scene.film.size))
-    moved = scene.camera.replaced(transform=look)
-    return scene.replaced(camera=moved).from_source(scene.source)
 
 
 def _with_camera_path(scene: Scene, assignment: str) -> str:
@@ -332,9 +326,9 @@ class _FileWriter:
             return mesh
         if id(mesh) not in self.names:
             name = self.names[id(mesh)] = self.new_name(key_path, ".ply")
-            arrays = MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
+            arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
             ply.save(self.target.with_name(name), arrays)
-        arrays_gone = dict.fromkeys(("vertices", "faces", "normals", "uvs", "colors"))
+        arrays_gone = dict.fromkeys(MeshArrays._fields)
         return mesh.replaced(file=self.names[id(mesh)], **arrays_gone)
 
     def picture(self, spec: Any, key_path: str) -> Any:

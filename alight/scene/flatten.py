@@ -152,7 +152,7 @@ def flatten(scene: Scene) -> FlatScene:
         issues = find_problems(scene, store, images, volumes)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
-    camera = _place_camera(scene)
+    camera = place_camera(scene)
     flattener = _Flattener(scene, store, images, volumes, camera.camera.shutter)
     if scene.environment is not None:
         light = images.resolved(scene.environment, scene.textures)
@@ -287,7 +287,8 @@ def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, images: ImageStore) -> Bsdf:
     return bsdf.replaced(**changes) if changes else bsdf
 
 
-def _place_camera(scene: Scene) -> PlacedCamera:
+def place_camera(scene: Scene) -> PlacedCamera:
+    """The camera of a scene, where it stands; the names on its path must be right."""
     assert scene.camera is not None
     nodes = [scene.camera] if isinstance(scene.camera, Node) else []
     children = scene.nodes

@@ -29,6 +29,7 @@ class Geometry:
         None also where the mesh asks for face normals.
     uvs : (n, 2) float32 or None
     colors : (n, 3) float32 or None
+    more_uvs : (k, n, 2) float32 or None
     digest : str
         SHA-256 of all the arrays; equal meshes have equal digests.
     """
@@ -38,6 +39,7 @@ class Geometry:
     normals: NDArray[np.float32] | None
     uvs: NDArray[np.float32] | None
     colors: NDArray[np.float32] | None
+    more_uvs: NDArray[np.float32] | None
     digest: str
 
 
@@ -135,7 +137,7 @@ def unreadable(
 def _from_arrays(mesh: Mesh) -> MeshArrays:
     assert mesh.vertices is not None
     assert mesh.faces is not None
-    return MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
+    return MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
 
 
 def _geometry(arrays: MeshArrays, mesh: Mesh) -> Geometry:
@@ -145,15 +147,17 @@ def _geometry(arrays: MeshArrays, mesh: Mesh) -> Geometry:
         where = f"{quote(mesh.file)}: {path} " if mesh.file is not None else ""
         raise _error(where + message, "file" if mesh.file is not None else path)
     normals = None if mesh.face_normals else arrays.normals
-    parts = (arrays.vertices, arrays.faces, normals, arrays.uvs, arrays.colors)
+    kept = arrays._replace(normals=normals)
+    parts = tuple(kept)
     digest = hashlib.sha256()
-    for part in parts:
+    # Most meshes have no further sets; their digests are what they were before there were any.
+    for part in parts if arrays.more_uvs is not None else parts[:-1]:
         digest.update(b"-" if part is None else f"{part.dtype}{part.shape}".encode())
         digest.update(b"" if part is None else np.ascontiguousarray(part).data)
     for part in parts:
         if part is not None:
             part.setflags(write=False)
-    return Geometry(*parts, digest.hexdigest())
+    return Geometry(**kept._asdict(), digest=digest.hexdigest())
 
 
 def mesh_problem(arrays: MeshArrays) -> tuple[str, str] | None:
@@ -180,6 +184,13 @@ def mesh_problem(arrays: MeshArrays) -> tuple[str, str] | None:
         bad_index = low if low < 0 else high
         row = int((arrays.faces == bad_index).any(axis=1).argmax())
         return "faces", f"must index vertices 0 to {count - 1}, got {bad_index} in row {row}"
+    if arrays.more_uvs is not None:
+        if arrays.uvs is None:
+            return "more_uvs", "need uvs, the set 0, beside them"
+        for number, table in enumerate(arrays.more_uvs, 1):
+            problem = mesh_problem(arrays._replace(uvs=table, more_uvs=None))
+            if problem:
+                return f"more_uvs[{number - 1}]", problem[1]
     if arrays.colors is not None and not ((arrays.colors >= 0) & (arrays.colors <= 1)).all():
         return "colors", "must be in [0, 1]"
     return None

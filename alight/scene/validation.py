@@ -11,6 +11,7 @@ import numpy as np
 from alight.bsdfs.nesting import count_leaves, find_transmissive, leaves_problem, names_in
 from alight.bsdfs.two_sided import TwoSided
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
+from alight.core.registry import specs
 from alight.core.spec import Bsdf, Light, Spec, Texture, energy_problem, texture_interval
 from alight.scene.description import Node, Scene
 from alight.scene.images import ImageStore
@@ -214,7 +215,12 @@ class _Checker:
     def check_name(self, kind: str, name: str, known: dict[str, Any], path: str) -> bool:
         if name in known:
             return True
-        self.report(path, unknown_name(kind, name, known))
+        text = unknown_name(kind, name, known)
+        if kind in ("bsdf", "texture") and name in specs(f"{kind}s"):
+            # A single word is the name of an entry; types stand in braces.
+            before, gap, after = text.partition("  (")
+            text = f"{before}; for one of that type write {{type: {name}}}{gap}{after}"
+        self.report(path, text)
         return False
 
     def check_bsdf(self, bsdf: Bsdf, path: str) -> None:

@@ -16,6 +16,7 @@ from pydantic_core import PydanticCustomError
 from alight.core.errors import Issue, SceneError, quote
 from alight.core.spec import Medium, invalid
 from alight.media.volumes import Volume, as_volume, holds_volume, size_problem
+from alight.outputs.npy import load_array
 from alight.scene.builtin.clouds import builtin_values
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.meshes import unreadable
@@ -101,8 +102,7 @@ def _read_npy(path: Path) -> np.ndarray:
     if path.suffix.lower() != ".npy":
         with path.open("rb"):
             raise ValueError(f"must be a grid ({', '.join(SUFFIXES)})")
-    # Mapped, so that a header that promises too much costs no memory.
-    array = np.load(path, mmap_mode="r", allow_pickle=False)
+    array = load_array(path, mapped=True)
     if isinstance(array, np.ndarray) and array.ndim in (3, 4):
         _check_size(*array.shape[:3])
     return array

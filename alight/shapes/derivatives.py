@@ -7,6 +7,7 @@ from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
 from alight.core.motion import matrix_at, point_of_rest, turned
 from alight.core.simd import any_lane, gather, lanes, sqrt, where
+from alight.core.uv_sets import UV_SETS, Chart, triangle_uvs
 from alight.core.vec import Vec3, gather_vec3
 from alight.shapes.cylinder import MATRIX as CYLINDER_MATRIX
 from alight.shapes.flat import E1, E2, local_coordinates
@@ -19,7 +20,10 @@ from alight.shapes.surfaces import KINDS
 
 @specialised
 def uv_derivatives(program):
-    """``(scene, surface) -> (dp/du, dp/dv)`` in the world, metres; (s, t) without shapes."""
+    """``(scene, surface) -> (dp/du, dp/dv)`` in the world, metres; (s, t) without shapes.
+
+    Of the set of coordinates that the surface's `Chart` names, where it has one.
+    """
     kinds = [name for name in _DERIVATIVES if name in program.shapes]
     if not kinds:
         return _tangents
@@ -53,7 +57,7 @@ def _at_rest(scene, surface):
     return Surface(
         point_of_rest(scene, surface), surface.error, surface.ng, surface.ns, surface.s, surface.t,
         surface.u, surface.v, surface.shape, surface.prim, surface.bsdf, surface.light,
-        surface.color,
+        surface.color, surface.chart,
     )  # fmt: skip
 
 
@@ -125,6 +129,67 @@ def _of_cylinder(tables, k, surface):
     return times(tables.data, k, around), times(tables.data, k, up)
 
 
+@specialised
+def uv_edges(program):
+    """``(tables, surface, mapped, i0, i1, i2) -> (du1, dv1, du2, dv2)``.
+
+    How far (u, v) of the second and the third corner are from the first one's, in the set that the
+    surface's `Chart` names.
+    """
+    return _edges_of_chart if UV_SETS in program.textures else _own_edges
+
+
+@kernel
+def _own_edges(tables, surface, mapped, i0, i1, i2):
+    j0, j1, j2 = rows_if(mapped, i0, i1, i2)
+    u0, v0 = gather(tables.uvs, 2 * j0), gather(tables.uvs, 2 * j0 + 1)
+    du1, dv1 = gather(tables.uvs, 2 * j1) - u0, gather(tables.uvs, 2 * j1 + 1) - v0
+    du2, dv2 = gather(tables.uvs, 2 * j2) - u0, gather(tables.uvs, 2 * j2 + 1) - v0
+    return du1, dv1, du2, dv2
+
+
+@kernel
+def _edges_of_chart(tables, surface, mapped, i0, i1, i2):
+    du1, dv1, du2, dv2 = _own_edges(tables, surface, mapped, i0, i1, i2)
+    wanted = mapped & (surface.chart.set != 0)
+    if any_lane(wanted):
+        c = triangle_uvs(tables, surface, where(wanted, surface.chart.set, 0))
+        wanted = wanted & c.further
+        du1, dv1 = where(wanted, c.u1 - c.u0, du1), where(wanted, c.v1 - c.v0, dv1)
+        du2, dv2 = where(wanted, c.u2 - c.u0, du2), where(wanted, c.v2 - c.v0, dv2)
+    return du1, dv1, du2, dv2
+
+
+@specialised
+def moved_chart(program):
+    """``(scene, surface, du, dv)``: the `Chart` after a step of (u, v), of those `uv_derivatives`.
+
+    Without coordinates, or where they do not vary, u and v are barycentric.
+    """
+    if UV_SETS not in program.textures:
+        return _its_chart
+
+    @kernel
+    def moved(scene, surface, du, dv):
+        chart, tables = surface.chart, scene.shapes
+        mapped = (gather(tables.info, surface.shape * INFO + 4) & UVS) != 0
+        du1, dv1, du2, dv2 = uv_edges(tables, surface, mapped, chart.i0, chart.i1, chart.i2)
+        determinant = du1 * dv2 - dv1 * du2
+        mapped = mapped & (determinant != 0.0)
+        per = 1.0 / where(mapped, determinant, 1.0)
+        # (du, dv) = db1 (du1, dv1) + db2 (du2, dv2): Cramer's rule.
+        b1 = where(mapped, per * (dv2 * du - du2 * dv), du)
+        b2 = where(mapped, per * (du1 * dv - dv1 * du), dv)
+        return Chart(chart.b1 + b1, chart.b2 + b2, chart.i0, chart.i1, chart.i2, chart.set)
+
+    return moved
+
+
+@kernel
+def _its_chart(scene, surface, du, dv):
+    return surface.chart
+
+
 @kernel
 def _of_mesh(tables, k, surface):
     flags = gather(tables.info, surface.shape * INFO + 4)
@@ -136,10 +201,7 @@ def _of_mesh(tables, k, surface):
     along, across = e1 + 0.0, e2 + 0.0
     mapped = (flags & UVS) != 0
     if any_lane(mapped):
-        j0, j1, j2 = rows_if(mapped, i0, i1, i2)
-        u0, v0 = gather(tables.uvs, 2 * j0), gather(tables.uvs, 2 * j0 + 1)
-        du1, dv1 = gather(tables.uvs, 2 * j1) - u0, gather(tables.uvs, 2 * j1 + 1) - v0
-        du2, dv2 = gather(tables.uvs, 2 * j2) - u0, gather(tables.uvs, 2 * j2 + 1) - v0
+        du1, dv1, du2, dv2 = uv_edges(tables, surface, mapped, i0, i1, i2)
         determinant = du1 * dv2 - dv1 * du2
         mapped = mapped & (determinant != 0.0)
         per = 1.0 / where(mapped, determinant, 1.0)

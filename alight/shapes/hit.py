@@ -22,8 +22,9 @@ Hit = namedtuple("Hit", "t u v shape prim")
 #: p: point on the surface; error: bound of its distance from the true surface along ng; ng: unit
 #: geometric normal on the outer side; ns: unit shading normal; s, t: tangents, (s, t, ns) is
 #: orthonormal and right-handed; u, v: texture coordinates; shape, prim, bsdf: u32; light: u32,
-#: index of the area light + 1, 0 if there is none; color: vertex colour, 1 if there is none.
-Surface = namedtuple("Surface", "p error ng ns s t u v shape prim bsdf light color")
+#: index of the area light + 1, 0 if there is none; color: vertex colour, 1 if there is none; chart:
+#: see `alight.core.uv_sets`, () in most programs.
+Surface = namedtuple("Surface", "p error ng ns s t u v shape prim bsdf light color chart")
 
 #: The part of `Surface` that a shape's own kernel finds.
 Geometry = namedtuple("Geometry", "p error ng ns s t u v color")
@@ -33,7 +34,7 @@ Geometry = namedtuple("Geometry", "p error ng ns s t u v color")
 ShapeSample = namedtuple("ShapeSample", "wi distance cosine error pdf")
 
 #: Arrays of the shapes, see `alight.compiled.shapes`.
-ShapeTables = namedtuple("ShapeTables", "info data faces vertices normals uvs colors")
+ShapeTables = namedtuple("ShapeTables", "info data faces vertices normals uvs colors uv_shifts")
 
 #: Words of `ShapeTables.info` a shape: kind, bsdf, light + 1, offset in data, flags, first face,
 #: first vertex, number of faces.

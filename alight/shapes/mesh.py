@@ -23,13 +23,10 @@ Source: PBR4 sections 6.5 and 6.8.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
 from pydantic import model_validator
-from pydantic_core import core_schema
 
 from alight.core.constants import gamma
 from alight.core.distributions import pmf_discrete, sample_discrete
@@ -57,6 +54,7 @@ from alight.core.vec import (
     max_component,
 )
 from alight.core.warps import square_to_triangle
+from alight.shapes.arrays import Coordinates, Indices, Points, Sets
 from alight.shapes.hit import (
     COLORS,
     FLIP,
@@ -69,66 +67,7 @@ from alight.shapes.hit import (
     area_to_solid_angle,
 )
 
-
-@dataclass(frozen=True)
-class Rows:
-    """A table with `columns` numbers a row; metadata of a field type."""
-
-    columns: int
-    dtype: DTypeLike
-
-    def check(self, value: object) -> np.ndarray:
-        """Return a read-only copy of shape (n, columns), or the table itself if it is one."""
-        try:
-            table = np.asarray(value)
-        except ValueError:  # rows of different lengths
-            table = np.zeros((), object)
-        if table.size == 0 and isinstance(value, list | tuple):
-            table = np.zeros((0, self.columns))
-        numeric = np.issubdtype(table.dtype, np.number) and not np.iscomplexobj(table)
-        if not numeric or table.ndim != 2 or table.shape[1:] != (self.columns,):
-            found = f"shape {table.shape}" if table.ndim else type(value).__name__
-            raise invalid(f"must be a table of numbers, shape (n, {self.columns}), got {found}")
-        self._check_range(table)
-        owned = table.base is None and not table.flags.writeable and table.flags.c_contiguous
-        if owned and table.dtype == self.dtype:
-            return table
-        table = np.array(table, self.dtype, order="C")
-        table.setflags(write=False)
-        return table
-
-    def _check_range(self, table: np.ndarray) -> None:
-        # Conversion alone would wrap large indices around and cut off fractions.
-        if np.issubdtype(self.dtype, np.integer):
-            limit = np.iinfo(self.dtype).max
-            if table.dtype.kind in "iu" and _lies_in(table, 0, limit):
-                return
-            bad = ~((table >= 0) & (table <= limit) & (table == np.floor(table)))
-            wanted = f"whole numbers in [0, {limit}]"
-        else:
-            if _lies_in(table, -1e15, 1e15):
-                return
-            bad = ~(np.abs(table) <= 1e15)
-            wanted = "finite and at most 1e+15 in size"
-        if bad.any():
-            row, column = (int(i) for i in np.argwhere(bad)[0])
-            raise invalid(f"must be {wanted}, got {table[row, column]} in row {row}")
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        """Use `check` alone."""
-        return core_schema.no_info_plain_validator_function(self.check)
-
-
-def _lies_in(table: np.ndarray, low: float, high: float) -> bool:
-    """Whether all numbers do; false if one is NaN."""
-    return table.size == 0 or bool(low <= table.min() and table.max() <= high)
-
-
-Points = Annotated[NDArray[np.float32], Rows(3, np.float32)]
-Coordinates = Annotated[NDArray[np.float32], Rows(2, np.float32)]
-Indices = Annotated[NDArray[np.int32], Rows(3, np.int32)]
-
-ARRAYS = ("vertices", "faces", "normals", "uvs", "colors")
+ARRAYS = ("vertices", "faces", "normals", "uvs", "colors", "more_uvs")
 
 
 class Mesh(Shape):
@@ -146,6 +85,9 @@ class Mesh(Shape):
         Vertex normals for smooth shading.
     uvs : (n, 2) float32, optional
         Texture coordinates.
+    more_uvs : (k, n, 2) float32, k <= 7, optional
+        Further sets of them, for textures with ``uv_set: 1`` and so on. Where a mesh or another
+        shape lacks the set that a texture names, its own coordinates are taken.
     colors : (n, 3) float32, optional
         Linear sRGB vertex colours in [0, 1].
     face_normals : bool, default False
@@ -160,6 +102,7 @@ class Mesh(Shape):
     faces: Indices | None = None
     normals: Points | None = None
     uvs: Coordinates | None = None
+    more_uvs: Sets | None = None
     colors: Points | None = None
     face_normals: Truth = False
 

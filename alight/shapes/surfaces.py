@@ -13,10 +13,12 @@ from alight.core.motion import (
     point_at_rest,
     turned,
 )
-from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
+from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
+from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import normalize
 from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
 from alight.shapes.hit import INFO, Geometry, Surface
+from alight.shapes.mesh import corners_of
 
 #: Name of a shape -> its number in `ShapeTables.info`. (A cube is compiled to six rectangles.)
 KINDS = {model.__name__.rpartition(".")[2]: i for i, model in enumerate(MODELS)}
@@ -119,6 +121,25 @@ def tangents(program):
 
 
 @specialised
+def chart_of(program):
+    """``chart_of(tables, hit)``: its `alight.core.uv_sets.Chart`, () where nothing asks for it."""
+    if UV_SETS not in program.textures:
+        return _no_chart
+
+    @kernel
+    def on_triangle(tables, hit):
+        i0, i1, i2 = corners_of(tables, hit.shape, hit.prim)
+        return Chart(hit.u, hit.v, i0, i1, i2, lanes_u32(0))
+
+    return on_triangle
+
+
+@kernel
+def _no_chart(tables, hit):
+    return ()
+
+
+@specialised
 def make_surface(program):
     """``make_surface(scene, hit, o, d, active)``: `surface_at_rest`, at the times of the rays."""
     if "shapes" not in program.motion:
@@ -179,6 +200,7 @@ def _in_the_world(m, w, surface, moving):
         surface.bsdf,
         surface.light,
         surface.color,
+        surface.chart,
     )
 
 
@@ -207,6 +229,7 @@ def surface_at_rest(scene, hit, o, d, active):
     g = find_geometry(tables, kind, k, hit, o, d, active)
     bsdf, light = gather(tables.info, row + 1), gather(tables.info, row + 2)
     s, t = tangents(g)
+    chart = chart_of(tables, hit)
     return Surface(
-        g.p, g.error, g.ng, g.ns, s, t, g.u, g.v, hit.shape, hit.prim, bsdf, light, g.color
+        g.p, g.error, g.ng, g.ns, s, t, g.u, g.v, hit.shape, hit.prim, bsdf, light, g.color, chart
     )

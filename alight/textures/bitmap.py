@@ -42,6 +42,7 @@ from alight.core.simd import (
     where,
 )
 from alight.core.spec import Texture, Triple, invalid
+from alight.core.uv_sets import UvSet, set_features
 from alight.core.vec import Vec3
 from alight.textures.images import Pixels, source_problem
 from alight.textures.uv import IDENTITY, ToUv, lookup_point
@@ -66,6 +67,8 @@ class Bitmap(Texture):
         Below and above it, if that differs from the sides.
     to_uv : step or list of steps, default none
         From the surface's (u, v) to the picture, see `alight.textures.uv`.
+    uv_set : int in [0, 7], default 0
+        Which of a mesh's sets of (u, v): 0 its `uvs`, the others its `more_uvs`.
     """
 
     type: Literal["bitmap"] = "bitmap"
@@ -76,6 +79,7 @@ class Bitmap(Texture):
     wrap: Literal["repeat", "mirror", "clamp"] = "repeat"
     wrap_v: Literal["repeat", "mirror", "clamp"] | None = None
     to_uv: ToUv = IDENTITY
+    uv_set: UvSet = 0
 
     @model_validator(mode="after")
     def _has_one_source(self) -> Self:
@@ -112,7 +116,7 @@ EXAMPLES = (
 
 # size: columns and rows. modes: bilinear or not, and the index of `wrap`. layout: four words, see
 # `alight.compiled.textures.TextureTable.texels`.
-SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4, "wrap_v": 1}
+SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4, "wrap_v": 1, "uv_set": 1}
 REPEAT, MIRROR, CLAMP = 0.0, 1.0, 2.0
 _WRAPS = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}
 #: Entered into `Program.textures` where the two ways to wrap differ.
@@ -121,7 +125,8 @@ TWO_WRAPS = "two_wraps"
 
 def features(spec: Bitmap) -> tuple[str, ...]:
     """What kernels must be written for."""
-    return () if spec.wrap_v in (None, spec.wrap) else (TWO_WRAPS,)
+    wraps = () if spec.wrap_v in (None, spec.wrap) else (TWO_WRAPS,)
+    return (*wraps, *set_features(spec.uv_set))
 
 
 def pack(spec: Bitmap, packer) -> None:
@@ -133,6 +138,7 @@ def pack(spec: Bitmap, packer) -> None:
     packer.numbers("modes", float(spec.interpolation == "bilinear"), wrap)
     packer.texels("layout", spec.pixels, spec.color_space)
     packer.numbers("wrap_v", _WRAPS[spec.wrap_v or spec.wrap])
+    packer.numbers("uv_set", float(spec.uv_set))
 
 
 @kernel
@@ -210,7 +216,7 @@ def _wrap_slot(program):
 def evaluate(scene, base, surface):
     """The picture's colour at (u, v)."""
     data, texels = scene.materials.texture_data, scene.materials.texels
-    s, t = lookup_point(data, base, surface)
+    s, t = lookup_point(scene, base, base + 15, surface)
     width, height = gather(data, base + 6), gather(data, base + 7)
     bilinear, wrap = gather(data, base + 8) > 0.0, gather(data, base + 9)
     x0, x1, x = _neighbours(_folded(s, wrap), width, bilinear, wrap)

@@ -19,6 +19,7 @@ import numpy as np
 from alight.core.jit import kernel
 from alight.core.simd import floor, gather, where
 from alight.core.spec import Reflectance, Scale2, Texture, Triple, Vector2
+from alight.core.uv_sets import UvSet, set_features
 from alight.core.vec import Vec3
 from alight.textures.uv import IDENTITY, ToUv, lookup_point
 
@@ -36,6 +37,8 @@ class Checkerboard(Texture):
         Shift in squares.
     to_uv : step or list of steps, default none
         Applied to (u, v) first, see `alight.textures.uv`.
+    uv_set : int in [0, 7], default 0
+        Which of a mesh's sets of (u, v): 0 its `uvs`, the others its `more_uvs`.
     """
 
     type: Literal["checkerboard"] = "checkerboard"
@@ -44,6 +47,7 @@ class Checkerboard(Texture):
     scale: Scale2 = (1.0, 1.0)
     offset: Vector2 = (0.0, 0.0)
     to_uv: ToUv = IDENTITY
+    uv_set: UvSet = 0
 
     @property
     def matrix(self) -> np.ndarray:
@@ -70,7 +74,12 @@ EXAMPLES = (
     Checkerboard(scale=0.5, to_uv=[{"rotate": 45.0}, {"translate": [0.5, 0.0]}]),
 )
 
-SLOTS = {"color0": 3, "color1": 3, "matrix": 6}
+SLOTS = {"color0": 3, "color1": 3, "matrix": 6, "uv_set": 1}
+
+
+def features(spec: Checkerboard) -> tuple[str, ...]:
+    """What kernels must be written for."""
+    return set_features(spec.uv_set)
 
 
 def pack(spec: Checkerboard, packer) -> None:
@@ -78,13 +87,14 @@ def pack(spec: Checkerboard, packer) -> None:
     packer.color("color0", spec.color0)
     packer.color("color1", spec.color1)
     packer.numbers("matrix", *spec.matrix.ravel())
+    packer.numbers("uv_set", float(spec.uv_set))
 
 
 @kernel
 def evaluate(scene, base, surface):
     """Colour of the square that (u, v) lies in."""
     data = scene.materials.texture_data
-    s, t = lookup_point(data, base + 6, surface)
+    s, t = lookup_point(scene, base + 6, base + 12, surface)
     # The fraction of half a whole number is 0 or 1/2, whatever its sign.
     half = 0.5 * (floor(s) + floor(t))
     first = where(half == floor(half), base, base + 3)

@@ -84,6 +84,14 @@ def names_in(spec: Texture) -> Iterator[str]:
             yield from names_in(part)
 
 
+def uv_set_of(part: object) -> int | None:
+    """The set of texture coordinates of the first picture in a texture; None without one."""
+    if isinstance(part, Composed):
+        found = (uv_set_of(inner) for inner in part.parts)
+        return next((number for number in found if number is not None), None)
+    return getattr(part, "uv_set", None)
+
+
 def count_steps(part: Value, counts: Mapping[str, int] | None = None) -> int:
     """How many steps a texture takes; names count as `counts` says, others as one."""
     if isinstance(part, str):

@@ -47,6 +47,7 @@ from alight.core.spec import (
     UnitInterval,
     Vector3,
 )
+from alight.core.uv_sets import UvSet, set_features, uv_of_texture
 from alight.core.vec import Vec3
 
 Octaves = Annotated[int, Interval(1, 16, integer=True)]
@@ -64,6 +65,8 @@ class Noise(Texture):
         Sum of waves, or of their sizes.
     space : {"world", "uv"}, default "world"
         Where the pattern lives.
+    uv_set : int in [0, 7], default 0
+        Which of a mesh's sets of (u, v): 0 its `uvs`, the others its `more_uvs`.
     scale : float or (3,) float, cells per metre (or per unit of u and v), default 1
         Of the largest waves.
     offset : (3,) float, cells, default 0
@@ -79,6 +82,7 @@ class Noise(Texture):
     color1: Reflectance = (1.0, 1.0, 1.0)
     pattern: Literal["fbm", "turbulence"] = "fbm"
     space: Literal["world", "uv"] = "world"
+    uv_set: UvSet = 0
     scale: Scale3 = (1.0, 1.0, 1.0)
     offset: Vector3 = (0.0, 0.0, 0.0)
     octaves: Octaves = 4
@@ -111,7 +115,13 @@ SLOTS = {
     "gain": 1,
     "turbulence": 1,
     "uv": 1,
+    "uv_set": 1,
 }
+
+
+def features(spec: Noise) -> tuple[str, ...]:
+    """What kernels must be written for."""
+    return set_features(spec.uv_set) if spec.space == "uv" else ()
 
 
 def pack(spec: Noise, packer) -> None:
@@ -124,6 +134,7 @@ def pack(spec: Noise, packer) -> None:
     packer.numbers("gain", spec.gain)
     packer.numbers("turbulence", float(spec.pattern == "turbulence"))
     packer.numbers("uv", float(spec.space == "uv"))
+    packer.numbers("uv_set", float(spec.uv_set))
 
 
 #: Coordinates are kept in this range, in which whole numbers are exact.
@@ -190,8 +201,9 @@ def evaluate(scene, base, surface):
     data = scene.materials.texture_data
     in_uv = gather(data, base + 15) > 0.0
     p = point_at_opening(scene, surface)
-    x = where(in_uv, surface.u, p.x) * gather(data, base + 6) + gather(data, base + 9)
-    y = where(in_uv, surface.v, p.y) * gather(data, base + 7) + gather(data, base + 10)
+    u, v = uv_of_texture(scene, base + 16, surface)
+    x = where(in_uv, u, p.x) * gather(data, base + 6) + gather(data, base + 9)
+    y = where(in_uv, v, p.y) * gather(data, base + 7) + gather(data, base + 10)
     z = where(in_uv, 0.0, p.z) * gather(data, base + 8) + gather(data, base + 11)
     octaves, gain = gather(data, base + 12), gather(data, base + 13)
     turbulent = gather(data, base + 14) > 0.0

@@ -9,6 +9,8 @@ r"""Where a texture is looked up: affine maps of the surface parameters (u, v).
 A list is applied from left to right, as the steps of a node's transform. Scaling by 4 repeats a
 picture four times. Rotations are in degrees, from u to v about (0, 0). (s, t) are right to the
 rounding of float32, so a picture that repeats a thousand times is placed to 1/10 000 of its width.
+
+Meshes may have several sets of (u, v); ``uv_set: 1`` beside `to_uv` asks for the second one.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ from alight.core.errors import show_value, unknown_name
 from alight.core.jit import kernel
 from alight.core.simd import gather
 from alight.core.spec import LARGEST, Interval, Numbers, invalid
+from alight.core.uv_sets import uv_of_texture
 
 STEPS = ("translate", "scale", "rotate", "matrix")
 MOST_STEPS = 100
@@ -151,9 +154,13 @@ IDENTITY = UvTransform()
 
 
 @kernel
-def lookup_point(data, base, surface):
-    """(s, t): the matrix whose six numbers stand at `base`, row by row, applied to (u, v)."""
-    u, v = surface.u, surface.v
+def lookup_point(scene, base, slot, surface):
+    """(s, t): the matrix whose six numbers stand at `base`, row by row, applied to (u, v).
+
+    At `slot` stands the set of coordinates (u, v), see `alight.core.uv_sets`.
+    """
+    data = scene.materials.texture_data
+    u, v = uv_of_texture(scene, slot, surface)
     s = gather(data, base) * u + gather(data, base + 1) * v + gather(data, base + 2)
     t = gather(data, base + 3) * u + gather(data, base + 4) * v + gather(data, base + 5)
     return s, t

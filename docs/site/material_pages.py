@@ -68,6 +68,7 @@ SHOWN = {
     "rough_plastic": (
         "{type: rough_plastic, diffuse_reflectance: [0.05, 0.35, 0.12], nonlinear: true}"
     ),
+    "coated_conductor": "{type: coated_conductor, metal: copper, alpha: 0.2, coat_alpha: 0.02}",
     "diffuse_transmission": (
         "{type: diffuse_transmission, reflectance: [0.1, 0.25, 0.04], "
         "transmittance: [0.35, 0.5, 0.1]}"

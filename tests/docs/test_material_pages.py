@@ -70,4 +70,4 @@ def test_picture_is_there_and_bright(module):
 
 def test_pictures_are_small():
     sizes = [path.stat().st_size for path in material_pages.IMAGES.glob("*.png")]
-    assert sum(sizes) < 3e6
+    assert sum(sizes) < 1.4e5 * len(MATERIALS)

@@ -28,11 +28,15 @@ def extremes(seed: int, n: int) -> Iterator[Mutation]:
     rng = random.Random(seed)
     texts = [*map(read_builtin, builtin_names()), mesh_scene("mesh.ply")]
     for _ in range(n):
-        text = rng.choice(texts)
-        # The number of the format's version stays.
-        start = text.index("alight:") + len("alight: 1")
-        numbers = list(_NUMBER.finditer(text, start))
-        chosen = rng.sample(numbers, min(len(numbers), rng.choice((1, 1, 2, 3, 6))))
-        for number in sorted(chosen, key=re.Match.start, reverse=True):
-            text = text[: number.start()] + rng.choice(EXTREMES) + text[number.end() :]
-        yield Mutation(text, "mesh.ply", mesh_file("<"))
+        yield Mutation(extreme_numbers(rng.choice(texts), rng), "mesh.ply", mesh_file("<"))
+
+
+def extreme_numbers(text: str, rng: random.Random) -> str:
+    """Replace up to six numbers of a scene."""
+    # The number of the format's version stays.
+    start = text.index("alight:") + len("alight: 1")
+    numbers = list(_NUMBER.finditer(text, start))
+    chosen = rng.sample(numbers, min(len(numbers), rng.choice((1, 1, 2, 3, 6))))
+    for number in sorted(chosen, key=re.Match.start, reverse=True):
+        text = text[: number.start()] + rng.choice(EXTREMES) + text[number.end() :]
+    return text

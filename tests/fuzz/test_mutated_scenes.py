@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.fuzz.extremes import extremes
+from tests.fuzz.feature_files import features
+from tests.fuzz.feature_files import write_files as write_features
 from tests.fuzz.in_the_twin import Outcome, serve
 from tests.fuzz.mesh_files import meshes
 from tests.fuzz.mitsuba_files import copy_files, mitsuba_files
@@ -91,6 +93,11 @@ def test_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
     check(meshes(seed=3, n=200), tmp_path)
 
 
+def test_mutated_lights_motions_and_media_render_or_are_refused(tmp_path):
+    write_features(tmp_path)
+    check(features(seed=3, n=100), tmp_path)
+
+
 def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
     copy_files(tmp_path)
     check(mitsuba_files(seed=3, n=200), tmp_path)
@@ -143,6 +150,12 @@ def test_two_thousand_scenes_with_mutated_pictures_render_or_are_refused(tmp_pat
 @pytest.mark.proofs
 def test_two_thousand_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
     check(meshes(seed=4, n=2000), tmp_path)
+
+
+@pytest.mark.proofs
+def test_one_thousand_mutated_lights_motions_and_media_render_or_are_refused(tmp_path):
+    write_features(tmp_path)
+    check(features(seed=4, n=1000), tmp_path)
 
 
 @pytest.mark.proofs

@@ -55,6 +55,8 @@ def test_tilt_inside_the_file_is_skipped():
         ("0 90\n100", "0 70\n100", "0 to 70"),
         ("3 2 1 2", "0 2 1 2", "whole number"),
         ("3 2 1 2", "99999 99999 1 2", "at most"),
+        ("-1 2.0 3", "-1 inf 3", "candela must be finite"),
+        ("0 45 90\n", "0 inf inf\n", "must ascend"),
     ],
 )
 def test_files_that_are_refused(tmp_path, old, new, words):

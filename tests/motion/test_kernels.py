@@ -348,3 +348,18 @@ def test_rigid_kernels_make_the_matrix_of_general_ones():
     for one, other in zip((a.x, a.y, a.z, a.b), (b.x, b.y, b.z, b.b), strict=True):
         for axis in "xyz":
             np.testing.assert_allclose(getattr(one, axis), getattr(other, axis), atol=1e-6)
+
+
+@pytest.mark.parametrize("instant", [1e-45, 1e-30, 1e-9])
+def test_keyframes_that_float32_cannot_tell_apart_are_one(instant):
+    """A step within no time; the matrix at the opening is finite all the same."""
+    frames = [(0.0, translate(0, 0, 0)), (instant, translate(1, 0, 0)), (1.0, translate(2, 0, 0))]
+    tables = MotionTable()
+    tables.number(NOWHERE.then(keyframes(frames), (0.0, 1.0)).motion)
+    with np.errstate(all="raise", under="ignore"):
+        rows = tables.tables([0], [0], 0)
+    at = instantiate(matrix_at, Program(motion=("shapes",)), compiled=False)
+    time = np.linspace(0.0, 0.9375, 16, dtype=np.float32)
+    shift = at(rows, np.zeros(16, np.uint32), time).b.x
+    np.testing.assert_allclose(shift[1:], 1.0 + time[1:], atol=1e-6)
+    assert 0.0 <= shift[0] <= 1.0

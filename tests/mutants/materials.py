@@ -5,6 +5,7 @@ from tests.mutants.mutant import Mutant
 LAWS = "tests/physics/test_bsdf_laws.py"
 BITMAPS = "tests/textures/test_bitmap.py"
 LAYERED = "tests/physics/test_layered_models.py"
+COATS = "tests/physics/test_coated_conductor.py"
 
 MATERIALS = (
     Mutant(
@@ -34,6 +35,57 @@ MATERIALS = (
             ),
         ),
         f"{LAYERED}::test_holes_of_a_mask_let_light_straight_on",
+    ),
+)
+
+COATED = (
+    Mutant(
+        "light that a coat throws back to the metal is lost",
+        "bsdfs/layered.py",
+        (("bounce @ (leaving + again @ out)", "bounce @ leaving"),),
+        f"{COATS}::test_albedo_is_that_of_walks_between_the_layers[rough]",
+    ),
+    Mutant(
+        "masking of coated layers in which heights are not correlated",
+        "bsdfs/layered.py",
+        (("before / (before + after)", "1.0 / (1.0 + after)"),),
+        f"{COATS}::test_albedo_is_that_of_walks_between_the_layers[smooth metal]",
+    ),
+    Mutant(
+        "a grey coat dims light on its way down only",
+        "bsdfs/layered.py",
+        (("kept * crossing(np.maximum(cosine, 1e-7), layers.thickness)", "kept * 1.0"),),
+        f"{COATS}::test_one_bounce_through_a_grey_coat_is_a_product",
+    ),
+    Mutant(
+        "a coated metal scaled on one way only",
+        "bsdfs/coated_conductor.py",
+        (("_scale(params, wo.z) * _scale(params, wi.z)", "_scale(params, wo.z)"),),
+        f"{COATS}::test_the_lobe_has_the_albedo_of_the_table[rough]",
+    ),
+    Mutant(
+        "what a rough coat scatters left out of the metal's lobe",
+        "bsdfs/layered.py",
+        (("0.5 * (bends * layers.coat_alpha) ** 2", "0.0 * bends"),),
+        f"{COATS}::test_light_goes_where_the_walks_send_it[smooth metal-0.25]",
+    ),
+    Mutant(
+        "samples of a coated metal that go to all sides left out of the density",
+        "bsdfs/coated_conductor.py",
+        (("(1.0 - params.wide) * pdf + params.wide * (INV_PI * wi.z)", "pdf * 1.0"),),
+        f"{COATS}::test_the_lobe_has_the_albedo_of_the_table[very rough]",
+    ),
+    Mutant(
+        "pbrt's matte base dimmed on one way through the coat",
+        "scene/formats/pbrt/walks.py",
+        (("(walked.passed / passed) ** 2", "(walked.passed / passed)"),),
+        f"{COATS}::test_matte_bases_of_pbrt_are_plastic_with_another_base[0.0-0.002]",
+    ),
+    Mutant(
+        "events of pbrt's walks taken for bounces",
+        "scene/formats/pbrt/materials.py",
+        (("(depth + 1) // 2", "depth"),),
+        "tests/scene/pbrt/test_objects.py::test_layers_over_metal_keep_their_numbers",
     ),
 )
 

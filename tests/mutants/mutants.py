@@ -4,7 +4,7 @@ from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.lights import LIGHT
-from tests.mutants.materials import MATERIALS, TEXTURES
+from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.rays import RAYS
@@ -20,6 +20,7 @@ MUTANTS = (
     + FACETS
     + TEXTURES
     + MATERIALS
+    + COATED
     + PRINCIPLED
     + MEDIA
     + KNOWN_ERROR

@@ -255,6 +255,15 @@ def test_files_that_are_no_pictures_give_one_message(tmp_path, module, content, 
     assert capfd.readouterr().err == ""
 
 
+def test_a_cut_openexr_file_is_told_of_once(tmp_path, capfd):
+    path = write_image(tmp_path / "a.exr", picture(9, 20))
+    path.write_bytes(path.read_bytes()[:-20])
+    with pytest.raises(OutputError, match=r"^cannot read .*broken OpenEXR file"):
+        read_image(path)
+    # The library writes to standard output, where results stand that programs read.
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_missing_file_is_named(tmp_path):
     for module in FORMATS:
         with pytest.raises(OutputError, match="there is no such file"):

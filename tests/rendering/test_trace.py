@@ -191,6 +191,26 @@ def test_the_table_fits_100_columns_and_ends_with_the_value():
     assert sum(line[:1].isdigit() for line in lines) == len(path.vertices)
 
 
+def test_files_of_other_programs_are_traced_as_they_are_rendered(tmp_path):
+    """With values of their $names, what is not covered replaced, and any of the cameras."""
+    (tmp_path / "a.xml").write_text(
+        '<scene version="3.0.0"><sensor type="perspective"/><emitter type="constant">'
+        '<rgb name="radiance" value="$light"/></emitter><shape type="hair"/></scene>'
+    )
+    words = (str(tmp_path / "a.xml"), "--pixel", "3,3")
+    assert invoke(*words).exit_code != 0
+    done = invoke(*words, "-D", "light=0.25", "--lenient")
+    assert done.exit_code == 0 and "value  0.25" in done.output
+    (tmp_path / "a.yaml").write_text(
+        "alight: 1\ncamera: a\nnodes:\n  a: {camera: {type: pinhole}}\n"
+        "  b: {camera: {type: pinhole}, transform: {rotate: {axis: x, angle: -90}}}\n"
+        "  lamp: {shape: sphere, light: {type: area}, transform: {translate: [0, 0, -5]}}\n"
+    )
+    words = (str(tmp_path / "a.yaml"), "--pixel", "300,200", "--size", "600x400")
+    assert "value  1 " in invoke(*words).output
+    assert "value  0 " in invoke(*words, "--camera", "b").output
+
+
 def test_json_holds_all_numbers():
     done = invoke("mirror-and-glass", "--pixel", "250,300", "--json", "--sample", "2")
     data = json.loads(done.output)

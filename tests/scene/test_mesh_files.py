@@ -47,7 +47,8 @@ def test_ply_brings_everything_through_in_order(order):
     np.testing.assert_allclose(mesh.colors[:3], np.eye(3))
     # sRGB 128 is 21.6 % of the light of 255.
     np.testing.assert_allclose(mesh.colors[3], 0.2158605, rtol=1e-5)
-    assert [array.dtype.str for array in mesh] == ["<f4", "<i4", "<f4", "<f4", "<f4"]
+    assert [array.dtype.str for array in mesh[:5]] == ["<f4", "<i4", "<f4", "<f4", "<f4"]
+    assert mesh.more_uvs is None
 
 
 def test_ply_with_triangles_and_quads_mixed():
@@ -59,16 +60,20 @@ def test_ply_with_triangles_and_quads_mixed():
 
 
 @given(
-    seed=st.integers(0, 2**32 - 1), extras=st.tuples(st.booleans(), st.booleans(), st.booleans())
+    seed=st.integers(0, 2**32 - 1),
+    extras=st.tuples(st.booleans(), st.booleans(), st.booleans()),
+    sets=st.integers(0, 7),
 )
 @settings(max_examples=30, deadline=None)
-def test_saved_ply_comes_back_bit_for_bit(tmp_path_factory, seed, extras):
+def test_saved_ply_comes_back_bit_for_bit(tmp_path_factory, seed, extras, sets):
     rng = np.random.default_rng(seed)
     count = int(rng.integers(3, 40))
     parts = [rng.random((count, width)).astype(np.float32) for width in (3, 2, 3)]
     normals, uvs, colors = (p if e else None for p, e in zip(parts, extras, strict=True))
     faces = rng.integers(0, count, (7, 3)).astype(np.int32)
-    mesh = MeshArrays(rng.normal(size=(count, 3)).astype(np.float32), faces, normals, uvs, colors)
+    vertices = rng.normal(size=(count, 3)).astype(np.float32)
+    more = rng.random((sets, count, 2)).astype(np.float32) if sets and uvs is not None else None
+    mesh = MeshArrays(vertices, faces, normals, uvs, colors, more)
     path = tmp_path_factory.mktemp("ply") / "mesh.ply"
     ply.save(path, mesh)
     for before, after in zip(mesh, ply.read(path.read_bytes()), strict=True):

@@ -197,6 +197,64 @@ def test_problems_have_a_line(line, words, tmp_path):
     assert words in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("line", "words", "harmless"),
+    [
+        ("Kdd 1 1 1", 'a.mtl:2:1: unknown key "kdd" is left out; did you mean "kd"?', False),
+        ("map_Ns grey.png", '"map_ns" is left out: highlights have one exponent', False),
+        ("disp grey.png", '"disp" is left out', False),
+        ("d -halo 0.5", "-halo", False),
+        ("map_Kd -cc on grey.png", "-cc of map_kd is not covered", False),
+        ("map_Kd -blendu on grey.png", "-blendu: plays no part", True),
+        ("map_Kd -blendu off grey.png", "", True),
+        ("illum 7\nNi 0.5", "Ni 0.5 became 1.5", False),
+        ("illum 7\nd 0.5", '"d": glass', True),
+        ("Tf 0.5 0.5 0.5", '"tf": only glass', True),
+        ("norm grey.png\nbump grey.png", "bump is left out beside norm", False),
+    ],
+)
+def test_what_a_material_does_not_get_is_said(line, words, harmless, tmp_path):
+    Image.new("L", (1, 1), 128).save(tmp_path / "grey.png")
+    (tmp_path / "a.obj").write_bytes(OBJ)
+    (tmp_path / "a.mtl").write_text(f"newmtl red\n{line}\nnewmtl lamp\n")
+    remarks = load(tmp_path / "a.obj").source.remarks
+    warnings = [w for w in remarks.warnings if not w.startswith("the file has no")]
+    found = list(remarks.notes) if harmless else warnings
+    assert [words] == [words for line in found if words in line] if words else not found
+    assert not (warnings if harmless else remarks.notes)
+
+
+@pytest.mark.parametrize(
+    ("line", "words", "harmless"),
+    [
+        ("usemlt red", 'unknown statement "usemlt" is left out; did you mean "usemtl"?', False),
+        ("curv 0 1 1 2", "curv: curves and free-form surfaces", False),
+        ("lod 3", "lod: plays no part", True),
+        ("f 1 2", "faces of fewer than 3 corners", True),
+    ],
+)
+def test_statements_that_are_left_out_are_said(line, words, harmless):
+    report = parse(OBJ.replace(b"mtllib a.mtl\n", b"") + f"{line}\n{line}\n".encode(), "a.obj")
+    found = report.remarks.notes if harmless else report.remarks.warnings
+    assert sum(words in line for line in found) == 1
+
+
+@pytest.mark.parametrize("line", ["v 1 2", "f 0 1 2", "vt a b"])
+def test_broken_statements_have_a_line(line):
+    with pytest.raises(SceneError) as caught:
+        parse(f"v 0 0 0\n{line}\n".encode(), "a.obj")
+    assert [issue.place for issue in caught.value.issues] == ["a.obj:2:1"]
+
+
+def test_broken_pictures_are_placed_at_their_material(tmp_path):
+    (tmp_path / "grey.png").write_bytes(b"")
+    (tmp_path / "a.obj").write_bytes(OBJ)
+    (tmp_path / "a.mtl").write_text("newmtl lamp\nnewmtl red\nmap_Kd grey.png\n")
+    with pytest.raises(SceneError) as caught:
+        load(tmp_path / "a.obj")
+    assert [issue.place for issue in caught.value.issues] == ["a.mtl:2:1"]
+
+
 def test_a_missing_library_leaves_the_shape(tmp_path):
     (tmp_path / "a.obj").write_bytes(OBJ)
     scene = load(tmp_path / "a.obj")

@@ -1,4 +1,4 @@
-"""OpenUSD: units, axes, geometry, instances, materials, lights, cameras, and what is refused."""
+"""OpenUSD: units, axes, geometry, instances, lights, cameras, and what is refused."""
 
 import zipfile
 
@@ -11,7 +11,7 @@ import alight
 from alight.cli.main import app
 from alight.core.errors import SceneError
 from alight.scene.flatten import flatten
-from tests.scene.usd_stage import SQUARE, shapes, stage_text, usd_loader, world_points
+from tests.scene.usd_stage import MATERIAL, SQUARE, shapes, stage_text, usd_loader, world_points
 
 pytest.importorskip("pxr")
 
@@ -177,145 +177,6 @@ def PointInstancer "p" {{
     assert sorted(placed) == [("Mesh", 1.0, 1.0), ("Sphere", 2.0, 2.0)]
 
 
-# ---------------------------------------------------------------------------- materials
-
-
-MATERIAL = """
-def Material "m" {
-    token outputs:surface.connect = </m/s.outputs:surface>
-    def Shader "s" {
-        uniform token info:id = "UsdPreviewSurface"
-        %s
-        token outputs:surface
-    }
-    def Shader "picture" {
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @p.png@
-        token inputs:wrapS = "mirror"
-        float4 inputs:scale = (0.5, 0.5, 0.5, 1)
-        float2 inputs:st.connect = </m/place.outputs:result>
-        float3 outputs:rgb
-        float outputs:g
-    }
-    def Shader "place" {
-        uniform token info:id = "UsdTransform2d"
-        float2 inputs:in.connect = </m/reader.outputs:result>
-        float2 inputs:scale = (2, 3)
-        float2 outputs:result
-    }
-    def Shader "reader" {
-        uniform token info:id = "UsdPrimvarReader_float2"
-        string inputs:varname = "uv2"
-        float2 outputs:result
-    }
-}
-def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) { %s
-    rel material:binding = </m>
-    texCoord2f[] primvars:uv2 = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
-}
-"""
-
-
-def bsdf_of(load, tmp_path, inputs):
-    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "p.png")
-    scene = load(MATERIAL % (inputs, SQUARE))
-    bsdf = scene.bsdfs["m"]
-    return scene, bsdf
-
-
-def test_a_preview_surface_becomes_principled(load, tmp_path):
-    scene, bsdf = bsdf_of(
-        load,
-        tmp_path,
-        """
-        color3f inputs:diffuseColor = (0.1, 0.2, 0.3)
-        float inputs:metallic = 0.25
-        float inputs:roughness = 0.75
-        float inputs:ior = 1.4
-        float inputs:clearcoat = 0.5
-        color3f inputs:emissiveColor = (0, 2, 0)
-    """,
-    )
-    inner = bsdf.bsdf
-    assert inner.base_color == pytest.approx((0.1, 0.2, 0.3))
-    assert (inner.metallic, inner.roughness) == (0.25, 0.75)
-    assert inner.ior == pytest.approx(1.4)
-    assert (inner.clearcoat, inner.clearcoat_roughness) == (0.5, pytest.approx(0.01))
-    (node,) = shapes(scene).values()
-    assert node.light.radiance == (0.0, 2.0, 0.0)
-    assert not any("no light" in line for line in scene.warnings)
-
-
-def test_textures_are_wired_with_scale_and_place(load, tmp_path):
-    scene, bsdf = bsdf_of(
-        load,
-        tmp_path,
-        """
-        color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>
-        float inputs:roughness.connect = </m/picture.outputs:g>
-    """,
-    )
-    color, roughness = bsdf.bsdf.base_color, bsdf.bsdf.roughness
-    assert color.a == (0.5, 0.5, 0.5)
-    assert (color.b.file, color.b.wrap, color.b.wrap_v) == ("p.png", "mirror", "repeat")
-    assert color.b.to_uv.matrix.tolist() == [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]]
-    assert color.b.color_space == "auto"
-    assert (roughness.b.channel, roughness.b.texture.color_space) == ("g", "linear")
-    (node,) = shapes(scene).values()
-    assert node.shape.uvs is not None
-
-
-def test_opacity_is_a_chance_and_a_threshold_a_cut(load, tmp_path):
-    _, bsdf = bsdf_of(load, tmp_path, "float inputs:opacity = 0.5")
-    assert (bsdf.type, bsdf.opacity) == ("mask", 0.5)
-    _, bsdf = bsdf_of(
-        load, tmp_path, "float inputs:opacity = 0.5; float inputs:opacityThreshold = 0.6"
-    )
-    assert bsdf.opacity == 0.0
-
-
-def test_the_specular_workflow_keeps_the_reflectance_at_normal_incidence(load, tmp_path):
-    _, bsdf = bsdf_of(
-        load,
-        tmp_path,
-        """
-        int inputs:useSpecularWorkflow = 1
-        color3f inputs:specularColor = (0.08, 0.04, 0)
-    """,
-    )
-    inner = bsdf.bsdf
-    f0 = ((inner.ior - 1.0) / (inner.ior + 1.0)) ** 2
-    np.testing.assert_allclose(f0 * np.array(inner.specular_color), [0.08, 0.04, 0.0], atol=1e-7)
-
-
-def test_without_a_material_the_display_color_is_shown(load):
-    color = "color3f[] primvars:displayColor = [(0.1, 0.5, 0.9)]"
-    scene = load(f'def Mesh "m" {{{SQUARE}{color}}}')
-    (bsdf,) = scene.bsdfs.values()
-    assert bsdf.bsdf.reflectance == pytest.approx((0.1, 0.5, 0.9))
-
-
-def test_subsets_have_materials_of_their_own(load):
-    scene = load("""
-def Material "red" { token outputs:surface.connect = </red/s.outputs:surface>
-    def Shader "s" { uniform token info:id = "UsdPreviewSurface"; token outputs:surface
-        color3f inputs:diffuseColor = (1, 0, 0) } }
-def Mesh "m" {
-    int[] faceVertexCounts = [3, 3]
-    int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]
-    point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
-    uniform token subdivisionScheme = "none"
-    def GeomSubset "half" (prepend apiSchemas = ["MaterialBindingAPI"]) {
-        uniform token elementType = "face"
-        uniform token familyName = "materialBind"
-        int[] indices = [1]
-        rel material:binding = </red>
-    }
-}""")
-    found = {path: node.bsdf for path, node in shapes(scene).items()}
-    assert found == {"m/half": "red", "m/rest": "plain"}
-
-
 # ---------------------------------------------------------------------------- packages, mistakes
 
 
@@ -337,6 +198,7 @@ def test_pictures_inside_of_packages_are_read(tmp_path):
     assert (texels.width, texels.height) == (2, 2)
 
 
+PICTURE = MATERIAL % ("color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>", SQUARE)
 MISTAKES = {
     "type": ('def Cube "c" { token size = "x" }', "/c size must be of type double, got string"),
     "unknown type": ('def Cube "c" { uble size = 1 }', "/c size must be of type double"),
@@ -361,12 +223,25 @@ MISTAKES = {
         f'def Mesh "m" {{{SQUARE}}}'.replace("(2, 1, 0)", "(2, nan, 0)"),
         "/m points must be finite",
     ),
+    "not finite": (
+        'def Camera "c" { float verticalAperture = nan }',
+        "/c verticalAperture must be finite, got nan",
+    ),
     "syntax": ("def Mesh {", "is no OpenUSD stage"),
     "reference": ('def "m" (references = @gone.usda@) { }', "does not fit together"),
     "reach": ('def "m" (references = @../out.usda@) { }', "outside of its own folder: out.usda"),
-    "picture": (
-        MATERIAL % ("color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>", SQUARE),
-        '/m/picture no such picture: "p.png"',
+    "picture": (PICTURE, '/m/picture no such picture: "p.png"'),
+    "kind of an input": (
+        PICTURE.replace("float4 inputs:scale = (0.5, 0.5, 0.5, 1)", "float inputs:scale = 2"),
+        "/m/picture inputs:scale must be 4 numbers, got 2.0",
+    ),
+    "text for a number": (
+        PICTURE.replace("float2 inputs:scale = (2, 3)", 'string inputs:rotation = "x"'),
+        '/m/place inputs:rotation must be a number, got "x"',
+    ),
+    "unknown type of an input": (
+        PICTURE.replace("float4 inputs:scale", "flota4 inputs:scale"),
+        "/m/picture inputs:scale is of a type that OpenUSD does not know",
     ),
     "prototype": (
         'def PointInstancer "p" { int[] protoIndices = [3]; point3f[] positions = [(0, 0, 0)] }',
@@ -380,10 +255,29 @@ def test_mistakes_are_refused_with_their_prim(tmp_path, text, message):
     folder = tmp_path / "scene"
     folder.mkdir()
     (tmp_path / "out.usda").write_text(stage_text('def "x" { }'))
+    if text != PICTURE:
+        Image.new("RGB", (2, 2)).save(folder / "p.png")
     (folder / "a.usda").write_text(stage_text(text))
     with pytest.raises(SceneError) as caught:
         alight.load(folder / "a.usda")
     assert message in " ".join(str(caught.value).split())
+
+
+@pytest.mark.parametrize("unit", ["inf", "nan", "0", "-1"])
+def test_units_that_are_no_lengths_are_refused(unit, tmp_path):
+    (tmp_path / "a.usda").write_text(stage_text('def Sphere "s" { }', unit=unit))
+    with pytest.raises(SceneError, match="metersPerUnit\n  must be > 0 and at most 1e\\+12"):
+        alight.load(tmp_path / "a.usda")
+
+
+@pytest.mark.parametrize("kind", ["string[]", "coler3f[]"])
+def test_primvars_without_numbers_are_left_out_and_said(load, kind):
+    color = f'{kind} primvars:displayColor = ["a", "b", "c", "d"]' if kind[0] == "s" else ""
+    color = color or f"{kind} primvars:displayColor = [(0, 0, 1)]"
+    scene = load(f'def Mesh "m" {{{SQUARE}{color} (interpolation = "vertex")}}')
+    (bsdf,) = scene.bsdfs.values()
+    assert bsdf.bsdf.reflectance == pytest.approx((0.18, 0.18, 0.18))
+    assert any("primvars:displayColor holds no rows of" in line for line in scene.warnings)
 
 
 def test_the_command_line_says_what_was_read(tmp_path):

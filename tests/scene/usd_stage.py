@@ -43,3 +43,40 @@ def usd_loader(folder):
         return alight.load(folder / name)
 
     return run
+
+
+#: A mesh with a material: inputs of its preview surface, and the mesh.
+MATERIAL = """
+def Material "m" {
+    token outputs:surface.connect = </m/s.outputs:surface>
+    def Shader "s" {
+        uniform token info:id = "UsdPreviewSurface"
+        %s
+        token outputs:surface
+    }
+    def Shader "picture" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @p.png@
+        token inputs:wrapS = "mirror"
+        float4 inputs:scale = (0.5, 0.5, 0.5, 1)
+        float2 inputs:st.connect = </m/place.outputs:result>
+        float3 outputs:rgb
+        float outputs:g
+    }
+    def Shader "place" {
+        uniform token info:id = "UsdTransform2d"
+        float2 inputs:in.connect = </m/reader.outputs:result>
+        float2 inputs:scale = (2, 3)
+        float2 outputs:result
+    }
+    def Shader "reader" {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "uv2"
+        float2 outputs:result
+    }
+}
+def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) { %s
+    rel material:binding = </m>
+    texCoord2f[] primvars:uv2 = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+}
+"""

@@ -68,10 +68,11 @@ class Glow:
         corners = np.asarray(mesh.vertices)[faces] @ to_world[:3, :3].T
         edges = corners[:, 1:] - corners[:, :1]
         areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-        uv = np.zeros((len(faces), 2))
+        sets = [np.zeros((len(faces), 2))]
         if mesh.uvs is not None:
-            uv = np.asarray(mesh.uvs)[faces].mean(axis=1)
-        total = float((areas * (self._color(radiance, uv) @ LUMINANCE)).sum()) * step
+            tables = [mesh.uvs, *(() if mesh.more_uvs is None else mesh.more_uvs)]
+            sets = [np.asarray(table)[faces].mean(axis=1) for table in tables]
+        total = float((areas * (self._color(radiance, sets) @ LUMINANCE)).sum()) * step
         self.total += total if np.isfinite(total) else 0.0
 
     def suffices(self, bounds: Bounds) -> bool:
@@ -79,16 +80,18 @@ class Glow:
         x, y, z = np.where(bounds.low <= bounds.high, bounds.high - bounds.low, 0.0)
         return self.total > 0.0 and self.total >= LEAST * 2.0 * float(x * y + y * z + z * x)
 
-    def _color(self, texture: Any, uv: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Value of a texture at texture coordinates (n, 2): (n, 3); 1 where it is not known."""
-        result = np.ones((len(uv), 3))
+    def _color(self, texture: Any, sets: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Value of a texture: (n, 3), 1 where it is not known; `sets` of coordinates, (n, 2)."""
+        result = np.ones((len(sets[0]), 3))
         if not isinstance(texture, Mapping):
             return result * np.asarray(texture, np.float64)
         if texture["type"] == "multiply":
-            return self._color(texture["a"], uv) * self._color(texture["b"], uv)
+            return self._color(texture["a"], sets) * self._color(texture["b"], sets)
         if texture["type"] == "bitmap":
             image = texture.get("pixels") or self._read(texture["file"])
             if isinstance(image, Image):
+                number = texture.get("uv_set", 0)
+                uv = sets[number if number < len(sets) else 0]
                 to_uv = texture.get("to_uv")
                 if isinstance(to_uv, Mapping) and "matrix" in to_uv:
                     matrix = np.asarray(to_uv["matrix"])

@@ -24,7 +24,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from alight.core.errors import Issue, SceneError, quote
+from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.report import Report
 
@@ -36,14 +36,16 @@ _OPTIONS = {
     "-texres": (1, 1),
 }  # fmt: skip
 _WORDS = {"-clamp", "-blendu", "-blendv", "-cc", "-imfchan", "-type"}
+#: Options that play no part; others that are not covered change the picture.
+_HARMLESS = {"-blendu", "-blendv", "-boost", "-texres"}
 _NUMBERS = {
-    "ns": (0.0, 1e5), "ni": (0.001, 10.0), "d": (0.0, 1.0), "tr": (0.0, 1.0), "pr": (0.0, 1.0),
+    "ns": (0.0, 1e5), "ni": (0.0, 10.0), "d": (0.0, 1.0), "tr": (0.0, 1.0), "pr": (0.0, 1.0),
     "pm": (0.0, 1.0), "ps": (0.0, 1.0), "pc": (0.0, 1.0), "pcr": (0.0, 1.0), "aniso": (0.0, 1.0),
     "anisor": (0.0, 1.0), "illum": (0, 10),
 }  # fmt: skip
 _COLORS = {"kd": 1.0, "ks": 1e6, "ke": 1e15, "tf": 1.0}
 _MAPS = {
-    "map_kd": "color", "map_ks": "color", "map_ke": "color", "map_d": "number", "map_ns": "number",
+    "map_kd": "color", "map_ks": "color", "map_ke": "color", "map_d": "number",
     "map_pr": "number", "map_pm": "number", "map_ps": "number", "map_pc": "number",
     "map_pcr": "number", "map_bump": "number", "bump": "number", "norm": "number",
     "map_tr": "number",
@@ -52,7 +54,12 @@ _DROPPED = {
     "ka": "ambient light is traced", "map_ka": "ambient light is traced",
     "refl": "reflections are traced", "sharpness": "reflections are traced",
     "map_refl": "reflections are traced", "map_aat": "edges are always smooth",
-    "map_ns": "highlights have one exponent",
+}  # fmt: skip
+#: What changes the picture.
+_LEFT_OUT = {
+    "decal": "decals are not covered", "disp": "displacement is not covered",
+    "map_disp": "displacement is not covered", "map_ns": "highlights have one exponent",
+    "map_ni": "glass has one index of refraction", "map_tf": "the tint of glass is even",
 }  # fmt: skip
 
 
@@ -78,10 +85,11 @@ class Entry:
 
 @dataclass(frozen=True)
 class Material:
-    """What a material becomes: a description and a radiance, or None."""
+    """What a material becomes: a description, a radiance or None, and where it is defined."""
 
     bsdf: Data
     emission: Any = None
+    place: str = ""
 
 
 def read(text: str, name: str, reach: Reach, report: Report) -> dict[str, Material]:
@@ -117,6 +125,8 @@ def _statement(
 ) -> None:
     if key in _NUMBERS:
         low, high = _NUMBERS[key]
+        if "-halo" in words:
+            report.approximate(f"{place}: -halo: opacity does not depend on the angle")
         numbers = _numbers([w for w in words if w != "-halo"][:1], place, key, report)
         if numbers and not low <= numbers[0] <= high:
             report.problem(place, key, f"must be in [{low:g}, {high:g}], got {numbers[0]:g}")
@@ -139,8 +149,19 @@ def _statement(
         if found is not None:
             entry.maps[{"map_bump": "bump"}.get(key, key)] = found
     else:
-        reason = _DROPPED.get(key, "not covered")
-        report.drop(f"{quote(key)}: {reason}")
+        _say_left_out(key, place, report)
+
+
+def _say_left_out(key: str, place: str, report: Report) -> None:
+    text = f"unknown key {quote(key)} is left out"
+    if key in _DROPPED:
+        report.drop(f"{quote(key)}: {_DROPPED[key]}")
+    elif key in _LEFT_OUT:
+        report.approximate(f"{quote(key)} is left out: {_LEFT_OUT[key]}")
+    elif not any(text in line for line in report.warnings):
+        near = nearest(key, (*_NUMBERS, *_COLORS, *_MAPS))
+        hint = f"; did you mean {quote(near)}?" if near else ""
+        report.approximate(f"{place}: {text}{hint}")
 
 
 def _numbers(words: list[str], place: str, key: str, report: Report) -> list[float]:
@@ -169,6 +190,8 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
                 data["wrap"] = "clamp"
             elif option == "-imfchan":
                 made.channel = {"m": "a"}.get(value, value)
+            elif option != "-clamp" and value not in ("off", ""):
+                _say_option(option, key, place, report)
             continue
         values, words = _leading_numbers(words, _OPTIONS[option])
         if not values:
@@ -183,7 +206,7 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
         elif option == "-bm":
             made.multiplier = values[0]
         else:
-            report.drop(f"{option}: not covered")
+            _say_option(option, key, place, report)
     try:
         made.file = _find(" ".join(words), place, reach, report)
     except OutOfReachError as error:
@@ -204,6 +227,13 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
         scaled = {"type": "multiply", "a": gain, "b": made.data}
         made.data = {"type": "add", "a": base, "b": scaled}
     return made
+
+
+def _say_option(option: str, key: str, place: str, report: Report) -> None:
+    if option in _HARMLESS:
+        report.drop(f"{option}: plays no part")
+    else:
+        report.approximate(f"{place}: {option} of {key} is not covered and was left out")
 
 
 def _leading_numbers(words: list[str], count: tuple[int, int]) -> tuple[list[float], list[str]]:
@@ -250,8 +280,11 @@ def _material(entry: Entry, report: Report) -> Material:
     _reflection(entry, bsdf, kd)
     _physical(entry, bsdf)
     is_glass = int(numbers.get("illum", 2)) in GLASS
-    if "ni" in numbers and numbers["ni"] >= 1.0:
-        bsdf["ior"] = min(numbers["ni"], 5.0)
+    if "ni" in numbers:
+        # Many programs write 0 for what is no glass.
+        bsdf["ior"] = min(numbers["ni"], 5.0) if numbers["ni"] >= 1.0 else 1.5
+        if bsdf["ior"] != numbers["ni"] and (is_glass or numbers["ni"] > 1.0):
+            report.approximate(f"{entry.place}: Ni {numbers['ni']:g} became {bsdf['ior']:g}")
     if is_glass:
         bsdf["base_color"] = colors.get("tf", [1.0, 1.0, 1.0])
         bsdf["transmission"] = 1.0
@@ -259,6 +292,7 @@ def _material(entry: Entry, report: Report) -> Material:
         if "tf" in colors and max(colors["tf"]) == 0.0:
             report.approximate(f"{entry.place}: Tf 0 would be black glass; clear glass is taken")
             bsdf["base_color"] = 1.0
+    _say_unused(entry, is_glass, report)
     result: Data = bsdf
     for key, kind in (("norm", "normal_map"), ("bump", "bump_map")):
         if key in maps and result is bsdf:
@@ -273,7 +307,17 @@ def _material(entry: Entry, report: Report) -> Material:
     if "map_ke" in maps and max(ke) == 0.0:
         ke = [1.0, 1.0, 1.0]
     emission = _times(ke, maps.get("map_ke")) if max(ke) > 0.0 else None
-    return Material(result, emission)
+    return Material(result, emission, entry.place)
+
+
+def _say_unused(entry: Entry, is_glass: bool, report: Report) -> None:
+    """List keys that another one of the material makes idle."""
+    if is_glass and ({"d", "tr"} & set(entry.numbers) or {"map_d", "map_tr"} & set(entry.maps)):
+        report.drop('"d": glass (illum 4, 6, 7 or 9) is transparent by itself')
+    if not is_glass and entry.colors.get("tf", [1.0] * 3) != [1.0] * 3:
+        report.drop('"tf": only glass (illum 4, 6, 7 or 9) lets light through')
+    if {"norm", "bump"} <= set(entry.maps):
+        report.approximate(f"{entry.place}: bump is left out beside norm")
 
 
 def _reflection(entry: Entry, bsdf: Data, kd: list[float]) -> None:

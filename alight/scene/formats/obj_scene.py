@@ -8,13 +8,14 @@ Source: Wavefront Technologies, Object files (.obj), appendix B1 of the Advanced
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, quote, unknown_name
+from alight.core.errors import Issue, SceneError, join_path, nearest, quote, unknown_name
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats import mtl, obj
 from alight.scene.formats.glow import Glow
@@ -28,7 +29,17 @@ from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 
 MOST_LIBRARY_BYTES = 16 * 2**20
-_IGNORED = {b"vp", b"cstype", b"deg", b"curv", b"curv2", b"surf", b"parm", b"trim", b"hole", b"end"}
+#: Of free-form curves and surfaces.
+_FREE_FORM = {
+    "bmat", "bsp", "bzp", "cdc", "cdp", "con", "cstype", "curv", "curv2", "deg", "end", "hole",
+    "parm", "res", "scrv", "sp", "step", "surf", "trim", "vp",
+}  # fmt: skip
+#: About how other programs draw.
+_OF_DRAWING = {
+    "bevel", "c_interp", "ctech", "d_interp", "lod", "maplib", "mg", "shadow_obj", "stech",
+    "trace_obj", "usemap",
+}  # fmt: skip
+_KNOWN = ("f", "g", "l", "mtllib", "o", "p", "s", "usemtl", "v", "vn", "vt")
 GREY: dict[str, Any] = {
     "type": "two_sided", "bsdf": {"type": "principled", "base_color": 0.6, "roughness": 0.6},
 }  # fmt: skip
@@ -71,13 +82,14 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     try:
         content = obj.parse(data)
     except SceneError as error:
-        raise SceneError([Issue("", issue.message, name) for issue in error.issues]) from None
+        raise SceneError([_with_line(issue.message, name) for issue in error.issues]) from None
     materials: dict[str, mtl.Material] = {}
     parts = _parts(content, name, reach, report, materials)
     if report.issues:
         raise SceneError(report.issues)
     bounds, glow, nodes, bsdfs = Bounds(), Glow(reach.folder), {}, {}
     names: dict[str, str] = {}
+    places = {"": name}
     starts = np.concatenate([[0], np.cumsum(content.sizes)]).astype(np.int64)
     for part in parts:
         mesh = _mesh(content, part, starts, name)
@@ -91,6 +103,8 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         if key not in names:
             names[key] = free_name(part.material if material else "grey", bsdfs, "material")
             bsdfs[names[key]] = bsdf
+            if material is not None:
+                places[join_path("bsdfs", names[key])] = material.place
         node: dict[str, Any] = {"shape": mesh, "bsdf": names[key]}
         if material is not None and material.emission is not None:
             node["light"] = {"type": "area", "radiance": material.emission}
@@ -104,7 +118,13 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     if not glow.suffices(bounds):
         add_light(scene, report, shines=glow.total > 0.0)
     add_camera(scene, report, bounds)
-    return Parsed.of(scene, {"": name}, report, framed=bounds)
+    return Parsed.of(scene, places, report, framed=bounds)
+
+
+def _with_line(message: str, name: str) -> Issue:
+    """A problem of the file, with the line that its message begins with as its place."""
+    found = re.fullmatch(r"line (\d+): (.*)", message, re.DOTALL)
+    return Issue("", found[2], f"{name}:{found[1]}:1") if found else Issue("", message, name)
 
 
 def _parts(
@@ -137,12 +157,26 @@ def _parts(
             _library(rest, f"{name}:{line}:1", reach, report, materials)
         elif words[0] in (b"l", b"p"):
             report.drop("points and lines have no surface")
-        elif words[0] in _IGNORED:
-            report.drop(f"{texts[0]}: curves and free-form surfaces are not covered")
+        else:
+            _say_left_out(texts[0], f"{name}:{line}:1", report)
+    if any(size < 3 for size in content.sizes):
+        report.drop("faces of fewer than 3 corners have no surface")
     for material, place in used.items():
         if material not in materials and materials:
             report.problem(place, "usemtl", unknown_name("material", material, materials))
     return list(parts.values())
+
+
+def _say_left_out(word: str, place: str, report: Report) -> None:
+    text = f"unknown statement {quote(word)} is left out"
+    if word in _FREE_FORM:
+        report.approximate(f"{word}: curves and free-form surfaces are not covered")
+    elif word in _OF_DRAWING:
+        report.drop(f"{word}: plays no part")
+    elif word and not any(text in line for line in report.warnings):
+        near = nearest(word, _KNOWN)
+        hint = f"; did you mean {quote(near)}?" if near else ""
+        report.approximate(f"{place}: {text}{hint}")
 
 
 def _library(

@@ -33,6 +33,8 @@ class Parsed:
         What was read.
     framed : Bounds, optional
         What the camera must see, where the file has none of its own.
+    assumed : dict of str to str
+        See `alight.scene.formats.report.Report`.
     """
 
     data: dict[str, Any]
@@ -43,6 +45,7 @@ class Parsed:
     spp: int | None = None
     counts: dict[str, int] = field(default_factory=dict)
     framed: Bounds | None = None
+    assumed: dict[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -55,10 +58,11 @@ class Parsed:
     ) -> Parsed:
         """Put a description and what was noticed together."""
         remarks = (report.issues, report.notes, report.warnings)
-        return cls(data, places, *remarks, spp, report.counts, framed)
+        return cls(data, places, *remarks, spp, report.counts, framed, report.assumed)
 
     @property
     def remarks(self) -> Remarks:
         """What a scene keeps of it."""
         read = tuple((kind, number) for kind, number in self.counts.items())
-        return Remarks(tuple(self.notes), tuple(self.warnings), self.spp, read)
+        assumed = tuple(self.assumed.items())
+        return Remarks(tuple(self.notes), tuple(self.warnings), self.spp, read, assumed)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import quote, unknown_name
+from alight.core.uv_sets import MOST_SETS
 from alight.scene.formats.triangles import MeshArrays, broken, fan, srgb_to_linear
 
 TYPES = {
@@ -30,6 +31,8 @@ NAMES = {
     "uvs": (("u", "v"), ("s", "t"), ("texture_u", "texture_v"), ("texture_s", "texture_t")),
     "colors": (("red", "green", "blue"), ("r", "g", "b")),
 }
+#: Further sets of texture coordinates, as `save` writes them.
+MORE_UVS = tuple((f"u{number}", f"v{number}") for number in range(1, MOST_SETS))
 LONGEST_HEADER = 100_000
 
 
@@ -315,7 +318,18 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
     colors = found["colors"]
     if colors is not None and _are_whole_numbers(vertex):
         colors = srgb_to_linear(colors / np.float32(255.0))
-    return MeshArrays(vertices, faces, found["normals"], found["uvs"], colors)
+    more = None if found["uvs"] is None else _more_uvs(vertex)
+    return MeshArrays(vertices, faces, found["normals"], found["uvs"], colors, more)
+
+
+def _more_uvs(vertex: Table) -> NDArray[np.float32] | None:
+    found: list[NDArray[np.float32]] = []
+    for names in MORE_UVS:
+        table = _columns(vertex, names)
+        if table is None:
+            break
+        found.append(table)
+    return np.stack(found) if found else None
 
 
 def _columns(table: Table, names: tuple[str, ...]) -> NDArray[np.float32] | None:
@@ -360,6 +374,8 @@ def save(path: str | Path, mesh: MeshArrays) -> None:
         table = getattr(mesh, name)
         if table is not None:
             parts.append((NAMES[name][0], table))
+    if mesh.more_uvs is not None:
+        parts += zip(MORE_UVS, mesh.more_uvs, strict=False)
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(mesh.vertices)}"]
     header += [f"property float {column}" for names, _ in parts for column in names]
     header += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices"]

@@ -27,6 +27,8 @@ class Report:
         What was approximated, replaced, made up, or is suspicious, a line each.
     counts : dict of str to int
         What was read: kind -> how many.
+    assumed : dict of str to str
+        Key path -> the warning that holds as long as its value stays.
     """
 
     lenient: bool = False
@@ -34,6 +36,7 @@ class Report:
     notes: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
+    assumed: dict[str, str] = field(default_factory=dict)
 
     def problem(self, place: str, path: str, message: str) -> None:
         """Report what nothing mends but an edit: file or line, what it is about, what is wrong."""
@@ -48,6 +51,11 @@ class Report:
         """Say once what is not quite what the file says."""
         if text not in self.warnings:
             self.warnings.append(text)
+
+    def assume(self, key: str, text: str) -> None:
+        """Say what is chosen for the file, as long as the user does not choose otherwise."""
+        self.assumed[key] = text
+        self.approximate(text)
 
     def count(self, kind: str, number: int = 1) -> None:
         """Count what was read."""

@@ -16,6 +16,7 @@ the picture ``builtin:studio``, turned such that it is the same as seen from any
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -132,10 +133,16 @@ def add_light(
         Camera to world of the file's own camera: the studio's front is then turned to it.
     """
     data["environment"] = {"type": "environment", "file": STUDIO}
-    if view is not None and np.hypot(view[0, 2], view[2, 2]) > 1e-3 * np.linalg.norm(view[:3, 2]):
-        azimuth = math.degrees(math.atan2(view[0, 2], view[2, 2]))
-        data["environment"]["rotate"] = azimuth - TO_THE_RIGHT
-    report.approximate(FAINT_LIGHT if shines else NO_LIGHT)
+    if view is not None and (rotation := studio_rotation(view)) != 0.0:
+        data["environment"]["rotate"] = rotation
+    report.assume("environment.file", FAINT_LIGHT if shines else NO_LIGHT)
+
+
+def studio_rotation(view: NDArray[np.float64]) -> float:
+    """Degrees by which the studio is turned for a camera (4, 4); 0 if it looks up or down."""
+    if np.hypot(view[0, 2], view[2, 2]) <= 1e-3 * np.linalg.norm(view[:3, 2]):
+        return 0.0
+    return math.degrees(math.atan2(view[0, 2], view[2, 2])) - TO_THE_RIGHT
 
 
 def add_camera(data: dict[str, Any], report: Report, bounds: Bounds) -> None:
@@ -148,4 +155,15 @@ def add_camera(data: dict[str, Any], report: Report, bounds: Bounds) -> None:
         "transform": {"look_at": {"origin": origin, "target": target}},
     }
     data.setdefault("film", {})["size"] = list(SIZE)
-    report.approximate(NO_CAMERA)
+    report.assume("camera.transform", NO_CAMERA)
+
+
+def use_first_camera(data: dict[str, Any], report: Report, paths: Sequence[str]) -> None:
+    """Show what the first camera of a file sees, and say so if there are others."""
+    data["camera"] = paths[0]
+    if len(paths) > 1:
+        report.assume(
+            "camera",
+            f"the picture is that of the first camera, {paths[0]}; others: {', '.join(paths[1:])} "
+            "(choose with --camera)",
+        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,21 @@ class MeshArrays(NamedTuple):
     normals: NDArray[np.float32] | None = None
     uvs: NDArray[np.float32] | None = None
     colors: NDArray[np.float32] | None = None
+    more_uvs: NDArray[np.float32] | None = None
+
+
+def joined_sets(
+    tables: Sequence[NDArray[np.float32] | None],
+) -> tuple[NDArray[np.float32] | None, NDArray[np.float32] | None]:
+    """`uvs` and `more_uvs` of a mesh from its sets of texture coordinates; v upwards.
+
+    Where a set is lacking, another one takes its place.
+    """
+    found = [table for table in tables if table is not None]
+    if not found:
+        return None, None
+    own, *more = (found[0] if table is None else table for table in tables)
+    return own, np.stack(more) if more else None
 
 
 def broken(message: str) -> SceneError:

@@ -11,7 +11,7 @@ from alight.scene.formats.gltf.container import open_document
 from alight.scene.formats.gltf.scene import parse
 from alight.scene.formats.gltf.write import write
 from alight.scene.formats.report import Report
-from tests.scene.gltf.maker import FACES, POINTS, UVS, Maker, everything
+from tests.scene.gltf.maker import POINTS, Maker, everything
 
 
 def parsed(maker):
@@ -172,7 +172,10 @@ def test_written_layers_and_colors_come_back(tmp_path):
   a:
     shape: SQUARE
     bsdf: {{type: mask, opacity: 0.25, bsdf: {{type: two_sided, bsdf: {bump}}}}}
-  b: {{shape: COLORED, bsdf: {{type: principled}}, light: {{type: area, radiance: [8, 4, 2]}}}}
+  b:
+    shape: COLORED
+    bsdf: {{type: principled, base_color: {{type: vertex_color}}}}
+    light: {{type: area, radiance: [8, 4, 2]}}
   c: {{light: {{type: spot, intensity: [4, 2, 1], cutoff_angle: 40, beam_width: 10}}}}
   d: {{shape: SQUARE, bsdf: {{type: principled, base_color: 0.125}}}}
 """
@@ -190,74 +193,12 @@ def test_written_layers_and_colors_come_back(tmp_path):
     assert second.bsdfs[second.shapes[2].bsdf] != mask
 
 
-def test_what_gltf_cannot_hold_of_a_material_is_listed(tmp_path):
-    bsdf = "{type: principled, anisotropy: 0.5, base_color: {type: bitmap, pixels: [[0.5]], "
-    text = f"nodes: {{a: {{shape: SQUARE, bsdf: {bsdf} to_uv: {{scale: 2}}}}}}}}}}"
-    lost = "\n".join(rewritten(text, tmp_path)[2])
-    assert "its anisotropy" in lost
-    assert "to_uv" in lost
-    assert "8 bits" in lost
-
-
 def test_what_gltf_cannot_hold_is_listed(tmp_path):
     lost = write(flatten(load("infinite-plane")), tmp_path / "a.glb")
     assert any("a plane is no mesh" in line for line in lost)
     lost = write(flatten(load("material-ball")), tmp_path / "b.glb")
     assert any("environment" in line for line in lost)
     assert any("media" in line for line in write(flatten(load("fog")), tmp_path / "c.glb"))
-
-
-def test_texture_coordinates_are_turned_over():
-    m = Maker()
-    m.node(mesh=m.square())
-    node = parsed(m).data["nodes"]["node 0"]
-    np.testing.assert_array_equal(node["shape"].uvs, UVS * [1, -1] + [0, 1])
-    np.testing.assert_array_equal(node["shape"].faces, FACES.reshape(-1, 3))
-
-
-def test_the_example_of_texture_transforms_shows_the_lower_left_quarter():
-    """Of KHR_texture_transform's text: offset (0, 1), rotation 90 degrees, scale 1/2."""
-    change = {"offset": [0, 1], "rotation": np.pi / 2, "scale": [0.5, 0.5]}
-    info = {"index": 0, "extensions": {"KHR_texture_transform": change}}
-    bsdf = core(material_of(pbrMetallicRoughness={"baseColorTexture": info}))
-    matrix = np.array(bsdf["base_color"]["to_uv"]["matrix"])
-    corners = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]) @ matrix.T
-    assert np.allclose(corners.min(axis=0), [0, 0], atol=1e-12)
-    assert np.allclose(corners.max(axis=0), [0.5, 0.5], atol=1e-12)
-
-
-def test_texture_transforms_are_seen_from_above():
-    """Half the height, from the top: v runs upwards here."""
-    change = {"offset": [0.25, 0], "scale": [1, 0.5], "texCoord": 1}
-    info = {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": change}}
-    bsdf = core(material_of(pbrMetallicRoughness={"baseColorTexture": info}))
-    assert bsdf["base_color"]["to_uv"]["matrix"] == [[1.0, 0.0, 0.25], [0.0, 0.5, 0.5]]
-    m = Maker()
-    m.picture(np.zeros((2, 2, 3), np.uint8))
-    material = m.material(pbrMetallicRoughness={"baseColorTexture": info})
-    other = np.full((4, 2), 0.25, "<f4")
-    m.node(mesh=m.square(material, TEXCOORD_1=m.accessor(other)))
-    uvs = parsed(m).data["nodes"]["node 0"]["shape"].uvs
-    np.testing.assert_array_equal(uvs, [[0.25, 0.75]] * 4)
-
-
-def test_of_several_sets_of_coordinates_the_base_colors_is_taken_and_it_is_said():
-    m = Maker()
-    m.picture(np.zeros((2, 2, 3), np.uint8))
-    pbr = {"baseColorTexture": {"index": 0}}
-    second = {"index": 0, "texCoord": 1}
-    one = m.material(pbrMetallicRoughness=pbr, emissiveTexture=second, normalTexture=second)
-    # Nothing is seen of occlusion, so its coordinates do not count.
-    other = m.material(pbrMetallicRoughness=pbr, occlusionTexture=second)
-    coordinates = np.full((4, 2), 0.25, "<f4")
-    for material in (one, other):
-        m.node(mesh=m.square(material, TEXCOORD_1=m.accessor(coordinates)))
-    found = parsed(m)
-    for node in found.data["nodes"].values():
-        np.testing.assert_array_equal(node["shape"].uvs, UVS * [1, -1] + [0, 1])
-    said = [line for line in found.warnings if "several sets" in line]
-    taken = "its textures use several sets of coordinates; TEXCOORD_0 is taken for all"
-    assert said == [f"/materials/0: {taken}"]
 
 
 def test_textures_of_normals_are_numbers():

@@ -38,11 +38,20 @@ def test_the_date_gives_mitsubas_sun():
 def test_what_is_left_out_is_said():
     scene = read('<emitter type="sky"><vector name="sun_direction" x="0" y="0" z="1"/></emitter>')
     assert node(scene).light.type_name() == "sky"
+    [warning] = scene.source.remarks.warnings
+    assert "Preetham" in warning
+    body = '<float name="turbidity" value="{}"/><rgb name="albedo" value="0.5"/>'
+    scene = read(f'<emitter type="sunsky">{body.format(40)}</emitter>')
+    assert node(scene).light.turbidity == 10.0
+    found = " ".join(scene.source.remarks.warnings)
+    assert "turbidity 40 became 10" in found and "albedo" in found
     body = '<emitter type="sun"><vector name="sun_direction" x="0" y="1" z="-1"/></emitter>'
     [issue] = issues(body)
     assert "below the horizon" in issue.message
     [issue] = issues('<emitter type="sunsky"><integer name="month" value="13"/></emitter>')
     assert "is no date" in issue.message
+    [issue] = issues('<emitter type="sunsky"><float name="latitude" value="140"/></emitter>')
+    assert "latitude must be in [-90, 90]" in issue.message and "got 140" in issue.message
 
 
 def test_projectors():

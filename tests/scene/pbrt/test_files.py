@@ -206,3 +206,13 @@ def test_lenient_replaces_what_is_not_covered_and_says_so():
     scene = read(body.removesuffix("Foo"), lenient=True)
     assert node(scene).shape.type_name() == "sphere"
     assert len([warning for warning in scene.warnings if "scene.pbrt:" in warning]) == 2
+
+
+def test_what_is_not_closed_is_named_with_its_end():
+    assert messages('ObjectBegin "a"') == ["has no ObjectEnd"]
+    assert messages("TransformBegin") == ["has no TransformEnd"]
+
+
+def test_depths_below_zero_are_refused():
+    head = f'{HEAD}Integrator "path" "integer maxdepth" -1\n'
+    assert messages('Shape "sphere"', head) == ["must be >= 0, got -1"]

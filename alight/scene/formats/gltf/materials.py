@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from alight.core.uv_sets import MOST_SETS
 from alight.scene.formats.factors import multiplied
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.textures import Data, Textures
@@ -25,17 +26,19 @@ COVERED = (
     "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
     "KHR_materials_volume",
 )  # fmt: skip
-#: Where textures stand: owner's extension ("" for the material, "pbr" for its core) and keys.
-TEXTURE_KEYS = {
-    "pbr": ("baseColorTexture", "metallicRoughnessTexture"),
-    "": ("emissiveTexture", "normalTexture"),
-    "KHR_materials_anisotropy": ("anisotropyTexture",),
-    "KHR_materials_clearcoat": ("clearcoatTexture", "clearcoatRoughnessTexture"),
-    "KHR_materials_iridescence": ("iridescenceTexture", "iridescenceThicknessTexture"),
-    "KHR_materials_sheen": ("sheenColorTexture", "sheenRoughnessTexture"),
-    "KHR_materials_specular": ("specularTexture", "specularColorTexture"),
-    "KHR_materials_transmission": ("transmissionTexture",),
-}
+#: Where textures stand: owner's extension ("" for the material, "pbr" for its core) and keys. Those
+#: that turn with the tangents come first.
+TEXTURE_KEYS = (
+    ("", ("normalTexture",)),
+    ("KHR_materials_anisotropy", ("anisotropyTexture",)),
+    ("pbr", ("baseColorTexture", "metallicRoughnessTexture")),
+    ("", ("emissiveTexture",)),
+    ("KHR_materials_clearcoat", ("clearcoatTexture", "clearcoatRoughnessTexture")),
+    ("KHR_materials_iridescence", ("iridescenceTexture", "iridescenceThicknessTexture")),
+    ("KHR_materials_sheen", ("sheenColorTexture", "sheenRoughnessTexture")),
+    ("KHR_materials_specular", ("specularTexture", "specularColorTexture")),
+    ("KHR_materials_transmission", ("transmissionTexture",)),
+)
 
 
 @dataclass(frozen=True)
@@ -48,14 +51,15 @@ class Material:
         Description.
     emission : color, texture or None
         Radiance of the surfaces that have it.
-    coordinates : int
-        Set of texture coordinates that it uses.
+    sets : tuple of int
+        Numbers of the sets of texture coordinates that it uses; the first is the mesh's own, by
+        which normals are bent.
     is_unlit : bool
     """
 
     bsdf: Data
     emission: Any = None
-    coordinates: int = 0
+    sets: tuple[int, ...] = ()
     is_unlit: bool = False
 
 
@@ -81,6 +85,7 @@ class Materials:
         self._say_what_is_dropped(item)
         empty = Item({}, item.at("pbrMetallicRoughness"), item.name, item.report)
         pbr = item.object("pbrMetallicRoughness") or empty
+        self.textures.sets = self._sets(item, pbr)
         *color, opacity = pbr.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0), 0.0, 1.0)
         picture = self.textures.bitmap(pbr, "baseColorTexture", is_color=True)
         base = multiplied(list(color), picture)
@@ -100,7 +105,7 @@ class Materials:
                 bsdf = {"type": "two_sided", "bsdf": bsdf}
         bsdf = self._cut_out(item, bsdf, opacity, picture)
         emission = base if unlit else self._emission(item)
-        return Material(bsdf, emission, self._coordinates(item, pbr), unlit)
+        return Material(bsdf, emission, self.textures.sets, unlit)
 
     def _metal(self, pbr: Item) -> Data:
         picture = self.textures.bitmap(pbr, "metallicRoughnessTexture", is_color=False)
@@ -152,25 +157,22 @@ class Materials:
         report = self.document.report
         if item.has("occlusionTexture"):
             report.drop("occlusionTexture: the light itself is traced")
-        extensions = item.object("extensions")
-        for name in extensions.value if extensions else ():
-            if name not in COVERED:
-                report.approximate(f"materials: {name} is not covered and was left out")
 
-    def _coordinates(self, item: Item, pbr: Item) -> int:
-        """The set of coordinates of the first texture; a mesh of ours has one set."""
-        used = []
-        for owner_name, keys in TEXTURE_KEYS.items():
+    def _sets(self, item: Item, pbr: Item) -> tuple[int, ...]:
+        """The sets of coordinates of all textures, that of the tangents first."""
+        used: list[int] = []
+        for owner_name, keys in TEXTURE_KEYS:
             owner = {"": item, "pbr": pbr}.get(owner_name) or item.extension(owner_name)
             if owner is not None:
                 present = [key for key in keys if owner.has(key)]
                 used += [self.textures.coordinates(owner, key) for key in present]
-        if len(set(used)) > 1:
+        sets = tuple(dict.fromkeys(used))
+        if len(sets) > MOST_SETS:
             self.document.report.approximate(
-                f"{item.pointer}: its textures use several sets of coordinates; "
-                f"TEXCOORD_{used[0]} is taken for all"
+                f"{item.pointer}: its textures use {len(sets)} sets of coordinates, of which "
+                f"{MOST_SETS} can be kept; TEXCOORD_{sets[0]} is taken for the rest"
             )
-        return used[0] if used else 0
+        return sets[:MOST_SETS]
 
 
 class _Extensions:
@@ -217,9 +219,11 @@ class _Extensions:
         """KHR_materials_transmission, KHR_materials_volume."""
         transmission = self.item.extension("KHR_materials_transmission")
         if transmission is None:
+            self._say_no_part()
             return
         share = self._number(transmission, "transmission", 0.0, "r")
         if share == 0.0:
+            self._say_no_part()
             return
         self.bsdf["transmission"] = share
         volume = self.item.extension("KHR_materials_volume")
@@ -234,6 +238,11 @@ class _Extensions:
         )
         if volume.has("attenuationDistance"):
             self.bsdf["attenuation_distance"] = volume.number("attenuationDistance", 1.0, 1e-9)
+
+    def _say_no_part(self) -> None:
+        if self.item.extension("KHR_materials_volume") is not None:
+            text = "KHR_materials_volume: plays no part without transmission"
+            self.item.report.drop(text)
 
     def clearcoat_and_sheen(self) -> None:
         """KHR_materials_clearcoat, KHR_materials_sheen."""

@@ -14,7 +14,7 @@ from alight.core.errors import SceneError
 from alight.scene.formats.gltf.accessors import COMPRESSED, read_accessor
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.values import Item
-from alight.scene.formats.triangles import MeshArrays
+from alight.scene.formats.triangles import MeshArrays, joined_sets
 from alight.scene.meshes import mesh_problem
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
@@ -22,7 +22,7 @@ _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
 
 
 def read_primitive(
-    document: Document, primitive: Item, weights: list[float], coordinates: int
+    document: Document, primitive: Item, weights: list[float], sets: tuple[int, ...]
 ) -> MeshArrays | None:
     """Read a primitive.
 
@@ -32,8 +32,8 @@ def read_primitive(
     primitive : Item
     weights : list of float
         Of the morph targets.
-    coordinates : int
-        Which set of texture coordinates is wanted.
+    sets : tuple of int
+        Which sets of texture coordinates its material asks for; the first becomes the own one.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def read_primitive(
     if attributes is None or not attributes.has("POSITION"):
         document.report.drop("primitives without POSITION")
         return None
-    _say_what_is_dropped(document, attributes, coordinates)
+    _say_what_is_dropped(document, attributes, sets or (0,))
     vertices = _table(document, attributes, "POSITION", 3)
     assert vertices is not None
     count = len(vertices)
@@ -64,12 +64,10 @@ def read_primitive(
         document.report.drop("primitives without triangles")
         return None
     normals = _table(document, attributes, "NORMAL", 3, count)
-    uvs = _table(document, attributes, f"TEXCOORD_{coordinates}", 2, count)
+    uvs, more_uvs = _coordinates(document, primitive, attributes, sets, count)
     colors = _colors(document, attributes, count)
     vertices, normals = _morphed(document, primitive, weights, vertices, normals)
-    if uvs is not None:
-        uvs = np.column_stack([uvs[:, 0], np.float32(1.0) - uvs[:, 1]])
-    arrays = MeshArrays(vertices, faces, normals, uvs, colors)
+    arrays = MeshArrays(vertices, faces, normals, uvs, colors, more_uvs)
     problem = mesh_problem(arrays)
     if problem:
         raise primitive.fatal("", f"{problem[0]} {problem[1]}")
@@ -95,6 +93,25 @@ def _table(
     if count is not None and len(table) != count:
         raise attributes.fatal(key, f"must have {count} rows as POSITION, got {len(table)}")
     return np.ascontiguousarray(table, np.float32)
+
+
+def _coordinates(
+    document: Document, primitive: Item, attributes: Item, sets: tuple[int, ...], count: int
+) -> tuple[NDArray[np.float32] | None, NDArray[np.float32] | None]:
+    """The own set of texture coordinates, and the others in one array; v upwards."""
+    tables = [_table(document, attributes, f"TEXCOORD_{n}", 2, count) for n in sets or (0,)]
+    lacking = [f"TEXCOORD_{n}" for n, t in zip(sets, tables, strict=False) if t is None]
+    if lacking:
+        has_others = len(lacking) < len(tables)
+        instead = "other coordinates of the mesh are" if has_others else "barycentric ones are"
+        document.report.approximate(
+            f"{primitive.pointer}: it lacks {' and '.join(lacking)}, which its material asks for; "
+            f"{instead} taken"
+        )
+    up = np.float32(1.0)
+    return joined_sets(
+        [None if t is None else np.column_stack([t[:, 0], up - t[:, 1]]) for t in tables]
+    )
 
 
 def _faces(document: Document, primitive: Item, mode: int, count: int) -> NDArray[np.int32]:
@@ -163,8 +180,8 @@ def _morphed(
     return vertices, normals
 
 
-def _say_what_is_dropped(document: Document, attributes: Item, coordinates: int) -> None:
-    used = {"POSITION", "NORMAL", "COLOR_0", f"TEXCOORD_{coordinates}"}
+def _say_what_is_dropped(document: Document, attributes: Item, sets: tuple[int, ...]) -> None:
+    used = {"POSITION", "NORMAL", "COLOR_0", *(f"TEXCOORD_{number}" for number in sets)}
     reasons: dict[str, Any] = {
         "TANGENT": "tangents follow from the texture coordinates",
         "JOINTS_0": "skins are shown as the vertices are stored",

@@ -229,7 +229,7 @@ class Graph:
             material = self.materials.get(index, has_colors)
             if self.document.report.issues:
                 raise SceneError(self.document.report.issues)
-            arrays = read_primitive(self.document, primitive, weights, material.coordinates)
+            arrays = read_primitive(self.document, primitive, weights, material.sets)
             if arrays is None:
                 continue
             shape = Mesh(**arrays._asdict())

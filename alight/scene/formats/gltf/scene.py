@@ -9,12 +9,13 @@ from alight.core.errors import SceneError, nearest
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats.gltf.accessors import COMPRESSED
 from alight.scene.formats.gltf.container import Document, open_document
+from alight.scene.formats.gltf.keys import left_out, say_what_is_unknown
 from alight.scene.formats.gltf.materials import COVERED as MATERIALS
 from alight.scene.formats.gltf.materials import Materials
 from alight.scene.formats.gltf.nodes import Graph
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.report import Report
-from alight.scene.formats.surroundings import SIZE, add_camera, add_light
+from alight.scene.formats.surroundings import SIZE, add_camera, add_light, use_first_camera
 
 #: Extensions that are read.
 COVERED = (
@@ -41,6 +42,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     report = Report()
     document = open_document(data, name, folder, report)
     _check_extensions(document)
+    say_what_is_unknown(document.root.value, report)
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
@@ -63,15 +65,8 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
 
 def _use_camera(document: Document, graph: Graph, scene: dict[str, Any]) -> None:
     """Show what the first camera sees."""
-    path, index = graph.cameras[0]
-    if len(graph.cameras) > 1:
-        others = ", ".join(path for path, _ in graph.cameras[1:])
-        document.report.approximate(
-            f"the picture is that of the first camera, {path}; others: {others} "
-            "(choose with --camera)"
-        )
-    scene["camera"] = path
-    item = document.list("cameras")[index]
+    use_first_camera(scene, document.report, [path for path, _ in graph.cameras])
+    item = document.list("cameras")[graph.cameras[0][1]]
     perspective = item.object("perspective")
     orthographic = item.object("orthographic")
     aspect = SIZE[0] / SIZE[1]
@@ -101,7 +96,7 @@ def _check_extensions(document: Document) -> None:
             root.wrong("extensionsRequired", f"{text}  (covered: {', '.join(sorted(COVERED))})")
     for name in used:
         if name not in COVERED and name not in required:
-            document.report.approximate(f"{name} is not covered and was left out")
+            document.report.approximate(left_out(name))
     if document.report.issues:
         raise SceneError(document.report.issues)
 

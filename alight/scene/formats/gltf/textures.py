@@ -38,10 +38,17 @@ class Textures:
     Parameters
     ----------
     document : Document
+
+    Attributes
+    ----------
+    sets : tuple of int
+        The sets of texture coordinates that the material in the making uses, in the order that
+        meshes with it will have: the set 0 of ours is the first of them.
     """
 
     def __init__(self, document: Document) -> None:
         self.document = document
+        self.sets: tuple[int, ...] = ()
         self._pictures: dict[int, Image | str | None] = {}
 
     def bitmap(self, owner: Item, key: str, *, is_color: bool) -> Data | None:
@@ -74,6 +81,9 @@ class Textures:
         matrix = transform(info)
         if matrix is not None:
             data["to_uv"] = {"matrix": matrix}
+        number = self.coordinates(owner, key)
+        if number in self.sets[1:]:
+            data["uv_set"] = self.sets.index(number)
         return data
 
     def coordinates(self, owner: Item, key: str) -> int:

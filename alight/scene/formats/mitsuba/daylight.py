@@ -30,18 +30,24 @@ _TIME = {"year": 2010, "month": 7, "day": 10, "hour": 15.0, "minute": 0.0, "seco
 def sky_and_sun(light: Draft) -> list[Step]:
     """Fill in a light of the types sunsky, sky or sun; the steps of its node."""
     p, kind, old = light.properties, light.element.type, light.element.old
-    light.context.report.note(light.element, _DIFFERENCE)
+    light.context.report.warn(light.element, _DIFFERENCE)
     p.ignore("the map of the sky has half a degree a texel", "resolution", "samples_per_channel")
     p.ignore("the sun is a disk of even radiance", "complex_sun", "sun_radius_scale", "stretch")
     steps = steps_of(p)
     light.number("turbidity", 3.0)
-    light.data["turbidity"] = float(np.clip(light.data["turbidity"], 2.0, 10.0))
+    turbidity = light.data["turbidity"]
+    light.data["turbidity"] = limited = float(np.clip(turbidity, 2.0, 10.0))
+    if limited != turbidity:
+        light.context.report.warn(light.element, f"its turbidity {turbidity:g} became {limited:g}")
     light.put("sun_direction", _direction(light, old))
     factor = p.number("scale", 1.0) or 0.0
     light.data["scale"] = [factor / UNIT] * 3
     if kind != "sun":
         # Mitsuba's albedo brightens the sky, which is black below the horizon.
-        p.ignore("the sky does not depend on the ground's albedo", "albedo")
+        albedo = p.find("albedo")
+        if albedo is not None:
+            text = "is left out: the sky does not depend on the ground's albedo"
+            light.context.report.warn(albedo, text)
         light.data["ground"] = [0.0] * 3
     sun, sky = p.number("sun_scale", 1.0), p.number("sky_scale", 1.0)
     if kind == "sunsky":
@@ -78,6 +84,11 @@ def _by_date(light: Draft, place: dict, time: dict) -> tuple[float, float, float
         day = datetime(int(time["year"]), int(time["month"]), int(time["day"]), tzinfo=UTC)
     except ValueError as error:
         light.context.report.error(light.element, f"is no date: {error}")
+        return 0.0, 1.0, 0.0
+    if not abs(place["latitude"]) <= 90.0 or not abs(place["longitude"]) <= 180.0:
+        text = "latitude must be in [-90, 90] and longitude in [-180, 180]"
+        got = f"{place['latitude']:g} and {place['longitude']:g}"
+        light.context.report.error(light.element, f"{text}, got {got}")
         return 0.0, 1.0, 0.0
     hours = time["hour"] - place["timezone"]
     moment = day + timedelta(hours=hours, minutes=time["minute"], seconds=time["second"])

@@ -16,15 +16,16 @@ from alight.scene.formats.pbrt.colors import INDICES
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.textures import Source, TextureItem, Value
+from alight.scene.formats.pbrt.textures import Source, TextureItem, Value, product
+from alight.scene.formats.pbrt.walks import LEAST_ALPHA, Coat, base_of_walk
 from alight.scene.formats.reach import OutOfReachError
 
 #: pbrt treats what is smoother as a mirror.
 SMOOTH = 1e-3
 SMALLEST_ETA = 1e-6
 MOST_LEVELS = 12
-#: About how the layers are computed, not about what they are.
-_OF_WALKS = ("maxdepth", "nsamples", "thickness", "twosided")
+#: Rougher coats over a matte base are warned of.
+LARGEST_ALPHA = 0.15
 
 
 @dataclass(eq=False)
@@ -168,7 +169,13 @@ def alphas(m: Making, default: float, prefix: str = "") -> tuple[float | str, fl
             value = 0.0
         elif remapped:
             value = alpha_of(value, old)
+        if isinstance(value, float) and value > 1.0:
+            m.warn(f"is rougher than can be: alpha {value:.3g} became 1")
         found.append(min(max(value, 0.0), 1.0) if isinstance(value, float) else value)
+    names = [f"{prefix}{axis}roughness" for axis in ("", "u", "v")]
+    for parameter in (m.p.named[name] for name in names if m.p.has(name)):
+        if parameter.kind == "float" and float(parameter.values[0]) < 0.0:
+            m.p.report.error(parameter, f"must be >= 0, got {float(parameter.values[0]):g}")
     return found[0], found[1]
 
 
@@ -220,7 +227,7 @@ def index(m: Making, name: str, default: float = 1.5) -> float:
     return value
 
 
-def metal(m: Making, names: tuple[str, str], reflectance: str | None, outside: float) -> Data:
+def metal(m: Making, names: tuple[str, str], reflectance: str | None) -> Data:
     """The keys of a conductor: eta and k, or those that reflect a given colour straight on."""
     found = m.color(reflectance, None) if reflectance else None
     if isinstance(found, str):
@@ -236,7 +243,7 @@ def metal(m: Making, names: tuple[str, str], reflectance: str | None, outside: f
         if isinstance(value, str):
             m.warn(f"has a texture of {name}: copper is taken")
             value = None
-        pair.append([c / outside for c in value or INDICES[default]])
+        pair.append(list(value or INDICES[default]))
     return {"eta": [max(c, SMALLEST_ETA) for c in pair[0]], "k": pair[1]}
 
 
@@ -247,19 +254,44 @@ def _diffuse(m: Making) -> Data:
 def _coated_diffuse(m: Making) -> Data:
     alpha = one_alpha(m, *alphas(m, 0.0))
     base = m.color("reflectance", [0.5] * 3) or [0.5] * 3
-    _layers(m)
-    data = coat(m, alpha, base, index(m, "eta"), None)
+    walk = _walk(m)
+    eta = index(m, "eta")
+    if isinstance(alpha, float):
+        base = _base_of_walk(m, base, Coat(alpha, eta, *walk))
+    else:
+        m.warn("has a texture of roughness: the coat is clear, and light goes round without end")
     # Light goes round between the layers, tinted each time.
-    return two_sided({**data, "nonlinear": True})
+    return two_sided({**coat(m, alpha, base, eta, None), "nonlinear": True})
 
 
-def _layers(m: Making) -> None:
-    m.p.ignore("the layers are solved without random walks", *_OF_WALKS)
-    m.p.leave_out("there is nothing between the layers", "albedo", "g")
+def _base_of_walk(m: Making, base: Value, coat: Coat) -> Value:
+    """The base that looks as pbrt's does under its coat; see `alight.scene.formats.pbrt.walks`."""
+    if coat.alpha > LARGEST_ALPHA:
+        m.warn(
+            "has a rough coat over a matte base: as bright as in pbrt within 0.01 up to 70 degrees"
+            " for roughnesses up to 0.25, and too dark towards the rim (0.04 at 84 degrees for 0.1)"
+        )
+    if isinstance(base, str):
+        m.warn(
+            "has a texture below a coat: right where its albedo is 0.7, too bright by up to 0.05"
+            " where it is white"
+        )
+        return product(m, base, [base_of_walk([0.7], coat)[0] / 0.7] * 3)
+    return base_of_walk(base, coat)
+
+
+def _walk(m: Making) -> tuple[float, int]:
+    """Optical thickness of what lies between the layers, and how often light meets the base."""
+    thickness = min(max(m.plain_number("thickness", 0.01), 0.0), 1e3)
+    depth = m.p.integer("maxdepth", 10)
+    m.p.ignore("the layers are solved without random walks", "nsamples", "twosided")
+    m.p.leave_out("nothing scatters between the layers", "albedo", "g")
+    # Each second event of pbrt's walk is one at the base.
+    return thickness, min(max((depth + 1) // 2, 1), 1000)
 
 
 def _conductor(m: Making) -> Data:
-    keys = metal(m, ("eta", "k"), "reflectance", 1.0)
+    keys = metal(m, ("eta", "k"), "reflectance")
     u, v = alphas(m, 0.0)
     if is_smooth(u, v):
         return two_sided({"type": "conductor", **keys})
@@ -270,24 +302,41 @@ def _coated_conductor(m: Making) -> Data:
     outer = one_alpha(m, *alphas(m, 0.0, "interface."))
     inner = one_alpha(m, *alphas(m, 0.0, "conductor."))
     eta = index(m, "interface.eta")
-    keys = metal(m, ("conductor.eta", "conductor.k"), "reflectance", eta)
-    _layers(m)
-    text = "becomes a principled metal under a clear coat of index 1.5: right at the normal within"
-    m.warn(f"{text} 0.01, but up to 0.06 too bright at 70 degrees in dark channels (gold)")
-    if "specular_reflectance" in keys:
-        color: Value = keys["specular_reflectance"]
-    else:
-        color = [straight_on(e, k) for e, k in zip(keys["eta"], keys["k"], strict=True)]
-    return two_sided(
-        {
-            "type": "principled",
-            "base_color": color,
-            "metallic": 1.0,
-            "roughness": root(inner),
-            "clearcoat": 1.0,
-            "clearcoat_roughness": root(outer),
-        }
+    keys = metal(m, ("conductor.eta", "conductor.k"), "reflectance")
+    thickness, bounces = _walk(m)
+    tint = keys.pop("specular_reflectance", None)
+    if tint is not None or isinstance(outer, str) or isinstance(inner, str):
+        return two_sided(_principled_layers(m, keys, (outer, inner), eta, tint))
+    ior = min(max(eta, 1.01), 5.0)
+    if ior != eta:
+        m.warn(f"has a coat of index {eta:g}, which is taken as {ior:g}")
+    m.warn(
+        "reflects as much as in pbrt within 0.01 of the light, all rounds between the layers"
+        " summed up; how a rough coat spreads it at grazing angles differs"
     )
+    layers = {"int_ior": ior, "ext_ior": 1.0, "thickness": thickness, "bounces": bounces}
+    rough = {"alpha": max(inner, LEAST_ALPHA), "coat_alpha": max(outer, LEAST_ALPHA)}
+    return two_sided({"type": "coated_conductor", **keys, **layers, **rough})
+
+
+def _principled_layers(
+    m: Making, keys: Data, rough: tuple[float | str, float | str], eta: float, tint: Value | None
+) -> Data:
+    """A coated metal with textures: the albedo of its layers cannot be tabulated."""
+    m.warn(
+        "has textures, so it becomes a principled metal under a clear coat of index 1.5, in which"
+        " no light is lost: too bright, by up to 0.5 where both layers are rough"
+    )
+    eta_k = zip(keys["eta"], keys["k"], strict=True)
+    color = [straight_on(e / eta, k / eta) for e, k in eta_k] if tint is None else tint
+    return {
+        "type": "principled",
+        "base_color": color,
+        "metallic": 1.0,
+        "roughness": root(rough[1]),
+        "clearcoat": 1.0,
+        "clearcoat_roughness": root(rough[0]),
+    }
 
 
 def straight_on(eta: float, k: float) -> float:

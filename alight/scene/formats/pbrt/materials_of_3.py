@@ -24,6 +24,9 @@ from alight.scene.formats.pbrt.materials import (
 )
 from alight.scene.formats.pbrt.textures import Value
 
+#: Reflectance straight on of a coat of index 5, the largest: ((5 - 1) / (5 + 1))^2.
+BRIGHTEST_COAT = 4.0 / 9.0
+
 
 def _tint(m: Making, name: str, default: float) -> Value:
     return m.color(name, [default] * 3) or [default] * 3
@@ -66,7 +69,7 @@ def _glass(m: Making) -> Data:
 
 
 def _metal(m: Making) -> Data:
-    keys = metal(m, ("eta", "k"), None, 1.0)
+    keys = metal(m, ("eta", "k"), None)
     return two_sided({"type": "rough_conductor", **keys, **facets(*alphas(m, 0.01))})
 
 
@@ -90,8 +93,12 @@ def _substrate(m: Making) -> Data:
     # The index whose reflectance straight on is that of Ks.
     strength = 0.04
     if isinstance(specular, list):
-        strength = min(max(*specular, 1e-4), 0.9)
+        strength = min(max(*specular, 1e-4), BRIGHTEST_COAT)
+        if max(specular) > strength:
+            m.warn(f"reflects more than {BRIGHTEST_COAT:.3g} straight on, which a coat cannot")
         specular = [min(channel / strength, 1.0) for channel in specular]
+    else:
+        m.warn(f"has a texture of Ks: it tints a coat that reflects {strength:g} straight on")
     m.warn("is Ashikhmin and Shirley's model: a coat over a matte base is taken")
     eta = (1.0 + math.sqrt(strength)) / (1.0 - math.sqrt(strength))
     return two_sided(coat(m, alpha, base, eta, specular))
@@ -99,7 +106,9 @@ def _substrate(m: Making) -> Data:
 
 def _translucent(m: Making) -> Data:
     base = _tint(m, "Kd", 0.25)
-    m.p.leave_out("only the matte part is taken", "Ks", "roughness", "remaproughness")
+    if _tint(m, "Ks", 0.25) != [0.0] * 3:
+        m.warn("adds its gloss to its matte part, which alone is taken")
+    m.p.ignore("only the matte part is taken", "roughness", "remaproughness")
     parts = {}
     for key, name in (("reflectance", "reflect"), ("transmittance", "transmit")):
         share = _tint(m, name, 0.5)

@@ -52,7 +52,8 @@ class Report(AnyReport):
         known = sorted(covered)
         near = nearest(name, known)
         hint = f'; did you mean "{near}"?' if near and near != name else ""
-        text = f"{kind} {quote(name)} is not covered{hint}  (covered: {', '.join(known)})"
+        listed = ", ".join(word or '""' for word in known)
+        text = f"{kind} {quote(name)} is not covered{hint}  (covered: {listed})"
         self.not_covered(item, text, replacement)
 
     def note(self, item: Item, text: str) -> None:

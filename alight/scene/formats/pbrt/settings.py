@@ -239,6 +239,8 @@ def integrator(context: Context, directive: Directive | None, in_media: bool = F
         context.report.unknown(directive, "integrator", kind, known, "path is taken")
         p.forget()
     depth = p.integer("maxdepth", 5)
+    if depth < 0:
+        context.report.error(p.named["maxdepth"], f"must be >= 0, got {depth}")
     # pbrt counts bounces, alight the edges of a path after the camera.
     data: Data = {"type": of_paths, "max_depth": min(max(depth, 0) + 1, 2**16)}
     p.leave_out("roughness is taken as it is", "regularize")

@@ -18,7 +18,7 @@ from alight.scene.formats.pbrt.shapes import Placed
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
 from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.scene.formats.pbrt.state import State
-from alight.scene.formats.pbrt.textures import Source
+from alight.scene.formats.pbrt.textures import Source, TextureItem
 from alight.scene.formats.pbrt.transforms import (
     look_at,
     moving,
@@ -30,7 +30,7 @@ from alight.scene.formats.pbrt.transforms import (
     translation,
 )
 
-MOST_LEVELS = 1000
+MOST_LEVELS, MOST_NAMED = 1000, 20
 #: What `alight info` counts.
 COUNTED = {
     "AreaLightSource": "area lights",
@@ -66,6 +66,7 @@ class World:
         self.stack: list[tuple[str, State | tuple, Directive]] = []
         self.systems: dict[str, np.ndarray] = {}
         self.named: dict[str, MaterialItem] = {}
+        self.textures: list[TextureItem] = []
         self.objects: dict[str, str] = {}
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
@@ -86,8 +87,19 @@ class World:
 
     def close(self) -> None:
         """Report what was not closed."""
-        for kind, _, directive in self.stack:
-            self.context.report.error(directive, f"has no {kind}End")
+        for _, _, directive in self.stack:
+            end = directive.name.replace("Begin", "End")
+            self.context.report.error(directive, f"has no {end}")
+        unused = {
+            "textures": [item.directive for item in self.textures if item.value is None],
+            "materials": [i.directive for i in self.named.values() if i.native is None],
+        }
+        for kind, directives in unused.items():
+            names = [quote(directive.texts[0]) for directive in directives]
+            if names:
+                more = ", ..." if len(names) > MOST_NAMED else ""
+                listed = ", ".join(names[:MOST_NAMED])
+                self.context.report.drop(f"{kind} that nothing uses are not read: {listed}{more}")
 
     def follow(self, directive: Directive) -> None:
         """Do what a directive says."""
@@ -246,6 +258,7 @@ class World:
         )
         if found is not None:
             key, item = found
+            self.textures.append(item)
             self.state.textures = {**self.state.textures, key: item}
             # In pbrt 4 the names of textures are known everywhere from here on.
             for i, (kind, kept, begin) in enumerate(self.stack):

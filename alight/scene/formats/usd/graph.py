@@ -10,14 +10,16 @@ import numpy as np
 from alight.core.errors import SceneError
 from alight.scene.formats.glow import Glow
 from alight.scene.formats.names import free_name
+from alight.scene.formats.polygons import Triangles
 from alight.scene.formats.surroundings import Bounds
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.formats.usd.cameras import read_camera
 from alight.scene.formats.usd.lights import is_light, read_light
 from alight.scene.formats.usd.materials import Material, plain_material, read_material
-from alight.scene.formats.usd.meshes import mesh_of, read_mesh, solid
+from alight.scene.formats.usd.meshes import has_set, mesh_of, read_mesh, solid
 from alight.scene.formats.usd.modules import UsdGeom, UsdLux, UsdShade
 from alight.scene.formats.usd.stage import Stage
+from alight.scene.formats.usd.textures import DEFAULT_COORDINATES
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 
@@ -191,35 +193,57 @@ class Graph:
     def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
         self.stage.report.count("meshes")
         subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
-        first = subsets[0].GetPrim() if subsets else prim
-        _, material = self._material_of(first, prim)
-        triangles = read_mesh(self.stage, prim, material.coordinates)
+        indices = [self.stage.value(subset.GetIndicesAttr(), []) for subset in subsets]
+        bound = [subset.GetPrim() for subset in subsets]
+        faces = len(self.stage.value(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr(), []))
+        if len({int(face) for part in indices for face in part}) < faces:
+            bound.append(prim)
+        sets = {name for part in bound for name in self._sets_of(part, prim)}
+        triangles = read_mesh(self.stage, prim, sorted(sets))
         if triangles is None:
             return None
         self.bounds.add(triangles.vertices, to_world)
         parts: dict[str, Data] = {}
         rest = np.ones(len(triangles.faces), bool)
-        for subset in subsets:
-            indices = np.array(self.stage.value(subset.GetIndicesAttr(), []), np.int64)
-            chosen = np.isin(triangles.origin, indices) & rest
+        for subset, its_faces in zip(subsets, indices, strict=True):
+            chosen = np.isin(triangles.origin, np.array(its_faces, np.int64)) & rest
             rest &= ~chosen
             if chosen.any():
-                parts[subset.GetPrim().GetName()] = self._part(
-                    prim, subset.GetPrim(), mesh_of(triangles, chosen), to_world
-                )
+                part = subset.GetPrim()
+                parts[part.GetName()] = self._part(prim, part, triangles, chosen, to_world)
         if rest.any():
-            whole = mesh_of(triangles, None if rest.all() else rest)
-            parts[free_name("rest", parts, "rest")] = self._part(prim, prim, whole, to_world)
+            left = None if rest.all() else rest
+            name = free_name("rest", parts, "rest")
+            parts[name] = self._part(prim, prim, triangles, left, to_world)
         return next(iter(parts.values())) if len(parts) == 1 else {"children": parts}
 
-    def _part(self, prim: Any, bound: Any, mesh: Mesh, to_world: Matrix) -> Data:
-        arrays = MeshArrays(mesh.vertices, mesh.faces, mesh.normals, mesh.uvs, mesh.colors)
+    def _sets_of(self, bound: Any, prim: Any) -> tuple[str, ...]:
+        """Names of the texture coordinates that a mesh, or a part of one, needs."""
+        return self._material_of(bound, prim)[1].sets or (DEFAULT_COORDINATES,)
+
+    def _part(
+        self, prim: Any, bound: Any, triangles: Triangles, chosen: Any, to_world: Matrix
+    ) -> Data:
+        sets = self._sets_of(bound, prim)
+        mesh = mesh_of(triangles, sets, chosen)
+        self._say_what_is_lacking(prim, bound, triangles)
+        arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
         problem = mesh_problem(arrays)
         if problem:
             self.stage.problem(prim, f"{problem[0]} {problem[1]}")
             raise SceneError(self.stage.report.issues)
         name, material = self._material_of(bound, prim)
         return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
+
+    def _say_what_is_lacking(self, prim: Any, bound: Any, triangles: Triangles) -> None:
+        asked = self._material_of(bound, prim)[1].sets
+        lacking = [name for name in asked if not has_set(triangles, name)]
+        if lacking:
+            instead = "others" if len(lacking) < len(asked) else "barycentric ones"
+            self.stage.report.approximate(
+                f"{prim.GetPath()}: it lacks the coordinates {' and '.join(lacking)}, which its "
+                f"material asks for; {instead} are taken"
+            )
 
     def _shining(self, data: Data, material: Material, to_world: Matrix) -> Data:
         if material.emission is not None:

@@ -22,7 +22,6 @@ INPUTS: dict[str, Any] = {
     "opacityThreshold": 0.0, "ior": 1.5, "normal": (0.0, 0.0, 1.0), "displacement": 0.0,
     "occlusion": 1.0,
 }  # fmt: skip
-DEFAULT_COORDINATES = "st"
 _PREVIEW = "UsdPreviewSurface"
 
 
@@ -36,13 +35,14 @@ class Material:
         Description of the native format.
     emission : color, dict or None
         Radiance of surfaces that shine, W/(m^2 sr).
-    coordinates : str
-        Name of the texture coordinates that its textures use.
+    sets : tuple of str
+        Names of the texture coordinates that its textures use; the first are the mesh's own, by
+        which normals are bent.
     """
 
     bsdf: Data
     emission: Any
-    coordinates: str
+    sets: tuple[str, ...] = ()
 
 
 def plain_material(stage: Stage, prim: Any) -> Material:
@@ -50,13 +50,14 @@ def plain_material(stage: Stage, prim: Any) -> Material:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
     color: Any = [0.18] * 3
     if primvar and primvar.HasValue():
-        table = primvar.ComputeFlattened(stage.time)
-        if primvar.GetInterpolation() == UsdGeom.Tokens.constant and table:
-            color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
-        else:
+        table = stage.table(primvar)
+        if table is not None and primvar.GetInterpolation() == UsdGeom.Tokens.constant:
+            if table.shape[1:] == (3,) and len(table):
+                color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
+        elif table is not None:
             color = {"type": "vertex_color", "fallback": 0.18}
     bsdf = {"type": "two_sided", "bsdf": {"type": "diffuse", "reflectance": color}}
-    return Material(bsdf, None, DEFAULT_COORDINATES)
+    return Material(bsdf, None)
 
 
 def read_material(stage: Stage, material: Any, prim: Any) -> Material:
@@ -93,6 +94,8 @@ class _Preview:
 
     def material(self) -> Material:
         """What it becomes."""
+        # Tangents follow from the own coordinates of a mesh: the picture of normals comes first.
+        normals = self._normals()
         # Some exporters write everything that a mirror shows as its diffuse colour, too.
         bsdf: Data = {
             "type": "principled",
@@ -107,12 +110,12 @@ class _Preview:
         coat = self._number("clearcoat")
         if coat != 0.0:
             bsdf |= {"clearcoat": coat, "clearcoat_roughness": self._number("clearcoatRoughness")}
-        bsdf = {"type": "two_sided", "bsdf": self._bumpy(bsdf)}
+        bsdf = {"type": "two_sided", "bsdf": bsdf if normals is None else normals | {"bsdf": bsdf}}
         emission = self._color("emissiveColor", bounded=False)
         shines = isinstance(emission, dict) or max(emission) > 0.0
         self._say_what_is_left_out()
-        coordinates = self.textures.coordinates or DEFAULT_COORDINATES
-        return Material(self._cut_out(bsdf), emission if shines else None, coordinates)
+        bsdf = self._cut_out(bsdf)
+        return Material(bsdf, emission if shines else None, tuple(self.textures.sets))
 
     def _specular(self, bsdf: Data) -> None:
         """The workflow with a colour of reflection: below 4 % glass-like, above a metal."""
@@ -140,15 +143,16 @@ class _Preview:
             return inverse
         return ior
 
-    def _bumpy(self, bsdf: Data) -> Data:
+    def _normals(self) -> Data | None:
+        """The wrapper that bends normals, without what it wraps."""
         source = self.textures.source_of(self.shader, "normal")
         if source is None:
-            return bsdf
+            return None
         picture = self.textures.bitmap(source[0], is_color=False)
         if picture is None:
-            return bsdf
+            return None
         # The usual 2 x - 1, which the wrapper applies itself.
-        return {"type": "normal_map", "texture": picture, "bsdf": bsdf}
+        return {"type": "normal_map", "texture": picture}
 
     def _cut_out(self, bsdf: Data) -> Data:
         opacity = self._number("opacity")

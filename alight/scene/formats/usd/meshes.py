@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from alight.scene.formats.polygons import (
     triangulated,
     vertex_normals,
 )
+from alight.scene.formats.triangles import joined_sets
 from alight.scene.formats.usd.modules import UsdGeom
 from alight.scene.formats.usd.stage import Stage
 from alight.shapes.mesh import Mesh
@@ -23,6 +25,8 @@ Data = dict[str, Any]
 #: Levels of subdivision, fewer for meshes that would have more faces than this.
 LEVELS, MOST_FACES = 2, 1_000_000
 _INFINITE = 10.0
+#: Before the names of texture coordinates among the values of a mesh.
+_UVS = "uvs "
 #: Rotation that takes +z to the axis of a solid.
 _AXES: dict[str, list[Data]] = {
     "X": [{"rotate": {"axis": "y", "angle": 90}}],
@@ -32,7 +36,7 @@ _AXES: dict[str, list[Data]] = {
 _AROUND = 64
 
 
-def read_mesh(stage: Stage, prim: Any, coordinates: str) -> Triangles | None:
+def read_mesh(stage: Stage, prim: Any, sets: Sequence[str]) -> Triangles | None:
     """Read a mesh.
 
     Parameters
@@ -40,16 +44,16 @@ def read_mesh(stage: Stage, prim: Any, coordinates: str) -> Triangles | None:
     stage : Stage
     prim : Usd.Prim
         A UsdGeom.Mesh.
-    coordinates : str
-        Name of the texture coordinates that are wanted.
+    sets : sequence of str
+        Names of the texture coordinates that are wanted.
 
     Returns
     -------
     Triangles or None
-        With the values "normals", "uvs" and "colors" that there are; None after a problem, or
+        With the values "normals", "colors" and "uvs NAME" that there are; None after a problem, or
         without faces.
     """
-    polygons = _polygons(stage, prim, coordinates)
+    polygons = _polygons(stage, prim, sets)
     if polygons is None:
         return None
     mesh = UsdGeom.Mesh(prim)
@@ -61,16 +65,28 @@ def read_mesh(stage: Stage, prim: Any, coordinates: str) -> Triangles | None:
     return triangulated(polygons)
 
 
-def mesh_of(triangles: Triangles, chosen: Any = None) -> Mesh:
-    """The shape of all triangles, or of the chosen ones."""
+def mesh_of(triangles: Triangles, sets: Sequence[str], chosen: Any = None) -> Mesh:
+    """The shape of all triangles, or of the chosen ones, with these texture coordinates."""
     faces = triangles.faces if chosen is None else triangles.faces[chosen]
     used, index = np.unique(faces, return_inverse=True)
     arrays = {name: table[used].astype(np.float32) for name, table in triangles.values.items()}
-    vertices = triangles.vertices[used].astype(np.float32)
-    return Mesh(vertices=vertices, faces=index.reshape(-1, 3).astype(np.int32), **arrays)
+    uvs, more_uvs = joined_sets([arrays.get(_UVS + name) for name in sets])
+    return Mesh(
+        vertices=triangles.vertices[used].astype(np.float32),
+        faces=index.reshape(-1, 3).astype(np.int32),
+        normals=arrays.get("normals"),
+        colors=arrays.get("colors"),
+        uvs=uvs,
+        more_uvs=more_uvs,
+    )
 
 
-def _polygons(stage: Stage, prim: Any, coordinates: str) -> Polygons | None:
+def has_set(triangles: Triangles, name: str) -> bool:
+    """Whether there are texture coordinates of this name."""
+    return _UVS + name in triangles.values
+
+
+def _polygons(stage: Stage, prim: Any, sets: Sequence[str]) -> Polygons | None:
     mesh = UsdGeom.Mesh(prim)
     points = np.array(stage.value(mesh.GetPointsAttr(), []), np.float64).reshape(-1, 3)
     counts = np.array(stage.value(mesh.GetFaceVertexCountsAttr(), []), np.int64)
@@ -85,7 +101,7 @@ def _polygons(stage: Stage, prim: Any, coordinates: str) -> Polygons | None:
     if not keep.any():
         stage.report.drop(f"{prim.GetPath()}: a mesh without faces")
         return None
-    values = _values(stage, prim, coordinates, points, counts, corners)
+    values = _values(stage, prim, sets, points, counts, corners)
     kept = np.repeat(keep, counts)
     origin = np.flatnonzero(keep)
     counts, corners = counts[keep], corners[kept]
@@ -117,11 +133,11 @@ def _reversed_corners(counts: Any) -> Any:
 
 
 def _values(
-    stage: Stage, prim: Any, coordinates: str, points: Any, counts: Any, corners: Any
+    stage: Stage, prim: Any, sets: Sequence[str], points: Any, counts: Any, corners: Any
 ) -> dict[str, Any]:
     """What the mesh says of its corners: normals, texture coordinates, colours."""
     api, values = UsdGeom.PrimvarsAPI(prim), {}
-    wanted = {"uvs": (api.FindPrimvarWithInheritance(coordinates), 2)}
+    wanted = {_UVS + name: (api.FindPrimvarWithInheritance(name), 2) for name in sets}
     wanted["colors"] = (api.FindPrimvarWithInheritance("displayColor"), 3)
     normals = api.FindPrimvarWithInheritance("normals")
     if normals and normals.HasValue():
@@ -129,10 +145,12 @@ def _values(
     for name, (primvar, width) in wanted.items():
         if not primvar or not primvar.HasValue():
             continue
-        table = primvar.ComputeFlattened(stage.time)
+        table = stage.table(primvar)
+        if table is None:
+            continue
         rows = _by_corners(table, primvar.GetInterpolation(), len(points), counts, corners)
         if rows is None or rows.shape[1] != width:
-            text = f"{primvar.GetName()} has {len(table or [])} values, which do not fit"
+            text = f"{primvar.GetName()} has {len(table)} values, which do not fit"
             stage.report.approximate(f"{prim.GetPath()}: {text}: left out")
             continue
         if name == "colors":

@@ -10,7 +10,7 @@ from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats.names import free_name
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.report import Report
-from alight.scene.formats.surroundings import add_camera, add_light
+from alight.scene.formats.surroundings import add_camera, add_light, use_first_camera
 from alight.scene.formats.usd.graph import Graph
 from alight.scene.formats.usd.modules import Tf
 from alight.scene.formats.usd.stage import first_line, open_stage, to_world, world_matrix
@@ -36,7 +36,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     report = Report()
     path = (folder or Path()) / Path(name).name
     stage = open_stage(path, name, report)
-    steps = to_world(stage.stage)
+    steps = to_world(stage)
     graph = Graph(stage, world_matrix(steps))
     try:
         graph.build(steps)
@@ -61,15 +61,9 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     if not graph.is_lit and not graph.glow.suffices(graph.bounds):
         add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:
-        camera, aspect = graph.cameras[0]
-        scene["camera"] = camera
+        use_first_camera(scene, report, [path for path, _ in graph.cameras])
+        aspect = graph.cameras[0][1]
         scene["film"] = {"size": [max(1, min(round(_HEIGHT * aspect), 2**14)), _HEIGHT]}
-        if len(graph.cameras) > 1:
-            others = ", ".join(path for path, _ in graph.cameras[1:])
-            report.approximate(
-                f"the picture is that of the first camera, {camera}; others: {others} "
-                "(choose with --camera)"
-            )
     else:
         add_camera(scene, report, graph.bounds)
     framed = None if graph.cameras else graph.bounds

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from alight.core.errors import Issue, SceneError
+from alight.core.errors import Issue, SceneError, show_value
 from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
 from alight.scene.formats.usd.modules import Sdf, Tf, Usd, UsdGeom, UsdUtils
@@ -44,16 +46,64 @@ class Stage:
             return default
         # Files may declare an attribute of a schema anew; then its value is of any type.
         given, wanted = str(Sdf.GetValueTypeNameForValue(found)), str(attribute.GetTypeName())
-        if _kind(given) != _kind(wanted):
+        if not given or _kind(given) != _kind(wanted):
             text = f"{attribute.GetName()} must be of type {wanted}"
-            self.problem(attribute.GetPrim(), text + (f", got {given}" if given else ""))
+            text += f", got {given}" if given else ""
+            if not wanted:
+                text = f"{attribute.GetName()} is of a type that OpenUSD does not know"
+            self.problem(attribute.GetPrim(), text)
+            return default
+        if isinstance(found, float) and not math.isfinite(found):
+            self.problem(attribute.GetPrim(), f"{attribute.GetName()} must be finite, got {found}")
             return default
         return found
+
+    def alike(self, attribute: Any, default: Any) -> Any:
+        """Value of an attribute that no schema declares, if it is of the kind of the default."""
+        found = self.value(attribute)
+        if found is None:
+            return default
+        if (
+            isinstance(default, tuple)
+            and hasattr(found, "__len__")
+            and 0 < len(found) <= len(default)
+        ):
+            # A vector may be shorter: it counts as the first components.
+            found = (*found, *default[len(found) :])
+            fits = all(isinstance(c, int | float) for c in found)
+        else:
+            fits = isinstance(found, str if isinstance(default, str) else int | float)
+            fits = fits and not isinstance(default, tuple)
+        if not fits:
+            wanted = "a text" if isinstance(default, str) else "a number"
+            if isinstance(default, tuple):
+                wanted = f"{len(default)} numbers"
+            text = f"{attribute.GetName()} must be {wanted}, got {show_value(found)}"
+            self.problem(attribute.GetPrim(), text)
+            return default
+        return found
+
+    def table(self, primvar: Any) -> NDArray[np.float64] | None:
+        """Numbers of a primvar, a row for each of its values; None if they are no numbers."""
+        try:
+            table = np.array(primvar.ComputeFlattened(self.time), np.float64)
+        except (TypeError, ValueError):
+            table = np.zeros(0)
+        if table.ndim == 1 and len(table):
+            table = table[:, None]
+        if table.ndim == 2 and np.isfinite(table).all():
+            return table
+        text = f"{primvar.GetName()} holds no rows of finite numbers: left out"
+        self.report.approximate(f"{primvar.GetAttr().GetPrim().GetPath()}: {text}")
+        return None
 
     def problem(self, prim: Any, message: str) -> None:
         """Report what nothing mends but an edit."""
         self.report.problem(self.name, str(prim.GetPath()), message)
 
+
+#: In metres.
+LARGEST_UNIT = 1e12
 
 _NUMBERS = (
     "double",
@@ -118,10 +168,15 @@ def open_stage(path: Path, name: str, report: Report) -> Stage:
     return Stage(stage, time, name, reach, report)
 
 
-def to_world(stage: Any) -> list[dict[str, Any]]:
+def to_world(opened: Stage) -> list[dict[str, Any]]:
     """Steps from a stage's space to ours: metres, +y up."""
     steps: list[dict[str, Any]] = []
+    stage = opened.stage
     meters = UsdGeom.GetStageMetersPerUnit(stage)
+    if not 0.0 < meters <= LARGEST_UNIT:
+        text = f"must be > 0 and at most {LARGEST_UNIT:g}, got {meters:g}"
+        opened.report.problem(opened.name, "metersPerUnit", text)
+        meters = 1.0
     if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
         steps.append({"rotate": {"axis": "x", "angle": -90}})
     if meters != 1.0:

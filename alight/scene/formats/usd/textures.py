@@ -13,6 +13,7 @@ from typing import Any
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
+from alight.core.uv_sets import MOST_SETS
 from alight.scene.formats.factors import multiplied, packed_picture, shifted
 from alight.scene.formats.reach import OutOfReachError
 from alight.scene.formats.usd.modules import UsdGeom, UsdShade
@@ -20,6 +21,8 @@ from alight.scene.formats.usd.stage import Stage
 
 Data = dict[str, Any]
 _WRAPS = {"repeat": "repeat", "clamp": "clamp", "mirror": "mirror", "useMetadata": "repeat"}
+#: Name of the texture coordinates where a file gives none.
+DEFAULT_COORDINATES = "st"
 _CHANNELS = ("r", "g", "b", "a")
 _MOST_PACKED = 2**28
 
@@ -35,14 +38,14 @@ class Textures:
 
     Attributes
     ----------
-    coordinates : str or None
-        Name of the texture coordinates of the first texture.
+    sets : list of str
+        Names of the texture coordinates of all textures so far, each once.
     """
 
     def __init__(self, stage: Stage, prim: Any) -> None:
         self.stage = stage
         self.prim = prim
-        self.coordinates: str | None = None
+        self.sets: list[str] = []
 
     def source_of(self, shader: Any, name: str) -> tuple[Any, str] | None:
         """The shader that an input is connected to, and which of its outputs."""
@@ -87,20 +90,23 @@ class Textures:
         data["wrap"] = wraps[0]
         if wraps[1] != wraps[0]:
             data["wrap_v"] = wraps[1]
-        steps = self._coordinates_of(shader)
+        name, steps = self._coordinates_of(shader)
         if steps:
             data["to_uv"] = steps
+        number = self._set_of(shader, name)
+        if number:
+            data["uv_set"] = number
         return data
 
     def _sampled(self, shader: Any, output: str, is_color: bool) -> Any:
         picture = self.bitmap(shader, is_color=is_color)
         if picture is None:
-            found = self._input(shader, "fallback")
-            if found is None:
+            found = self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
+            if self._input(shader, "fallback") is None:
                 return None
             return [float(c) for c in found][:3] if is_color else float(found[0])
-        scale = tuple(float(c) for c in self._input(shader, "scale") or (1.0,) * 4)
-        bias = tuple(float(c) for c in self._input(shader, "bias") or (0.0,) * 4)
+        scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
+        bias = tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
         if output in _CHANNELS:
             index = _CHANNELS.index(output)
             part = {"type": "channel", "texture": picture, "channel": output}
@@ -116,7 +122,9 @@ class Textures:
         given = self._input(shader, "fallback")
         if not primvar or not primvar.HasValue():
             return _plain(fallback if given is None else given, is_color)
-        table = primvar.ComputeFlattened(self.stage.time)
+        table = self.stage.table(primvar)
+        if table is None:
+            return _plain(fallback, is_color)
         if primvar.GetInterpolation() == UsdGeom.Tokens.constant and len(table):
             return _plain(table[0], is_color)
         if name == "displayColor" and is_color:
@@ -124,23 +132,29 @@ class Textures:
         self._approximate(shader, f"primvar {name} varies, which only displayColor may")
         return _plain(fallback, is_color)
 
-    def _coordinates_of(self, shader: Any) -> list[Data]:
+    def _coordinates_of(self, shader: Any) -> tuple[str, list[Data]]:
         """Which texture coordinates are used, and the steps that change them."""
         source, steps = self.source_of(shader, "st"), []
         while source is not None and str(source[0].GetIdAttr().Get()) == "UsdTransform2d":
             node = source[0]
-            scale = [float(c) for c in self._input(node, "scale") or (1.0, 1.0)]
-            angle = float(self._input(node, "rotation") or 0.0)
-            shift = [float(c) for c in self._input(node, "translation") or (0.0, 0.0)]
+            scale = [float(c) for c in self._input(node, "scale", (1.0, 1.0))]
+            angle = float(self._input(node, "rotation", 0.0))
+            shift = [float(c) for c in self._input(node, "translation", (0.0, 0.0))]
             steps = [{"scale": scale}, {"rotate": angle}, {"translate": shift}, *steps]
             source = self.source_of(node, "in")
         name = self._varname(source[0]) if source is not None else ""
-        if name:
-            if self.coordinates not in (None, name):
-                self._approximate(shader, f"{self.coordinates} is used instead of {name}")
-            self.coordinates = self.coordinates or name
         neutral = ({"scale": [1.0, 1.0]}, {"rotate": 0.0}, {"translate": [0.0, 0.0]})
-        return [step for step in steps if step not in neutral]
+        return name or DEFAULT_COORDINATES, [step for step in steps if step not in neutral]
+
+    def _set_of(self, shader: Any, name: str) -> int:
+        """The number of the coordinates of a name."""
+        if name not in self.sets:
+            if len(self.sets) == MOST_SETS:
+                text = f"{name} is one set of coordinates too many; {self.sets[0]} is used"
+                self._approximate(shader, text)
+                return 0
+            self.sets.append(name)
+        return self.sets.index(name)
 
     def _varname(self, shader: Any) -> str:
         return str(self._input(shader, "varname") or "")
@@ -151,12 +165,17 @@ class Textures:
             self._approximate(shader, f"{name} {wrap} became clamp")
         return _WRAPS.get(wrap, "clamp")
 
-    def _input(self, shader: Any, name: str) -> Any:
+    def _input(self, shader: Any, name: str, default: Any = None) -> Any:
+        """Value of an input; with a default, only one of its kind."""
         entry = shader.GetInput(name)
         if not entry:
-            return None
+            return default
         attributes = UsdShade.Utils.GetValueProducingAttributes(entry)
-        return self.stage.value(attributes[0]) if attributes else None
+        if not attributes:
+            return default
+        if default is None:
+            return self.stage.value(attributes[0])
+        return self.stage.alike(attributes[0], default)
 
     def _picture(self, shader: Any, asset: Any) -> Data | None:
         try:

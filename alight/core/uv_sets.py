@@ -1,0 +1,93 @@
+"""Further sets of texture coordinates, which meshes may have beside their own.
+
+Textures name a set by its number: 0 is the mesh's own, ``uvs``; `alight.shapes.mesh.Mesh.more_uvs`
+holds the others. Where a shape has no such set (formulas have one only), its own is taken.
+
+Programs in which a texture names another set than 0 have `UV_SETS` among their textures. Their
+surfaces carry a `Chart`; in all others that field is empty, and the machine code knows no sets.
+
+In tables, `ShapeTables.uv_shifts` holds `MOST_SETS` words a shape: what must be added to a vertex
+to find its row in `ShapeTables.uvs`, or `NO_SET`.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Annotated
+
+from alight.core.jit import kernel, specialised
+from alight.core.simd import any_lane, gather, to_uint, where
+from alight.core.spec import Interval
+
+#: What programs call it that a texture names another set than 0.
+UV_SETS = "uv_sets"
+MOST_SETS = 8
+#: In the place of a shift: the shape has no set of this number but its own.
+NO_SET = 0xFFFFFFFF
+
+UvSet = Annotated[int, Interval(0, MOST_SETS - 1, integer=True)]
+
+#: Where on a triangle a surface point lies: barycentrics b1, b2; i0, i1, i2: its vertices, u32;
+#: set: the set of coordinates, u32, by which derivatives are taken (`alight.shapes.derivatives`).
+Chart = namedtuple("Chart", "b1 b2 i0 i1 i2 set")
+
+#: Coordinates of the three vertices of a triangle; further: mask of the lanes that have them, the
+#: others hold those of some row.
+TriangleUvs = namedtuple("TriangleUvs", "further u0 v0 u1 v1 u2 v2")
+
+
+def set_features(uv_set: int) -> tuple[str, ...]:
+    """What kernels must be written for, of a texture that names a set."""
+    return (UV_SETS,) if uv_set else ()
+
+
+@kernel
+def triangle_uvs(tables, surface, number):
+    """Coordinates of set `number` (u32) at the vertices below the `Chart` of a surface.
+
+    Parameters
+    ----------
+    tables : ShapeTables
+    """
+    chart = surface.chart
+    shift = gather(tables.uv_shifts, surface.shape * MOST_SETS + number)
+    further = shift != NO_SET
+    i0 = 2 * where(further, chart.i0 + shift, 0)
+    i1 = 2 * where(further, chart.i1 + shift, 0)
+    i2 = 2 * where(further, chart.i2 + shift, 0)
+    uvs = tables.uvs
+    return TriangleUvs(
+        further,
+        gather(uvs, i0), gather(uvs, i0 + 1), gather(uvs, i1), gather(uvs, i1 + 1),
+        gather(uvs, i2), gather(uvs, i2 + 1),
+    )  # fmt: skip
+
+
+@specialised
+def uv_of_texture(program):
+    """``uv_of_texture(scene, slot, surface) -> (u, v)``.
+
+    The number of the set stands at `slot` of `texture_data`.
+    """
+    if UV_SETS not in program.textures:
+        return _own_uv
+
+    @kernel
+    def found(scene, slot, surface):
+        number = gather(scene.materials.texture_data, slot)
+        u, v = surface.u, surface.v
+        wanted = number > 0.0
+        if any_lane(wanted):
+            c = triangle_uvs(scene.shapes, surface, to_uint(where(wanted, number, 0.0)))
+            b1, b2 = surface.chart.b1, surface.chart.b2
+            wanted = wanted & c.further
+            u = where(wanted, c.u0 + b1 * (c.u1 - c.u0) + b2 * (c.u2 - c.u0), u)
+            v = where(wanted, c.v0 + b1 * (c.v1 - c.v0) + b2 * (c.v2 - c.v0), v)
+        return u, v
+
+    return found
+
+
+@kernel
+def _own_uv(scene, slot, surface):
+    return surface.u, surface.v

@@ -1,0 +1,196 @@
+"""Materials -> the words of glTF, as far as it has them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from alight.bsdfs.principled import Principled
+from alight.core.spec import Bsdf, Light, Texture
+from alight.scene.formats.gltf.models import as_principled
+from alight.scene.formats.gltf.planes import Plane, plane_of
+from alight.scene.formats.gltf.store import Json, Store
+from alight.scene.formats.gltf.write_textures import TextureWriter
+from alight.textures.bitmap import Bitmap
+from alight.textures.mix import Mix
+from alight.textures.threshold import Threshold
+
+_BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+
+
+class MaterialWriter:
+    """Writes materials into a file.
+
+    Parameters
+    ----------
+    store : Store
+    """
+
+    def __init__(self, store: Store) -> None:
+        self.store = store
+        self.textures = TextureWriter(store)
+
+    def material(self, bsdf: Bsdf, light: Light | None) -> tuple[int, frozenset[int], bool]:
+        """Write a material.
+
+        Returns
+        -------
+        int
+            Its index.
+        frozenset of int
+            Sets of texture coordinates that it uses.
+        bool
+            Whether it uses the colours of vertices.
+        """
+        self.textures.sets, self.textures.has_colors = set(), False
+        made = self._surface(bsdf)
+        if light is not None:
+            self._emit(light, made)
+        number = self.store.put("materials", made)
+        return number, frozenset(self.textures.sets), self.textures.has_colors
+
+    def _surface(self, bsdf: Bsdf) -> Json:
+        made: Json = {}
+        opacity: Any = 1.0
+        while "bsdf" in (fields := dict(bsdf)):
+            kind = bsdf.type_name()
+            if kind == "two_sided":
+                made["doubleSided"] = True
+            elif kind == "mask" and opacity == 1.0:
+                opacity = self._cut(fields["opacity"], made)
+            elif kind == "normal_map" and isinstance(fields["texture"], Bitmap):
+                info = self.textures.normals(fields["texture"])
+                made["normalTexture"] = {**info, "scale": fields["scale"]}
+            else:
+                self.store.lose(f"{kind}: what it does to a material")
+            bsdf = fields["bsdf"]
+        bsdf, lost = as_principled(bsdf)
+        for line in lost:
+            self.store.lose(line)
+        if isinstance(bsdf, Principled):
+            pbr = self._colored(bsdf.base_color, opacity)
+            self._metal(bsdf, pbr)
+            self._extend(bsdf, made)
+        else:
+            pbr = {**self._colored(dict(bsdf)["reflectance"], opacity), "metallicFactor": 0.0}
+            self.store.extension(made, "KHR_materials_specular", {"specularFactor": 0.0})
+        return {**made, "pbrMetallicRoughness": pbr}
+
+    def _cut(self, value: Any, made: Json) -> Plane | float:
+        """The opacity of a mask, and how the file wants it to be taken."""
+        made["alphaMode"] = "BLEND"
+        if isinstance(value, Threshold):
+            made["alphaMode"], made["alphaCutoff"] = "MASK", value.cutoff
+            value = value.texture
+        plane = plane_of(value)
+        if plane is None:
+            self.store.lose("opacity: its texture became the mean")
+            return value.mean()[1]
+        return plane
+
+    def _colored(self, value: Any, opacity: Plane | float) -> Json:
+        """Base colour, its picture, and opacity."""
+        alpha = opacity if isinstance(opacity, Plane) else None
+        factor, info = self.textures.color(value, alpha)
+        share = opacity.factor if isinstance(opacity, Plane) else opacity
+        made: Json = {"baseColorTexture": info} if info else {}
+        return {**made, "baseColorFactor": [*(min(c, 1.0) for c in factor), share]}
+
+    def _metal(self, bsdf: Principled, pbr: Json) -> None:
+        metallic, roughness, info = self.textures.pair(bsdf.metallic, bsdf.roughness)
+        pbr |= {"metallicFactor": metallic, "roughnessFactor": roughness}
+        if info:
+            pbr["metallicRoughnessTexture"] = info
+
+    def _extend(self, bsdf: Principled, made: Json) -> None:
+        """Extensions for what is not at its default."""
+        if bsdf.ior != 1.5:
+            self.store.extension(made, "KHR_materials_ior", {"ior": bsdf.ior})
+        specular: Json = {}
+        if bsdf.specular != 1.0:
+            self._number(specular, "specular", bsdf.specular, "a")
+        if bsdf.specular_color != _WHITE:
+            self._color(specular, "specularColor", bsdf.specular_color)
+        if specular:
+            self.store.extension(made, "KHR_materials_specular", specular)
+        self._add_glass(bsdf, made)
+        if bsdf.clearcoat != 0.0:
+            coat: Json = {}
+            self._number(coat, "clearcoat", bsdf.clearcoat, "r")
+            self._number(coat, "clearcoatRoughness", bsdf.clearcoat_roughness, "g")
+            self.store.extension(made, "KHR_materials_clearcoat", coat)
+        if bsdf.sheen_color != _BLACK:
+            sheen: Json = {}
+            self._color(sheen, "sheenColor", bsdf.sheen_color)
+            self._number(sheen, "sheenRoughness", bsdf.sheen_roughness, "a")
+            self.store.extension(made, "KHR_materials_sheen", sheen)
+        self._add_directions(bsdf, made)
+        if not bsdf.compensation:
+            self.store.lose("principled: light that met several facets is given back")
+
+    def _add_glass(self, bsdf: Principled, made: Json) -> None:
+        if bsdf.transmission == 0.0:
+            return
+        share: Json = {}
+        self._number(share, "transmission", bsdf.transmission, "r")
+        self.store.extension(made, "KHR_materials_transmission", share)
+        if bsdf.thin:
+            return
+        volume: Json = {"thicknessFactor": 1.0, "attenuationColor": list(bsdf.attenuation_color)}
+        if math.isfinite(bsdf.attenuation_distance):
+            volume["attenuationDistance"] = bsdf.attenuation_distance
+        self.store.extension(made, "KHR_materials_volume", volume)
+
+    def _add_directions(self, bsdf: Principled, made: Json) -> None:
+        """Anisotropy and the thin film."""
+        if bsdf.anisotropy != 0.0:
+            turned = {
+                "anisotropyStrength": self._plain(bsdf.anisotropy, "anisotropy"),
+                "anisotropyRotation": self._plain(bsdf.anisotropy_rotation, "anisotropy_rotation"),
+            }
+            self.store.extension(made, "KHR_materials_anisotropy", turned)
+        if bsdf.iridescence == 0.0:
+            return
+        film: Json = {"iridescenceIor": bsdf.iridescence_ior}
+        self._number(film, "iridescence", bsdf.iridescence, "r")
+        thickness = bsdf.iridescence_thickness
+        ends = (0.0, 1.0)
+        if isinstance(thickness, Mix) and not isinstance(thickness.a, Texture | str):
+            ends = (plane_of(thickness.a), plane_of(thickness.b))
+        if isinstance(thickness, Mix) and all(isinstance(end, float) for end in ends):
+            low, high = (float(end) for end in ends if isinstance(end, float))
+            _, info = self.textures.number(thickness.weight, "g")
+            film |= {"iridescenceThicknessMinimum": low, "iridescenceThicknessMaximum": high}
+            if info:
+                film["iridescenceThicknessTexture"] = info
+        else:
+            film["iridescenceThicknessMaximum"] = self._plain(thickness, "iridescence_thickness")
+        self.store.extension(made, "KHR_materials_iridescence", film)
+
+    def _number(self, owner: Json, name: str, value: Any, channel: str) -> None:
+        factor, info = self.textures.number(value, channel)
+        owner[f"{name}Factor"] = factor
+        if info:
+            owner[f"{name}Texture"] = info
+
+    def _color(self, owner: Json, name: str, value: Any) -> None:
+        factor, info = self.textures.color(value)
+        owner[f"{name}Factor"] = list(factor)
+        if info:
+            owner[f"{name}Texture"] = info
+
+    def _plain(self, value: Any, name: str) -> float:
+        if isinstance(value, Texture):
+            self.store.lose(f"{name}: its texture became the mean")
+            return value.mean()[1]
+        return float(value)
+
+    def _emit(self, light: Light, made: Json) -> None:
+        factor, info = self.textures.color(dict(light).get("radiance", _BLACK))
+        strength = max(*factor, 1.0)
+        made["emissiveFactor"] = [c / strength for c in factor]
+        if info:
+            made["emissiveTexture"] = info
+        if strength > 1.0:
+            content = {"emissiveStrength": strength}
+            self.store.extension(made, "KHR_materials_emissive_strength", content)

@@ -1,0 +1,100 @@
+"""Arrays of meshes as fields of descriptions: tables of numbers, checked once, never changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+from pydantic_core import core_schema
+
+from alight.core.spec import invalid
+from alight.core.uv_sets import MOST_SETS
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A table with `columns` numbers a row; metadata of a field type."""
+
+    columns: int
+    dtype: DTypeLike
+
+    def check(self, value: object) -> np.ndarray:
+        """Return a read-only copy of shape (n, columns), or the table itself if it is one."""
+        table = _as_array(value)
+        if table.size == 0 and isinstance(value, list | tuple):
+            table = np.zeros((0, self.columns))
+        numeric = np.issubdtype(table.dtype, np.number) and not np.iscomplexobj(table)
+        if not numeric or table.ndim != 2 or table.shape[1:] != (self.columns,):
+            found = f"shape {table.shape}" if table.ndim else type(value).__name__
+            raise invalid(f"must be a table of numbers, shape (n, {self.columns}), got {found}")
+        return self._kept(table)
+
+    def _kept(self, table: np.ndarray) -> np.ndarray:
+        self._check_range(table)
+        owned = table.base is None and not table.flags.writeable and table.flags.c_contiguous
+        if owned and table.dtype == self.dtype:
+            return table
+        table = np.array(table, self.dtype, order="C")
+        table.setflags(write=False)
+        return table
+
+    def _check_range(self, table: np.ndarray) -> None:
+        # Conversion alone would wrap large indices around and cut off fractions.
+        if np.issubdtype(self.dtype, np.integer):
+            limit = np.iinfo(self.dtype).max
+            if table.dtype.kind in "iu" and _lies_in(table, 0, limit):
+                return
+            bad = ~((table >= 0) & (table <= limit) & (table == np.floor(table)))
+            wanted = f"whole numbers in [0, {limit}]"
+        else:
+            if _lies_in(table, -1e15, 1e15):
+                return
+            bad = ~(np.abs(table) <= 1e15)
+            wanted = "finite and at most 1e+15 in size"
+        if bad.any():
+            place = tuple(int(i) for i in np.argwhere(bad)[0])
+            raise invalid(f"must be {wanted}, got {table[place]} in row {place[-2]}")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        """Use `check` alone."""
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+@dataclass(frozen=True)
+class Tables(Rows):
+    """Several tables of equal length in one array; metadata of a field type."""
+
+    most: int
+
+    def check(self, value: object) -> np.ndarray:
+        """Return a read-only copy of shape (k, n, columns), or the array itself if it is one."""
+        array = _as_array(value)
+        numeric = np.issubdtype(array.dtype, np.number) and not np.iscomplexobj(array)
+        shape = array.shape
+        if not numeric or len(shape) != 3 or shape[2] != self.columns:
+            found = f"shape {shape}" if shape else type(value).__name__
+            wanted = f"(k, n, {self.columns})"
+            raise invalid(f"must be tables of numbers of equal length, shape {wanted}, got {found}")
+        if not 1 <= shape[0] <= self.most:
+            raise invalid(f"must be 1 to {self.most} tables, got {shape[0]}")
+        return self._kept(array)
+
+
+def _as_array(value: object) -> np.ndarray:
+    try:
+        return np.asarray(value)
+    except ValueError:  # rows of different lengths
+        return np.zeros((), object)
+
+
+def _lies_in(table: np.ndarray, low: float, high: float) -> bool:
+    """Whether all numbers do; false if one is NaN."""
+    return table.size == 0 or bool(low <= table.min() and table.max() <= high)
+
+
+Points = Annotated[NDArray[np.float32], Rows(3, np.float32)]
+Coordinates = Annotated[NDArray[np.float32], Rows(2, np.float32)]
+Sets = Annotated[NDArray[np.float32], Tables(2, np.float32, MOST_SETS - 1)]
+Indices = Annotated[NDArray[np.int32], Rows(3, np.int32)]
