@@ -187,9 +187,10 @@ def test_rays_find_the_density_that_light_sampling_says():
 
 
 def test_a_group_is_not_dark_where_one_of_it_shines():
-    # Both lamps of the group face down; the point is above its middle and below the upper one.
+    # Two lamps of a group face down; the point is above its middle and below the upper one. Other
+    # pairs are far, so that the root looks at pairs.
     down = rotate("x", 180).matrix @ np.diag([0.1, 0.1, 0.1, 1.0])
-    places = [(0, 0, 1), (0, 0, 5), (60, 0, 1)]
+    places = [(60 * k, 0, z) for k in range(5) for z in (1, 5)]
     world = World(
         *((Rectangle(), translate(*at).matrix @ down, Area()) for at in places), selection="tree"
     )
