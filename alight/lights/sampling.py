@@ -353,7 +353,7 @@ def _pdf_in_the_tree(scene, light, p, wi, distance, surface):
     shines = light > 0
     index, prim = light_index(light), where(shines, surface.prim, 0)
     cosine = -dot(wi, surface.ng)
-    density = area_pdf(scene, index, prim, p, wi, distance, cosine)
+    density = pdf_of_area(scene, index, prim, p, wi, distance, cosine)
     return where(shines, density * plain_probability(scene, index, prim, p, shines), 0.0)
 
 
