@@ -34,23 +34,17 @@ MOST_GAIN = 10.0
 MOST_LIGHTS = 2048
 
 #: A group of a tree is even if it could gain less: some of what can be gained is given for time.
-LEAST_IN_GROUP = 0.1
+LEAST_IN_GROUP = 0.03
 
 #: What is said of a group must come from so many points at least, and of so many lights that stand
 #: for others.
 LEAST_POINTS, LEAST_LIGHTS = 16.0, 32
 
-#: Of the light from far beyond the scene so much counts at least: roofs and walls are not asked
-#: for, and what is left of daylight in a room is about that.
-DAYLIGHT = 0.02
-
 #: Triangles that stand for all.
 MOST_TRIANGLES = 1 << 14
 
 
-def gain_of_tree(
-    leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.bool_], beside: float = 0.0
-) -> float:
+def gain_of_tree(leaves: Leaves, shapes: CompiledShapes, shining: NDArray[np.bool_]) -> float:
     """Mean of R, counted to `MOST_GAIN`, over points on surfaces that do not shine.
 
     Parameters
@@ -59,9 +53,6 @@ def gain_of_tree(
     shapes : CompiledShapes
     shining : (shapes,) bool
         Which shapes are lights.
-    beside : float, W/m^2
-        What lights without a place send, of which `DAYLIGHT` counts: where they outshine the leaves
-        there is little to gain.
 
     Returns
     -------
@@ -76,10 +67,8 @@ def gain_of_tree(
     lit = mean > 0.0
     if not lit.any():
         return 1.0
-    excess = np.mean((weights[lit] / mean[lit, None]) ** 2, axis=1) - 1.0
-    light = mean[lit] * leaves.intensity.sum()
-    share = light / (light + DAYLIGHT * beside)
-    return float(np.minimum(1.0 + share**2 * excess, MOST_GAIN).mean())
+    second = (weights[lit] / mean[lit, None]) ** 2
+    return float(np.minimum(second.mean(axis=1), MOST_GAIN).mean())
 
 
 def points_on_surfaces(shapes: CompiledShapes, shining: NDArray[np.bool_]) -> NDArray[np.float64]:

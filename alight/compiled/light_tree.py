@@ -17,6 +17,7 @@ from alight.core.vec import luminance
 from alight.core.vec3 import Vec3
 from alight.lights.tree import LEAVES, OUTER_CDF
 from alight.lights.tree_build import Leaves, build_tree
+from alight.scene.motion import Motion
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
 
@@ -48,6 +49,8 @@ class LightRow(NamedTuple):
         Of its triangles, or of its shape.
     cone : ((3,) float64, float, float) or None
         Of a lamp at a point: its axis, and the angles of `Leaves` in radians.
+    motion : Motion or None
+        While the shutter is open.
     table : (n,) float32 or None
         Further numbers of it, such as a picture: they start where its `LightTables.info` says.
     """
@@ -60,6 +63,7 @@ class LightRow(NamedTuple):
     shape: int = -1
     areas: NDArray[np.float64] = np.zeros(0)
     cone: tuple[NDArray[np.float64], float, float] | None = None
+    motion: Motion | None = None
     table: NDArray[np.float32] | None = None
 
     @property
@@ -91,6 +95,9 @@ def find_leaves(
 ) -> Leaves:
     """All lights that have a place and shine, triangle by triangle.
 
+    What moves is known by the whole of its way: a box around it, and a cone around the directions
+    that it faces at any time.
+
     Parameters
     ----------
     rows : list of LightRow
@@ -98,6 +105,7 @@ def find_leaves(
     shapes : CompiledShapes
     """
     boxes = {index: (low, high) for _, index, _, low, high in shapes.analytic}
+    boxes |= {moving.shape: (moving.low, moving.high) for moving in shapes.moving}
     parts = [_no_leaf()]
     for number, (row, power) in enumerate(zip(rows, powers, strict=True)):
         if power <= 0.0:
@@ -128,10 +136,14 @@ def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -
         spread, factor = 0.0, 1.0
     strength = factor * row.brightness * row.areas
     word = np.array([number], np.uint32)
+    half = 0.5 * np.linalg.norm(high - low, axis=1)
     # What is flat has its middle in its plane.
-    behind = 0.5 * np.linalg.norm(high - low, axis=1) if spread else np.zeros(1)
-    dark = np.array([0.5 * PI])
-    return Leaves(low, high, axis, np.array([spread]), dark, behind, strength, word, word * 0)
+    behind, spreads, dark = np.zeros(1), np.array([spread]), np.array([0.5 * PI])
+    if row.motion is not None and not spread:
+        axis, spreads = row.motion.turned(axis)
+    if row.motion is not None or spread:
+        behind = half
+    return Leaves(low, high, axis, spreads, dark, behind, strength, word, word * 0)
 
 
 def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndarray) -> Leaves:
@@ -145,13 +157,19 @@ def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndar
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     normal = -normal if info[4] & FLIP else normal
     n, low, high = len(normal), corners.min(axis=1), corners.max(axis=1)
+    middle, spread = 0.5 * (low + high)[:, None], np.zeros(n)
+    behind = np.max(np.sum((middle - corners) * normal[:, None], axis=2), axis=1)
+    if row.motion is not None:
+        low, high = row.motion.swept(corners)
+        normal, spread = row.motion.turned(normal)
+        behind = 0.5 * np.linalg.norm(high - low, axis=1)
     return Leaves(
         low,
         high,
         normal,
-        np.zeros(n),
+        spread,
         np.full(n, 0.5 * PI),
-        np.max(np.sum((0.5 * (low + high)[:, None] - corners) * normal[:, None], axis=2), axis=1),
+        behind,
         row.brightness * row.areas[kept],
         np.full(n, number, np.uint32),
         np.flatnonzero(kept).astype(np.uint32),
@@ -163,13 +181,18 @@ def _at_point(number: int, row: LightRow, power: float) -> Leaves:
     axis, spread, dark = row.cone
     solid_angle = 2.0 * PI * (1.0 - np.cos(min(spread + dark, PI)))
     place, word = np.reshape(row.numbers[:3], (1, 3)), np.array([number], np.uint32)
+    low, high, axes, cone = place, place, np.reshape(axis, (1, 3)), np.array([spread])
+    if row.motion is not None:
+        low, high = row.motion.swept(place[:, None])
+        axes, turn = row.motion.turned(axes)
+        cone = np.minimum(cone + turn, PI)
     return Leaves(
-        place,
-        place,
-        np.reshape(axis, (1, 3)),
-        np.array([spread]),
+        low,
+        high,
+        axes,
+        cone,
         np.array([dark]),
-        np.zeros(1),
+        0.5 * np.linalg.norm(high - low, axis=1),
         np.array([power / max(solid_angle, 1e-9)]),
         word,
         word * 0,

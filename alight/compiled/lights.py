@@ -102,7 +102,7 @@ def compile_lights(
     leaves, gains = None, False
     if selection == "tree" or (selection == "auto" and _are_many(rows)):
         leaves = find_leaves(rows, weights, shapes)
-        gains = _gain(rows, weights, leaves, shapes) >= LEAST_GAIN
+        gains = _gain(rows, leaves, shapes) >= LEAST_GAIN
     if leaves is None or (selection == "auto" and not gains):
         leaves, choice = None, _chosen_by_table(rows, weights, shapes)
     else:
@@ -155,12 +155,8 @@ def _are_many(rows: list[LightRow]) -> bool:
     return MOST_WITHOUT_TREE < count <= MOST_IN_TREE
 
 
-def _gain(
-    rows: list[LightRow], powers: np.ndarray, leaves: Leaves, shapes: CompiledShapes
-) -> float:
-    beside = float(powers.sum() - powers[np.unique(leaves.row)].sum())
-    irradiance = max(beside, 0.0) / (np.pi * shapes.radius**2)
-    return gain_of_tree(leaves, shapes, shining_shapes(rows, shapes), irradiance)
+def _gain(rows: list[LightRow], leaves: Leaves, shapes: CompiledShapes) -> float:
+    return gain_of_tree(leaves, shapes, shining_shapes(rows, shapes))
 
 
 def _names(rows: list[LightRow]) -> tuple[str, ...]:
@@ -181,9 +177,12 @@ def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
         light = flat.shapes[shape.source].light
         if light is not None:
             row, texture = _row(light, np.eye(4)), _texture_of(light)
+            row = row._replace(motion=flat.shapes[shape.source].motion)
             number = 0 if texture is None else textures.index(texture) + 1
             rows.append(row._replace(texture=number, shape=index, areas=shape.areas))
-    return rows + [_row(placed.light, placed.to_world) for placed in flat.lights]
+    return rows + [
+        _row(placed.light, placed.to_world)._replace(motion=placed.motion) for placed in flat.lights
+    ]
 
 
 def _environment(placed: PlacedLight, compensated: bool) -> tuple[LightRow, EnvironmentMap | None]:

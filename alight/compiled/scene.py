@@ -112,9 +112,6 @@ def compile_scene(
     )
     light_choice = getattr(flat.integrator, "light_choice", "auto")
     of_light = light_motions(flat, shapes, paths)
-    if light_choice == "auto" and any(of_light):
-        # The tree knows lights where they are at rest only.
-        light_choice = "power"
     combined = getattr(flat.integrator, "light_sampling", None) == "mis"
     lights = compile_lights(flat, shapes, light_choice, compensated=combined)
     tables = SceneTables(

@@ -21,15 +21,12 @@ from alight.core.constants import PI
 from alight.core.jit import kernel
 from alight.core.maths import arctan2
 from alight.core.simd import (
-    as_uint,
     gather,
     lanes,
     lanes_mask,
-    lanes_u32,
     lanes_vec3,
     maximum,
     minimum,
-    minimum_u32,
     sqrt,
     to_float,
     to_uint,
@@ -191,13 +188,9 @@ def intensity(scene, index, w):
     right = where(columns > 0.0, 1, 0)
     width = to_uint(columns) + 1
     a = start + 1 + to_uint(row) * width + to_uint(column)
+    upper = gather(cdf, a) + x * (gather(cdf, a + right) - gather(cdf, a))
     b = a + width
-    # Lanes with lights of other kinds find their tables here: no index may lead out of all.
-    last = lanes_u32(as_uint(cdf.size - 1))
-    a, a_right = minimum_u32(a, last), minimum_u32(a + right, last)
-    b, b_right = minimum_u32(b, last), minimum_u32(b + right, last)
-    upper = gather(cdf, a) + x * (gather(cdf, a_right) - gather(cdf, a))
-    lower = gather(cdf, b) + x * (gather(cdf, b_right) - gather(cdf, b))
+    lower = gather(cdf, b) + x * (gather(cdf, b + right) - gather(cdf, b))
     return upper + y * (lower - upper)
 
 

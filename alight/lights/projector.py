@@ -22,11 +22,9 @@ from alight.core.constants import PI
 from alight.core.jit import kernel
 from alight.core.maths import arctan2
 from alight.core.simd import (
-    as_uint,
     gather,
     lanes,
     lanes_mask,
-    lanes_u32,
     lanes_vec3,
     maximum,
     minimum,
@@ -195,9 +193,7 @@ def cone(spec: Projector) -> tuple[float, float]:
 @kernel
 def texel(cdf, start, width, column, row):
     """Three numbers of the picture."""
-    # Lanes with lights of other kinds find no picture here: no index may lead out of all tables.
-    last = lanes_u32(as_uint(cdf.size - 3))
-    return gather_vec3(cdf, minimum_u32(start + FIRST + 3 * (row * width + column), last))
+    return gather_vec3(cdf, start + FIRST + 3 * (row * width + column))
 
 
 @kernel
@@ -220,7 +216,6 @@ def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""
     data, cdf, k = scene.lights.data, scene.lights.cdf, index * STRIDE
     start = gather(scene.lights.info, index * INFO + 3)
-    start = minimum_u32(start, lanes_u32(as_uint(cdf.size - FIRST)))
     to_light = gather_vec3(data, k + 4) - p
     # At the light itself there is no direction; the square must not underflow to 1 / 0.
     squared = maximum(length_squared(to_light), 1e-30)

@@ -11,12 +11,16 @@ from alight.core.jit import kernel, specialised
 from alight.core.registry import Models, Numbers
 from alight.core.simd import (
     any_lane,
+    as_int,
+    as_uint,
     gather,
+    horizontal_max,
     is_finite,
     lanes,
     lanes_mask,
     lanes_u32,
     lanes_vec3,
+    to_float,
     where,
 )
 from alight.core.vec import dot, gather_vec3, row_vec3
@@ -95,17 +99,17 @@ def _by_kind(names: tuple[str, ...]):
     """A kernel that runs each light's `sample` where it was chosen."""
     if not names:
         return no_sample
-    own, number = _sample_of(names[0]), KINDS[names[0]]
-    if len(names) == 1:
-        return own
-    others = _by_kind(names[1:])
+    own, number, others = _sample_of(names[0]), KINDS[names[0]], _by_kind(names[1:])
 
     @kernel
     def choose(scene, index, p, u, u2):
         result = others(scene, index, p, u, u2)
         mine = gather(scene.lights.info, index * INFO) == number
         if any_lane(mine):
-            result = blend(mine, own(scene, index, p, u, u2), result)
+            # Rows of other kinds say other things (where a map begins, not which shape shines), and
+            # would lead out of the tables: those lanes ask about a light of this kind too.
+            some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
+            result = blend(mine, own(scene, where(mine, index, some), p, u, u2), result)
         return result
 
     return choose
@@ -116,7 +120,9 @@ def sample_chosen(program):
     """``sample_chosen(scene, index, p, u, u2) -> LightSample`` of the lights `index`."""
     several = program.environments
     names = tuple(name for name in LIGHTS if name in program.lights and name not in several)
-    own = _by_row(several, _by_kind(names))
+    # Where all lights are of one kind, nobody has to ask.
+    alone = not several and len(names) == 1
+    own = _sample_of(names[0]) if alone else _by_row(several, _by_kind(names))
     return moving_sample(own) if "lights" in program.motion else own
 
 
@@ -347,7 +353,7 @@ def _pdf_in_the_tree(scene, light, p, wi, distance, surface):
     shines = light > 0
     index, prim = light_index(light), where(shines, surface.prim, 0)
     cosine = -dot(wi, surface.ng)
-    density = area_pdf(scene, index, prim, p, wi, distance, cosine)
+    density = pdf_of_area(scene, index, prim, p, wi, distance, cosine)
     return where(shines, density * plain_probability(scene, index, prim, p, shines), 0.0)
 
 

@@ -36,6 +36,10 @@ from alight.scene.transform import Matrix, Transform
 STEPS = 64
 STRAIGHT = 1.0 / 512.0
 
+#: A cone around a turning direction is made from directions at most so far apart, in radians, or
+#: from `STEPS` of them.
+WIDE = 0.05
+
 #: It is enlarged by this part of the numbers that kernels add up: a bound of their rounding.
 MARGIN = 2.0**-16
 
@@ -107,20 +111,69 @@ class Motion:
             While the shutter is open, with room for the rounding of kernels.
         """
         low, high = np.asarray(low, float), np.asarray(high, float)
-        corners = np.array([[x, y, z, 1.0] for x in (low[0], high[0])
+        corners = np.array([[x, y, z] for x in (low[0], high[0])
                             for y in (low[1], high[1]) for z in (low[2], high[2])])  # fmt: skip
-        least, most = np.full(3, np.inf), np.full(3, -np.inf)
-        reach = float(np.abs(corners[:, :3]).max())
-        extent = max(float(np.linalg.norm(high - low)), 1e-30)
+        least, most = self.swept(corners[None])
+        return least[0], most[0]
+
+    def swept(self, points: Matrix) -> tuple[Matrix, Matrix]:
+        """The boxes that groups of points stay in, as `bounds` of each.
+
+        Parameters
+        ----------
+        points : (n, k, 3) float, metres
+            k points of each group, before the motion.
+
+        Returns
+        -------
+        low, high : (n, 3) float64, metres
+        """
+        points = np.asarray(points, float)
+        every = points.reshape(-1, 3)
+        least, most = np.full((len(points), 3), np.inf), np.full((len(points), 3), -np.inf)
+        reach = float(np.abs(every).max())
+        extent = max(float(np.linalg.norm(every.max(axis=0) - every.min(axis=0))), 1e-30)
         for begin, end in pairwise(self.times):
-            bend, numbers = self._bend(corners[:, :3], begin, end)
+            bend, numbers = self._bend(every, begin, end)
             steps = int(np.clip(np.ceil(np.sqrt(bend / (STRAIGHT * extent))), 1, STEPS))
-            times = np.linspace(begin, end, steps + 1)
-            points = np.concatenate([(corners @ self.at(t).T)[:, :3] for t in times])
-            least = np.minimum(least, points.min(axis=0) - bend / steps**2)
-            most = np.maximum(most, points.max(axis=0) + bend / steps**2)
+            for time in np.linspace(begin, end, steps + 1):
+                matrix = self.at(time)
+                moved = points @ matrix[:3, :3].T + matrix[:3, 3]
+                least = np.minimum(least, moved.min(axis=1) - bend / steps**2)
+                most = np.maximum(most, moved.max(axis=1) + bend / steps**2)
             reach = max(reach, numbers)
         return least - MARGIN * reach, most + MARGIN * reach
+
+    def turned(self, axes: Matrix) -> tuple[Matrix, Matrix]:
+        """The cones of directions that turning axes stay in.
+
+        Parameters
+        ----------
+        axes : (n, 3) float
+            Unit vectors before the motion, which must be rigid.
+
+        Returns
+        -------
+        (n, 3) float64
+            Unit vectors in their middle; where there is none, any.
+        (n,) float64, radians
+            Half angles, pi at most.
+        """
+        seen, between_two = [], 0.0
+        for begin, end in pairwise(self.times):
+            angle = sum(
+                2.0 * arc(_parts_at(track, begin).turn, _parts_at(track, end).turn)[0]
+                for _, track in self.links
+            )
+            steps = int(np.clip(np.ceil(angle / WIDE), 1, STEPS))
+            between_two = max(between_two, 0.5 * angle / steps)
+            seen += [axes @ self.at(t)[:3, :3].T for t in np.linspace(begin, end, steps + 1)]
+        mean = np.mean(seen, axis=0)
+        length = np.linalg.norm(mean, axis=1)
+        middle = np.where((length > 1e-6)[:, None], mean, axes)
+        middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+        least = np.min(np.sum(middle * np.array(seen), axis=2), axis=0)
+        return middle, np.minimum(np.arccos(np.clip(least, -1.0, 1.0)) + between_two, np.pi)
 
     def _bend(self, points: Matrix, begin: float, end: float) -> tuple[float, float]:
         """How far paths bend at most between two neighbouring times, and the largest numbers, m.

@@ -18,19 +18,13 @@ def motion_problems(scene: Scene) -> list[Issue]:
         return []
     shutter = _camera(scene).shutter
     issues: dict[tuple[str, str], Issue] = {}
-    lights = False
     for keys, node, here in _placed(scene, shutter):
         if here.motion is None:
             continue
-        lights = lights or (node.light is not None)
         for name, text in _node_problems(scene, node, here):
             path = f"{keys}.{name}"
             issues.setdefault((path, text), Issue(path, text))
-    found = list(issues.values())
-    if lights and getattr(scene.integrator, "light_choice", "auto") == "tree":
-        text = "a tree does not know where moving lights are: take auto, power or uniform"
-        found.append(Issue("integrator.light_choice", text))
-    return found
+    return list(issues.values())
 
 
 def _node_problems(scene: Scene, node: Node, here: Placement) -> Iterator[tuple[str, str]]:

@@ -21,13 +21,14 @@ WORDS = (
 # fmt: on
 
 _SENSOR = """<sensor type="{camera}">
-  <float name="fov" value="40"/> <float name="{aperture}" value="0.05"/>
+  <float name="{close}" value="1"/> <float name="fov" value="40"/>
+  <float name="{aperture}" value="0.05"/>
   <transform name="{to_world}"><lookat origin="0,0,4" target="0,0,0" up="0,1,0"/></transform>
   <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/>
     <rfilter type="tent"/></film>
   <sampler type="stratified"><integer name="{count}" value="$spp"/></sampler>
 </sensor>
-<integrator type="path"><integer name="{depth}" value="4"/></integrator>
+<integrator type="{walk}"><integer name="{depth}" value="4"/></integrator>
 """
 
 _SCENES = (
@@ -56,16 +57,36 @@ _SCENES = (
   <rgb name="color0" value="0.1"/><transform name="{uv}"><scale x="4"/></transform></texture>
   <bsdf type="dielectric"/></bsdf></shape>
 """,
+    """<emitter type="sunsky"><float name="turbidity" value="4"/>
+  <vector name="sun_direction" x="1" y="2" z="3"/></emitter>
+<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>
+<emitter type="projector"><float name="fov" value="40"/><texture type="bitmap" name="irradiance">
+  <string name="filename" value="letters.png"/></texture></emitter>
+<shape type="{mesh}"><string name="filename" value="{file}"/>
+  <animation name="{to_world}"><transform time="0"><translate x="1"/></transform>
+  <transform time="1"><rotate y="1" angle="40"/></transform></animation>
+  <bsdf type="normalmap"><texture type="bitmap" name="normalmap"><boolean name="raw" value="true"/>
+  <string name="filename" value="letters.png"/></texture>
+  <bsdf type="roughconductor"/></bsdf></shape>
+<shape type="sphere"><bsdf type="bumpmap"><texture type="bitmap" name="arbitrary">
+  <string name="filename" value="letters.png"/></texture><float name="scale" value="0.1"/>
+  <bsdf type="principled"><float name="metallic" value="0.4"/><float name="spec_trans" value="0.3"/>
+  </bsdf></bsdf><medium type="homogeneous" name="interior"><rgb name="sigma_t" value="1,2,3"/>
+  <float name="albedo" value="0.8"/><phase type="hg"><float name="g" value="0.4"/></phase></medium>
+</shape>
+""",
 )
 
 _SPELLINGS = {
     "3.0.0": {
         "to_world": "to_world", "aperture": "aperture_radius", "count": "sample_count",
         "depth": "max_depth", "face": "face_normals", "ior": "int_ior", "uv": "to_uv",
+        "close": "shutter_close",
     },
     "0.6.0": {
         "to_world": "toWorld", "aperture": "apertureRadius", "count": "sampleCount",
         "depth": "maxDepth", "face": "faceNormals", "ior": "intIOR", "uv": "toUV",
+        "close": "shutterClose",
     },
 }  # fmt: skip
 _MESHES = {"square.obj": "obj", "squares.serialized": "serialized", "tent.ply": "ply"}
@@ -89,7 +110,7 @@ def mitsuba_files(seed: int, n: int) -> Iterator[Mutation]:
         mesh = name if name in _MESHES else rng.choice(list(_MESHES))
         if rng.random() < 0.35:
             # The scene that shows the file: those without meshes and pictures come last.
-            which = 0 if name not in _MESHES else rng.randrange(2)
+            which = rng.choice((0, 3)) if name not in _MESHES else rng.choice((0, 1, 3))
             text = scene(which, mesh, rng).replace(name, f"broken-{name}")
             yield Mutation(text, f"broken-{name}", mutate_bytes(files[name], rng))
         else:
@@ -105,8 +126,9 @@ def scene(which: int, mesh: str, rng: random.Random) -> str:
     version = rng.choice(list(_SPELLINGS))
     camera = rng.choice(("perspective", "thinlens"))
     body = (_SENSOR + _SCENES[which]).format(
-        **_SPELLINGS[version], camera=camera, mesh=_MESHES[mesh], file=mesh
-    )
+        **_SPELLINGS[version], camera=camera, mesh=_MESHES[mesh], file=mesh,
+        walk="volpath" if which == 3 else "path",
+    )  # fmt: skip
     return f'<scene version="{version}">\n<default name="spp" value="4"/>\n{body}</scene>\n'
 
 

@@ -79,6 +79,29 @@ AttributeBegin
   Shape "sphere" "float radius" 0.5
 AttributeEnd
 """),
+    (4, """LightSource "infinite" "point3 portal" [-1 0 -1  1 0 -1  1 1 -1  -1 1 -1]
+LightSource "projection" "string filename" "letters.png" "float fov" 50 "float power" 20
+LightSource "goniometric" "string filename" "square.npy" "rgb I" [3 2 1]
+AreaLightSource "diffuse" "string filename" "letters.png" "float scale" 2
+Shape "bilinearmesh" "point3 P" [-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1] "point2 uv" [0 0 1 0 0 1 1 1]
+"""),
+    (4, """LightSource "infinite" "string filename" "square.npy" "float scale" 0.5
+LightSource "infinite" "rgb L" [0.5 0.4 0.3]
+TransformTimes 0 2
+AttributeBegin
+  ActiveTransform EndTime Translate 1 0 0 Rotate 40 0 0 1
+  ActiveTransform All
+  Material "coatedconductor" "float interface.roughness" 0.1
+  Shape "sphere" "float radius" 0.5
+  AreaLightSource "diffuse" "rgb L" [1 2 3]
+  Shape "disk" "float radius" 0.3
+AttributeEnd
+ObjectBegin "o"
+  Shape "trianglemesh" "integer indices" [0 1 2] "point3 P" [-1 -1 -1 1 -1 -1 0 1 -1]
+ObjectEnd
+ActiveTransform EndTime Scale 1 1.5 1 ActiveTransform All
+ObjectInstance "o"
+"""),
     (3, """LightSource "infinite" "rgb L" [0.5 0.5 0.4]
 LightSource "spot" "color I" [4 3 2] "point from" [0 2 4] "point to" [0 0 0] "float coneangle" 40
 Texture "t" "color" "checkerboard" "rgb tex1" [0.9 0.1 0.1] "float vscale" 4
@@ -131,7 +154,7 @@ def pbrt_files(seed: int, n: int) -> Iterator[Mutation]:
     for _ in range(n):
         if rng.random() < 0.25:
             name = rng.choice(sorted(files))
-            version, world = _WORLDS[0]
+            version, world = next(w for w in _WORLDS if name in w[1])
             text = (_HEADS[version] + world).replace(name, f"broken-{name}")
             yield Mutation(text, f"broken-{name}", mutate_bytes(files[name], rng), "scene.pbrt")
             continue

@@ -182,6 +182,17 @@ def test_a_small_lamp_that_only_bsdf_sampling_finds():
     assert first.value > 0.9
 
 
+def test_several_environments_are_one_light():
+    """A small sun beside a sky, found by the BSDF only, is nearly all of the noise."""
+    sun = "  sun: {light: {type: sun, sun_direction: [1, 2, 1], diameter: 8, scale: 0.01}}\n"
+    bulb = "  bulb: {light: {type: point, intensity: 0.1}, transform: {translate: [0, 3, 0]}}\n"
+    shares = shares_of(loads(SMALL_LAMP.split("  lamp:")[0] + sun + bulb, "suns"), size=16, spp=64)
+    by_light = {part.light: share.value for part, share in shares.by("light").items()}
+    assert sum(by_light.values()) == pytest.approx(1.0, abs=1e-9)
+    assert set(by_light) == {"environment + sun", "bulb"}
+    assert by_light["environment + sun"] > 0.9
+
+
 def test_weights_are_those_of_relmse():
     reference = np.full((2, 2, 3), 3.0)
     np.testing.assert_allclose(relative_weights(reference).sum(), 1.0 / (9.0 + 0.09))

@@ -8,9 +8,7 @@ from alight.lights.ies import Ies, intensity, table
 from alight.lights.photometry import Profile, folded, grid, parse_profile, read_profile
 from alight.lights.projector import Projector
 from alight.lights.tables import INFO
-from alight.scene import flatten, loads
 from alight.scene.flatten import PlacedLight
-from tests.fuzz.in_the_twin import picture
 from tests.lights.test_light_sampling import run, sample
 from tests.shapes.tracing import PROGRAM, World, vec
 
@@ -166,23 +164,3 @@ def test_a_spot_with_a_texture_is_even_in_its_intensity():
 def test_descriptions_that_are_refused(model, fields, words):
     with pytest.raises(SceneError, match=words):
         model(**fields)
-
-
-LAMPS = (
-    """  ies{}: {{light: {{type: ies, vertical_angles: [0, 90], horizontal_angles: [0, 45, 90],
-    candela: [[9.0e+8, 1], [3, 2], [1, 0]]}}, transform: {{translate: [0, 0, 3]}}}}\n""",
-    """  beamer{}: {{light: {{type: projector, pixels: [[[1, 0, 0], [0, 1, 0]], [[0, 0, 1], 1]]}},
-    transform: {{translate: [0, 0, 3]}}}}\n""",
-    "  glow{}: {{light: {{type: area, radiance: 3}}, shape: disk}}\n",
-    "  spot{}: {{light: spot}}\n",
-)
-
-
-@pytest.mark.parametrize("around", ["", "environment: {type: environment, pixels: [[1, 2]]}\n"])
-@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 2, 1, 0), (0, 2, 1), (1, 2, 0)])
-def test_no_lamp_reads_beyond_the_tables_of_another(order, around):
-    """Every lane asks each kind of lamp; NumPy complains of places that do not exist."""
-    nodes = "".join(LAMPS[i].format(place) for place, i in enumerate(order))
-    head = "alight: 1\ncamera: {type: pinhole, transform: {translate: [0, 0, 4]}}\n"
-    wall = "  wall: {shape: rectangle, transform: [{scale: 3}, {translate: [0, 0, -1]}]}\n"
-    assert picture(flatten(loads(f"{head}{around}nodes:\n{nodes}{wall}", "a.yaml"))) == 0

@@ -20,9 +20,8 @@ def npy(values=VALUES):
 
 
 def vol(version=3, kind=1, sides=(2, 2, 3), channels=1, data=None):
-    data = VALUES.tobytes() if data is None else data
     head = b"VOL" + struct.pack("<B5i6f", version, kind, *sides, channels, 0, 0, 0, 1, 1, 1)
-    return head + data
+    return head + (VALUES.tobytes() if data is None else data)
 
 
 @pytest.mark.parametrize(("name", "data"), [("a.npy", npy()), ("a.vol", vol())])

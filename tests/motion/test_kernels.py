@@ -19,7 +19,7 @@ from alight.scene import keyframes, rotate, scale, translate
 from alight.scene.motion import NOWHERE
 from alight.shapes.hit import Hit, spawn_origin
 from alight.shapes.surfaces import make_surface
-from tests.motion.moving import compiled
+from tests.motion.moving import HEAD, compiled
 
 #: What kernels see of a scene that moves, at times of the rays.
 Seen = namedtuple("Seen", "shapes materials lights accel camera filter motions time")
@@ -226,9 +226,10 @@ nodes:
 """
 
 
-def test_each_sample_of_a_moving_light_is_found_by_its_ray_with_the_same_density():
+@pytest.mark.parametrize("choice", ["power", "tree"])
+def test_each_sample_of_a_moving_light_is_found_by_its_ray_with_the_same_density(choice):
     """Direction, distance, density and side agree with what intersection finds there and then."""
-    scene = compiled(LAMPS)
+    scene = compiled(HEAD.replace("max_depth: 1", f"max_depth: 1, light_choice: {choice}") + LAMPS)
     n = 8192
     o, _, time = rays(n, seed=8)
     rng = np.random.default_rng(9)

@@ -147,14 +147,21 @@ LIGHT = (
     ),
     Mutant(
         "light tree that takes a group's lights to be in its middle",
-        "lights/tree.py",
-        (
-            (
-                "cos_l = where(inside | (cos_x >= cos_u), 1.0, cos_x * cos_u + sin_x * sin_u)",
-                "cos_l = where(inside, 1.0, cos_x)",
-            ),
-        ),
+        "lights/tree_bounds.py",
+        (("    towards += group.behind * inverse\n", ""),),
         f"{TREE}::test_a_group_is_not_dark_where_one_of_it_shines",
+    ),
+    Mutant(
+        "light tree that forgets the rest of its number where the first lights are dark",
+        "lights/tree.py",
+        (("u = where(walking & (share > 0.0), rest, u)", "u = where(walking, rest, u)"),),
+        f"{TREE}::test_choice_where_groups_are_dark",
+    ),
+    Mutant(
+        "light tree that knows where a turning lamp faces at the start only",
+        "compiled/light_tree.py",
+        (("normal, spread = row.motion.turned(normal)", "spread = np.zeros(n)"),),
+        "tests/motion/test_light_tree.py::test_leaves_bound_their_lights_at_every_time",
     ),
     Mutant(
         "far lights whose densities forget their group",

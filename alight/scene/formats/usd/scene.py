@@ -36,7 +36,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
     report = Report()
     path = (folder or Path()) / Path(name).name
     stage = open_stage(path, name, report)
-    steps = to_world(stage.stage)
+    steps = to_world(stage)
     graph = Graph(stage, world_matrix(steps))
     try:
         graph.build(steps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,6 +53,9 @@ class Stage:
                 text = f"{attribute.GetName()} is of a type that OpenUSD does not know"
             self.problem(attribute.GetPrim(), text)
             return default
+        if isinstance(found, float) and not math.isfinite(found):
+            self.problem(attribute.GetPrim(), f"{attribute.GetName()} must be finite, got {found}")
+            return default
         return found
 
     def alike(self, attribute: Any, default: Any) -> Any:
@@ -97,6 +101,9 @@ class Stage:
         """Report what nothing mends but an edit."""
         self.report.problem(self.name, str(prim.GetPath()), message)
 
+
+#: In metres.
+LARGEST_UNIT = 1e12
 
 _NUMBERS = (
     "double",
@@ -161,10 +168,15 @@ def open_stage(path: Path, name: str, report: Report) -> Stage:
     return Stage(stage, time, name, reach, report)
 
 
-def to_world(stage: Any) -> list[dict[str, Any]]:
+def to_world(opened: Stage) -> list[dict[str, Any]]:
     """Steps from a stage's space to ours: metres, +y up."""
     steps: list[dict[str, Any]] = []
+    stage = opened.stage
     meters = UsdGeom.GetStageMetersPerUnit(stage)
+    if not 0.0 < meters <= LARGEST_UNIT:
+        text = f"must be > 0 and at most {LARGEST_UNIT:g}, got {meters:g}"
+        opened.report.problem(opened.name, "metersPerUnit", text)
+        meters = 1.0
     if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
         steps.append({"rotate": {"axis": "x", "angle": -90}})
     if meters != 1.0:
