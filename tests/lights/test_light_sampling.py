@@ -338,7 +338,7 @@ def test_directional_light_comes_along_z_of_its_node():
     light = PlacedLight("sun", Directional(irradiance=(3.0, 2.0, 1.0)), turned)
     s = sample(World(lights=[light]), (5, 5, 5), 16)
     # +z turned about x by 90 degrees is -y: the light stands at +y.
-    np.testing.assert_allclose(rows(s.wi)[:, 0], (0, 1, 0), atol=1e-6)
+    np.testing.assert_allclose(rows(s.wi).reshape(3, -1)[:, 0], (0, 1, 0), atol=1e-6)
     np.testing.assert_allclose(rows(s.radiance).ravel()[:3], (3, 2, 1))
     assert np.all(np.isinf(s.distance)) and np.all(s.pdf == 1.0) and np.all(s.delta)
 

@@ -1,0 +1,128 @@
+"""OpenUSD: packages, what is refused or left out with words, and what the command line says."""
+
+import zipfile
+
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+import alight
+from alight.cli.main import app
+from alight.core.errors import SceneError
+from tests.scene.usd_stage import MATERIAL, SQUARE, stage_text, usd_loader
+
+pytest.importorskip("pxr")
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Load a stage given as text."""
+    return usd_loader(tmp_path)
+
+
+def test_pictures_inside_of_packages_are_read(tmp_path):
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "p.png")
+    text = "color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>"
+    (tmp_path / "a.usda").write_text(stage_text(MATERIAL % (text, SQUARE)))
+    with zipfile.ZipFile(tmp_path / "a.usdz", "w", zipfile.ZIP_STORED) as package:
+        for name in ("a.usda", "p.png"):
+            data = (tmp_path / name).read_bytes()
+            info = zipfile.ZipInfo(name)
+            # The format wants the data at multiples of 64 bytes.
+            start = package.fp.tell() + 30 + len(name) + 4
+            info.extra = b"\x86\x19" + ((-start) % 64).to_bytes(2, "little") + bytes((-start) % 64)
+            package.writestr(info, data)
+    (tmp_path / "p.png").unlink()
+    scene = alight.load(tmp_path / "a.usdz")
+    texels = scene.bsdfs["m"].bsdf.base_color.b.pixels
+    assert (texels.width, texels.height) == (2, 2)
+
+
+PICTURE = MATERIAL % ("color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>", SQUARE)
+MISTAKES = {
+    "type": ('def Cube "c" { token size = "x" }', "/c size must be of type double, got string"),
+    "unknown type": ('def Cube "c" { uble size = 1 }', "/c size must be of type double"),
+    "transform": (
+        (
+            'def Xform "x" { float xformOp:translate = 1\n'
+            'uniform token[] xformOpOrder = ["xformOp:translate"] }'
+        ),
+        "OpenUSD: Invalid combination of opType (TypeTranslate)",
+    ),
+    "axis": ('def Plane "p" { uniform token axis = "W" }', '/p unknown axis "W"'),
+    "list": ('def Sphere "s" { double[] radius = [1] }', "radius must be of type double, got"),
+    "indices": (
+        f'def Mesh "m" {{{SQUARE}}}'.replace("2, 3]", "2, 9]"),
+        "/m faceVertexIndices must be points, 0 to 3, got 9",
+    ),
+    "counts": (
+        f'def Mesh "m" {{{SQUARE}}}'.replace("[4]", "[5]"),
+        "/m faceVertexIndices must have 5 numbers, got 4",
+    ),
+    "points": (
+        f'def Mesh "m" {{{SQUARE}}}'.replace("(2, 1, 0)", "(2, nan, 0)"),
+        "/m points must be finite",
+    ),
+    "not finite": (
+        'def Camera "c" { float verticalAperture = nan }',
+        "/c verticalAperture must be finite, got nan",
+    ),
+    "syntax": ("def Mesh {", "is no OpenUSD stage"),
+    "reference": ('def "m" (references = @gone.usda@) { }', "does not fit together"),
+    "reach": ('def "m" (references = @../out.usda@) { }', "outside of its own folder: out.usda"),
+    "picture": (PICTURE, '/m/picture no such picture: "p.png"'),
+    "kind of an input": (
+        PICTURE.replace("float4 inputs:scale = (0.5, 0.5, 0.5, 1)", "float inputs:scale = 2"),
+        "/m/picture inputs:scale must be 4 numbers, got 2.0",
+    ),
+    "text for a number": (
+        PICTURE.replace("float2 inputs:scale = (2, 3)", 'string inputs:rotation = "x"'),
+        '/m/place inputs:rotation must be a number, got "x"',
+    ),
+    "unknown type of an input": (
+        PICTURE.replace("float4 inputs:scale", "flota4 inputs:scale"),
+        "/m/picture inputs:scale is of a type that OpenUSD does not know",
+    ),
+    "prototype": (
+        'def PointInstancer "p" { int[] protoIndices = [3]; point3f[] positions = [(0, 0, 0)] }',
+        "/p protoIndices must be in",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), MISTAKES.values(), ids=MISTAKES.keys())
+def test_mistakes_are_refused_with_their_prim(tmp_path, text, message):
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    (tmp_path / "out.usda").write_text(stage_text('def "x" { }'))
+    if text != PICTURE:
+        Image.new("RGB", (2, 2)).save(folder / "p.png")
+    (folder / "a.usda").write_text(stage_text(text))
+    with pytest.raises(SceneError) as caught:
+        alight.load(folder / "a.usda")
+    assert message in " ".join(str(caught.value).split())
+
+
+@pytest.mark.parametrize("unit", ["inf", "nan", "0", "-1"])
+def test_units_that_are_no_lengths_are_refused(unit, tmp_path):
+    (tmp_path / "a.usda").write_text(stage_text('def Sphere "s" { }', unit=unit))
+    with pytest.raises(SceneError, match="metersPerUnit\n  must be > 0 and at most 1e\\+12"):
+        alight.load(tmp_path / "a.usda")
+
+
+@pytest.mark.parametrize("kind", ["string[]", "coler3f[]"])
+def test_primvars_without_numbers_are_left_out_and_said(load, kind):
+    color = f'{kind} primvars:displayColor = ["a", "b", "c", "d"]' if kind[0] == "s" else ""
+    color = color or f"{kind} primvars:displayColor = [(0, 0, 1)]"
+    scene = load(f'def Mesh "m" {{{SQUARE}{color} (interpolation = "vertex")}}')
+    (bsdf,) = scene.bsdfs.values()
+    assert bsdf.bsdf.reflectance == pytest.approx((0.18, 0.18, 0.18))
+    assert any("primvars:displayColor holds no rows of" in line for line in scene.warnings)
+
+
+def test_the_command_line_says_what_was_read(tmp_path):
+    (tmp_path / "a.usda").write_text(stage_text(f'def Mesh "m" {{{SQUARE}}}'))
+    result = CliRunner().invoke(app, ["info", str(tmp_path / "a.usda")])
+    assert result.exit_code == 0, result.output
+    assert "the file has no light" in result.output
+    assert "the file has no camera" in result.output
