@@ -23,15 +23,23 @@ def test_coats_over_matte_and_metal():
     alpha = '<float name="alpha" value="0.3"/>'
     coat = read_bsdf(f"{inner}{alpha}{red}", 'type="roughcoating"', "0.5.0")
     assert (coat.type_name(), coat.alpha) == ("rough_plastic", 0.3)
-    gold = (
-        '<bsdf type="twosided"><bsdf type="roughconductor"><string name="material" value="Au"/>'
-        '<float name="alpha" value="0.25"/></bsdf></bsdf>'
-    )
-    coat = read_bsdf(f"{inner}{gold}", 'type="coating"', "0.5.0")
+    metal = '<string name="material" value="Au"/><float name="alpha" value="0.25"/>'
+    gold = f'<bsdf type="twosided"><bsdf type="roughconductor">{metal}</bsdf></bsdf>'
+    grey = '<rgb name="sigmaA" value="0.1 0.1 0.1"/><float name="thickness" value="2"/>'
+    coat = read_bsdf(f"{inner}{grey}{gold}", 'type="coating"', "0.5.0")
+    assert (coat.type_name(), coat.alpha, coat.int_ior) == ("coated_conductor", 0.25, 1.7)
+    assert (coat.bounces, coat.thickness) == (1, pytest.approx(0.2))
+    # The metal reflects in the coat what it would in air.
+    air = read_bsdf(metal, 'type="roughconductor"', "0.5.0")
+    np.testing.assert_allclose(coat.eta, 1.7 * np.array(air.eta))
+    np.testing.assert_allclose(coat.k, 1.7 * np.array(air.k))
+    coat = read_bsdf(f"{inner}{alpha}{gold}", 'type="roughcoating"', "0.5.0")
+    assert coat.coat_alpha == 0.3
+    coat = read_bsdf(f"{inner}{tint}{gold}", 'type="coating"', "0.5.0")
     assert (coat.type_name(), coat.metallic, coat.clearcoat) == ("principled", 1.0, 1.0)
     assert coat.roughness == pytest.approx(0.5)
     red_part, _, blue = coat.base_color
-    assert red_part > 0.8 > blue
+    assert red_part > 0.6 > blue
     glass = read_bsdf('<bsdf type="dielectric"/>', 'type="coating"', "0.5.0")
     assert (glass.type_name(), glass.opacity) == ("mask", 1.0)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from alight.bsdfs.albedo_rows import LEAST_ALPHA
 from alight.scene.formats import hair
 from alight.scene.formats.mitsuba.bsdfs import convert, medium_index, rough_plastic, roughness
 from alight.scene.formats.mitsuba.context import Context, Data
@@ -142,7 +143,8 @@ def _coating(draft: Draft) -> None:
     draft.color("sigma_a", role="index")
     absorbed = draft.data.get("sigma_a", [0.0] * 3)
     thickness = p.number("thickness", 1.0) or 0.0
-    tint = [math.exp(-2.0 * max(channel, 0.0) * max(thickness, 0.0)) for channel in absorbed]
+    depth = [max(channel, 0.0) * max(thickness, 0.0) for channel in absorbed]
+    tint = [math.exp(-2.0 * channel) for channel in depth]
     p.ignore("the coat is clear", "specular_reflectance")
     parts = p.take("bsdf", "ref")
     if len(parts) != 1:
@@ -155,8 +157,12 @@ def _coating(draft: Draft) -> None:
     if base["type"] == "diffuse":
         draft.data = _over_matte(base, tint, ior, alpha if is_rough else None)
         _warn(draft, "becomes plastic, which takes all rounds of the light between its layers")
+    elif base["type"] in ("conductor", "rough_conductor") and _is_even(base, depth, ior):
+        draft.data = _lacquered(base, depth[0], ior, alpha)
+        if is_rough:
+            _warn(draft, "becomes coated metal: how its coat spreads light below differs")
     elif base["type"] in ("conductor", "rough_conductor", "mirror"):
-        draft.data = _over_metal(base, tint, inside / outside, alpha)
+        draft.data = _over_metal(base, tint, alpha)
         _warn(draft, "becomes a principled metal under a clear coat")
     else:
         draft.data = {"type": "mask", "opacity": 1.0, "bsdf": inner}
@@ -182,12 +188,38 @@ def _over_matte(base: Data, tint: list[float], ior: Data, alpha: float | None) -
     return data
 
 
-def _over_metal(base: Data, tint: list[float], ior: float, alpha: float) -> Data:
+def _is_even(base: Data, depth: list[float], ior: Data) -> bool:
+    """Whether our coated metal can stand for it: of one roughness and without colours."""
+    one_alpha = isinstance(base.get("alpha", 0.0), float) and "alpha_u" not in base
+    plain = base.get("specular_reflectance", [1.0] * 3) == [1.0] * 3
+    grey = len(set(depth)) == 1 and depth[0] <= 1e3
+    return one_alpha and plain and grey and 1.01 <= ior["int_ior"] / ior["ext_ior"] <= 5.0
+
+
+def _lacquered(base: Data, thickness: float, ior: Data, alpha: float) -> Data:
+    """Coated metal; the plug-ins let light meet the metal once."""
+    rough = {
+        "alpha": min(max(base.get("alpha", 0.0), LEAST_ALPHA), 1.0),
+        "coat_alpha": min(max(alpha, LEAST_ALPHA), 1.0),
+    }
+    # The plug-ins bend the light towards the metal, which reflects it as if it stood in air.
+    metal = {key: [ior["int_ior"] * channel for channel in base[key]] for key in ("eta", "k")}
+    return {
+        "type": "coated_conductor",
+        **metal,
+        **ior,
+        **rough,
+        "thickness": thickness,
+        "bounces": 1,
+    }
+
+
+def _over_metal(base: Data, tint: list[float], alpha: float) -> Data:
     tinted = base.get("reflectance" if base["type"] == "mirror" else "specular_reflectance")
     color = [1.0] * 3
     if base["type"] != "mirror":
         pairs = zip(base["eta"], base["k"], strict=True)
-        color = [_straight_on(eta / ior, k / ior) for eta, k in pairs]
+        color = [_straight_on(eta, k) for eta, k in pairs]
     if isinstance(tinted, list):
         color = [a * b for a, b in zip(color, tinted, strict=True)]
     inner = base.get("alpha", base.get("alpha_u", 0.0))
