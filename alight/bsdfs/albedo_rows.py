@@ -10,8 +10,8 @@ T, V from outside, then R, T, V from inside, and last the means 2 ∫ W mu dmu a
 stand at equal steps of the root of alpha, and are interpolated linearly both ways.
 
 Of facets whose roughness depends on the direction, rows stand along three axes: the root of the
-lesser alpha, the anisotropy (`alpha_along`), and the cosine between the azimuth and the rougher
-direction, which changes first. An axis along which nothing varies has one row. The means are those
+lesser alpha, the anisotropy (`alpha_along`), and the root of the cosine between the azimuth and the
+rougher direction, which changes first: across it grazing light sees a smooth surface. An axis along which nothing varies has one row. The means are those
 over all azimuths.
 
 What a film reflects is no a + b F. Four more curves hold the mean cosines of as many equal parts of
@@ -208,15 +208,16 @@ def _rows_around(
     facets: Facets, needs: Needs, turns: int, lattice: tuple[int, int], steps: int
 ) -> NDArray[np.float32]:
     """Rows for all azimuths."""
-    cosines = np.linspace(0.0, 1.0, turns)
+    places = np.linspace(0.0, 1.0, turns)
     fine, coarse = np.linspace(0.0, 1.0, STEPS), np.linspace(0.0, 1.0, steps)
     curves = np.zeros((turns, FILM_COSINES + FILM_PARTS, STEPS))
-    for i, azimuth in enumerate(np.arccos(cosines)):
+    for i, azimuth in enumerate(np.arccos(places**2)):
         found = _curves(see_facets(facets, _cosines(steps), float(azimuth), lattice), needs)
         curves[i] = [np.interp(fine, coarse, curve) for curve in found]
-    # A mean over azimuths at equal steps; in between the rows are linear in the cosine.
+    # A mean over azimuths at equal steps; in between the rows are linear in the root of the cosine.
     angles = (np.arange(256) + 0.5) * (0.5 * np.pi / 256)
-    weights = [np.interp(np.cos(angles), cosines, hat).mean() for hat in np.eye(turns)]
+    roots = np.sqrt(np.cos(angles))
+    weights = [np.interp(roots, places, hat).mean() for hat in np.eye(turns)]
     means = np.dot(weights, curves[:, [WHITE, REFLECTED]] @ _weights_of_mean())
     ends = np.broadcast_to(means, (turns, 2))
     return np.concatenate([curves.reshape(turns, -1), ends], axis=1).astype(np.float32).ravel()

@@ -73,16 +73,16 @@ def _isotropic(table, facets, anisotropy, w):
 
 
 @kernel
-def _cosine_of_azimuth(w):
-    """Between w and the rougher direction, both seen from above."""
+def _place_of_azimuth(w):
+    """Root of the cosine between w and the rougher direction, both seen from above."""
     squared = w.x * w.x + w.y * w.y
-    return absolute(w.x) / sqrt(maximum(squared, 1e-18))
+    return sqrt(absolute(w.x) / sqrt(maximum(squared, 1e-18)))
 
 
 @kernel
 def _turned(table, facets, anisotropy, w):
     rows = Table(table.curves, table.start, table.azimuth)
-    return rows_between(rows, _cosine_of_azimuth(w), ROW)
+    return rows_between(rows, _place_of_azimuth(w), ROW)
 
 
 @kernel
@@ -92,7 +92,7 @@ def _corners(table, facets, anisotropy, w):
     a = Table(table.curves, table.start, table.last)
     a = rows_between(a, sqrt(facets.alpha_y), strengths)
     b = rows_between(Table(table.curves, a.row, table.anisotropy), anisotropy, turns)
-    c = rows_between(Table(table.curves, b.row, table.azimuth), _cosine_of_azimuth(w), ROW)
+    c = rows_between(Table(table.curves, b.row, table.azimuth), _place_of_azimuth(w), ROW)
     return Corners(table.curves, c.row, a.step, a.part, b.step, b.part, c.step, c.part)
 
 

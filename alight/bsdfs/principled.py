@@ -88,10 +88,17 @@ from alight.core.spec import (
     UnitTexture,
 )
 from alight.textures.constant import Constant
-from alight.textures.fetch import color, scalar, textured_scalar
+from alight.textures.fetch import color, constant_color, scalar, textured_scalar
 
 #: Programs in which none is glass or a sheet have nothing that refracts.
 REFRACTING = GLASS
+#: What programs call it that metallic or roughness are textured, and that any of the others is:
+#: each lookup of a texture is compiled where it stands.
+TEXTURED, VARIED = "principled:textured", "principled:varied"
+RARELY_TEXTURED = (
+    "specular", "specular_color", "anisotropy", "anisotropy_rotation", "transmission", "clearcoat",
+    "clearcoat_roughness", "sheen_color", "sheen_roughness", "iridescence", "iridescence_thickness",
+)  # fmt: skip
 #: Index of glass at least: the facet that refracts is found from it.
 LEAST_IOR = 1.001
 
@@ -267,39 +274,63 @@ def _constant(packer, name: str) -> float | None:
 
 def features(spec: Principled) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
-    varied = (spec.roughness, spec.anisotropy, spec.clearcoat_roughness, spec.sheen_roughness)
+    rows = (spec.roughness, spec.anisotropy, spec.clearcoat_roughness, spec.sheen_roughness)
     names = {
         GLASS: spec.transmissive,
         COAT: not is_zero(spec.clearcoat),
         SHEEN: not is_zero(spec.sheen_color),
         FILM: not is_zero(spec.iridescence),
         ANISOTROPIC: not is_zero(spec.anisotropy),
-        MANY_ROWS: any(not isinstance(value, float | Constant) for value in varied),
+        MANY_ROWS: any(map(_is_textured, rows)),
+        TEXTURED: _is_textured(spec.metallic) or _is_textured(spec.roughness),
+        VARIED: any(_is_textured(getattr(spec, name)) for name in RARELY_TEXTURED),
     }
     absorbs = () if spec.thin else absorption_features(spec)
     return (*(name for name, used in names.items() if used), *absorbs)
 
 
+def _is_textured(value: object) -> bool:
+    return not isinstance(value, float | tuple | Constant)
+
+
 # ---------------------------------------------------------------- what a point of a surface holds
+
+
+@specialised
+def _usual(program):
+    """``(scene, slot, surface) -> number`` of metallic and roughness."""
+    return textured_scalar if TEXTURED in program.bsdfs else scalar
+
+
+@specialised
+def _rare(program):
+    """``(scene, slot, surface) -> number`` of `RARELY_TEXTURED`."""
+    return textured_scalar if VARIED in program.bsdfs else scalar
+
+
+@specialised
+def _rare_color(program):
+    """``(scene, slot, surface) -> Vec3``, likewise."""
+    return color if VARIED in program.bsdfs else constant_color
 
 
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    root = _unit(textured_scalar(scene, base + ROUGHNESS, surface))
+    root = _unit(_usual(scene, base + ROUGHNESS, surface))
     alpha = maximum(root * root, LEAST_ALPHA)
     modes = scalar(scene, base + MODES, surface)
     facets, turn = _facets(scene, base, surface, alpha)
     return Params(
         color(scene, base, surface),
-        textured_scalar(scene, base + METALLIC, surface),
+        _usual(scene, base + METALLIC, surface),
         facets,
         turn,
         load_rows(scene, base + TABLE),
         scalar(scene, base + ETA, surface),
-        textured_scalar(scene, base + SPECULAR, surface),
-        color(scene, base + SPECULAR_COLOR, surface),
-        textured_scalar(scene, base + TRANSPARENT, surface),
+        _rare(scene, base + SPECULAR, surface),
+        _rare_color(scene, base + SPECULAR_COLOR, surface),
+        _rare(scene, base + TRANSPARENT, surface),
         (modes == 1.0) | (modes == 3.0),
         modes >= 2.0,
         _coat(scene, base, surface),
@@ -326,8 +357,8 @@ def _facets(program):
 
     @kernel
     def anisotropic(scene, base, surface, alpha):
-        a = _unit(textured_scalar(scene, base + ANISOTROPY, surface))
-        s, c = sincos(textured_scalar(scene, base + ROTATION, surface))
+        a = _unit(_rare(scene, base + ANISOTROPY, surface))
+        s, c = sincos(_rare(scene, base + ROTATION, surface))
         return Facets(alpha_along(alpha, a), alpha, lanes(0.0)), Turn(s, c, a)
 
     return anisotropic
@@ -341,9 +372,9 @@ def _coat(program):
 
     @kernel
     def coat(scene, base, surface):
-        root = _unit(textured_scalar(scene, base + COAT_ROUGHNESS, surface))
+        root = _unit(_rare(scene, base + COAT_ROUGHNESS, surface))
         alpha = maximum(root * root, LEAST_ALPHA)
-        strength = textured_scalar(scene, base + CLEARCOAT, surface)
+        strength = _rare(scene, base + CLEARCOAT, surface)
         rows = rows_at(load_table(scene, base + COAT_TABLE), root, ROW)
         return Coat(strength, Facets(alpha, alpha, lanes(0.0)), rows)
 
@@ -358,9 +389,9 @@ def _sheen(program):
 
     @kernel
     def sheen(scene, base, surface):
-        roughness = _unit(textured_scalar(scene, base + SHEEN_ROUGHNESS, surface))
+        roughness = _unit(_rare(scene, base + SHEEN_ROUGHNESS, surface))
         rows = rows_at(load_table(scene, base + SHEEN_TABLE), roughness, SHEEN_ROW)
-        return Sheen(color(scene, base + SHEEN_COLOR, surface), roughness, rows)
+        return Sheen(_rare_color(scene, base + SHEEN_COLOR, surface), roughness, rows)
 
     return sheen
 
@@ -374,9 +405,9 @@ def _film(program):
     @kernel
     def film(scene, base, surface):
         return Film(
-            textured_scalar(scene, base + IRIDESCENCE, surface),
+            _rare(scene, base + IRIDESCENCE, surface),
             scalar(scene, base + FILM_IOR, surface),
-            textured_scalar(scene, base + FILM_THICKNESS, surface),
+            _rare(scene, base + FILM_THICKNESS, surface),
         )
 
     return film

@@ -112,7 +112,7 @@ def find_leaves(
 
 def _no_leaf() -> Leaves:
     vectors, numbers, words = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.uint32)
-    return Leaves(vectors, vectors, vectors, *(numbers,) * 4, words, words)
+    return Leaves(vectors, vectors, vectors, numbers, numbers, numbers, numbers, words, words)
 
 
 def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:

@@ -1,18 +1,29 @@
 r"""Spot light: a point light that shines into a cone and fades out towards its edge.
 
 .. math::
-    I(\theta) = I \min\left(1, \max\left(0,
-    \frac{\theta_\text{cutoff} - \theta}{\theta_\text{cutoff} - \theta_\text{beam}}\right)\right),
-    \qquad E(x) = I(\theta) \cos\theta_s / d^2
+    E(x) = I f(t(\theta)) \cos\theta_s / d^2, \qquad
+    t = \min\left(1, \max\left(0,
+    \frac{m_\text{cutoff} - m(\theta)}{m_\text{cutoff} - m_\text{beam}}\right)\right)
 
 It stands at the origin of its node and shines along the local +z axis. A path cannot hit it, so it
-is always sampled as a light.
+is always sampled as a light. Renderers fade out differently, so there is a choice of
 
-Source: Mitsuba 3's ``spot`` for the falloff, linear in the angle; PBR4 section 12.2.1.
+============= ====================== ===================
+falloff       m                      f
+============= ====================== ===================
+``linear``    :math:`\theta`         t
+``smooth``    :math:`1-\cos\theta`   :math:`t^2 (3 - 2t)`
+``quadratic`` :math:`1-\cos\theta`   :math:`t^2`
+``quartic``   :math:`1-\cos\theta`   :math:`t^4`
+============= ====================== ===================
+
+Source: Mitsuba 3's ``spot`` is linear; PBR4 section 12.2.1 smooth, its third edition quartic; the
+glTF extension KHR_lights_punctual quadratic.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -21,13 +32,21 @@ from pydantic import model_validator
 from alight.core.constants import PI
 from alight.core.jit import kernel
 from alight.core.maths import arctan2
-from alight.core.simd import gather, lanes, lanes_mask, lanes_vec3, maximum, minimum, sqrt
+from alight.core.simd import gather, lanes, lanes_mask, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Color, Interval, Light, Triple, invalid
 from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.lights.tables import STRIDE, LightSample
 
 CutoffAngle = Annotated[float, Interval(0.001, 180.0)]
 BeamWidth = Annotated[float, Interval(0.0, 180.0)]
+Falloff = Literal["linear", "smooth", "quadratic", "quartic"]
+#: Each with the integral of f over t from 0 to 1. Their order is their number in the row.
+FALLOFFS: dict[Falloff, float] = {
+    "linear": 1 / 2,
+    "smooth": 1 / 2,
+    "quadratic": 1 / 3,
+    "quartic": 1 / 5,
+}
 
 
 class Spot(Light):
@@ -41,12 +60,15 @@ class Spot(Light):
         Angle from the axis beyond which it is dark.
     beam_width : float in [0, cutoff_angle], degrees, optional
         Angle from the axis up to which it has its full intensity; 3/4 of the cutoff by default.
+    falloff : {"linear", "smooth", "quadratic", "quartic"}, default "linear"
+        How it fades out between the two: linearly in the angle, or by a polynomial in its cosine.
     """
 
     type: Literal["spot"] = "spot"
     intensity: Color = (1.0, 1.0, 1.0)
     cutoff_angle: CutoffAngle = 20.0
     beam_width: BeamWidth | None = None
+    falloff: Falloff = "linear"
 
     @model_validator(mode="after")
     def _fades_outwards(self) -> Self:
@@ -60,8 +82,10 @@ class Spot(Light):
 
 EXAMPLES = (
     Spot(),
-    Spot(intensity=(10.0, 5.0, 0.0), cutoff_angle=60.0, beam_width=60.0),
+    Spot(intensity=(10.0, 5.0, 0.0), cutoff_angle=60.0, beam_width=60.0, falloff="quadratic"),
     Spot(intensity=3.0, cutoff_angle=180.0, beam_width=0.0),
+    Spot(cutoff_angle=70.0, beam_width=5.0, falloff="smooth"),
+    Spot(cutoff_angle=100.0, beam_width=0.0, falloff="quartic"),
     Spot(intensity=0.0),
 )
 
@@ -79,20 +103,36 @@ def angles(spec: Spot) -> tuple[float, float]:
 
 
 def place(spec: Spot, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
-    """Colour; position, unit axis, cutoff in radians and 1 / (cutoff - beam)."""
-    cutoff, beam = angles(spec)
+    """Colour; position, unit axis, m of the cutoff, 1 / (m of cutoff - m of beam), falloff."""
+    edge, beam = _measured(spec)
     axis = to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])
-    fade = 1.0 / max(cutoff - beam, _NARROWEST)
-    return spec.intensity, np.concatenate([to_world[:3, 3], axis, [cutoff, fade]])
+    narrowest = _NARROWEST if spec.falloff == "linear" else _NARROWEST**2
+    fade = 1.0 / max(edge - beam, narrowest)
+    number = list(FALLOFFS).index(spec.falloff)
+    return spec.intensity, np.concatenate([to_world[:3, 3], axis, [edge, fade, number]])
+
+
+def _measured(spec: Spot) -> tuple[float, float]:
+    """m of the cutoff and of the beam."""
+    cutoff, beam = angles(spec)
+    if spec.falloff == "linear":
+        return cutoff, beam
+    # 1 - cos, to all digits for small angles.
+    return 2.0 * math.sin(0.5 * cutoff) ** 2, 2.0 * math.sin(0.5 * beam) ** 2
 
 
 def mean_color(spec: Spot) -> Triple:
     r"""Mean intensity over the sphere.
 
-    With c and b the angles of cutoff and beam, the integral of the falloff over directions is
-    :math:`2 \pi (1 - (\sin c - \sin b) / (c - b))`, which for c = b is that of a cap.
+    With c and b the angles of cutoff and beam, the integral of the linear falloff over directions
+    is :math:`2 \pi (1 - (\sin c - \sin b) / (c - b))`, which for c = b is that of a cap; those in
+    the cosine have the integral :math:`2 \pi (m_b + (m_c - m_b) \int_0^1 f)`.
     """
     c, b = angles(spec)
+    if spec.falloff != "linear":
+        edge, beam = _measured(spec)
+        mean = 0.5 * (beam + (edge - beam) * FALLOFFS[spec.falloff])
+        return mean * spec.intensity[0], mean * spec.intensity[1], mean * spec.intensity[2]
     slope = (np.sin(c) - np.sin(b)) / (c - b) if c - b > _NARROWEST else np.cos(c)
     r, g, b = (float(0.5 * (1.0 - slope)) * channel for channel in spec.intensity)
     return r, g, b
@@ -121,7 +161,21 @@ def sample(scene, index, p, u, u2):
     # By its tangent, because the cosine of a small angle does not tell it.
     axis = gather_vec3(data, k + 7)
     theta = arctan2(sqrt(length_squared(cross(axis, wi))), -dot(axis, wi))
-    falloff = minimum(maximum((gather(data, k + 10) - theta) * gather(data, k + 11), 0.0), 1.0)
+    number = gather(data, k + 12)
+    # 1 - cos, which for a small angle the cosine does not tell.
+    chord = axis + wi
+    m = where(number == 0.0, theta, 0.5 * length_squared(chord))
+    t = minimum(maximum((gather(data, k + 10) - m) * gather(data, k + 11), 0.0), 1.0)
+    squared_t = t * t
+    falloff = where(
+        number == 0.0,
+        t,
+        where(
+            number == 1.0,
+            squared_t * (3.0 - 2.0 * t),
+            where(number == 2.0, squared_t, squared_t * squared_t),
+        ),
+    )
     one = lanes(1.0)
     return LightSample(
         wi,

@@ -15,7 +15,11 @@ import numpy as np
 
 from alight.outputs import exr, hdr, npy, pfm
 
-SUFFIXES = (".png", ".jpg", ".jpeg", ".exr", ".hdr", ".pfm", ".npy")
+SUFFIXES = (
+    ".png", ".jpg", ".jpeg", ".exr", ".hdr", ".pfm", ".npy", ".bmp", ".tga", ".tif", ".tiff",
+)  # fmt: skip
+#: What messages call them.
+KINDS = "PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF"
 
 #: The library reads all channels of an EXR file at once; this is 1 GB.
 MOST_NUMBERS = 2**28
@@ -38,7 +42,7 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
     Parameters
     ----------
     path : Path
-        PNG, JPEG (uint8, uint16), OpenEXR, Radiance, PFM or NPY (float) file.
+        PNG, JPEG, BMP, TGA, TIFF (uint8, uint16), OpenEXR, Radiance, PFM or NPY (float) file.
     check_size : callable
         Refuses sizes.
 
@@ -57,8 +61,11 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
     with path.open("rb") as file:
         start = file.read(8)
     readers = [read for magic, read in _READERS if start.startswith(magic)]
+    if not readers and path.suffix.lower() == ".tga":
+        # The one kind whose files do not say what they are.
+        readers = [_read_targa]
     if not readers:
-        raise ValueError("is no PNG, JPEG, EXR, HDR, PFM or NPY picture")
+        raise ValueError(f"is no {KINDS} picture")
     try:
         return readers[0](path, check_size)
     except (OSError, ValueError):
@@ -81,7 +88,7 @@ def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray
     if not bytes(data[:4]).startswith((b"\x89PNG", b"\xff\xd8\xff")):
         raise ValueError("is no PNG or JPEG picture")
     try:
-        return _read_with_pillow(data, check_size)
+        return _read_with_pillow(data, check_size, ("PNG", "JPEG"))
     except (OSError, ValueError):
         raise
     except MemoryError:
@@ -104,7 +111,15 @@ def reusing_memory() -> Iterator[None]:
             pillow.core.clear_cache()
 
 
-def _read_with_pillow(source: Path | bytes | memoryview, check_size: SizeCheck) -> np.ndarray:
+def _read_targa(path: Path, check_size: SizeCheck) -> np.ndarray:
+    return _read_with_pillow(path, check_size, ("TGA",))
+
+
+def _read_with_pillow(
+    source: Path | bytes | memoryview,
+    check_size: SizeCheck,
+    formats: tuple[str, ...] = ("PNG", "JPEG", "BMP", "TIFF"),
+) -> np.ndarray:
     import io
     import warnings
 
@@ -119,8 +134,10 @@ def _read_with_pillow(source: Path | bytes | memoryview, check_size: SizeCheck) 
         if _reusing:
             Image.core.set_blocks_max(KEPT_BLOCKS)
         try:
-            with Image.open(opened(source), formats=("PNG", "JPEG")) as image:
+            with Image.open(opened(source), formats=formats) as image:
                 check_size(*image.size)
+                if image.mode == "F":
+                    raise ValueError("holds floats: EXR and PFM files may")
                 return _pixels_of(image, lambda: opened(source))
         except Image.DecompressionBombError:
             raise ValueError("has too many pixels") from None
@@ -214,4 +231,7 @@ _READERS: tuple[tuple[bytes, Callable[[Path, SizeCheck], np.ndarray]], ...] = (
     (b"PF", _read_pfm),
     (b"Pf", _read_pfm),
     (b"\x93NUMPY", _read_npy),
+    (b"BM", _read_with_pillow),
+    (b"II*\x00", _read_with_pillow),
+    (b"MM\x00*", _read_with_pillow),
 )

@@ -22,6 +22,8 @@ from alight.scene.builtin.pictures import is_builtin
 from alight.scene.meshes import unreadable
 
 SUFFIXES = (".npy", ".vol")
+#: Bytes of a VOL file that hold the corners of its box.
+_BOX = slice(24, 48)
 
 #: A VOL file begins with: "VOL", version, type (1: float32), cells along x, y, z, channels, a box.
 _HEADER = struct.Struct("<3sBiiiii6f")
@@ -130,3 +132,23 @@ def _check_size(nz: int, ny: int, nx: int) -> None:
     problem = size_problem(nz, ny, nx)
     if problem:
         raise invalid(problem)
+
+
+def box_of(path: Path, name: str) -> np.ndarray:
+    """From the unit cube to the box that a VOL file names, (4, 4) float64.
+
+    Raises
+    ------
+    SceneError
+        If the file names none.
+    """
+    result = np.eye(4)
+    with path.open("rb") as file:
+        start = file.read(_BOX.stop)
+    if start[:3] != b"VOL" or len(start) < _BOX.stop:
+        raise SceneError([Issue("", f"{quote(name)}: names no box, as VOL files do")])
+    low, high = np.frombuffer(start[_BOX], "<f4").astype(np.float64).reshape(2, 3)
+    if not (np.isfinite([low, high]).all() and (low < high).all()):
+        raise SceneError([Issue("", f"{quote(name)}: its box must have a size")])
+    result[:3, :3], result[:3, 3] = np.diag(high - low), low
+    return result

@@ -5,6 +5,7 @@ from alight.textures import (
     bitmap,
     channel,
     checkerboard,
+    clamp,
     constant,
     mix,
     multiply,
@@ -24,4 +25,5 @@ MODELS = (
     mix,
     channel,
     threshold,
+    clamp,
 )

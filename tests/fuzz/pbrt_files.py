@@ -79,6 +79,12 @@ AttributeBegin
   Shape "sphere" "float radius" 0.5
 AttributeEnd
 """),
+    (4, """LightSource "infinite" "point3 portal" [-1 0 -1  1 0 -1  1 1 -1  -1 1 -1]
+LightSource "projection" "string filename" "letters.png" "float fov" 50 "float power" 20
+LightSource "goniometric" "string filename" "square.npy" "rgb I" [3 2 1]
+AreaLightSource "diffuse" "string filename" "letters.png" "float scale" 2
+Shape "bilinearmesh" "point3 P" [-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1] "point2 uv" [0 0 1 0 0 1 1 1]
+"""),
     (4, """LightSource "infinite" "string filename" "square.npy" "float scale" 0.5
 LightSource "infinite" "rgb L" [0.5 0.4 0.3]
 TransformTimes 0 2

@@ -49,9 +49,31 @@ def test_spot_fades_linearly_between_beam_and_cutoff():
     assert irradiance(Spot(intensity=4.0), 17.5) == pytest.approx(0.5, rel=1e-4)
 
 
-def test_narrowest_spot_is_still_a_cone():
-    spec = Spot(intensity=4.0, cutoff_angle=0.002, beam_width=0.0)
-    assert irradiance(spec, 0.001) == pytest.approx(0.5, rel=1e-3)
+def share_of(spec, angle):
+    """What is left of the intensity, `angle` radians off the axis."""
+    cutoff = np.radians(spec.cutoff_angle)
+    beam = np.radians(0.75 * spec.cutoff_angle if spec.beam_width is None else spec.beam_width)
+    with np.errstate(divide="ignore"):
+        if spec.falloff == "linear":
+            return np.clip((cutoff - angle) / (cutoff - beam), 0.0, 1.0)
+        t = (np.cos(angle) - np.cos(cutoff)) / (np.cos(beam) - np.cos(cutoff))
+    t = np.clip(t, 0.0, 1.0)
+    return {"smooth": t * t * (3 - 2 * t), "quadratic": t**2, "quartic": t**4}[spec.falloff]
+
+
+@pytest.mark.parametrize("falloff", ["smooth", "quadratic", "quartic"])
+def test_spot_fades_by_a_polynomial_in_the_cosine(falloff):
+    spec = Spot(intensity=8.0, cutoff_angle=50.0, beam_width=20.0, falloff=falloff)
+    for angle in (0.0, 19.0, 21.0, 30.0, 40.0, 49.0, 51.0, 180.0):
+        expected = 2.0 * share_of(spec, np.radians(angle))
+        assert irradiance(spec, angle) == pytest.approx(expected, rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("falloff", ["linear", "smooth"])
+def test_narrowest_spot_is_still_a_cone(falloff):
+    spec = Spot(intensity=4.0, cutoff_angle=0.002, beam_width=0.0, falloff=falloff)
+    expected = share_of(spec, np.radians(0.001)) if falloff == "linear" else 0.84375
+    assert irradiance(spec, 0.001) == pytest.approx(expected, rel=2e-3)
 
 
 def test_hard_spot_ends_at_its_edge():
@@ -61,12 +83,8 @@ def test_hard_spot_ends_at_its_edge():
 
 @pytest.mark.parametrize("spec", EXAMPLES)
 def test_mean_intensity_of_a_spot_is_the_integral(spec):
-    cutoff = np.radians(spec.cutoff_angle)
-    beam = np.radians(0.75 * spec.cutoff_angle if spec.beam_width is None else spec.beam_width)
     theta = (np.arange(200_000) + 0.5) * np.pi / 200_000
-    with np.errstate(divide="ignore"):
-        share = np.clip((cutoff - theta) / (cutoff - beam), 0.0, 1.0)
-    mean = 0.5 * np.sum(share * np.sin(theta)) * np.pi / 200_000
+    mean = 0.5 * np.sum(share_of(spec, theta) * np.sin(theta)) * np.pi / 200_000
     np.testing.assert_allclose(mean_color(spec), np.multiply(spec.intensity, mean), rtol=1e-4)
 
 

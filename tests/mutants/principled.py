@@ -22,7 +22,7 @@ PRINCIPLED = (
     Mutant(
         "brushed metal given back from all sides what it loses along the tangent",
         "bsdfs/albedo_table.py",
-        (("rows_between(rows, _cosine_of_azimuth(w), ROW)", "rows_between(rows, 1.0, ROW)"),),
+        (("rows_between(rows, _place_of_azimuth(w), ROW)", "rows_between(rows, 1.0, ROW)"),),
         f"{PHYSICS}::test_what_is_brushed_loses_nothing_from_any_side[metal]",
     ),
     Mutant(
@@ -30,6 +30,17 @@ PRINCIPLED = (
         "bsdfs/principled_view.py",
         (("(i < FILM_PARTS)", "(i < FILM_PARTS - 1)"),),
         f"{PHYSICS}::test_film_gives_back_in_each_color_what_it_does_not_reflect",
+    ),
+    Mutant(
+        "a texture of the coat's strength is not looked up",
+        "bsdfs/principled.py",
+        (
+            (
+                '"transmission", "clearcoat",\n    "clearcoat_roughness"',
+                '"transmission",\n    "clearcoat_roughness"',
+            ),
+        ),
+        f"{PHYSICS}::test_each_parameter_alone_may_be_textured[clearcoat]",
     ),
     Mutant(
         "density without that of the coat",

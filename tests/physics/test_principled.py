@@ -90,6 +90,17 @@ def test_what_is_brushed_loses_nothing_from_any_side(name):
             assert abs(mean - 1.0) < 0.006 + 3.5 * min(error, 0.0015), (azimuth, cosine, mean)
 
 
+@pytest.mark.parametrize(
+    ("strength", "most"), [(1.0, 0.004), (Checkerboard(color0=1.0, color1=1.0), 0.008)]
+)
+def test_grazing_light_across_the_brush_loses_nothing(strength, most):
+    """There the albedo changes within a few degrees of azimuth; textured, rows are fewer."""
+    spec = Principled(**WHITE, metallic=1.0, roughness=0.2, anisotropy=strength)
+    wo = direction(0.05, azimuth=1.55)
+    _, weight, _, _ = Material(spec).sample(wo, random_numbers(400_000, 3))
+    assert abs(weight[1].mean() - 1.0) < most + 3.5 * weight[1].std() / np.sqrt(400_000)
+
+
 def test_means_of_brushed_facets_are_those_over_all_azimuths():
     needs = Needs(2.0)
     row = facet_rows(0.5, 0.9, needs).rows[:ROW]
@@ -139,6 +150,26 @@ def test_parts_that_are_off_change_nothing():
         other, _ = Material(plain.replaced(**change)).evaluate(wo, wi)
         # Rows between which the roughness is interpolated are 1e-3 apart.
         np.testing.assert_allclose(other, value, rtol=2e-3, err_msg=str(change))
+
+
+EVERYTHING = {
+    "base_color": 0.7, "metallic": 0.3, "roughness": 0.5, "specular": 0.7, "specular_color": 0.6,
+    "anisotropy": 0.5, "anisotropy_rotation": 0.3, "transmission": 0.4, "clearcoat": 0.6,
+    "clearcoat_roughness": 0.4, "sheen_color": 0.5, "sheen_roughness": 0.5, "iridescence": 0.5,
+    "iridescence_thickness": 0.9,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EVERYTHING)
+def test_each_parameter_alone_may_be_textured(name):
+    """Programs in which no material has a texture there only read the number."""
+    value = EVERYTHING[name]
+    textured = Principled(**(EVERYTHING | {name: Checkerboard(color0=value, color1=value)}))
+    wo, wi = direction(0.6), direction(0.3, azimuth=2.5)
+    found, _ = Material(textured).evaluate(wo, wi)
+    expected, _ = Material(Principled(**EVERYTHING)).evaluate(wo, wi)
+    # Rows between which roughnesses are interpolated are 1e-3 apart.
+    np.testing.assert_allclose(found, expected, rtol=2e-3)
 
 
 def test_film_is_the_sum_of_all_wavelengths():

@@ -273,3 +273,23 @@ def test_ply_and_stl_stand_upright(tmp_path):
     (shape,) = flatten(load(tmp_path / "a.stl")).shapes
     np.testing.assert_allclose(shape.to_world @ [0, 0, 1, 0], [0, 1, 0, 0], atol=1e-12)
     assert len(flatten(load(tmp_path / "a.ply")).shapes) == 1
+
+
+def test_names_that_no_library_holds_are_grey(tmp_path):
+    (tmp_path / "a.mtl").write_text("newmtl red\nKd 1 0 0\nNi 0\n")
+    text = OBJ.replace(b"usemtl lamp", b"usemtl lost")
+    found = parse(text, "a.obj", tmp_path)
+    assert any('a.obj:14:1: unknown material "lost"' in text for text in found.warnings)
+    assert len(found.data["bsdfs"]) == 2
+    # So programs write that there is no index of refraction.
+    assert "Ni 0: it is no index of refraction" in found.notes
+
+
+def test_texts_of_16_bits_and_points_alone():
+    plain = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n"
+    meant = parse(plain, "a.obj").data["nodes"]["mesh"]["shape"]
+    for encoding in ("utf-16", "utf-8-sig"):
+        found = parse(plain.decode().encode(encoding), "a.obj").data["nodes"]["mesh"]["shape"]
+        np.testing.assert_array_equal(found.vertices, meant.vertices)
+    with pytest.raises(SceneError, match="got 3 points without a face"):
+        parse(plain.partition(b"f ")[0], "a.obj")

@@ -12,6 +12,7 @@ from alight.textures.add import Add
 from alight.textures.bitmap import Bitmap
 from alight.textures.channel import Channel
 from alight.textures.checkerboard import Checkerboard
+from alight.textures.clamp import Clamp
 from alight.textures.mix import Mix
 from alight.textures.multiply import Multiply
 from alight.textures.nesting import REGISTERS, depth_of
@@ -41,6 +42,8 @@ def test_operators_are_their_formulas():
         Mix(a=A, b=B, weight=1.0): b,
         Threshold(texture=A, cutoff=0.4): a >= 0.4,
         Threshold(texture=(0.5, 0.5, 0.5), cutoff=0.5): np.ones((64, 3)),
+        Clamp(texture=A, high=0.4): np.minimum(a, 0.4),
+        Clamp(texture=Multiply(a=A, b=1.5)): np.minimum(1.5 * a, 1.0),
         Channel(texture=A, channel="g"): a[:, [1, 1, 1]],
         Channel(texture=A, channel="a"): np.ones((64, 3)),
     }
@@ -61,6 +64,7 @@ def test_means_and_maxima_are_those_of_the_parts():
         ),
         Channel(texture=C, channel="g"): (mean[[1] * 3], high[[1] * 3]),
         Threshold(texture=C, cutoff=0.5): (mean * [1, 1, 0], [1, 1, 0]),
+        Clamp(texture=C, high=0.3): (np.minimum(mean, 0.3), np.minimum(high, 0.3)),
     }
     for texture, (average, most) in cases.items():
         np.testing.assert_allclose(texture.mean(), average, rtol=1e-6, err_msg=repr(texture))

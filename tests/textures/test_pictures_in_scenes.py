@@ -97,6 +97,25 @@ def test_jpeg(tmp_path):
     assert np.abs(read_image(tmp_path / "a.jpg").texels.astype(int) - smooth).max() <= 3
 
 
+@pytest.mark.parametrize("name", ["a.bmp", "a.tga", "a.tif"])
+def test_other_pictures_of_whole_numbers(name, tmp_path):
+    Pillow.fromarray(SMALL).save(tmp_path / name)
+    np.testing.assert_array_equal(read_image(tmp_path / name).texels, SMALL)
+    if name == "a.bmp":
+        return
+    both = np.dstack([SMALL, SMALL[..., 0]])
+    Pillow.fromarray(both).save(tmp_path / name)
+    found = read_image(tmp_path / name)
+    np.testing.assert_array_equal(found.texels, SMALL)
+    np.testing.assert_array_equal(found.alpha, SMALL[..., 0])
+
+
+def test_floats_in_tiff_files_are_refused(tmp_path):
+    Pillow.fromarray(LINEAR[..., 0].astype(np.float32)).save(tmp_path / "a.tif")
+    with pytest.raises(SceneError, match="holds floats: EXR and PFM files may"):
+        read_image(tmp_path / "a.tif")
+
+
 def test_exr_with_half_floats_and_grey(tmp_path):
     import OpenEXR
 
@@ -138,8 +157,8 @@ BROKEN = {
     "bomb.png": (png_header(60000, 60000), "has too many pixels"),
     "large.png": (png_header(8000, 9000), "at most 67108864 texels, got 8000 x 9000"),
     "short.png": (png_header(100, 100), "truncated"),
-    "empty.png": (b"", "is no PNG, JPEG, EXR, HDR, PFM or NPY picture"),
-    "text.png": (b"hello, world", "is no PNG, JPEG, EXR, HDR, PFM or NPY picture"),
+    "empty.png": (b"", "is no PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
+    "text.png": (b"hello, world", "is no PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
     "cut.exr": (b"\x76\x2f\x31\x01" + bytes(40), "broken OpenEXR file"),
     "huge.hdr": (HDR_HEADER + b"-Y 99999 +X 99999\n" + bytes(99), "got 99999 x 99999"),
     "short.hdr": (HDR_HEADER + b"-Y 50 +X 50\n" + bytes(999), "ends early"),

@@ -264,6 +264,10 @@ def test_sets_survive_saving(tmp_path):
     a, b = (flatten(s).geometries[-1] for s in (scene, again))
     np.testing.assert_array_equal(b.more_uvs, sets)
     assert a.digest == b.digest
+    # Meshes that differ in them alone are two.
+    other = large.replaced(shape=large.shape.replaced(more_uvs=sets[::-1]))
+    c = flatten(scene.replaced(nodes={**scene.nodes, "it": other})).geometries[-1]
+    assert c.digest != a.digest
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ Source: Wavefront Technologies, Object files (.obj), appendix B1 of the Advanced
 
 from __future__ import annotations
 
+import codecs
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -86,6 +87,9 @@ def parse(data: bytes) -> Content:
     """
     content = Content()
     tables = content.tables
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        data = data.decode("utf-16", "replace").encode()
+    data = data.removeprefix(codecs.BOM_UTF8)
     text = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
     for number, line in enumerate(text.splitlines(), 1):
         words = line.split()

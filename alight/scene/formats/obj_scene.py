@@ -112,7 +112,9 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         nodes[free_name(part.group, nodes, "mesh")] = node
         report.count("meshes")
     if not nodes:
-        raise SceneError([Issue("", "must hold at least one triangle, got an empty mesh", name)])
+        points = len(content.tables[b"v"])
+        found = f"{points} points without a face" if points else "an empty mesh"
+        raise SceneError([Issue("", f"must hold at least one triangle, got {found}", name)])
     report.count("materials", len(materials))
     scene: dict[str, Any] = {"alight": FORMAT_VERSION, "bsdfs": bsdfs, "nodes": nodes}
     if not glow.suffices(bounds):
@@ -163,7 +165,8 @@ def _parts(
         report.drop("faces of fewer than 3 corners have no surface")
     for material, place in used.items():
         if material not in materials and materials:
-            report.problem(place, "usemtl", unknown_name("material", material, materials))
+            known = unknown_name("material", material, materials).partition("  (")[0]
+            report.approximate(f"{place}: {known}; its faces are grey")
     return list(parts.values())
 
 

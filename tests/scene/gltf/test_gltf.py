@@ -58,7 +58,7 @@ def test_everything_is_read_or_listed(tmp_path):
     }  # fmt: skip
     said = "\n".join((*remarks.notes, *remarks.warnings))
     for word in ("ACME_hats", "ACME_glitter", "occlusionTexture", "animations", "range",
-                 "opacity of vertices", "spots", "choose with --camera"):  # fmt: skip
+                 "opacity of vertices", "choose with --camera"):  # fmt: skip
         assert word in said, word
     assert "studio" not in said
     # The mesh that stands twice is one prototype; the two others are alike.
@@ -177,9 +177,12 @@ def test_written_layers_and_colors_come_back(tmp_path):
     bsdf: {{type: principled, base_color: {{type: vertex_color}}}}
     light: {{type: area, radiance: [8, 4, 2]}}
   c: {{light: {{type: spot, intensity: [4, 2, 1], cutoff_angle: 40, beam_width: 10}}}}
+  e: {{light: {{type: spot, falloff: quadratic}}}}
   d: {{shape: SQUARE, bsdf: {{type: principled, base_color: 0.125}}}}
 """
-    first, second, _ = rewritten(text, tmp_path)
+    first, second, lost = rewritten(text, tmp_path)
+    falloffs = [line for line in lost if "falloff" in line]
+    assert falloffs == ["a spot's linear falloff: glTF's is quadratic"]
     mask = second.bsdfs[second.shapes[0].bsdf]
     assert (mask.type, mask.opacity) == ("mask", 0.25)
     found = mask.bsdf.bsdf
@@ -267,6 +270,20 @@ def test_extensions_of_materials(extension, value, wanted):
     assert {key: bsdf[key] for key in bsdf if key not in plain} == wanted
 
 
+def test_a_reflection_of_more_than_the_index_has_becomes_a_larger_index():
+    """F0 = 0.04 times 2, as some exporters write it; of what transmits light the index stays."""
+    bright = {"KHR_materials_specular": {"specularColorFactor": [2, 1, 0.5]}}
+    bsdf = core(material_of(extensions=bright))
+    assert ((bsdf["ior"] - 1.0) / (bsdf["ior"] + 1.0)) ** 2 == pytest.approx(0.08)
+    assert bsdf["specular_color"] == [1.0, 0.5, 0.25]
+    glass = bright | {"KHR_materials_transmission": {"transmissionFactor": 1}}
+    bsdf = core(material_of(extensions=glass))
+    assert "ior" not in bsdf
+    assert bsdf["specular_color"] == [1.0, 1.0, 0.5]
+    mirror = {"KHR_materials_specular": {"specularColorFactor": [99, 99, 99]}}
+    assert core(material_of(extensions=mirror))["ior"] == 5.0
+
+
 def test_glass_has_a_volume_and_needs_no_second_side():
     extensions = {
         "KHR_materials_transmission": {"transmissionFactor": 1},
@@ -285,6 +302,7 @@ def test_lights_keep_their_units_and_directions(tmp_path):
     assert found["spot"].light.intensity == (5.0, 2.5, 1.0)
     assert found["spot"].light.cutoff_angle == pytest.approx(np.degrees(0.5))
     assert found["spot"].light.beam_width == pytest.approx(np.degrees(0.1))
+    assert found["spot"].light.falloff == "quadratic"
     # Along -z of its node, which stands upright at x = -2.
     np.testing.assert_allclose(found["spot"].to_world @ [0, 0, 1, 0], [0, 0, -1, 0], atol=1e-12)
     np.testing.assert_allclose(found["spot"].to_world[:3, 3], [-2, 0, 0])

@@ -147,7 +147,7 @@ OTHER = GREY | {"pixels": ["10 20", "30 40"]}
 def channels_of(value):
     """Values of a number: the factor times the channel of its picture."""
     if isinstance(value, float):
-        return value
+        return np.full((2, 2), value)
     parts = [value.a, value.b] if value.type == "multiply" else [value]
     factor = math.prod(np.mean(part) for part in parts if isinstance(part, tuple))
     (part,) = [part for part in parts if not isinstance(part, tuple)]
@@ -174,6 +174,20 @@ def test_numbers_in_grey_pictures_share_one_with_two_channels(tmp_path):
     found, _, lost = again(bsdf | {"metallic": OTHER | {"uv_set": 1}}, tmp_path)
     np.testing.assert_allclose(channels_of(found.metallic), np.full((2, 2), 40 / 255))
     assert lost == ["a number that varies otherwise than a picture: became its mean"]
+
+
+@pytest.mark.parametrize("metallic", [0.0, 0.25])
+def test_a_channel_of_a_picture_leaves_the_other_number_alone(metallic, tmp_path):
+    """The picture may stay as it is only where the other number is 0."""
+    three = GREY | {"pixels": ["804020 0840ff", "ffff00 102030"]}
+    tinted = {"type": "multiply", "a": [0.125, 0.5, 0.25], "b": three}
+    roughness = {"type": "channel", "texture": tinted, "channel": "g"}
+    bsdf = {"type": "principled", "metallic": metallic, "roughness": roughness}
+    found, _, lost = again(bsdf, tmp_path)
+    assert lost == []
+    np.testing.assert_allclose(channels_of(found.metallic), np.full((2, 2), metallic))
+    expected = np.array([[0x40, 0x40], [0xFF, 0x20]]) / 510
+    np.testing.assert_allclose(channels_of(found.roughness), expected)
 
 
 def test_roughness_of_alpha_in_a_picture_is_its_root(tmp_path):
@@ -247,6 +261,17 @@ def test_a_metal_keeps_its_colour_and_roughness(tmp_path):
     found, _, _ = again({"type": "conductor", "metal": "gold", **tint}, tmp_path)
     assert found.roughness == 0.0
     assert found.base_color.type == "multiply"
+
+
+def test_lacquered_metals_have_a_coat(tmp_path):
+    """The metal has the colour that it has below the coat."""
+    bsdf = {"type": "coated_conductor", "eta": [3.0] * 3, "k": [0.0] * 3, "int_ior": 1.5,
+            "alpha": 0.25, "coat_alpha": 0.04, "thickness": 1.0}  # fmt: skip
+    found, _, lost = again(bsdf, tmp_path)
+    assert found.base_color == pytest.approx([1 / 9] * 3)
+    assert (found.metallic, found.roughness) == (1.0, pytest.approx(0.5))
+    assert (found.clearcoat, found.clearcoat_roughness) == (1.0, pytest.approx(0.2))
+    assert "coated_conductor: the thickness of its coat" in lost
 
 
 @pytest.mark.parametrize(("along", "across"), [(0.64, 0.16), (0.16, 0.64)])

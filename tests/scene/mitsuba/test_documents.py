@@ -202,31 +202,33 @@ def test_depth_and_size_are_limited():
 
 
 def test_all_problems_are_told_at_once_with_their_lines():
-    body = '<bsdf type="hair" id="a"/>\n<shape type="bspline"/>\n<emitter type="directionalarea"/>'
+    body = (
+        '<bsdf type="irawan" id="a"/>\n<shape type="bspline"/>\n<emitter type="directionalarea"/>'
+    )
     found = issues(body)
     assert [issue.place for issue in found] == [f"scene.xml:{line}:1" for line in (2, 3, 4)]
     assert all("is not covered" in issue.message for issue in found)
 
 
 def test_lenient_replaces_and_lists_everything():
-    body = """<bsdf type="hair" id="a"/>
+    body = """<bsdf type="irawan" id="a"/>
     <bsdf type="diffuse" id="b"><texture type="wood" name="reflectance"/></bsdf>
     <shape type="bspline"/><emitter type="directionalarea"/><sensor type="fisheye"/>
     <integrator type="vcm"/>
     <shape type="sphere"><ref id="a"/><float name="wobble" value="1"/>
-        <medium type="homogeneous" name="interior"/><subsurface type="dipole"/></shape>"""
+        <medium type="homogeneous" name="interior"/><film type="hdrfilm"/></shape>"""
     scene = read(body, lenient=True)
     assert scene.bsdfs["a"] == scene.bsdfs["b"] == native("bsdfs", "{type: diffuse}")
     warned = "\n".join(scene.warnings)
     for word in (
-        "hair",
+        "irawan",
         "wood",
         "bspline",
         "directionalarea",
         "fisheye",
         "vcm",
         "wobble",
-        "dipole",
+        "hdrfilm",
     ):
         assert word in warned
     # The same file is refused as a whole otherwise, each of them with its line.

@@ -366,4 +366,4 @@ def test_integrators():
         assert "is taken off" in scene.source.remarks.notes[0]
     direct = read('<integrator type="direct"><integer name="bsdf_samples" value="0"/></integrator>')
     assert (direct.integrator.type, direct.integrator.light_sampling) == ("direct", "emitter")
-    assert "not covered" in messages('<integrator type="ptracer"/>')[0]
+    assert "not covered" in messages('<integrator type="vcm"/>')[0]

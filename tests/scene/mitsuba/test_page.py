@@ -21,9 +21,9 @@ PAGE = ROOT / "docs" / "mitsuba.md"
 def test_page_names_every_plugin_that_is_covered():
     covered = {
         *shapes.COVERED, *bsdfs.COVERED, *emitters.NODES, "constant", *textures.COVERED,
-        *sensors.COVERED, *films.FILMS, *films.SAMPLERS, *integrators.COVERED,
+        *sensors.COVERED, *films.FILMS, *films.OTHER_FILMS, *films.SAMPLERS, *integrators.COVERED,
     }  # fmt: skip
-    named = set(re.findall(r"`(\w+)`", PAGE.read_text(encoding="utf-8")))
+    named = set(re.findall(r"`([\w-]+)`", PAGE.read_text(encoding="utf-8")))
     assert covered - named == set()
 
 

@@ -199,7 +199,7 @@ def test_file_without_a_world_and_with_too_many_problems():
 
 
 def test_lenient_replaces_what_is_not_covered_and_says_so():
-    body = 'Material "hair" "float eumelanin" 2\nShape "sphere"\nShape "curve"\nFoo'
+    body = 'Material "hairy" "float eumelanin" 2\nShape "sphere"\nShape "torus"\nFoo'
     with pytest.raises(SceneError) as caught:
         read(body)
     assert len(caught.value.issues) == 3

@@ -162,7 +162,7 @@ def test_maps_of_pbrt_4_stand_as_the_file_says(tmp_path):
     scene = read(f"Rotate 90 0 0 1 {body}", folder=tmp_path)
     found = places(node(scene).light, node(scene).transform.matrix)
     np.testing.assert_allclose(found["+y"] - 1.0, [1, 0, 0], atol=0.06)
-    np.save(tmp_path / "flat.npy", np.ones((4, 8, 3), np.float32))
+    np.save(tmp_path / "flat.npy", np.ones((4, 9, 3), np.float32))
     [message] = messages(body.replace("map", "flat"), folder=tmp_path)
     assert "must be a square" in message
 

@@ -155,7 +155,7 @@ REFUSED = {
     ),
     'MakeNamedMedium "fog"': 'needs "string type"',
     f"{FOG}\n{FOG}": "is given twice",
-    f'{FOG} "string preset" "Skin1"': "is not covered: give sigma_a and sigma_s",
+    f'{FOG} "string preset" "Skin11"': 'unknown medium "Skin11"; did you mean "Skin1"',
     f'{FOG} "rgb Le" [-1 1 1]': "must not shine less than 0",
     CLOUD.replace("cloud", "fog") + ' "float temperature" [1 2 3 4 5 6]': "give Le and Lescale",
     CLOUD.replace("cloud", "fog") + ' "rgb Le" [1 1 1] "float Lescale" [1 2]': "= 6 numbers, got 2",

@@ -158,12 +158,6 @@ def test_textures_are_found_by_kind_and_where_they_are_defined():
     assert 'unknown texture "nil"' in message
 
 
-def test_patterns_are_replaced_by_their_mean_and_it_is_said():
-    body = 'Texture "t" "spectrum" "fbm"\nMaterial "diffuse" "texture reflectance" "t"'
-    scene = read(f'{body}\nShape "sphere"')
-    assert any('"fbm" is not covered: its mean' in warning for warning in scene.warnings)
-
-
 def test_opacity_of_a_shape_is_a_mask():
     scene = read('Shape "sphere" "float alpha" 0.25')
     assert (node(scene).bsdf.type_name(), node(scene).bsdf.opacity) == ("mask", 0.25)

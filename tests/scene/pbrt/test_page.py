@@ -10,6 +10,7 @@ from alight.scene.formats.pbrt import (
     materials,
     materials_of_3,
     media,
+    patterns,
     settings,
     shapes,
 )
@@ -23,6 +24,7 @@ def test_page_names_everything_that_is_covered():
     assert set(materials_of_3.OF_3) <= set(materials.COVERED)
     covered = {
         *shapes.COVERED, *materials.COVERED, *lights.COVERED, *textures_of_pbrt.COVERED,
+        *patterns.PATTERNS,
         *settings.CAMERAS, *settings.FILMS, *settings.FILTERS, *settings.SAMPLERS,
         *settings.PATHS, *settings.FROM_LIGHTS, *media.COVERED, *colors.KINDS, *colors.SPACES,
     } - {""}  # fmt: skip

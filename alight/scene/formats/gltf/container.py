@@ -154,7 +154,9 @@ def open_document(data: bytes, name: str, folder: Path | None, report: Report) -
     asset = root.object("asset")
     if asset is None:
         raise root.fatal("", "is no glTF file: the key asset is missing")
-    version = asset.text("version", "2.0")
+    found = asset.value.get("version", "2.0")
+    # Early files have a number.
+    version = f"{found:g}" if isinstance(found, int | float) else asset.text("version", "2.0")
     if not re.fullmatch(r"2\.\d+", version):
         text = f"must be 2.0, got {quote(version)}: convert the file with a newer program"
         raise asset.fatal("version", text)

@@ -87,6 +87,11 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
             {"iridescenceTexture": "info", "iridescenceThicknessTexture": "info"},
         ),
         (
+            "pbrSpecularGlossiness",
+            "diffuseFactor glossinessFactor specularFactor",
+            {"diffuseTexture": "info", "specularGlossinessTexture": "info"},
+        ),
+        (
             "sheen",
             "sheenColorFactor sheenRoughnessFactor",
             {"sheenColorTexture": "info", "sheenRoughnessTexture": "info"},

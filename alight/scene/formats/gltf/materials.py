@@ -8,6 +8,7 @@ Source: Khronos Group, glTF 2.0 specification, section 3.9, and the extensions K
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,14 +25,20 @@ COVERED = (
     "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
     "KHR_materials_ior", "KHR_materials_iridescence", "KHR_materials_sheen",
     "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_materials_volume",
+    "KHR_materials_volume", "KHR_materials_pbrSpecularGlossiness",
 )  # fmt: skip
+GLOSSY = "KHR_materials_pbrSpecularGlossiness"
+_BASE = ("baseColorFactor", "baseColorTexture")
+_DIFFUSE = ("diffuseFactor", "diffuseTexture")
+#: Reflectance straight on of the largest index: ((5 - 1) / (5 + 1))^2.
+BRIGHTEST = 4.0 / 9.0
 #: Where textures stand: owner's extension ("" for the material, "pbr" for its core) and keys. Those
 #: that turn with the tangents come first.
 TEXTURE_KEYS = (
     ("", ("normalTexture",)),
     ("KHR_materials_anisotropy", ("anisotropyTexture",)),
     ("pbr", ("baseColorTexture", "metallicRoughnessTexture")),
+    (GLOSSY, ("diffuseTexture", "specularGlossinessTexture")),
     ("", ("emissiveTexture",)),
     ("KHR_materials_clearcoat", ("clearcoatTexture", "clearcoatRoughnessTexture")),
     ("KHR_materials_iridescence", ("iridescenceTexture", "iridescenceThicknessTexture")),
@@ -86,8 +93,10 @@ class Materials:
         empty = Item({}, item.at("pbrMetallicRoughness"), item.name, item.report)
         pbr = item.object("pbrMetallicRoughness") or empty
         self.textures.sets = self._sets(item, pbr)
-        *color, opacity = pbr.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0), 0.0, 1.0)
-        picture = self.textures.bitmap(pbr, "baseColorTexture", is_color=True)
+        shiny = item.extension(GLOSSY)
+        owner, names = (pbr, _BASE) if shiny is None else (shiny, _DIFFUSE)
+        *color, opacity = owner.numbers(names[0], (1.0, 1.0, 1.0, 1.0), 0.0, 1.0)
+        picture = self.textures.bitmap(owner, names[1], is_color=True)
         base = multiplied(list(color), picture)
         if has_colors:
             base = multiplied(base, {"type": "vertex_color", "fallback": 1.0})
@@ -98,7 +107,8 @@ class Materials:
             )
             bsdf: Data = {"type": "diffuse", "reflectance": 0.0}
         else:
-            bsdf = {"type": "principled", "base_color": base, **self._metal(pbr)}
+            bsdf = {"type": "principled", "base_color": base}
+            bsdf |= self._metal(pbr) if shiny is None else self._glossy(shiny)
             self._extend(item, bsdf)
             bsdf = self._bumpy(item, bsdf)
             if "transmission" not in bsdf_core(bsdf):
@@ -114,6 +124,31 @@ class Materials:
         return {
             "metallic": scaled(metallic, picture, "b"),
             "roughness": scaled(roughness, picture, "g"),
+        }
+
+    def _glossy(self, shiny: Item) -> Data:
+        """What the specular colour and the glossiness say, in the place of metal and roughness."""
+        picture = self.textures.bitmap(shiny, "specularGlossinessTexture", is_color=True)
+        specular = list(shiny.numbers("specularFactor", (1.0, 1.0, 1.0), 0.0, 1.0))
+        gloss = scaled(shiny.number("glossinessFactor", 1.0, 0.0, 1.0), picture, "a")
+        strength = min(max(*specular, 1e-4), BRIGHTEST)
+        self.document.report.approximate(
+            f"{GLOSSY}: becomes a dielectric, which reflects at most {BRIGHTEST:.3g} straight on"
+        )
+        tint: Any = [channel / strength for channel in specular]
+        if picture is not None:
+            tint = {"type": "clamp", "texture": multiplied(tint, picture)}
+        else:
+            tint = [min(channel, 1.0) for channel in tint]
+        rough: Any = 1.0 - gloss if isinstance(gloss, float) else None
+        if rough is None:
+            rough = {"type": "mix", "a": 1.0, "b": 0.0, "weight": gloss}
+        root = math.sqrt(strength)
+        return {
+            "metallic": 0.0,
+            "roughness": rough,
+            "ior": (1.0 + root) / (1.0 - root),
+            "specular_color": tint,
         }
 
     def _bumpy(self, item: Item, bsdf: Data) -> Data:
@@ -210,10 +245,28 @@ class _Extensions:
             self.bsdf["specular"] = self._number(specular, "specular", 1.0, "a")
             factor = specular.numbers("specularColorFactor", (1.0, 1.0, 1.0), 0.0)
             if max(factor) > 1.0:
-                text = f"{specular.pointer}: specularColorFactor was cut to 1"
-                self.item.report.approximate(text)
+                factor = self._brighter(specular, factor)
             picture = self.textures.bitmap(specular, "specularColorTexture", is_color=True)
-            self.bsdf["specular_color"] = multiplied([min(c, 1.0) for c in factor], picture)
+            self.bsdf["specular_color"] = multiplied(list(factor), picture)
+
+    def _brighter(self, specular: Item, factor: tuple[float, ...]) -> tuple[float, ...]:
+        """A reflection stronger than that of the index: the index that has it, and the tint left.
+
+        Source: KHR_materials_specular, F0 = min(((n - 1) / (n + 1))^2 specularColor, 1).
+        """
+        if self.item.extension("KHR_materials_transmission") is not None:
+            # Light would be refracted otherwise.
+            self.item.report.approximate(f"{specular.pointer}: specularColorFactor was cut to 1")
+            return tuple(min(c, 1.0) for c in factor)
+        index, most = self.bsdf.get("ior", 1.5), max(factor)
+        normal = ((index - 1.0) / (index + 1.0)) ** 2
+        root = math.sqrt(most * normal)
+        brightest = (1.0 + root) / (1.0 - root) if root < 1.0 else math.inf
+        if brightest > LARGEST_IOR:
+            text = f"{specular.pointer}: its reflection became that of index {LARGEST_IOR:g}"
+            self.item.report.approximate(text)
+        self.bsdf["ior"] = min(brightest, LARGEST_IOR)
+        return tuple(c / most for c in factor)
 
     def transmission_and_volume(self) -> None:
         """KHR_materials_transmission, KHR_materials_volume."""

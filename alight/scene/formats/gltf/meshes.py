@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from alight.core.errors import SceneError
 from alight.scene.formats.gltf.accessors import COMPRESSED, read_accessor
 from alight.scene.formats.gltf.container import Document
+from alight.scene.formats.gltf.skins import skinned
 from alight.scene.formats.gltf.values import Item
 from alight.scene.formats.triangles import MeshArrays, joined_sets
 from alight.scene.meshes import mesh_problem
@@ -22,7 +23,11 @@ _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
 
 
 def read_primitive(
-    document: Document, primitive: Item, weights: list[float], sets: tuple[int, ...]
+    document: Document,
+    primitive: Item,
+    weights: list[float],
+    sets: tuple[int, ...],
+    joints: NDArray[np.float64] | None = None,
 ) -> MeshArrays | None:
     """Read a primitive.
 
@@ -34,6 +39,8 @@ def read_primitive(
         Of the morph targets.
     sets : tuple of int
         Which sets of texture coordinates its material asks for; the first becomes the own one.
+    joints : (n, 4, 4) float64, optional
+        Matrices of the joints of its skin.
 
     Returns
     -------
@@ -67,6 +74,11 @@ def read_primitive(
     uvs, more_uvs = _coordinates(document, primitive, attributes, sets, count)
     colors = _colors(document, attributes, count)
     vertices, normals = _morphed(document, primitive, weights, vertices, normals)
+    if joints is not None:
+        held = _table(document, attributes, "JOINTS_0", 4, count)
+        shares = _table(document, attributes, "WEIGHTS_0", 4, count)
+        if held is not None and shares is not None:
+            vertices, normals = skinned(primitive, held, shares, joints, vertices, normals)
     arrays = MeshArrays(vertices, faces, normals, uvs, colors, more_uvs)
     problem = mesh_problem(arrays)
     if problem:
@@ -181,11 +193,12 @@ def _morphed(
 
 
 def _say_what_is_dropped(document: Document, attributes: Item, sets: tuple[int, ...]) -> None:
-    used = {"POSITION", "NORMAL", "COLOR_0", *(f"TEXCOORD_{number}" for number in sets)}
+    used = {"POSITION", "NORMAL", "COLOR_0", "JOINTS_0", "WEIGHTS_0"}
+    used |= {f"TEXCOORD_{number}" for number in sets}
     reasons: dict[str, Any] = {
         "TANGENT": "tangents follow from the texture coordinates",
-        "JOINTS_0": "skins are shown as the vertices are stored",
-        "WEIGHTS_0": "skins are shown as the vertices are stored",
+        "JOINTS_1": "four joints hold a vertex at most",
+        "WEIGHTS_1": "four joints hold a vertex at most",
     }
     for name in attributes.value:
         if name not in used:

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from alight.bsdfs.blend import Blend
-from alight.bsdfs.conductor import Metallic
+from alight.bsdfs.coated_conductor import CoatedConductor
+from alight.bsdfs.conductor import Metallic, OfMetal
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.facets import Rough
 from alight.bsdfs.interface import Interface
@@ -52,7 +53,9 @@ def as_principled(bsdf: Bsdf) -> tuple[Bsdf, list[str]]:
     if isinstance(bsdf, Principled | Diffuse):
         return bsdf, lost
     fields = dict(bsdf)
-    if isinstance(bsdf, Metallic):
+    if isinstance(bsdf, CoatedConductor):
+        made = _lacquered(bsdf, lost)
+    elif isinstance(bsdf, Metallic):
         made = _metal(bsdf, fields, lost)
     elif isinstance(bsdf, Interface):
         made = _glass(bsdf, fields, lost)
@@ -85,11 +88,32 @@ def _heavier(bsdf: Blend) -> tuple[Bsdf, list[str]]:
 
 
 def _metal(bsdf: Metallic, fields: dict[str, Any], lost: list[str]) -> Principled:
-    eta, k = (np.array(channels) for channels in bsdf.index_of_refraction)
-    normal = ((eta - 1.0) ** 2 + k * k) / ((eta + 1.0) ** 2 + k * k)
-    color = tinted(fields["specular_reflectance"], tuple(float(c) for c in normal))
-    lost.append(f"{bsdf.type_name()}: Schlick's formula takes the place of its index of refraction")
+    color = tinted(fields["specular_reflectance"], _at_normal_incidence(bsdf, lost))
     return Principled(base_color=color, metallic=1.0, **_facets(bsdf, lost))
+
+
+def _lacquered(bsdf: CoatedConductor, lost: list[str]) -> Principled:
+    """Metal below a clear coat; the file's coat has the index 1.5."""
+    lost.append("coated_conductor: its coat became one of index 1.5, which light meets once")
+    if bsdf.thickness > 0.0:
+        lost.append("coated_conductor: the thickness of its coat")
+    return Principled(
+        base_color=_at_normal_incidence(bsdf, lost, bsdf.int_ior),
+        metallic=1.0,
+        roughness=math.sqrt(bsdf.alpha),
+        clearcoat=1.0,
+        clearcoat_roughness=math.sqrt(bsdf.coat_alpha),
+    )
+
+
+def _at_normal_incidence(
+    bsdf: OfMetal, lost: list[str], outside: float = 1.0
+) -> tuple[float, float, float]:
+    """Reflectance of a metal seen from a medium of index `outside`."""
+    eta, k = (np.array(channels) / outside for channels in bsdf.index_of_refraction)
+    lost.append(f"{bsdf.type_name()}: Schlick's formula takes the place of its index of refraction")
+    red, green, blue = ((eta - 1.0) ** 2 + k * k) / ((eta + 1.0) ** 2 + k * k)
+    return float(red), float(green), float(blue)
 
 
 def _glass(bsdf: Interface, fields: dict[str, Any], lost: list[str]) -> Principled:

@@ -20,6 +20,7 @@ from alight.scene.formats.glow import Glow
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.materials import Materials
 from alight.scene.formats.gltf.meshes import read_primitive
+from alight.scene.formats.gltf.skins import joint_matrices
 from alight.scene.formats.gltf.textures import Data
 from alight.scene.formats.gltf.values import Item
 from alight.scene.formats.names import free_name
@@ -80,9 +81,11 @@ class Graph:
     bounds: Bounds = field(default_factory=Bounds)
     is_lit: bool = False
     glow: Glow = field(init=False)
+    _order: list[int] = field(default_factory=list)
+    _worlds: dict[int, Matrix] = field(default_factory=dict)
     _uses: dict[int, int] = field(default_factory=dict)
-    _meshes: dict[tuple[int, tuple[float, ...]], dict[str, Data]] = field(default_factory=dict)
-    _names: dict[tuple[int, tuple[float, ...]], str] = field(default_factory=dict)
+    _meshes: dict[tuple[int, tuple[float, ...], str], dict[str, Data]] = field(default_factory=dict)
+    _names: dict[tuple[int, tuple[float, ...], str], str] = field(default_factory=dict)
     _bsdf_names: dict[tuple[int | None, bool], str] = field(default_factory=dict)
     _shining: dict[int, Any] = field(default_factory=dict)
 
@@ -93,7 +96,7 @@ class Graph:
     def build(self) -> None:
         """Visit all nodes of the scene that the file shows."""
         roots = self._roots()
-        order = self._check_tree(roots)
+        order = self._order = self._check_tree(roots)
         for index in order:
             mesh = self.document.list("nodes")[index].value.get("mesh")
             if isinstance(mesh, int):
@@ -187,17 +190,19 @@ class Graph:
         index = item.index("mesh", len(meshes), "meshes")
         if index is None:
             return
-        if item.has("skin"):
-            self.document.report.approximate("skins: meshes are shown as their vertices are stored")
         mesh = meshes[index]
+        skin = item.index("skin", len(self.document.list("skins")), "skins")
         key = "weights"
         owner = item if item.has(key) else mesh
         found = owner.value.get(key, [])
         count = len(found) if isinstance(found, list) else 1
         weights = list(owner.numbers(key, (0.0,) * count))
-        variant = (index, tuple(weights))
+        # What a skin holds has a shape of its own at each place.
+        place = item.pointer if skin is not None else ""
+        variant = (index, tuple(weights), place)
         if variant not in self._meshes:
-            self._meshes[variant] = self._primitives(mesh, weights)
+            joints = None if skin is None else self._joints(skin, to_world)
+            self._meshes[variant] = self._primitives(mesh, weights, joints)
         parts = self._meshes[variant]
         if not parts:
             return
@@ -205,7 +210,7 @@ class Graph:
             self.bounds.add(part["shape"].vertices, to_world)
             if id(part["shape"]) in self._shining:
                 self.glow.add(part["shape"], to_world, self._shining[id(part["shape"])])
-        if self._uses.get(index, 0) > 1:
+        if self._uses.get(index, 0) > 1 and skin is None:
             if variant not in self._names:
                 name = free_name(mesh.text("name"), self.prototypes, f"mesh {index}")
                 self._names[variant] = name
@@ -217,7 +222,22 @@ class Graph:
         else:
             children.update(parts)
 
-    def _primitives(self, mesh: Item, weights: list[float]) -> dict[str, Data]:
+    def _joints(self, index: int, to_world: Matrix) -> Matrix:
+        """The matrices of a skin's joints, as the nodes stand."""
+        if not self._worlds:
+            nodes = self.document.list("nodes")
+            for node in self._order:
+                world = self._worlds.get(node, np.eye(4)) @ placement(nodes[node])[1]
+                self._worlds[node] = world
+                for child in nodes[node].indices("children", len(nodes), "nodes"):
+                    self._worlds[child] = world
+        return joint_matrices(
+            self.document, self.document.list("skins")[index], self._worlds, to_world
+        )
+
+    def _primitives(
+        self, mesh: Item, weights: list[float], joints: Matrix | None
+    ) -> dict[str, Data]:
         """The parts of a mesh, each with its material."""
         parts: dict[str, Data] = {}
         self.document.report.count("meshes")
@@ -229,7 +249,7 @@ class Graph:
             material = self.materials.get(index, has_colors)
             if self.document.report.issues:
                 raise SceneError(self.document.report.issues)
-            arrays = read_primitive(self.document, primitive, weights, material.sets)
+            arrays = read_primitive(self.document, primitive, weights, material.sets, joints)
             if arrays is None:
                 continue
             shape = Mesh(**arrays._asdict())
@@ -345,11 +365,11 @@ def punctual(light: Item) -> Data:
     cone = light.object("spot") or Item({}, light.at("spot"), light.name, light.report)
     outer = cone.number("outerConeAngle", math.pi / 4.0, 1e-4, math.pi / 2.0)
     inner = cone.number("innerConeAngle", 0.0, 0.0, outer)
-    light.report.approximate("spots: they fade out linearly in the angle between the two cones")
     spot = {
         "type": "spot",
         "intensity": emitted,
         "cutoff_angle": math.degrees(outer),
         "beam_width": min(math.degrees(inner), math.degrees(outer)),
+        "falloff": "quadratic",
     }
     return {"transform": _TURNED, "light": spot}

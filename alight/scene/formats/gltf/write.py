@@ -147,6 +147,8 @@ class _Writer(Store):
         strength = max(*color, 1e-30)
         item: Json = {"type": kind, "color": [c / strength for c in color], "intensity": strength}
         if kind == "spot":
+            if fields["falloff"] != "quadratic":
+                self.lose(f"a spot's {fields['falloff']} falloff: glTF's is quadratic")
             beam = fields["beam_width"]
             beam = 0.75 * fields["cutoff_angle"] if beam is None else beam
             outer = min(math.radians(fields["cutoff_angle"]), math.pi / 2.0)

@@ -21,6 +21,8 @@ SMALLEST_ETA = 1e-6
 # The reflector of 100 %, at every angle.
 PERFECT = "none"
 _DISTRIBUTIONS = ("beckmann", "ggx")
+#: Distributions that only Mitsuba 0.6 has.
+_OF_06 = ("phong", "as")
 
 
 def convert(context: Context, element: Element, path: str) -> Data | str:
@@ -87,7 +89,7 @@ def _rough_conductor(draft: Draft) -> None:
     if not _index(draft):
         draft.put("eta", [SMALLEST_ETA] * 3, "material")
         draft.put("k", [1.0] * 3, "material")
-    _roughness(draft, anisotropic=True)
+    roughness(draft, anisotropic=True)
 
 
 def _index(draft: Draft) -> bool:
@@ -135,14 +137,25 @@ def _medium(draft: Draft, name: str, default: float) -> float:
     return number
 
 
+def medium_index(draft: Draft, name: str, default: str) -> float:
+    """Ask for an index of refraction, that of a medium by default."""
+    return _medium(draft, name, MEDIA[default])
+
+
 def _media(draft: Draft, inside: str) -> None:
     draft.put("int_ior", _medium(draft, "int_ior", MEDIA[inside]))
     draft.put("ext_ior", _medium(draft, "ext_ior", MEDIA["air"]))
 
 
-def _roughness(draft: Draft, anisotropic: bool) -> None:
+def roughness(draft: Draft, anisotropic: bool) -> None:
+    """Read facets and how rough they are."""
     p = draft.properties
-    draft.put("distribution", p.text("distribution", "beckmann", _DISTRIBUTIONS))
+    if draft.element.old and p.text("distribution") in _OF_06:
+        text = "becomes Beckmann's distribution of the same roughness"
+        draft.context.report.warn(p.named["distribution"], text)
+        draft.put("distribution", "beckmann")
+    else:
+        draft.put("distribution", p.text("distribution", "beckmann", _DISTRIBUTIONS))
     p.ignore("visible normals are always sampled", "sample_visible")
     if anisotropic and (p.has("alpha_u") or p.has("alpha_v")):
         number_or_texture(draft, "alpha_u")
@@ -161,7 +174,7 @@ def _dielectric(draft: Draft) -> None:
 
 def _rough_dielectric(draft: Draft) -> None:
     _dielectric(draft)
-    _roughness(draft, anisotropic=True)
+    roughness(draft, anisotropic=True)
 
 
 def _plastic(draft: Draft) -> None:
@@ -171,9 +184,10 @@ def _plastic(draft: Draft) -> None:
     draft.put("nonlinear", draft.properties.flag("nonlinear") or None)
 
 
-def _rough_plastic(draft: Draft) -> None:
+def rough_plastic(draft: Draft) -> None:
+    """Read a rough plastic."""
     _plastic(draft)
-    _roughness(draft, anisotropic=False)
+    roughness(draft, anisotropic=False)
 
 
 def _phong(draft: Draft) -> None:
@@ -200,7 +214,8 @@ def _bump_map(draft: Draft) -> None:
         draft.context.report.error(draft.element, f"must hold one texture, got {len(textures)}")
     else:
         path = f"{draft.path}.texture"
-        draft.put("texture", texture_value(draft.context, textures[0], path, as_number=True))
+        value = texture_value(draft.context, textures[0], path, as_number=True)
+        draft.put("texture", sum(value) / 3.0 if isinstance(value, list) else value)
     draft.number("scale", 1.0)
     _as_mitsuba_bends(draft)
     _nested(draft, "bsdf")
@@ -288,7 +303,7 @@ COVERED: dict[str, tuple[str, Callable[[Draft], None]]] = {
     "principledthin": ("burley_thin", _principled_thin),
     "roughconductor": ("rough_conductor", _rough_conductor),
     "roughdielectric": ("rough_dielectric", _rough_dielectric),
-    "roughplastic": ("rough_plastic", _rough_plastic),
+    "roughplastic": ("rough_plastic", rough_plastic),
     "thindielectric": ("thin_dielectric", _dielectric),
     "twosided": ("two_sided", _two_sided),
 }

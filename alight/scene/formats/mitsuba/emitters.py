@@ -135,7 +135,10 @@ def _map(light: Draft) -> list[Step]:
 
 
 def unknown(context: Context, element: Element) -> None:
-    """Report an emitter that is not covered."""
+    """Report an emitter that is not covered, unless shapes refer to it."""
+    if element.type == "area" and "id" in element:
+        context.report.note(element, "shines where a shape refers to it")
+        return
     known = (*NODES, "constant", "area (on a shape)")
     context.report.unknown(element, "emitter", known, "left out")
 

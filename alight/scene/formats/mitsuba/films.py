@@ -9,6 +9,8 @@ from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
 
 FILMS = ("hdrfilm", "ldrfilm")
+#: Films that differ in the files that they write.
+OTHER_FILMS = ("mfilm", "tiledhdrfilm", "specfilm")
 SIZE = (768, 576)
 SAMPLE_COUNT = 4
 #: Parameters about files, not about the picture.
@@ -46,7 +48,9 @@ def film(context: Context, element: Element | None) -> Data:
     """Convert a film; Mitsuba's default without one."""
     if element is None:
         return {"size": list(SIZE), "filter": _filter(context, None)}
-    if element.type not in FILMS:
+    if element.type in OTHER_FILMS:
+        context.report.note(element, "is about files, see the options of the command line")
+    elif element.type not in FILMS:
         context.report.unknown(element, "film", FILMS, "hdrfilm is taken")
     draft = Draft(context, element, "film")
     p = draft.properties

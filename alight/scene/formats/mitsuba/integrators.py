@@ -11,17 +11,35 @@ from alight.scene.formats.mitsuba.interiors import SEEING
 WRAPPERS = {
     "moment": "is taken off: the variance of every pixel is part of every film",
     "aov": "is taken off: layers are asked for with --aov",
+    "multichannel": "is taken off: layers are asked for with --aov",
+    "stokes": "is taken off: nothing is polarized",
+    "adaptive": "is taken off: --target-error does the same",
+    "irrcache": "is taken off: nothing is cached",
 }
+#: Integrators that start at lights too, and so find caustics of lights without a size.
+FROM_LIGHTS = (
+    "bdpt", "erpt", "mlt", "photonmapper", "ppm", "pssmlt", "ptracer", "sppm", "vpl",
+)  # fmt: skip
+#: Integrators that show one layer and no light.
+LAYERS = ("depth", "field")
+#: Other names of paths: 0.6's, and those of Mitsuba 3 for derivatives.
+ALIASES = {
+    "volpath_simple": "volpath", "prb": "path", "prb_basic": "path", "prb_projective": "path",
+    "prbvolpath": "volpath", "direct_projective": "direct", "emission": "direct",
+}  # fmt: skip
 #: Integrators that follow paths; without media they agree.
 PATHS = ("path", *SEEING)
-COVERED = (*PATHS, "direct", *WRAPPERS)
+COVERED = (*PATHS, "direct", *WRAPPERS, *FROM_LIGHTS, *LAYERS, *ALIASES)
 
 
 def convert(context: Context, element: Element) -> Data | None:
     """Convert an integrator; None for the default."""
-    kind = element.type
+    kind = ALIASES.get(element.type, element.type)
     if kind in WRAPPERS:
         return _unwrapped(context, element)
+    if kind in LAYERS:
+        context.report.warn(element, "shows a layer: path is taken, and --aov asks for layers")
+        return {"type": "path"}
     if kind not in COVERED:
         context.report.unknown(element, "integrator", COVERED, "path is taken")
         return {"type": "path"}
@@ -30,23 +48,35 @@ def convert(context: Context, element: Element) -> Data | None:
     if p.flag("hide_emitters"):
         draft.put("hide_emitters", True)
     p.ignore("it is an option of the command line", "block_size", "samples_per_pass", "timeout")
+    if kind in FROM_LIGHTS:
+        text = "becomes path, which finds no caustics of lights without a size (point, spot, ...)"
+        context.report.warn(element, text)
+        others = [name for name in p.named if name not in ("max_depth", "rr_depth")]
+        p.ignore("path has no such parameter", *others)
     if kind == "direct":
         _direct(draft)
     else:
         depth = p.integer("max_depth", -1)
         draft.put("max_depth", None if depth == -1 else depth)
         draft.put("rr_depth", p.integer("rr_depth", 5))
-        if draft.element.old:
-            p.only("strict_normals", False, "shading normals are taken as they are")
+        if draft.element.old and p.flag("strict_normals"):
+            text = "is left out: shading normals are taken as they are"
+            context.report.warn(p.named["strict_normals"], text)
     p.finish()
     return draft.data
+
+
+#: Wrappers whose parameters do not change the picture.
+_BLIND = ("adaptive", "irrcache", "stokes")
 
 
 def sees_media(elements: list[Element]) -> bool:
     """Whether the integrator of a file, perhaps inside another one, knows of media."""
     for element in elements[:1]:
         inner = [child for child in element.children if child.tag == "integrator"]
-        return element.type in SEEING or (element.type in WRAPPERS and sees_media(inner))
+        return ALIASES.get(element.type, element.type) in SEEING or (
+            element.type in WRAPPERS and sees_media(inner)
+        )
     return False
 
 
@@ -60,10 +90,14 @@ def _unwrapped(context: Context, element: Element) -> Data | None:
     p = draft.properties
     context.report.note(element, WRAPPERS[element.type])
     p.ignore("layers are asked for with --aov", "aovs")
+    p.ignore(WRAPPERS[element.type], *(name for name in p.named if element.type in _BLIND))
     p.only("hide_emitters", False, "lights are seen")
     inner = p.take("integrator")
     p.finish()
-    if len(inner) != 1:
+    if not inner and element.type == "aov":
+        context.report.warn(element, "shows layers alone: path is taken, and --aov asks for layers")
+        return {"type": "path"}
+    if len(inner) != 1 and not (inner and element.type == "multichannel"):
         text = f"must hold one integrator, got {len(inner)}"
         context.report.not_covered(element, text, "path is taken")
         return {"type": "path"}

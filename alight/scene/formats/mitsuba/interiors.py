@@ -19,7 +19,7 @@ from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.properties import COLORS
 from alight.scene.formats.mitsuba.transforms import matrix_of, steps_of
 from alight.scene.formats.reach import OutOfReachError
-from alight.scene.volumes import read_volume
+from alight.scene.volumes import box_of, read_volume
 
 SIDES = ("interior", "exterior")
 #: Integrators that see media; the others pass through them as through empty space.
@@ -68,6 +68,9 @@ def medium(context: Context, element: Element, path: str) -> str | Data | None:
     def build(path: str) -> Data:
         draft = Draft(context, target, path, COVERED[target.type][0])
         draft.properties.ignore("lights are sampled in all media", "sample_emitters")
+        draft.properties.ignore(
+            "distances are sampled otherwise", "medium_sampling_mode", "sigma_n"
+        )
         draft.number("scale")
         COVERED[target.type][1](draft)
         _phase(draft)
@@ -104,7 +107,7 @@ def _heterogeneous(draft: Draft) -> None:
         draft.put("values", Volume(np.zeros((1, 1, 1, 1), np.float32)))
         return
     grid, matrix = _grid(draft.context, density)
-    draft.put("values", grid if grid.values.shape[3] == 1 else _first_channel(draft, density, grid))
+    draft.put("values", grid if grid.values.shape[3] == 1 else _mean_channel(draft, density, grid))
     draft.put("matrix", matrix)
     albedo = volumes.pop("albedo", None)
     if albedo is None:
@@ -120,9 +123,10 @@ def _heterogeneous(draft: Draft) -> None:
         report.not_covered(element, "has no use in a heterogeneous medium", "ignored")
 
 
-def _first_channel(draft: Draft, element: Element, grid: Volume) -> Volume:
-    draft.context.report.not_covered(element, "must have one number a cell", "the first is taken")
-    return Volume(np.ascontiguousarray(grid.values[..., :1]))
+def _mean_channel(draft: Draft, element: Element, grid: Volume) -> Volume:
+    text = "is not as dense for all colours: the mean of its channels is taken"
+    draft.context.report.warn(element, text)
+    return Volume(grid.values.mean(axis=3, keepdims=True))
 
 
 def _constant(draft: Draft, element: Element, role: Role) -> list[float] | None:
@@ -146,13 +150,18 @@ def _grid(context: Context, element: Element) -> tuple[Volume, list[float]]:
         report.unknown(element, "volume", ("gridvolume", "constvolume"), "an empty one is taken")
     p.text("filter_type", "trilinear", ("trilinear",))
     p.text("wrap_mode", "clamp", ("clamp",))
-    p.only("use_grid_bbox", False, "the box is that of to_world")
+    in_box = p.flag("use_grid_bbox", False)
     p.flag("raw", True)
     name = p.text("filename")
-    rows = matrix_of(steps_of(p))[:3].ravel().tolist()
+    matrix = matrix_of(steps_of(p))
+    rows = matrix[:3].ravel().tolist()
     p.finish()
     try:
-        return read_volume(context.reach.find(name), name), rows
+        path = context.reach.find(name)
+        values = read_volume(path, name)
+        if in_box:
+            rows = (matrix @ box_of(path, name))[:3].ravel().tolist()
+        return values, rows
     except OutOfReachError as error:
         report.error(element, str(error))
     except SceneError as error:
@@ -166,7 +175,11 @@ def _phase(draft: Draft) -> None:
         draft.context.report.error(surplus, "a medium has one phase function at most")
     for element in found[:1]:
         phase = Draft(draft.context, element, join_path(draft.path, "phase"))
-        if element.type in PHASES:
+        if element.type == "blendphase":
+            g = _mean_cosine(draft.context, element)
+            draft.context.report.warn(element, f"becomes one lobe with the same mean, g = {g:g}")
+            draft.put("phase", {"type": "henyey_greenstein", "g": g})
+        elif element.type in PHASES:
             phase.put("type", PHASES[element.type])
             if element.type == "hg":
                 phase.number("g", 0.8)
@@ -176,6 +189,28 @@ def _phase(draft: Draft) -> None:
             draft.context.report.unknown(
                 element, "phase function", PHASES, "an isotropic one is taken"
             )
+
+
+def _mean_cosine(context: Context, element: Element) -> float:
+    """Mean cosine of a phase function, perhaps made of others."""
+    draft = Draft(context, element, "")
+    p = draft.properties
+    if element.type == "hg":
+        g = p.number("g", 0.8) or 0.0
+    elif element.type == "blendphase":
+        parts = p.take("phase")
+        weight = p.number("weight", 0.5) or 0.0
+        if len(parts) != 2:
+            context.report.error(element, f"must hold two phase functions, got {len(parts)}")
+            return 0.0
+        found = [_mean_cosine(context, part) for part in parts]
+        g = found[0] + weight * (found[1] - found[0])
+    else:
+        if element.type not in PHASES:
+            context.report.unknown(element, "phase function", PHASES, "isotropic is taken")
+        g = 0.0
+    p.finish()
+    return min(max(g, -0.99), 0.99)
 
 
 #: Our names of Mitsuba's phase functions.

@@ -16,13 +16,18 @@ from alight.scene.formats.mitsuba import (
     interiors,
     sensors,
     shapes,
+    stand_ins,
     textures,
 )
 from alight.scene.formats.mitsuba.context import Context
 from alight.scene.formats.mitsuba.document import Document, read_document
 from alight.scene.formats.mitsuba.elements import Element
+from alight.scene.formats.mitsuba.framing import surround
 from alight.scene.formats.mitsuba.report import Report
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.surroundings import Bounds
+
+bsdfs.COVERED.update(stand_ins.STAND_INS)
 
 #: Kinds of objects at the top level, in the order in which they are converted.
 TOP = ("sensor", "integrator", "texture", "bsdf", "medium", "shape", "emitter")
@@ -62,10 +67,10 @@ def parse(
     objects, document = read_document(text, name, folder, definitions or {}, report)
     context = Context(report, document.reach)
     _collect_ids(context, objects, document)
-    data, spp = _convert(context, objects)
+    data, spp, framed = _convert(context, objects)
     places = context.places | {"": f"{name}:1:1"}
     report.issues = _in_order(report.issues)
-    return Parsed.of(data, places, report, spp)
+    return Parsed.of(data, places, report, spp, framed)
 
 
 def _in_order(issues: list[Issue]) -> list[Issue]:
@@ -101,7 +106,9 @@ def _collect_ids(context: Context, objects: list[Element], document: Document) -
             ids[new] = ids[name]
 
 
-def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], int | None]:
+def _convert(
+    context: Context, objects: list[Element]
+) -> tuple[dict[str, Any], int | None, Bounds | None]:
     by_kind: dict[str, list[Element]] = {kind: [] for kind in TOP}
     for element in objects:
         if element.tag in by_kind:
@@ -131,7 +138,10 @@ def _convert(context: Context, objects: list[Element]) -> tuple[dict[str, Any], 
     _emitters(context, by_kind["emitter"], data, nodes)
     if context.uses_media:
         data["integrator"] = integrators.for_media(data.get("integrator"))
-    return {**data, **context.tables, "nodes": nodes}, spp
+    framed = None
+    if nodes and not by_kind["sensor"]:
+        framed = surround(context, data, nodes)
+    return {**data, **context.tables, "nodes": nodes}, spp, framed
 
 
 def _emitters(

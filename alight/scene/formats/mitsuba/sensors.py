@@ -41,6 +41,13 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
         context.report.error(surplus, "a sensor has one film and one sampler at most")
     data["film"] = film(context, films[0] if films else None)
     p.ignore("the camera sees things at any distance", "near_clip", "far_clip")
+    p.ignore("textures are not prefiltered", "cone_scale")
+    p.ignore("samples are always jittered", "jitter")
+    for name in ("rolling_shutter_type", "rolling_shutter_duration"):
+        rolling = p.find(name)
+        if rolling is not None and context.moves:
+            text = "is left out: all rows are exposed at the same time"
+            context.report.warn(rolling, text)
     _shutter(draft)
     _centred(draft)
     _, transform = motion_of(p, of_camera=True)

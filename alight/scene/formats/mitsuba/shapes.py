@@ -8,6 +8,7 @@ import numpy as np
 
 from alight.core.errors import SceneError, join_path
 from alight.scene.formats.mitsuba import bsdfs, interiors
+from alight.scene.formats.mitsuba.below import scattering
 from alight.scene.formats.mitsuba.context import Context, Data
 from alight.scene.formats.mitsuba.draft import Draft
 from alight.scene.formats.mitsuba.elements import Element
@@ -49,13 +50,20 @@ def _shape(context: Context, element: Element, path: str) -> Data | None:
     p = draft.properties
     steps, transform = motion_of(p)
     draft.put("transform", transform or None, "to_world")
+    if COVERED[element.type] is not _mesh:
+        p.ignore("the shape has a formula", "face_normals", "flip_tex_coords", "max_smooth_angle")
     shape = COVERED[element.type](draft, steps)
     context.places[join_path(path, "shape")] = element.place
     interiors.of_shape(draft)
-    lights = p.take("emitter")
+    lights, materials = p.take("emitter"), []
+    for part in p.take("bsdf", "ref"):
+        # Lamps may stand elsewhere, too.
+        target = context.ids.get(part.attributes.get("id", "")) if part.tag == "ref" else None
+        is_lamp = target is not None and target.tag == "emitter"
+        (lights if is_lamp else materials).append(target if is_lamp and target else part)
     if lights:
         draft.put("light", area_light(context, lights[0], join_path(path, "light")))
-    materials = p.take("bsdf", "ref")
+    below = p.take("subsurface")
     for surplus in (*lights[1:], *materials[1:]):
         context.report.error(surplus, "a shape has one bsdf and one emitter at most")
     if materials:
@@ -63,6 +71,8 @@ def _shape(context: Context, element: Element, path: str) -> Data | None:
     elif "light" in draft.data:
         # A lamp without a material is black.
         draft.put("bsdf", {"type": "diffuse", "reflectance": [0.0, 0.0, 0.0]})
+    for element_below in below[:1]:
+        draft.put("bsdf", scattering(context, element_below))
     p.finish()
     if shape is None:
         return None
@@ -79,6 +89,10 @@ def _flipped(draft: Draft, mirrored: bool = False) -> Data:
 
 def _mesh(draft: Draft, steps: list[Step]) -> Mesh | None:
     draft.properties.ignore("meshes are taken as they are", *_UNUSED)
+    smooth = draft.properties.find("max_smooth_angle")
+    if smooth is not None:
+        text = "is left out: normals are smooth, or those of the file"
+        draft.context.report.warn(smooth, text)
     return load_mesh(draft, is_mirrored(steps))
 
 

@@ -117,12 +117,14 @@ def _build(context: Context, element: Element, path: str) -> Data:
 def _bitmap(context: Context, element: Element, path: str) -> Data:
     draft = Draft(context, element, path, "bitmap")
     p = draft.properties
-    filters = {"bilinear": "bilinear", "nearest": "nearest"}
+    # Some filters blur what is far away; many samples do the same.
+    blurred = ("ewa", "trilinear", "anisotropic")
+    filters = {"bilinear": "bilinear", "nearest": "nearest", **dict.fromkeys(blurred, "bilinear")}
+    p.ignore("there is no prefiltering", "max_anisotropy", "cache")
+    channel = ""
     if element.old:
-        # The filters of 0.6 blur what is far away; many samples do the same.
-        filters |= {"ewa": "bilinear", "trilinear": "bilinear"}
-        p.ignore("there is no prefiltering", "max_anisotropy", "cache")
-        p.ignore("the file says how it is encoded", "gamma", "channel")
+        p.ignore("the file says how it is encoded", "gamma")
+        channel = p.text("channel", "", ("r", "g", "b", "a", ""))
     p.ignore("texels keep the precision of the file", "format")
     found = p.value("filename", "string")
     if found is None:
@@ -146,6 +148,8 @@ def _bitmap(context: Context, element: Element, path: str) -> Data:
     draft.put("interpolation", kind if kind != "bilinear" else None, "filter_type")
     draft.put("wrap", wrap if wrap != "repeat" else None, "wrap_mode")
     draft.put("to_uv", [*steps, {"scale": [1.0, -1.0]}, {"translate": [0.0, 1.0]}])
+    if channel:
+        return {"type": "channel", "texture": draft.data, "channel": channel}
     return draft.data
 
 
@@ -156,6 +160,41 @@ def _checkerboard(context: Context, element: Element, path: str) -> Data:
     # Two squares of Mitsuba's share a unit of u, one of ours.
     draft.put("scale", 2.0)
     draft.put("to_uv", _uv_steps(draft) or None)
+    draft.properties.finish()
+    return draft.data
+
+
+def _scaled(context: Context, element: Element, path: str) -> Data:
+    """``scale`` of 0.6: a texture times a number or a colour."""
+    draft = Draft(context, element, path, "multiply")
+    p = draft.properties
+    inner = [*p.take("texture"), *filter(None, (p.find("value"), p.find("texture")))]
+    factor = p.find("scale")
+    value: Value = [1.0] * 3
+    if len(inner) == 1:
+        value = texture_value(context, inner[0], f"{path}.a")
+    else:
+        context.report.error(element, f"must hold one texture, got {len(inner)}")
+    draft.data["a"] = [1.0] * 3 if value is None else value
+    found = None if factor is None else context.colors.read(factor, "index")
+    draft.data["b"] = [1.0] * 3 if found is None else found
+    p.finish()
+    return draft.data
+
+
+def _grid_lines(context: Context, element: Element, path: str) -> Data:
+    draft = Draft(context, element, path, "constant")
+    draft.color("color", 0.2, "color0", "reflectance")
+    draft.properties.find("color1")
+    draft.properties.ignore("there are no lines", "line_width", "uscale", "vscale")
+    draft.properties.ignore("there are no lines", "uoffset", "voffset")
+    context.report.warn(element, "is not covered: the colour between its lines is taken")
+    draft.properties.finish()
+    return draft.data
+
+
+def _vertex_colors(context: Context, element: Element, path: str) -> Data:
+    draft = Draft(context, element, path, "vertex_color")
     draft.properties.finish()
     return draft.data
 
@@ -211,6 +250,9 @@ def _uv_steps(draft: Draft) -> list[Data]:
 COVERED: dict[str, Callable[[Context, Element, str], Data]] = {
     "bitmap": _bitmap,
     "checkerboard": _checkerboard,
+    "gridtexture": _grid_lines,
     "mesh_attribute": _mesh_attribute,
     "rawconstant": _raw_constant,
+    "scale": _scaled,
+    "vertexcolors": _vertex_colors,
 }

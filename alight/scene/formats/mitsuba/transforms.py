@@ -61,7 +61,7 @@ def motion_of(properties: Properties, of_camera: bool = False) -> tuple[list[Ste
     transform : list or dict
         The native transform.
     """
-    element = properties.find("to_world")
+    element = properties.find("animation" if properties.has("animation") else "to_world")
     if element is None or element.tag != "animation":
         steps = steps_of(properties)
         return steps, camera_steps(steps) if of_camera else steps
@@ -157,6 +157,9 @@ def _rotate(element: Element, report: Report) -> Step:
     axis = coordinates(element, 0.0)
     if "angle" not in element:
         raise NotNumbersError("needs the attribute angle")
+    if not any(axis) and parse_number(element.attributes["angle"]) == 0.0:
+        # Templates have it; no turn about no axis.
+        return {"translate": [0.0] * 3}
     length = float(np.linalg.norm(axis))
     if abs(length - 1.0) > _ROUNDING:
         report.warn(element, f"has an axis of length {length:g}, taken as a direction")

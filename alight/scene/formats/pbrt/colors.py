@@ -44,8 +44,18 @@ INDICES: dict[str, Color] = {
     for name, pair in _CONDUCTORS.items()
     for i, part in enumerate(("eta", "k"))
 } | {name: [index] * 3 for name, index in GLASSES.items()}
-#: Illuminants by their correlated colour temperature, K; 0 stands for white.
-_LAMPS = {"stdillum-A": 2856.0, "stdillum-D50": 5003.0, "stdillum-D65": 0.0}
+#: Chromaticities of illuminants for the observer of 1931. Source: CIE 15:2004, tables T.3 and T.8;
+#: of ACES: SMPTE ST 2065-1.
+_LAMPS = {
+    "stdillum-A": (0.44758, 0.40745), "stdillum-D50": (0.34567, 0.35851),
+    "stdillum-D65": (0.31272, 0.32903), "illum-acesD60": (0.32168, 0.33767),
+    "stdillum-F1": (0.3131, 0.3371), "stdillum-F2": (0.3721, 0.3751),
+    "stdillum-F3": (0.4091, 0.3941), "stdillum-F4": (0.4402, 0.4031),
+    "stdillum-F5": (0.3138, 0.3452), "stdillum-F6": (0.3779, 0.3882),
+    "stdillum-F7": (0.3129, 0.3292), "stdillum-F8": (0.3458, 0.3586),
+    "stdillum-F9": (0.3741, 0.3727), "stdillum-F10": (0.3458, 0.3588),
+    "stdillum-F11": (0.3805, 0.3769), "stdillum-F12": (0.4370, 0.4042),
+}  # fmt: skip
 
 # From the primaries of a colour space to those of sRGB, white kept (Bradford from ACES' white).
 _SPACES = {
@@ -123,8 +133,10 @@ class Colors(ColorReader[Parameter]):
         if name in INDICES and role != "light":
             return list(INDICES[name])
         if name in _LAMPS and role == "light":
-            kelvin = _LAMPS[name]
-            return _of_luminance_one(blackbody(kelvin)) if kelvin else [1.0] * 3
+            x, y = _LAMPS[name]
+            # White is D65: exactly, not to five digits.
+            white = name == "stdillum-D65"
+            return [1.0] * 3 if white else (TO_SRGB @ [x / y, 1.0, (1.0 - x - y) / y]).tolist()
         if name in INDICES or name in _LAMPS or "." not in name:
             known = _LAMPS if role == "light" else INDICES
             raise NoColorError(unknown_name("spectrum", name, known, listed_as="spectra"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -35,6 +36,8 @@ class Context:
         ``bsdfs``, ``textures`` and ``prototypes`` by name, as the native format has them.
     loaded : dict
         Meshes that have been read.
+    textures : mapping
+        What converts textures, by pbrt's name.
     """
 
     report: Report
@@ -47,6 +50,7 @@ class Context:
         default_factory=lambda: {"textures": {}, "bsdfs": {}, "prototypes": {}}
     )
     loaded: dict[Any, Any] = field(default_factory=dict)
+    textures: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)
     _taken: set[tuple[str, str]] = field(default_factory=set)
     _last: dict[tuple[str, str], int] = field(default_factory=dict)
 

@@ -233,6 +233,10 @@ def _parameters(words: Words, directive: Directive) -> None:
     names: set[str] = set()
     while True:
         word = words.peek()
+        while word is None and words.after is not None:
+            # An included file may end within a directive, which goes on behind the Include.
+            words = words.after
+            word = words.peek()
         if word is None or not word.quoted:
             return
         words.take()

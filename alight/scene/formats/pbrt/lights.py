@@ -11,19 +11,18 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
+from alight.scene.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.octahedral import to_latitude_longitude, to_sphere
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.transforms import keeps_angles, steps, turned_to
+from alight.scene.formats.pbrt.slides import goniometric, projection
+from alight.scene.formats.pbrt.textures import Source, bitmap
+from alight.scene.formats.pbrt.transforms import keeps_angles, turned_to
 from alight.scene.formats.reach import OutOfReachError
 from alight.scene.images import read_image
 from alight.textures.images import Image
 
 Matrix = np.ndarray
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-#: Part of the soft edge over which ours, linear in the angle, comes nearest to pbrt's smooth step:
-#: within 5 % of the intensity for pbrt's default cone, 10 % for any.
-EDGE = 0.75
 MOST_SIDE = 2**13
 
 # From the map of pbrt 3 to its light: our +y is its +z. The mirror turns the columns around.
@@ -47,34 +46,10 @@ def light_node(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
     return COVERED[kind](context, p, matrix)
 
 
-def amount(context: Context, p: Parameters, name: str) -> list[float]:
-    """Ask for the light's colour, with ``scale`` and the film's exposure."""
-    found = p.find(name)
-    color = None if found is None else context.colors.read(found, "light")
-    scale = p.find("scale")
-    factor = [1.0] * 3
-    if scale is not None:
-        factor = context.colors.read(scale, "light") or factor
-    color = color or [1.0] * 3
-    found_amount = [c * f * context.exposure for c, f in zip(color, factor, strict=True)]
-    if min(found_amount) < 0.0:
-        p.report.error(p.directive, f"must not shine less than 0, got {min(found_amount):g}")
-        return [0.0] * 3
-    return found_amount
-
-
-def _with_power(p: Parameters, color: list[float], name: str, whole: float) -> list[float]:
-    """Scale a light whose colour has the luminance 1 so that all of it is what the file asks."""
-    power = p.number(name, -1.0)
-    if power <= 0.0 or whole <= 0.0:
-        return color
-    return [channel * power / whole for channel in color]
-
-
 def _point(context: Context, p: Parameters, matrix: Matrix) -> Data:
-    color = _with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
+    color = with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
     place = _moved(matrix, p.triple("from", (0.0, 0.0, 0.0)))
-    return _node({"type": "point", "intensity": color}, _at(place))
+    return placed({"type": "point", "intensity": color}, _at(place))
 
 
 def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
@@ -86,40 +61,28 @@ def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
         return None
     inner, outer = (math.cos(math.radians(a)) for a in (cone - delta, cone))
     whole = 2.0 * math.pi * ((1.0 - inner) + 0.5 * (inner - outer))
-    color = _with_power(p, amount(context, p, "I"), "power", whole)
+    color = with_power(p, amount(context, p, "I"), "power", whole)
     start, target = p.triple("from", (0.0, 0.0, 0.0)), p.triple("to", (0.0, 0.0, 1.0))
     turn = _towards(p, matrix, target - start)
     if turn is None:
         return None
     if not keeps_angles(matrix):
         p.report.approximated(p.directive, "is stretched by its transformation: it stays round")
-    if delta > 0.0:
-        text = "fades out linearly with the angle, not by pbrt's smooth step"
-        p.report.approximated(p.directive, text)
-    light = {"type": "spot", "intensity": color, **_edge(inner, outer)}
-    return _node(light, _at(_moved(matrix, start)) @ turn)
-
-
-def _edge(inner: float, outer: float) -> Data:
-    """The angles between which ours fades out: as bright and as steep half-way."""
-    middle = math.acos(0.5 * (inner + outer))
-    half = 0.5 * EDGE * (inner - outer) / max(math.sin(middle), 1e-6)
-    beam, cutoff = max(0.0, middle - half), min(math.pi, middle + half)
-    return {"cutoff_angle": max(math.degrees(cutoff), 0.001), "beam_width": math.degrees(beam)}
+    light = {
+        "type": "spot",
+        "intensity": color,
+        "cutoff_angle": max(cone, 0.001),
+        "beam_width": cone - delta,
+        "falloff": "quartic" if context.old else "smooth",
+    }
+    return placed(light, _at(_moved(matrix, start)) @ turn)
 
 
 def _distant(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
-    color = _with_power(p, amount(context, p, "L"), "illuminance", 1.0)
+    color = with_power(p, amount(context, p, "L"), "illuminance", 1.0)
     start, target = p.triple("from", (0.0, 0.0, 0.0)), p.triple("to", (0.0, 0.0, 1.0))
     turn = _towards(p, matrix, target - start)
-    return None if turn is None else _node({"type": "directional", "irradiance": color}, turn)
-
-
-def _goniometric(context: Context, p: Parameters, matrix: Matrix) -> Data:
-    p.leave_out("it shines alike to all sides", "filename", "mapname")
-    color = _with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
-    p.report.approximated(p.directive, "is not covered: a point light is taken")
-    return _node({"type": "point", "intensity": color}, matrix)
+    return None if turn is None else placed({"type": "directional", "irradiance": color}, turn)
 
 
 def _towards(p: Parameters, matrix: Matrix, direction: np.ndarray) -> Matrix | None:
@@ -142,18 +105,28 @@ def _at(point: np.ndarray) -> Matrix:
     return result
 
 
-def _node(light: Data, matrix: Matrix) -> Data:
-    step = steps(matrix)
-    return {"light": light} if step is None else {"transform": step, "light": light}
-
-
 def area_light(context: Context, p: Parameters) -> Data:
     """Convert an ``AreaLightSource``; ``power`` beside the native keys: all that it shines with."""
     p.ignore("lights are chosen by their power", *_UNUSED)
     radiance = amount(context, p, "L")
     power = p.number("power", -1.0) * context.exposure
-    p.leave_out("it shines evenly", "filename")
+    if p.has("filename"):
+        picture = bitmap(Source(context, p, {}), {"type": "bitmap", "wrap": "clamp"})
+        if picture is not None:
+            if power > 0.0:
+                power /= _mean_luminance(context, context.tables["textures"][picture]["file"])
+            return {"type": "area", "radiance": radiance, "power": power, "picture": picture}
     return {"type": "area", "radiance": radiance, "power": power}
+
+
+def _mean_luminance(context: Context, file: str) -> float:
+    """Mean luminance of a picture; 1 for a black one, and where it cannot be read."""
+    try:
+        texels = read_image(context.reach.find(file), file).linear()
+    except SceneError:
+        # It is told of when the scene is compiled.
+        return 1.0
+    return float((np.broadcast_to(texels, (*texels.shape[:2], 3)) @ LUMINANCE).mean()) or 1.0
 
 
 def surroundings(
@@ -169,25 +142,35 @@ def surroundings(
         With the light of a picture.
     """
     p.ignore("lights are chosen by their power", *_UNUSED)
-    p.leave_out("light comes from all around, not through a portal alone", "portal")
     color = amount(context, p, "L")
+    # Light from far away has directions, and no place.
+    linear = np.eye(4)
+    linear[:3, :3] = matrix[:3, :3]
+    matrix = linear
     name = "mapname" if p.has("mapname") else "filename"
     found = p.values(name, "string", count=1)
     if found is None:
-        return _with_power(p, color, "illuminance", math.pi), None
+        return with_power(p, color, "illuminance", math.pi), None
     node: Data = {}
     try:
         path = context.reach.find(found.values[0])
         if context.old:
             file = context.reach.name_of(path)
             light: Data = {"type": "environment", "file": file, "scale": color}
-            node = _node(light, matrix @ _MAP_OF_3)
+            node = placed(light, matrix @ _MAP_OF_3)
         else:
-            square = _square(read_image(path, found.values[0], p.report.approximate))
-            color = _with_power(p, color, "illuminance", _illuminance(square))
+            image = read_image(path, found.values[0], p.report.approximate)
+            if image.width == 2 * image.height and not p.has("illuminance"):
+                text = "is no square: it is taken for a map of latitude and longitude, as in pbrt 3"
+                p.report.approximated(found, text)
+                file = context.reach.name_of(path)
+                light = {"type": "environment", "file": file, "scale": color}
+                return [0.0] * 3, placed(light, matrix @ _MAP_OF_3)
+            square = _square(image)
+            color = with_power(p, color, "illuminance", _illuminance(square))
             pixels = Image(to_latitude_longitude(square))
             light = {"type": "environment", "pixels": pixels, "scale": color}
-            node = _node(light, matrix @ _MAP_OF_4)
+            node = placed(light, matrix @ _MAP_OF_4)
     except OutOfReachError as error:
         p.report.error(found, str(error))
     except SceneError as error:
@@ -214,7 +197,8 @@ def _illuminance(square: np.ndarray) -> float:
 #: Lights of pbrt with a place of their own.
 COVERED: dict[str, Callable[[Context, Parameters, Matrix], Data | None]] = {
     "distant": _distant,
-    "goniometric": _goniometric,
+    "goniometric": goniometric,
     "point": _point,
+    "projection": projection,
     "spot": _spot,
 }

@@ -15,15 +15,26 @@ from alight.core.errors import join_path, unknown_name
 from alight.scene.formats.pbrt.colors import INDICES
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
+from alight.scene.formats.pbrt.heights import height_of
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.textures import Source, TextureItem, Value, product
+from alight.scene.formats.pbrt.textures import (
+    Role,
+    Source,
+    TextureItem,
+    Value,
+    entry,
+    product,
+)
 from alight.scene.formats.pbrt.walks import LEAST_ALPHA, Coat, base_of_walk
 from alight.scene.formats.reach import OutOfReachError
+from alight.scene.formats.substances import SUBSTANCES, diffuse_reflectance
 
 #: pbrt treats what is smoother as a mirror.
 SMOOTH = 1e-3
 SMALLEST_ETA = 1e-6
 MOST_LEVELS = 12
+#: Endings of pictures whose numbers have no limit.
+FLOATS = (".exr", ".hdr", ".pfm", ".npy")
 #: Rougher coats over a matte base are warned of.
 LARGEST_ALPHA = 0.15
 
@@ -63,6 +74,35 @@ class Making(Source):
 
     named: Mapping[str, MaterialItem] = field(default_factory=dict)
     levels: int = 0
+
+    def color(self, name: str, default: Value | None, role: Role = "reflectance") -> Value | None:
+        """Ask for a colour; textures of reflectances end at 1, in pbrt 3 numbers too."""
+        found = super().color(name, default, role)
+        if role != "reflectance" or found is None or found is default:
+            return found
+        if isinstance(found, list):
+            if not self.context.old:
+                return found
+            if max(found) > 1.0:
+                shown = ", ".join(f"{channel:g}" for channel in found)
+                text = f"reflects more than it gets, [{shown}]: it is cut at 1"
+                self.p.report.approximated(self.p.named[name], text)
+            return [min(channel, 1.0) for channel in found]
+        return (
+            entry(self, {"type": "clamp", "texture": found}) if self._may_exceed(found) else found
+        )
+
+    def _may_exceed(self, name: str) -> bool:
+        """Whether a texture may be brighter than 1, as far as is known before files are read."""
+        stack, table = [name], self.context.tables["textures"]
+        while stack:
+            data = table[stack.pop()]
+            parts = [data[key] for key in ("a", "b", "texture", "weight") if key in data]
+            stack += [part for part in parts if isinstance(part, str)]
+            bright = any(isinstance(part, list) and max(part) > 1.0 for part in parts)
+            if bright or str(data.get("file", "")).lower().endswith(FLOATS):
+                return True
+        return False
 
     def warn(self, text: str) -> None:
         """Remark on what is not the same here."""
@@ -110,7 +150,8 @@ def material_name(
 
 def _converted(m: Making, item: MaterialItem) -> Data:
     if item.kind not in COVERED:
-        m.p.report.unknown(m.p.directive, "material", item.kind, COVERED, "grey 0.5 is taken")
+        known = [name for name in COVERED if name]
+        m.p.report.unknown(m.p.directive, "material", item.kind, known, "grey 0.5 is taken")
         return two_sided({"type": "diffuse"})
     # Its own name, in MakeNamedMaterial.
     m.p.find("type")
@@ -123,9 +164,10 @@ def _converted(m: Making, item: MaterialItem) -> Data:
 def _bumpy(m: Making, data: Data) -> Data:
     """Put a bump or normal map around a material."""
     name = "displacement" if m.p.has("displacement") else "bumpmap"
-    height = m.number(name, None)
-    if isinstance(height, str):
-        data = {"type": "bump_map", "texture": height, "bsdf": data}
+    factor, height = height_of(m, name)
+    if isinstance(height, str) and factor:
+        scale = {"scale": factor} if factor != 1.0 else {}
+        data = {"type": "bump_map", "texture": height, **scale, "bsdf": data}
     found = m.p.values("normalmap", "string", count=1)
     if found is None:
         return data
@@ -406,26 +448,19 @@ def _subsurface(m: Making) -> Data:
     base = m.color("reflectance", None) or m.color("Kd", None)
     eta = index(m, "eta", 1.33)
     alpha = one_alpha(m, *alphas(m, 0.0))
-    absorbed = m.color("sigma_a", [0.0011, 0.0024, 0.014], "index")
-    scattered = m.color("sigma_s", [2.55, 3.21, 3.77], "index")
+    name = m.p.text("name")
+    usual = SUBSTANCES.get(name, SUBSTANCES["Wholemilk"])
+    scattered = m.color("sigma_s", list(usual[0]), "index")
+    absorbed = m.color("sigma_a", list(usual[1]), "index")
     m.p.ignore("light leaves where it enters", "scale", "mfp", "g", "Kr", "Kt")
-    if m.p.text("name"):
+    if name and name not in SUBSTANCES:
+        known = unknown_name("medium", name, SUBSTANCES, listed_as="known")
+        m.p.report.approximated(m.p.named["name"], f"{known.partition('  (')[0]}: 0.7 is taken")
         base = base or [0.7] * 3
     if base is None and isinstance(absorbed, list) and isinstance(scattered, list):
-        base = [_scattered(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
+        base = [diffuse_reflectance(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
     m.warn("scatters below the surface: a coat over a matte base is taken")
     return two_sided({**coat(m, alpha, base or [0.7] * 3, eta, None), "nonlinear": True})
-
-
-def _scattered(absorbed: float, scattered: float, eta: float) -> float:
-    """Diffuse reflectance of a half space. Source: Jensen et al. 2001, equation 15."""
-    if scattered <= 0.0:
-        return 0.0
-    albedo = scattered / (scattered + absorbed)
-    inside = -1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta
-    a = (1.0 + inside) / (1.0 - inside)
-    s = math.sqrt(3.0 * (1.0 - albedo))
-    return 0.5 * albedo * (1.0 + math.exp(-4.0 / 3.0 * a * s)) * math.exp(-s)
 
 
 #: Materials of pbrt that alight has models for; those of pbrt 3 are added by their module.

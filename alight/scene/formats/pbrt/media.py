@@ -17,16 +17,27 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from alight.core.errors import join_path, unknown_name
+from alight.core.errors import join_path, quote, unknown_name
 from alight.media.volumes import Volume
 from alight.scene.description import VACUUM
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, Parameter
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.transforms import scaling, translation
+from alight.scene.formats.substances import SUBSTANCES
 
 #: Our names of pbrt's media; the last one is pbrt 3's word for a grid.
-COVERED = {"homogeneous": "homogeneous", "uniformgrid": "grid", "heterogeneous": "grid"}
+COVERED = {
+    "homogeneous": "homogeneous",
+    "uniformgrid": "grid",
+    "heterogeneous": "grid",
+    "rgbgrid": "grid",
+}
+#: Why some media are not covered, and the way out.
+_WAYS_OUT = {
+    "nanovdb": "convert the volume to a uniformgrid",
+    "cloud": "a uniformgrid can hold one",
+}
 #: Integrators that see media; the others pass through them as through empty space.
 SEEING = ("volpath", "simplevolpath", "bdpt", "mlt")
 #: What media absorb and scatter that say nothing: whole milk, per mm.
@@ -123,16 +134,22 @@ def _medium(context: Context, p: Parameters, matrix: np.ndarray) -> Data:
     """Convert the parameters of a medium; empty space after a problem."""
     kind = p.text("type")
     if kind not in COVERED:
-        if p.has("type"):
+        if kind in _WAYS_OUT:
+            text = f"medium {quote(kind)} is not covered: {_WAYS_OUT[kind]}"
+            context.report.not_covered(p.directive, text, "empty space is taken")
+        elif p.has("type"):
             context.report.unknown(p.directive, "medium", kind, COVERED, "empty space is taken")
         else:
             context.report.error(p.directive, 'needs "string type"')
         p.forget()
         return EMPTY
     data: Data = {"type": COVERED[kind]}
+    if kind == "rgbgrid":
+        return _colored_grid(context, p, data, matrix)
     # A grid of pbrt 4 has coefficients of 1, all others those of milk.
     milk = kind != "uniformgrid"
-    for key, usual in _MILK.items():
+    known = _preset(context, p)
+    for key, usual in known.items():
         data[key] = _color(context, p, key, usual if milk else (1.0, 1.0, 1.0))
     scale = p.number("scale", 1.0)
     if scale < 0.0:
@@ -141,14 +158,65 @@ def _medium(context: Context, p: Parameters, matrix: np.ndarray) -> Data:
         # A factor of 0 makes empty space, which ours do not allow.
         for key in _MILK:
             data[key] = [scale * channel for channel in data[key]]
-    if p.find("preset") is not None:
-        text = "is not covered: give sigma_a and sigma_s"
-        context.report.not_covered(p.named["preset"], text, "whole milk is taken")
     _shine(context, p, data)
     _phase(context, p, data)
     if data["type"] == "grid":
         _grid(context, p, data, matrix)
     return data
+
+
+def _preset(context: Context, p: Parameters) -> dict[str, tuple[float, float, float]]:
+    """Coefficients where the file gives none."""
+    name = p.text("preset")
+    if name and name not in SUBSTANCES:
+        message = unknown_name("medium", name, SUBSTANCES, listed_as="known")
+        context.report.not_covered(p.named["preset"], message, "whole milk is taken")
+    if name not in SUBSTANCES:
+        return _MILK
+    scattered, absorbed = SUBSTANCES[name]
+    if p.number("g", 0.0) != 0.0:
+        text = "is left out: what is known of the medium holds for scattering to all sides alike"
+        context.report.approximated(p.named.pop("g"), text)
+    return {"sigma_a": absorbed, "sigma_s": scattered}
+
+
+def _colored_grid(context: Context, p: Parameters, data: Data, matrix: np.ndarray) -> Data:
+    """Convert an ``rgbgrid``: densities, and the parts of the colours that scatter."""
+    report = context.report
+    count = _count(p)
+    cells = max(count[0] * count[1] * count[2], 0)
+    found = [p.values(key, "rgb") for key in _MILK]
+    scale = p.number("scale", 1.0)
+    p.leave_out("such grids do not shine here", "Le", "Lescale")
+    for parameter in found:
+        if parameter is not None and len(parameter.values) != 3 * cells:
+            wanted = f"must hold nx * ny * nz = {cells} colours"
+            report.error(parameter, f"{wanted}, got {len(parameter.values)} numbers")
+            return EMPTY
+    given = [f.values for f in found if f is not None]
+    if not cells or not given or min(map(np.min, given)) < 0.0 or scale < 0.0:
+        report.error(p.directive, "needs rgb sigma_a or sigma_s, and no numbers below 0")
+        return EMPTY
+    absorbed, scattered = (
+        np.zeros((cells, 3)) if f is None else np.asarray(f.values).reshape(-1, 3) for f in found
+    )
+    if found[0] is None or found[1] is None:
+        # pbrt takes 1 for what is missing.
+        absorbed = np.ones_like(absorbed) if found[0] is None else absorbed
+        scattered = np.ones_like(scattered) if found[1] is None else scattered
+    whole = absorbed + scattered
+    mean = whole.mean(axis=1)
+    if np.ptp(whole, axis=1).max() > 1e-3 * max(float(mean.max()), 1e-30):
+        text = "is not as dense for all colours: their mean is taken, their albedos are kept"
+        report.approximated(p.directive, text)
+    shape = (count[2], count[1], count[0])
+    albedo = np.where(whole > 0.0, scattered / np.where(whole > 0.0, whole, 1.0), 0.0)
+    data |= {"sigma_t": scale}
+    _phase(context, p, data)
+    if not _place(context, p, data, matrix, mean.reshape(*shape, 1)):
+        return EMPTY
+    values = np.pad(albedo.reshape(*shape, 3).astype(np.float32), _RIM, mode="edge")
+    return data | {"albedo_values": Volume(values)}
 
 
 def _color(context: Context, p: Parameters, key: str, usual: Sequence[float]) -> list[float]:
@@ -211,9 +279,7 @@ def _shining_cells(
 def _grid(context: Context, p: Parameters, data: Data, matrix: np.ndarray) -> None:
     """Densities, and the matrix from the unit cube to the world."""
     report = context.report
-    count = [p.integer(key, 1) for key in ("nx", "ny", "nz")]
-    a, b = p.triple("p0", (0.0, 0.0, 0.0)), p.triple("p1", (1.0, 1.0, 1.0))
-    low, high = np.minimum(a, b), np.maximum(a, b)
+    count = _count(p)
     data["values"] = Volume(np.zeros((1, 1, 1, 1), np.float32))
     found = p.values("density", "float")
     if found is None:
@@ -228,14 +294,29 @@ def _grid(context: Context, p: Parameters, data: Data, matrix: np.ndarray) -> No
     elif not 0.0 <= densities.min() <= densities.max() <= 1e15:
         wrong = densities.min() if densities.min() < 0.0 else densities.max()
         report.error(found, f"must be in [0, 1e+15], got {wrong:g}")
-    elif not (low < high).all():
-        report.error(p.directive, "p0 and p1 must differ in x, y and z")
-    elif not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
-        report.error(p.directive, "its transformation must be affine")
-    else:
-        cells = densities.reshape(nz, ny, nx, 1).astype(np.float32)
-        data["values"] = Volume(np.pad(cells, _RIM))
+    elif _place(context, p, data, matrix, densities.reshape(nz, ny, nx, 1)):
         _shining_cells(context, p, data, (nz, ny, nx))
-        side = (high - low) / count
-        box = translation(*(low - side)) @ scaling(*(high - low + 2.0 * side))
-        data["matrix"] = (matrix @ box)[:3].ravel().tolist()
+
+
+def _count(p: Parameters) -> list[int]:
+    return [p.integer(key, 1) for key in ("nx", "ny", "nz")]
+
+
+def _place(
+    context: Context, p: Parameters, data: Data, matrix: np.ndarray, densities: np.ndarray
+) -> bool:
+    """Put densities (nz, ny, nx, 1) into the box of a grid; False after a problem."""
+    report = context.report
+    a, b = p.triple("p0", (0.0, 0.0, 0.0)), p.triple("p1", (1.0, 1.0, 1.0))
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    if not (low < high).all():
+        report.error(p.directive, "p0 and p1 must differ in x, y and z")
+        return False
+    if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+        report.error(p.directive, "its transformation must be affine")
+        return False
+    data["values"] = Volume(np.pad(densities.astype(np.float32), _RIM))
+    side = (high - low) / densities.shape[2::-1]
+    box = translation(*(low - side)) @ scaling(*(high - low + 2.0 * side))
+    data["matrix"] = (matrix @ box)[:3].ravel().tolist()
+    return True

@@ -60,14 +60,14 @@ def to_latitude_longitude(square: Array) -> Array:
     first = np.floor(place).astype(np.int64)
     s, t = np.moveaxis((place - first).astype(np.float32), -1, 0)[..., None]
     rows = [
-        sum(weight * _texel(square, first[..., 0] + i, first[..., 1] + j) for i, weight in along)
+        sum(weight * texel(square, first[..., 0] + i, first[..., 1] + j) for i, weight in along)
         for j, along in ((0, ((0, 1 - s), (1, s))), (1, ((0, 1 - s), (1, s))))
     ]
     return (rows[0] + t * (rows[1] - rows[0])).astype(np.float32)
 
 
-def _texel(square: Array, column: Array, row: Array) -> Array:
-    """Look texels up; beyond an edge the other half of the same edge goes on."""
+def texel(square: Array, column: Array, row: Array) -> Array:
+    """Look texels of a square up; beyond an edge the other half of the same edge goes on."""
     n = len(square)
     outside = (column < 0) | (column >= n)
     row = np.where(outside, n - 1 - row, row)

@@ -16,6 +16,7 @@ from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive, directives
 from alight.scene.formats.pbrt.materials_of_3 import OF_3
 from alight.scene.formats.pbrt.report import Report
+from alight.scene.formats.pbrt.stand_ins import ONLY_IN_3
 from alight.scene.formats.pbrt.transforms import FACING, inverse, keyframes
 from alight.scene.formats.pbrt.words import BrokenError, Words
 from alight.scene.formats.pbrt.world import World
@@ -54,7 +55,7 @@ def parse(text: str, name: str, folder: Path | None = None, lenient: bool = Fals
 #: What only pbrt 3 has, and what only pbrt 4 has.
 _OLD = re.compile(
     r'^[ \t]*(WorldEnd\b|Film\s+"image"|(Material\s+|.*"string type"\s*\[?\s*)"('
-    + "|".join(OF_3)
+    + "|".join((*OF_3, *ONLY_IN_3))
     + ')")',
     re.MULTILINE,
 )
@@ -94,12 +95,15 @@ class _Reader:
         self.spp: int | None = None
         self.in_world = False
         self.levels = self.includes = self.bytes = 0
+        self.words: Words | None = None
 
     def file(self, text: str, name: str) -> None:
         """Follow one file."""
         broken: list[BrokenError] = []
+        before = self.words
+        self.words = words = Words(text, name, before)
         try:
-            for directive in directives(Words(text, name), broken):
+            for directive in directives(words, broken):
                 self.follow(directive)
                 if len(self.context.report.issues) + len(broken) > MOST_ISSUES:
                     raise _TooManyError
@@ -109,6 +113,7 @@ class _Reader:
             text = f"has more than {MOST_ISSUES} problems: these are the first"
             self.context.report.issues.append(Issue("", text, name))
         finally:
+            self.words = before
             for error in broken:
                 self.context.report.issues.append(Issue("", str(error), error.place))
 

@@ -8,12 +8,19 @@ import numpy as np
 
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.directives import Directive
+from alight.scene.formats.pbrt.lenses import realistic
 from alight.scene.formats.pbrt.media import SEEING
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.transforms import FACING
 
 #: Our names of the cameras.
-CAMERAS = {"perspective": "pinhole", "orthographic": "orthographic"}
+CAMERAS = {
+    "perspective": "pinhole",
+    "orthographic": "orthographic",
+    "realistic": "thin_lens",
+}
+#: Of the film of a realistic camera, mm.
+DIAGONAL = 35.0
 FILMS = ("rgb", "image", "gbuffer", "spectral")
 FILTERS = ("box", "gaussian", "mitchell", "sinc", "triangle")
 #: Our samplers.
@@ -42,7 +49,12 @@ def camera(context: Context, directive: Directive | None, to_world: np.ndarray, 
         p.forget()
         kind = "perspective"
     width, height = film["size"]
+    diagonal = film.pop("diagonal", DIAGONAL)
     shutter = _shutter(context, p)
+    place = {"matrix": (to_world @ FACING).tolist()}
+    if kind == "realistic":
+        data = realistic(context, p, width, height, diagonal)
+        return _finished(context, p, data, shutter, place)
     aspect = p.positive("frameaspectratio", width / height)
     window = [-aspect, aspect, -1.0, 1.0] if aspect > 1.0 else [-1.0, 1.0, -1 / aspect, 1 / aspect]
     found = p.values("screenwindow", "float", count=4)
@@ -65,12 +77,19 @@ def camera(context: Context, directive: Directive | None, to_world: np.ndarray, 
         lens, focus = p.number("lensradius", 0.0), p.number("focaldistance", FAR)
         if lens > 0.0:
             data |= {"type": "thin_lens", "aperture_radius": lens, "focus_distance": focus}
+    return _finished(context, p, data, shutter, place)
+
+
+def _finished(
+    context: Context, p: Parameters, data: Data, shutter: list[float], place: Data
+) -> Data:
+    """A camera with its shutter and place."""
     p.finish()
-    if directive.place:
-        context.places["camera"] = directive.place
+    if p.directive.place:
+        context.places["camera"] = p.directive.place
     if shutter != [0.0, 1.0]:
         data["shutter"] = shutter
-    return {**data, "transform": {"matrix": (to_world @ FACING).tolist()}}
+    return {**data, "transform": place}
 
 
 def _window(p: Parameters, window: list[float], width: int, height: int) -> float:
@@ -111,23 +130,36 @@ def film(context: Context, directive: Directive | None, pixel_filter: Directive 
     default = (640, 480) if context.old else (1280, 720)
     size = [p.integer("xresolution", default[0]), p.integer("yresolution", default[1])]
     p.ignore("it is about files, see the options of the command line", "filename", "savefp16")
-    p.ignore("only a realistic camera needs it", "diagonal")
+    diagonal = p.positive("diagonal", DIAGONAL)
     p.ignore("layers are asked for with --aov", "coordinatesystem")
     p.ignore("pictures are linear sRGB", "nbuckets", "lambdamin", "lambdamax")
     p.leave_out("no sample is cut off", "maxcomponentvalue", "maxsampleluminance")
     if p.text("sensor", "cie1931") != "cie1931":
         context.report.approximated(p.named["sensor"], "is not covered: cie1931 is taken")
-    p.leave_out("white stays that of D65", "whitebalance")
+    _white(p)
     iso = p.positive("iso", 100.0)
-    context.exposure *= p.positive("scale", 1.0) if context.old else iso / 100.0
+    # The scale of pbrt 3 is left in scenes for early versions of pbrt 4.
+    context.exposure *= p.positive("scale", 1.0) * (1.0 if context.old else iso / 100.0)
     data: Data = {"size": size, "filter": _filter(context, pixel_filter)}
     crop = _crop(p, size)
     if crop is not None:
         data["crop"] = crop
+    if diagonal != DIAGONAL:
+        data["diagonal"] = diagonal
     p.finish()
     if known:
         context.places["film"] = directive.place
     return data
+
+
+def _white(p: Parameters) -> None:
+    """Say how the white of the file can be had."""
+    kelvin = p.number("whitebalance", 0.0)
+    if kelvin:
+        text = (
+            f"is left out: white stays that of D65 (shown otherwise by --white-balance {kelvin:g})"
+        )
+        p.report.approximated(p.named["whitebalance"], text)
 
 
 def _crop(p: Parameters, size: list[int]) -> list[int] | None:

@@ -1,14 +1,9 @@
-"""``Shape`` -> shapes of the native format.
-
-pbrt takes the side of a surface from the numbers of its parameters: spheres, disks and cylinders
-are turned inside out by a mirror, meshes are not; ``ReverseOrientation`` turns both.
-"""
+"""``Shape`` -> shapes of the native format."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,52 +11,17 @@ from alight.core.errors import Issue, SceneError, quote
 from alight.scene.formats import ply, surfaces
 from alight.scene.formats.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldError, subdivide
 from alight.scene.formats.packed import content_of
-from alight.scene.formats.pbrt.context import Context, Data
+from alight.scene.formats.pbrt.context import Data
 from alight.scene.formats.pbrt.parameters import Parameters
+from alight.scene.formats.pbrt.placed import Placed, angle_of, cut, described, mesh_of
+from alight.scene.formats.pbrt.shapes_of_3 import OF_3
+from alight.scene.formats.pbrt.strands import curve
 from alight.scene.formats.reach import OutOfReachError
-from alight.scene.formats.triangles import MeshArrays
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 
 MOST_BYTES = 2**30
 _LAYING = np.diag([1.0, 1.0, -1.0, 1.0])
-
-
-@dataclass
-class Placed:
-    """Where a shape stands, and what decides its form.
-
-    Attributes
-    ----------
-    context : Context
-    p : Parameters
-        Of the shape.
-    matrix : (4, 4) float64
-        To the world, or to the object that it is part of; changed by some shapes.
-    reverse : bool
-        Whether ``ReverseOrientation`` counts.
-    mirrored : bool
-        Whether the matrix turns a right hand into a left one.
-    textured : bool
-        Whether its material or light can tell texture coordinates.
-    """
-
-    context: Context
-    p: Parameters
-    matrix: np.ndarray
-    reverse: bool
-    mirrored: bool
-    textured: bool
-    extra: Data = field(default_factory=dict)
-
-    @property
-    def turned(self) -> bool:
-        """Whether a shape with a formula is inside out."""
-        return self.reverse != self.mirrored
-
-    def fail(self, message: str) -> None:
-        """Report a problem of the shape."""
-        self.p.report.error(self.p.directive, message)
 
 
 def convert(placed: Placed) -> Data | Mesh | None:
@@ -71,7 +31,7 @@ def convert(placed: Placed) -> Data | Mesh | None:
         placed.p.report.unknown(placed.p.directive, "shape", kind, COVERED, "left out")
         placed.p.forget()
         return None
-    placed.p.ignore("hits do not depend on it", "shadowalpha")
+    placed.p.ignore("hits do not depend on it", "shadowalpha", "discarddegenerateUVs")
     try:
         return COVERED[kind](placed)
     except SceneError as error:
@@ -81,34 +41,6 @@ def convert(placed: Placed) -> Data | Mesh | None:
 
 def _flipped(is_flipped: bool) -> Data:
     return {"flip_normals": True} if is_flipped else {}
-
-
-def _mesh(placed: Placed, keys: dict[str, np.ndarray], flip: bool) -> Mesh | None:
-    """A mesh of arrays that may be wrong."""
-    normals, uvs = keys.get("normals"), keys.get("uvs")
-    with np.errstate(over="ignore", invalid="ignore"):
-        arrays = MeshArrays(
-            np.asarray(keys["vertices"], np.float32),
-            np.asarray(keys["faces"], np.int32),
-            None if normals is None else np.asarray(normals, np.float32),
-            None if uvs is None else np.asarray(uvs, np.float32),
-        )
-    problem = mesh_problem(arrays)
-    if problem:
-        raise SceneError([Issue(*problem)])
-    return _described(placed, arrays, flip)
-
-
-def _described(placed: Placed, arrays: MeshArrays, flip: bool) -> Mesh:
-    keys = {"vertices": arrays.vertices, "faces": arrays.faces}
-    if arrays.normals is not None:
-        keys["normals"] = arrays.normals
-        keys["faces"] = surfaces.facing_normals(arrays.vertices, arrays.faces, arrays.normals)
-    if arrays.uvs is not None:
-        keys["uvs"] = arrays.uvs
-    elif placed.textured:
-        keys = surfaces.own_corners(keys)
-    return Mesh(**keys, flip_normals=flip)
 
 
 def _triangle_mesh(placed: Placed) -> Mesh | None:
@@ -132,7 +64,7 @@ def _triangle_mesh(placed: Placed) -> Mesh | None:
             placed.fail(f"must have as many {name} as points, {len(points)}, got {len(table)}")
         elif table is not None:
             keys[name] = table
-    return _mesh(placed, keys, placed.reverse)
+    return mesh_of(placed, keys, placed.reverse)
 
 
 def _texture_coordinates(p: Parameters) -> np.ndarray | None:
@@ -169,7 +101,7 @@ def _ply_mesh(placed: Placed) -> Mesh | None:
             problem = mesh_problem(arrays)
             if problem:
                 raise SceneError([Issue(*problem)])
-            context.loaded[key] = _described(placed, arrays, placed.reverse)
+            context.loaded[key] = described(placed, arrays, placed.reverse)
         return context.loaded[key]
     except OutOfReachError as error:
         p.report.error(found, str(error))
@@ -205,7 +137,7 @@ def _loop(placed: Placed) -> Mesh | None:
     normals = normals / np.where(lengths > 0.0, lengths, 1.0)
     keys = {"vertices": vertices, "faces": faces, "normals": normals}
     # pbrt goes around vertices clockwise and so has the normals of these surfaces inside.
-    return _mesh(placed, keys, not placed.reverse)
+    return mesh_of(placed, keys, not placed.reverse)
 
 
 def _bilinear_mesh(placed: Placed) -> Mesh | None:
@@ -240,7 +172,7 @@ def _bilinear_mesh(placed: Placed) -> Mesh | None:
     parts = [keys for keys, _ in made]
     if not all("normals" in part for part in parts):
         parts = [_with_normals(part) for part in parts] if len(parts) > 1 else parts
-    return _mesh(placed, surfaces.joined(parts), placed.reverse)
+    return mesh_of(placed, surfaces.joined(parts), placed.reverse)
 
 
 def _rows(table: np.ndarray | None, rows: np.ndarray) -> np.ndarray | None:
@@ -256,34 +188,18 @@ def _with_normals(part: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return part | {"normals": np.tile(normal / (length or 1.0), (len(part["vertices"]), 1))}
 
 
-def _angle(p: Parameters) -> float:
-    """The part of a full turn that is there, in radians."""
-    degrees = p.number("phimax", 360.0)
-    if not 0.0 < degrees <= 360.0:
-        found = p.named["phimax"]
-        p.report.error(found, f"must be in (0, 360], got {degrees:g}")
-        return 2.0 * math.pi
-    return math.radians(degrees)
-
-
-def _cut(placed: Placed, keys: dict[str, np.ndarray], why: str) -> Mesh | None:
-    count = len(keys["faces"])
-    placed.p.report.approximated(placed.p.directive, f"{why}: {count} triangles are taken")
-    return _mesh(placed, keys, placed.turned)
-
-
 def _sphere(placed: Placed) -> Data | Mesh | None:
     p = placed.p
     radius = p.positive("radius", 1.0)
     ends = sorted([p.number("zmin", -radius), p.number("zmax", radius)])
     low, high = (min(max(end, -radius), radius) for end in ends)
-    phi = _angle(p)
+    phi = angle_of(p)
     _alpha(p)
     if low >= high:
         placed.fail(f"zmin and zmax must leave something of it, got {ends[0]:g} and {ends[1]:g}")
         return None
     if low > -radius or high < radius or phi < 2.0 * math.pi:
-        return _cut(placed, surfaces.sphere(radius, low, high, phi), "is a part of a sphere")
+        return cut(placed, surfaces.sphere(radius, low, high, phi), "is a part of a sphere")
     if placed.textured:
         # pbrt's v runs up from the south pole, ours down from the north pole.
         placed.matrix = placed.matrix @ _LAYING
@@ -293,16 +209,16 @@ def _sphere(placed: Placed) -> Data | Mesh | None:
 def _disk(placed: Placed) -> Data | Mesh | None:
     p = placed.p
     radius, height = p.positive("radius", 1.0), p.number("height", 0.0)
-    inner, phi = p.number("innerradius", 0.0), _angle(p)
+    inner, phi = p.number("innerradius", 0.0), angle_of(p)
     _alpha(p)
     if not 0.0 <= inner < radius:
         p.report.error(p.named["innerradius"], f"must be in [0, {radius:g}), got {inner:g}")
         return None
     if inner > 0.0 or phi < 2.0 * math.pi:
-        return _cut(placed, surfaces.disk(radius, inner, height, phi), "is a part of a disk")
+        return cut(placed, surfaces.disk(radius, inner, height, phi), "is a part of a disk")
     if placed.textured:
         why = "has texture coordinates of pbrt's"
-        return _cut(placed, surfaces.disk(radius, 0.0, height, phi), why)
+        return cut(placed, surfaces.disk(radius, 0.0, height, phi), why)
     lifted = np.diag([radius, radius, 1.0, 1.0])
     lifted[2, 3] = height
     placed.matrix = placed.matrix @ lifted
@@ -313,13 +229,13 @@ def _cylinder(placed: Placed) -> Data | Mesh | None:
     p = placed.p
     radius = p.positive("radius", 1.0)
     low, high = sorted([p.number("zmin", -1.0), p.number("zmax", 1.0)])
-    phi = _angle(p)
+    phi = angle_of(p)
     _alpha(p)
     if low == high:
         placed.fail(f"zmin and zmax must differ, got {low:g} for both")
         return None
     if phi < 2.0 * math.pi:
-        return _cut(placed, surfaces.cylinder(radius, low, high, phi), "is a part of a cylinder")
+        return cut(placed, surfaces.cylinder(radius, low, high, phi), "is a part of a cylinder")
     ends = {"p0": [0.0, 0.0, low], "p1": [0.0, 0.0, high]}
     return {"type": "cylinder", **ends, "radius": radius, **_flipped(placed.turned)}
 
@@ -327,10 +243,12 @@ def _cylinder(placed: Placed) -> Data | Mesh | None:
 #: Shapes of pbrt that alight has models for.
 COVERED: dict[str, Callable[[Placed], Data | Mesh | None]] = {
     "bilinearmesh": _bilinear_mesh,
+    "curve": curve,
     "cylinder": _cylinder,
     "disk": _disk,
     "loopsubdiv": _loop,
     "plymesh": _ply_mesh,
     "sphere": _sphere,
     "trianglemesh": _triangle_mesh,
+    **OF_3,
 }

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from alight.core.errors import join_path, quote, unknown_name
 from alight.scene.formats.pbrt.colors import KINDS, Role
 from alight.scene.formats.pbrt.context import Context, Data
@@ -36,16 +38,22 @@ class TextureItem:
         By the name of the parameter.
     space : str
         Colour space of its RGB values.
+    matrix : (4, 4) float64
+        From the space in which it is defined to the world.
     levels : int
         Textures in a row that it is made of.
+    is_read : bool
+        Whether anything uses it.
     """
 
     directive: Directive
     defaults: list[Parameter]
     bound: dict[str, TextureItem]
     space: str = "srgb"
+    matrix: np.ndarray = field(default_factory=lambda: np.eye(4))
     levels: int = 1
     value: Value | None = None
+    is_read: bool = False
 
 
 Textures = Mapping[tuple[str, str], TextureItem]
@@ -63,13 +71,15 @@ class Source:
         By the name of the parameter.
     path : str
         Key path of what is made of it.
+    matrix : (4, 4) float64
+        From the space in which it is defined to the world.
     """
 
     context: Context
     p: Parameters
     bound: Mapping[str, TextureItem]
     path: str = ""
-    data: Data = field(default_factory=dict)
+    matrix: np.ndarray = field(default_factory=lambda: np.eye(4))
 
     def color(self, name: str, default: Value | None, role: Role = "reflectance") -> Value | None:
         """Ask for a colour that may be a texture."""
@@ -141,9 +151,19 @@ def bind(
 
 
 def define(
-    context: Context, directive: Directive, defaults: list[Parameter], textures: Textures
+    context: Context,
+    directive: Directive,
+    defaults: list[Parameter],
+    textures: Textures,
+    matrix: np.ndarray,
 ) -> tuple[tuple[str, str], TextureItem] | None:
-    """Read ``Texture "name" "type" "class"``: its key, and what it is."""
+    """Read ``Texture "name" "type" "class"``: its key, and what it is.
+
+    Parameters
+    ----------
+    matrix : (4, 4) float64
+        From the space in which it stands to the world.
+    """
     name, kind, _ = directive.texts
     kind = {"color": "spectrum"}.get(kind, kind)
     if kind not in ("float", "spectrum"):
@@ -156,25 +176,26 @@ def define(
     if levels > MOST_LEVELS:
         context.report.error(directive, f"is made of more than {MOST_LEVELS} textures in a row")
         return None
-    item = TextureItem(directive, defaults, bound, context.colors.space, levels)
+    item = TextureItem(directive, defaults, bound, context.colors.space, matrix, levels)
     return (kind, name), item
 
 
 def texture_value(context: Context, item: TextureItem) -> Value:
     """A texture as a colour, or as the name of an entry of the table ``textures``."""
+    item.is_read = True
     if item.value is None:
+        value: Value = list(GREY)
         kind = item.directive.type
         space, context.colors.space = context.colors.space, item.space
-        if kind in COVERED:
+        known = context.textures
+        if kind in known:
             p = Parameters(item.directive, context.report, item.defaults)
-            source = Source(context, p, item.bound)
-            item.value = COVERED[kind](source)
+            value = known[kind](Source(context, p, item.bound, matrix=item.matrix))
             p.finish()
         else:
-            known = [*COVERED]
             context.report.unknown(item.directive, "texture", kind, known, "grey 0.5 is taken")
-            item.value = list(GREY)
         context.colors.space = space
+        item.value = value
     return item.value
 
 
@@ -206,31 +227,31 @@ def mixture(source: Source, a: Value, b: Value, weight: float | str) -> Value:
     return entry(source, {"type": "mix", "a": a, "b": b, "weight": min(max(weight, 0.0), 1.0)})
 
 
-def _some(source: Source, name: str, default: list[float]) -> Value:
+def part(source: Source, name: str, default: list[float]) -> Value:
     """Ask for a part of a texture: a colour or a number, whichever it is made of."""
     value = source.color(name, default)
     return default if value is None else value
 
 
 def _constant(source: Source) -> Value:
-    return _some(source, "value", _WHITE)
+    return part(source, "value", _WHITE)
 
 
 def _scale(source: Source) -> Value:
     if source.p.has("tex1") or source.p.has("tex2"):
-        return product(source, _some(source, "tex1", _WHITE), _some(source, "tex2", _WHITE))
-    return product(source, _some(source, "tex", _WHITE), _some(source, "scale", _WHITE))
+        return product(source, part(source, "tex1", _WHITE), part(source, "tex2", _WHITE))
+    return product(source, part(source, "tex", _WHITE), part(source, "scale", _WHITE))
 
 
 def _mix(source: Source) -> Value:
     amount = source.number("amount", 0.5)
-    a, b = _some(source, "tex1", _BLACK), _some(source, "tex2", _WHITE)
+    a, b = part(source, "tex1", _BLACK), part(source, "tex2", _WHITE)
     return mixture(source, a, b, 0.5 if amount is None else amount)
 
 
 def _direction_mix(source: Source) -> Value:
     source.p.leave_out("the mean of both is taken", "dir")
-    a, b = _some(source, "tex1", _BLACK), _some(source, "tex2", _WHITE)
+    a, b = part(source, "tex1", _BLACK), part(source, "tex2", _WHITE)
     text = "depends on the direction of the normal: the mean of both is taken"
     source.p.report.approximated(source.p.directive, text)
     return mixture(source, a, b, 0.5)
@@ -241,18 +262,33 @@ def _checkerboard(source: Source) -> Value:
     if p.integer("dimension", 2) != 2:
         p.report.approximated(p.directive, "is made of cubes: squares of (u, v) are taken")
     p.ignore("many samples smooth the edges", "aamode")
-    a, b = _some(source, "tex1", _WHITE), _some(source, "tex2", _BLACK)
-    board: Data = {"type": "checkerboard", **_mapping(source)}
+    a, b = part(source, "tex1", _WHITE), part(source, "tex2", _BLACK)
+    board: Data = {"type": "checkerboard", **mapping(source)}
     if isinstance(a, list) and isinstance(b, list) and max(*a, *b) <= 1.0 and min(*a, *b) >= 0.0:
         return entry(source, {**board, "color0": a, "color1": b})
     weight = entry(source, {**board, "color0": _BLACK, "color1": _WHITE})
     return mixture(source, a, b, weight)
 
 
-def _imagemap(source: Source) -> Value:
+def bitmap(source: Source, data: Data) -> str | None:
+    """Put a bitmap with the picture ``filename`` into the table; None after a problem."""
     p, context = source.p, source.context
-    data: Data = {"type": "bitmap"}
     found = p.values("filename", "string", count=1)
+    if found is None:
+        if not p.has("filename"):
+            p.report.error(p.directive, 'needs "string filename"')
+        return None
+    try:
+        file = context.reach.name_of(context.reach.find(found.values[0]))
+    except OutOfReachError as error:
+        p.report.error(found, str(error))
+        return None
+    return entry(source, {**data, "file": file})
+
+
+def _imagemap(source: Source) -> Value:
+    p = source.p
+    data: Data = {"type": "bitmap"}
     p.ignore("there is no prefiltering", "maxanisotropy", "trilinear")
     kind = p.text("filter", "bilinear", ("point", "bilinear", "trilinear", "ewa", "EWA"))
     if kind == "point":
@@ -274,22 +310,15 @@ def _imagemap(source: Source) -> Value:
         data["color_space"] = "linear"
     scale = p.number("scale", 1.0)
     inverted = p.flag("invert", False)
-    data |= _mapping(source)
-    try:
-        if found is not None:
-            data["file"] = context.reach.name_of(context.reach.find(found.values[0]))
-        elif not p.has("filename"):
-            p.report.error(p.directive, 'needs "string filename"')
-    except OutOfReachError as error:
-        assert found is not None
-        p.report.error(found, str(error))
-    if "file" not in data:
+    data |= mapping(source)
+    picture = bitmap(source, data)
+    if picture is None:
         return list(GREY)
-    value = product(source, entry(source, data), [scale] * 3)
+    value = product(source, picture, [scale] * 3)
     return mixture(source, _WHITE, _BLACK, value) if inverted and isinstance(value, str) else value
 
 
-def _mapping(source: Source) -> Data:
+def mapping(source: Source) -> Data:
     """The key ``to_uv``, if coordinates are changed."""
     p = source.p
     kind = p.text("mapping", "uv")
@@ -303,36 +332,12 @@ def _mapping(source: Source) -> Data:
     return {"to_uv": steps} if steps else {}
 
 
-def _flat(*names: str) -> Callable[[Source], Value]:
-    """What takes a pattern's place: the mean of what it is made of, or grey."""
-
-    def convert(source: Source) -> Value:
-        found = [_some(source, name, GREY) for name in names]
-        _mapping(source)
-        p = source.p
-        p.leave_out("the pattern is not covered", "octaves", "roughness", "scale", "variation")
-        mean = list(GREY)
-        if found and all(isinstance(value, list) for value in found):
-            mean = [sum(value[i] for value in found) / len(found) for i in range(3)]  # pyright: ignore[reportArgumentType, reportCallIssue]
-        shown = ", ".join(f"{channel:g}" for channel in mean)
-        p.report.approximated(p.directive, f"is not covered: its mean [{shown}] is taken")
-        return mean
-
-    return convert
-
-
-#: Textures of pbrt that alight has models for, or a mean instead.
+#: Textures of pbrt that alight has models for; those that are computed are in `patterns`.
 COVERED: dict[str, Callable[[Source], Value]] = {
-    "bilerp": _flat("v00", "v01", "v10", "v11"),
     "checkerboard": _checkerboard,
     "constant": _constant,
     "directionmix": _direction_mix,
-    "dots": _flat("outside"),
-    "fbm": _flat(),
     "imagemap": _imagemap,
-    "marble": _flat(),
     "mix": _mix,
     "scale": _scale,
-    "windy": _flat(),
-    "wrinkled": _flat(),
 }

@@ -58,11 +58,14 @@ class Words:
     text : str
     name : str
         Of the file, for messages.
+    after : Words, optional
+        Of the file that includes this one: parameters may go on there.
     """
 
-    def __init__(self, text: str, name: str) -> None:
+    def __init__(self, text: str, name: str, after: Words | None = None) -> None:
         self.text = text
         self.name = name
+        self.after = after
         self.at = 0
         self._next: Word | None = None
         self._lines: list[int] | None = None

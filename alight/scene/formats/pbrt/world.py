@@ -7,30 +7,29 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
-from alight.scene.formats.pbrt import lights, materials, textures
-from alight.scene.formats.pbrt.colors import SPACES
+from alight.scene.formats.pbrt import lights, materials, patterns, textures
+from alight.scene.formats.pbrt.attributes import Attributes
 from alight.scene.formats.pbrt.context import Context, Data
-from alight.scene.formats.pbrt.directives import Directive, Parameter
+from alight.scene.formats.pbrt.directives import Directive
 from alight.scene.formats.pbrt.materials import MaterialItem
 from alight.scene.formats.pbrt.media import Media
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.pbrt.shapes import Placed
+from alight.scene.formats.pbrt.placed import Placed
+from alight.scene.formats.pbrt.portals import portal
 from alight.scene.formats.pbrt.shapes import convert as convert_shape
 from alight.scene.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.scene.formats.pbrt.state import State
+from alight.scene.formats.pbrt.strands import MOST_TRIANGLES, Bundle
 from alight.scene.formats.pbrt.textures import Source, TextureItem
 from alight.scene.formats.pbrt.transforms import (
-    look_at,
+    keeps_angles,
     moving,
-    only_turns,
-    rotation,
-    scaling,
     steps,
     swaps_handedness,
-    translation,
 )
+from alight.shapes.mesh import Mesh
 
-MOST_LEVELS, MOST_NAMED = 1000, 20
+MOST_NAMED = 20
 #: What `alight info` counts.
 COUNTED = {
     "AreaLightSource": "area lights",
@@ -43,11 +42,9 @@ COUNTED = {
     "Shape": "shapes",
     "Texture": "textures",
 }
-_TIMES = {"StartTime": (True, False), "EndTime": (False, True), "All": (True, True)}
-_TARGETS = ("shape", "light", "material", "medium", "texture")
 
 
-class World:
+class World(Attributes):
     """Follows directives, and collects nodes.
 
     Attributes
@@ -56,22 +53,18 @@ class World:
         Of the native format.
     environment : dict or None
         The same light from everywhere.
-    systems : dict of str to (4, 4) float64
-        Named coordinate systems, to the world.
     """
 
     def __init__(self, context: Context) -> None:
-        self.context = context
-        self.state = State(materials.default_material())
-        self.stack: list[tuple[str, State | tuple, Directive]] = []
-        self.systems: dict[str, np.ndarray] = {}
+        super().__init__(context)
+        context.textures = textures.COVERED | patterns.PATTERNS
         self.named: dict[str, MaterialItem] = {}
         self.textures: list[TextureItem] = []
         self.objects: dict[str, str] = {}
         self.nodes: dict[str, Data] = {}
         self.environment: Data | None = None
         self.media = Media(context)
-        self.times = 0.0, 1.0
+        self.bundles: dict[object, Bundle] = {}
         self._target, self._path = self.nodes, "nodes"
 
     def begin(self) -> None:
@@ -86,12 +79,11 @@ class World:
         self.systems["world"] = np.eye(4)
 
     def close(self) -> None:
-        """Report what was not closed."""
-        for _, _, directive in self.stack:
-            end = directive.name.replace("Begin", "End")
-            self.context.report.error(directive, f"has no {end}")
+        """Finish at the end of the file; say what nothing uses."""
+        self.tie()
+        super().close()
         unused = {
-            "textures": [item.directive for item in self.textures if item.value is None],
+            "textures": [item.directive for item in self.textures if not item.is_read],
             "materials": [i.directive for i in self.named.values() if i.native is None],
         }
         for kind, directives in unused.items():
@@ -108,153 +100,13 @@ class World:
             self.context.report.count(COUNTED[directive.name])
         _FOLLOW[directive.name](self, directive)
 
-    # ------------------------------------------------------------ transformations
-
-    def append(self, directive: Directive) -> None:
-        """Translate, Scale, Rotate, LookAt or ConcatTransform."""
-        numbers, name = directive.numbers, directive.name
-        matrix: np.ndarray | None
-        if name == "Translate":
-            matrix = translation(*numbers)
-        elif name == "Scale":
-            matrix = scaling(*numbers)
-        elif name == "Rotate":
-            matrix = rotation(float(numbers[0]), numbers[1:])
-        elif name == "LookAt":
-            matrix = look_at(numbers[:3], numbers[3:6], numbers[6:])
-        else:
-            matrix = numbers.reshape(4, 4).T
-        if matrix is None:
-            text = "has no direction: an axis of length 0, or nothing to look at"
-            self.context.report.error(directive, text)
-        else:
-            self.state.append(matrix)
-
-    def set_matrix(self, directive: Directive) -> None:
-        """Identity, Transform or CoordSysTransform."""
-        if directive.name == "Identity":
-            self.state.set_matrix(np.eye(4))
-        elif directive.name == "Transform":
-            self.state.set_matrix(directive.numbers.reshape(4, 4).T)
-        elif directive.type in self.systems:
-            self.state.set_matrix(self.systems[directive.type])
-        else:
-            kind = "coordinate system"
-            message = unknown_name(kind, directive.type, self.systems, listed_as="known")
-            self.context.report.error(directive, message)
-
-    def name_system(self, directive: Directive) -> None:
-        """Follow CoordinateSystem."""
-        self.systems[directive.type] = self.state.matrix
-
-    def activate(self, directive: Directive) -> None:
-        """Follow ActiveTransform."""
-        if directive.type not in _TIMES:
-            message = unknown_name("time", directive.type, _TIMES, listed_as="times")
-            self.context.report.error(directive, message)
-            return
-        self.state.changes_start, self.state.changes_end = _TIMES[directive.type]
-
-    def set_times(self, directive: Directive) -> None:
-        """Follow TransformTimes."""
-        start, end = (float(number) for number in directive.numbers)
-        if not start < end:
-            text = f"must have an end after its start, got {start:g} and {end:g}"
-            self.context.report.error(directive, text)
-        else:
-            self.times = start, end
-
-    def report_motion(self, directive: Directive) -> None:
-        """Warn of what moves while the shutter is open, and does not here."""
-        if self.state.is_animated:
-            text = "moves: it stands where it is at the start time"
-            self.context.report.approximated(directive, text)
-
-    def rests(self, directive: Directive, shines: bool) -> bool:
-        """Whether a shape stands still, as one that shines does unless it only shifts and turns."""
-        state = self.state
-        if shines and state.is_animated and not only_turns(state.matrix, state.ends):
-            self.report_motion(directive)
-            return True
-        return not state.is_animated
-
-    # ------------------------------------------------------------ attributes
-
-    def begin_attributes(self, directive: Directive) -> None:
-        """Keep the state."""
-        if len(self.stack) >= MOST_LEVELS:
-            self.context.report.error(directive, f"is nested deeper than {MOST_LEVELS} levels")
-        else:
-            self.stack.append(("Attribute", self.state, directive))
-            self.state = self.state.copied()
-
-    def end_attributes(self, directive: Directive) -> None:
-        """Go back to the state that was kept."""
-        kept = self.pop("Attribute", directive)
-        if isinstance(kept, State):
-            self.state = kept
-
-    def begin_transform(self, directive: Directive) -> None:
-        """Keep the transformations; in pbrt 4 it is another word for AttributeBegin."""
-        if len(self.stack) >= MOST_LEVELS:
-            self.context.report.error(directive, f"is nested deeper than {MOST_LEVELS} levels")
-            return
-        state = self.state
-        kept = (state.matrix, state.ends, state.changes_start, state.changes_end)
-        self.stack.append(("Transform", kept, directive))
-
-    def end_transform(self, directive: Directive) -> None:
-        """Go back to the transformations that were kept."""
-        kept = self.pop("Transform", directive)
-        if isinstance(kept, tuple):
-            state = self.state
-            state.matrix, state.ends, state.changes_start, state.changes_end = kept
-
-    def pop(self, kind: str, directive: Directive) -> State | tuple | None:
-        """Take what was kept last, if it is of the kind."""
-        if not self.stack or self.stack[-1][0] != kind:
-            text = f"has no {kind}Begin before it"
-            if self.stack:
-                text += f": the last one open is {self.stack[-1][2].name}"
-            self.context.report.error(directive, text)
-            return None
-        return self.stack.pop()[1]
-
-    def set_defaults(self, directive: Directive) -> None:
-        """Follow Attribute: parameters for all that follows."""
-        if directive.type not in _TARGETS:
-            message = unknown_name("target", directive.type, _TARGETS)
-            self.context.report.error(directive, message)
-            return
-        given = {p.name for p in directive.parameters}
-        old = [p for p in self.defaults(directive.type) if p.name not in given]
-        self.state.defaults = {
-            **self.state.defaults,
-            directive.type: [*directive.parameters, *old],
-        }
-
-    def defaults(self, target: str) -> list[Parameter]:
-        """Parameters that ``Attribute`` has set."""
-        return self.state.defaults.get(target, [])
-
-    def reverse(self, directive: Directive) -> None:
-        """Turn surfaces inside out."""
-        self.state.reverse = not self.state.reverse
-
-    def set_space(self, directive: Directive) -> None:
-        """Follow ColorSpace."""
-        if directive.type in SPACES:
-            self.state.space = directive.type
-        else:
-            message = unknown_name("colour space", directive.type, SPACES)
-            self.context.report.error(directive, message)
-
     # ------------------------------------------------------------ materials, textures, media
 
     def texture(self, directive: Directive) -> None:
         """Follow Texture."""
+        state = self.state
         found = textures.define(
-            self.context, directive, self.defaults("texture"), self.state.textures
+            self.context, directive, self.defaults("texture"), state.textures, state.matrix
         )
         if found is not None:
             key, item = found
@@ -336,6 +188,9 @@ class World:
             self.context.places["environment"] = directive.place
         elif node is not None:
             self.add(self.nodes, "nodes", directive, node)
+        window = portal(p, self.state.matrix)
+        if window is not None:
+            self.add(self.nodes, "nodes", directive, window)
 
     # ------------------------------------------------------------ shapes and objects
 
@@ -363,10 +218,33 @@ class World:
         step = steps(placed.matrix)
         if step is not None:
             node["transform"] = step
-        if light is not None:
+        if light is not None and alpha == 0.0 and self.unseen(directive, node, light, placed):
+            pass
+        elif light is not None:
             self.shine(directive, node, light, sides, placed.matrix)
+        elif isinstance(shape, Mesh) and directive.type == "curve" and not state.is_animated:
+            self.bundle(directive, node, shape)
         else:
             self.add(self._target, self._path, directive, node, self.rests(directive, False))
+
+    def bundle(self, directive: Directive, node: Data, shape: Mesh) -> None:
+        """Add a curve to those of the same material, of which there may be a million."""
+        state, rest = self.state, {key: node[key] for key in node if key not in ("shape",)}
+        known = (self._path, repr(node["bsdf"]), state.matrix.tobytes(), shape.flip_normals)
+        sides = (node.get("interior"), node.get("exterior"))
+        if (known, sides) not in self.bundles:
+            self.bundles[known, sides] = Bundle(directive, rest)
+            text = "and those like it become tubes, or ribbons, of triangles"
+            self.context.report.approximated(directive, text)
+        if not self.bundles[known, sides].add(shape):
+            self.context.report.error(directive, f"has over {MOST_TRIANGLES} triangles before it")
+
+    def tie(self) -> None:
+        """Add the curves that were collected."""
+        for bundle in self.bundles.values():
+            node = {"shape": bundle.whole(), **bundle.node}
+            self.add(self._target, self._path, bundle.directive, node)
+        self.bundles.clear()
 
     def light_of_shape(self, directive: Directive) -> tuple[Data | None, bool]:
         """The light that the shape shines with, and whether from both sides."""
@@ -388,6 +266,23 @@ class World:
         p.finish()
         return light, sides
 
+    def unseen(self, directive: Directive, node: Data, light: Data, placed: Placed) -> bool:
+        """Add a light that pbrt 4 does not show, by an opacity of 0; False if it is no sphere."""
+        report, shape = self.context.report, node["shape"]
+        round_ = not isinstance(shape, Mesh) and shape["type"] == "sphere"
+        if self.context.old or not round_ or not keeps_angles(placed.matrix):
+            report.approximated(directive, "has no opacity, but shines: it is seen here")
+            return False
+        # From outside a sphere lights as a point does, but for the edges of shadows.
+        area = area_of(shape, placed.matrix)
+        color, power = light["radiance"], light["power"]
+        intensity = [c * (power / np.pi if power > 0.0 else area) / 4.0 for c in color]
+        report.approximated(directive, "shines without being seen: it becomes a point light")
+        center = placed.matrix[:3, 3].tolist()
+        point: Data = {"light": {"type": "point", "intensity": intensity}}
+        self.add(self.nodes, "nodes", directive, {**point, "transform": {"translate": center}})
+        return True
+
     def shine(
         self, directive: Directive, node: Data, light: Data, sides: bool, matrix: np.ndarray
     ) -> None:
@@ -397,6 +292,9 @@ class World:
         if power > 0.0:
             whole = np.pi * area_of(shape, matrix) * (2.0 if sides else 1.0)
             light["radiance"] = [c * power / whole if whole else c for c in light["radiance"]]
+        picture = light.pop("picture", None)
+        if picture is not None:
+            light["radiance"] = {"type": "multiply", "a": picture, "b": light["radiance"]}
         node["light"] = light
         rests = self.rests(directive, True)
         self.add(self.nodes, "nodes", directive, node, rests)
@@ -417,6 +315,7 @@ class World:
         if directive.type in self.objects:
             self.context.report.error(directive, "is given twice")
         self.begin_attributes(directive)
+        self.tie()
         name = self.context.name("prototypes", directive.type)
         self.objects[directive.type] = name
         children: dict[str, Data] = {}
@@ -430,6 +329,7 @@ class World:
         if self._target is self.nodes:
             self.context.report.error(directive, "has no ObjectBegin before it")
             return
+        self.tie()
         self._target, self._path = self.nodes, "nodes"
         self.end_attributes(directive)
 

@@ -1,0 +1,69 @@
+r"""Clamp: a texture whose values end at a limit, channel by channel.
+
+.. math:: c = \min(t, \text{high})
+
+Shares of light must not exceed 1. Other programs multiply pictures by factors above 1 and cut what
+comes out; here that is said.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from alight.core.jit import kernel
+from alight.core.simd import gather, minimum
+from alight.core.spec import NonNegative, RadianceTexture, Triple
+from alight.core.vec import Vec3
+from alight.textures.checkerboard import Checkerboard
+from alight.textures.multiply import Multiply
+from alight.textures.nesting import Composed, average, most
+
+
+class Clamp(Composed):
+    """Texture with a largest value.
+
+    Parameters
+    ----------
+    texture : RadianceTexture
+        Texture, or its name.
+    high : float >= 0, default 1
+        Largest value that is left.
+    """
+
+    fields: ClassVar[tuple[str, ...]] = ("texture",)
+    type: Literal["clamp"] = "clamp"
+    texture: RadianceTexture
+    high: NonNegative = 1.0
+
+    def maximum(self) -> Triple:
+        """The limit, or the texture's largest value below it."""
+        return self._below(most(self.texture))
+
+    def mean(self) -> Triple:
+        """The texture's mean, which is too large where much is cut."""
+        return self._below(average(self.texture))
+
+    def _below(self, value: Triple) -> Triple:
+        red, green, blue = (min(channel, self.high) for channel in value)
+        return red, green, blue
+
+
+EXAMPLES = (
+    Clamp(texture=Multiply(a=Checkerboard(color0=(0.9, 0.5, 0.1)), b=1.5)),
+    Clamp(texture=Checkerboard(), high=0.3),
+    Clamp(texture=2.0),
+)
+
+SLOTS = {"high": 1}
+
+
+def pack(spec: Clamp, packer) -> None:
+    """Fill the row of one texture."""
+    packer.numbers("high", spec.high)
+
+
+@kernel
+def operate(data, base, color):
+    """The colour, cut in each channel."""
+    high = gather(data, base)
+    return Vec3(minimum(color.x, high), minimum(color.y, high), minimum(color.z, high))
