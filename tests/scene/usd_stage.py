@@ -45,7 +45,7 @@ def usd_loader(folder):
     return run
 
 
-#: Two faces with a preview surface: its inputs, and the mesh's points.
+#: A mesh with a material: inputs of its preview surface, and the mesh.
 MATERIAL = """
 def Material "m" {
     token outputs:surface.connect = </m/s.outputs:surface>
