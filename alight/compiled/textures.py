@@ -7,7 +7,9 @@ blank row: lanes that look at no texture, or at one of another kind, read zeros 
 every model finds valid indices.
 
 `texels` holds the pictures, each once, in words of 32 bits: three bytes RGB, or floats. Before them
-stands a 0 for blank rows.
+stands a 0 for blank rows. Their texels lie in tiles of TILE x TILE, row by row within a tile and
+tile by tile, so that the neighbours of a texel to all sides mostly share its cache line and page;
+what a tile has beyond the picture's edge is 0.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from alight.core.errors import Issue, SceneError
 from alight.core.registry import Models, Numbers
 from alight.core.spec import Texture
 from alight.core.view import View
+from alight.textures.bitmap import TILE
 from alight.textures.composed import COMPOSED
 from alight.textures.constant import Constant
 from alight.textures.images import Image, decoded_levels
@@ -29,6 +32,12 @@ from alight.textures.nesting import Composed, Value, most
 
 #: Kernels count words with 31 bits.
 MOST_WORDS = 2**31 - 1
+
+#: Words of a cache line, at which every picture begins.
+LINE = 16
+
+#: Rows of tiles that are packed at a time: a band of the largest pictures fits the cache.
+BAND = 16
 
 
 class CompiledTextures(NamedTuple):
@@ -80,18 +89,20 @@ class TextureTable:
         if image.levels == 255:
 
             def pack(words: np.ndarray) -> None:
-                pack_bytes(image.texels, words)
+                write_tiles(words, (height, width, 1), lambda a, b: packed(image.texels[a:b]))
 
             def decode(words: np.ndarray) -> None:
                 words[:] = decoded_levels(255, encoded).view(np.uint32)
 
-            start = self._block(image.digest, height * width, pack)
+            start = self._block(image.digest, tiled_size(height, width), pack)
             return start, 1, 0, self._block(encoded, 256, decode)
 
         def linear(words: np.ndarray) -> None:
-            words[:] = image.linear(color_space).view(np.uint32).ravel()
+            texels = np.ascontiguousarray(image.linear(color_space)).view(np.uint32)
+            write_tiles(words, (height, width, channels), lambda a, b: texels[a:b])
 
-        start = self._block((image.digest, encoded), image.texels.size, linear)
+        size = tiled_size(height, width) * channels
+        start = self._block((image.digest, encoded), size, linear)
         return start, channels, int(channels == 3), 0
 
     def _block(self, key: object, size: int, write: Callable[[np.ndarray], None]) -> int:
@@ -99,14 +110,17 @@ class TextureTable:
             if self._end + size > MOST_WORDS:
                 text = f"the pictures of all textures must take at most {MOST_WORDS * 4 >> 30} GB"
                 raise SceneError([Issue("textures", text)])
-            self._starts[key] = self._end
-            self._fill.append((self._end, self._end + size, write))
-            self._end += size
+            begin = -(-self._end // LINE) * LINE
+            self._starts[key] = begin
+            self._fill.append((begin, begin + size, write))
+            self._end = begin + size
         return self._starts[key]
 
     def _texels(self) -> np.ndarray:
         """The words of all pictures."""
-        words = np.zeros(self._end, np.uint32)
+        memory = np.zeros(self._end + LINE, np.uint32)
+        skip = (-memory.ctypes.data // memory.itemsize) % LINE
+        words = memory[skip : skip + self._end]
         for start, end, write in self._fill:
             write(words[start:end])
         return words
@@ -170,6 +184,45 @@ def _steps(spec: Value) -> list[Texture]:
     if not isinstance(spec, Composed):
         return [spec]
     return [*(step for part in spec.ordered for step in _steps(part)), spec]
+
+
+def tiled_size(height: int, width: int) -> int:
+    """Texels of all tiles of a picture."""
+    return -(-height // TILE) * -(-width // TILE) * TILE * TILE
+
+
+def write_tiles(
+    words: np.ndarray, shape: tuple[int, int, int], rows_of: Callable[[int, int], np.ndarray]
+) -> None:
+    """Write a picture in tiles.
+
+    Parameters
+    ----------
+    words : (`tiled_size` * channels,) uint32
+        Zeros, which are filled.
+    shape : tuple of int
+        Height, width and words a texel.
+    rows_of : callable
+        ``(first, last) -> (last - first, width, channels) uint32``.
+    """
+    height, width, channels = shape
+    down, across = -(-height // TILE), -(-width // TILE)
+    tiles = words.reshape(down, across, TILE, TILE, channels).swapaxes(1, 2)
+    for first in range(0, down, BAND):
+        last = min((first + BAND) * TILE, height)
+        rows = rows_of(first * TILE, last).reshape(last - first * TILE, width, channels)
+        beyond = -len(rows) % TILE, -width % TILE
+        if any(beyond):
+            rows = np.pad(rows, ((0, beyond[0]), (0, beyond[1]), (0, 0)))
+        band = tiles[first : first + BAND]
+        band[:] = rows.reshape(len(band), TILE, across, TILE, channels)
+
+
+def packed(texels: np.ndarray) -> np.ndarray:
+    """Rows of a picture of bytes as words."""
+    words = np.zeros(texels.shape[0] * texels.shape[1], np.uint32)
+    pack_bytes(texels, words)
+    return words
 
 
 def pack_bytes(texels: np.ndarray, words: np.ndarray) -> None:

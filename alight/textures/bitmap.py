@@ -117,6 +117,9 @@ EXAMPLES = (
 
 # size: columns and rows. modes: bilinear or not, and the index of `wrap`. layout: four words, see
 # `alight.compiled.textures.TextureTable.texels`.
+#: Sides of the tiles that texels lie in, see `alight.compiled.textures`.
+TILE = 4
+
 SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4, "wrap_v": 1, "uv_set": 1}
 REPEAT, MIRROR, CLAMP = 0.0, 1.0, 2.0
 _WRAPS = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}
@@ -181,6 +184,13 @@ def _between(x, y, a, b, c, d):
 
 
 @kernel
+def _in_tiles(x, y, across):
+    """Number of the texel in column x and row y, of a picture that is `across` tiles wide."""
+    tile = (y >> 2) * across + (x >> 2)
+    return (tile << 4) + ((y & 3) << 2) + (x & 3)
+
+
+@kernel
 def _small(texels, texel, red):
     """Colour of a word of three bytes; the table of their 256 values begins at `red`."""
     word = gather(texels, texel)
@@ -227,9 +237,11 @@ def evaluate(scene, base, surface):
 
     start, stride = float_bits(gather(data, base + 10)), float_bits(gather(data, base + 11))
     step, table = float_bits(gather(data, base + 12)), float_bits(gather(data, base + 13))
-    row = to_uint(width)
-    a, b = start + stride * (y0 * row + x0), start + stride * (y0 * row + x1)
-    c, d = start + stride * (y1 * row + x0), start + stride * (y1 * row + x1)
+    across = (to_uint(width) + (TILE - 1)) >> 2
+    a = start + stride * _in_tiles(x0, y0, across)
+    b = start + stride * _in_tiles(x1, y0, across)
+    c = start + stride * _in_tiles(x0, y1, across)
+    d = start + stride * _in_tiles(x1, y1, across)
     small = table != 0
     value = lanes_vec3(0.0)
     if any_lane(small):

@@ -145,6 +145,26 @@ def test_interpolation_follows_decoding():
 # ---------------------------------------------------------------- tables
 
 
+@pytest.mark.parametrize("size", [(1, 1), (4, 4), (5, 7), (8, 3), (2, 70), (131, 6)])
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_every_texel_is_found_in_its_tile(size, channels, dtype):
+    random = np.random.default_rng(9).integers(0, 256, (*size, channels), np.uint8)
+    pixels = random if dtype is np.uint8 else random.astype(np.float32) / 255
+    texture = Bitmap(pixels=pixels, interpolation="nearest", color_space="linear")
+    row, column = np.indices(size).reshape(2, -1)
+    found = look_up(texture, (column + 0.5) / size[1], 1 - (row + 0.5) / size[0])
+    expected = np.broadcast_to(random / 255, (*size, 3)).reshape(-1, 3)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+def test_pictures_begin_at_cache_lines():
+    pictures = [np.ones((3, 3 + i), np.float32) for i in range(3)]
+    scene, _ = scene_of(*(Bitmap(pixels=picture) for picture in pictures))
+    assert scene.materials.texels.array.ctypes.data % 64 == 0
+    assert scene.materials.texels.size == 16 + 16 + 16 + 32
+
+
 def test_equal_pictures_are_stored_once():
     pixels = np.random.default_rng(5).integers(0, 256, (32, 32, 3)).astype(np.uint8)
     one, _ = scene_of(Bitmap(pixels=pixels))
@@ -155,12 +175,12 @@ def test_equal_pictures_are_stored_once():
             for way in WAYS
         )
     )
-    # A blank word, 4 bytes a texel, and a table for decoding.
-    assert one.materials.texels.size == many.materials.texels.size == 1 + 32 * 32 + 256
+    # A cache line with the blank word, 4 bytes a texel, and a table for decoding.
+    assert one.materials.texels.size == many.materials.texels.size == 16 + 32 * 32 + 256
     raw, _ = scene_of(Bitmap(pixels=pixels), Bitmap(pixels=pixels, color_space="linear"))
-    assert raw.materials.texels.size == 1 + 32 * 32 + 2 * 256
+    assert raw.materials.texels.size == 16 + 32 * 32 + 2 * 256
     grey, _ = scene_of(Bitmap(pixels=np.ones((32, 32))))
-    assert grey.materials.texels.size == 1 + 32 * 32
+    assert grey.materials.texels.size == 16 + 32 * 32
 
 
 def test_one_picture_can_be_decoded_in_two_ways():
