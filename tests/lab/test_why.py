@@ -250,8 +250,9 @@ def test_many_unequal_lights_chosen_alike():
     shares = shares_of(scene, size=16, spp=64)
     assert "light `sun` found by light sampling at depth 2" in list(share_lines(shares))[1]
     tried, _ = try_alternatives(scene, cause=next(iter(ranked(shares))), limit=240.0)
-    trial = tried[0]
-    assert trial.change == "integrator.light_choice=tree"
+    # A tree that could gain little more chooses by intensity, so either may stand first.
+    best = {"integrator.light_choice=tree", "integrator.light_choice=power"}
+    assert {trial.change for trial in tried[:2]} == best
     (trial,) = [t for t in tried if t.change == "integrator.light_choice=power"]
     assert trial.helps
     # 17 lights alike: E[x^2] = 17 (100^2 + 16); by power 116^2: less their common mean.
