@@ -167,7 +167,8 @@ def test_written_materials_come_back(kind, tmp_path):
 
 def test_written_layers_and_colors_come_back(tmp_path):
     picture = "{type: bitmap, pixels: [[[0.5, 0.5, 1]]], interpolation: nearest}"
-    bump = f"{{type: normal_map, texture: {picture}, scale: 0.5, bsdf: {{type: principled}}}}"
+    kind = f"type: normal_map, texture: {picture}, scale: 0.5, rims: black"
+    bump = f"{{{kind}, bsdf: {{type: principled}}}}"
     text = f"""nodes:
   a:
     shape: SQUARE
@@ -181,6 +182,7 @@ def test_written_layers_and_colors_come_back(tmp_path):
   d: {{shape: SQUARE, bsdf: {{type: principled, base_color: 0.125}}}}
 """
     first, second, lost = rewritten(text, tmp_path)
+    assert [line for line in lost if "normal_map" in line] == ["normal_map: its rims"]
     falloffs = [line for line in lost if "falloff" in line]
     assert falloffs == ["a spot's linear falloff: glTF's is quadratic"]
     mask = second.bsdfs[second.shapes[0].bsdf]

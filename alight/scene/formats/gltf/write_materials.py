@@ -61,6 +61,10 @@ class MaterialWriter:
             elif kind == "normal_map" and isinstance(fields["texture"], Bitmap):
                 info = self.textures.normals(fields["texture"])
                 made["normalTexture"] = {**info, "scale": fields["scale"]}
+                usual = dict(type(bsdf)(texture=fields["texture"], bsdf=fields["bsdf"]))
+                for name in ("rims", "fading", "follow_uv"):
+                    if fields[name] != usual[name]:
+                        self.store.lose(f"normal_map: its {name}")
             else:
                 self.store.lose(f"{kind}: what it does to a material")
             bsdf = fields["bsdf"]
