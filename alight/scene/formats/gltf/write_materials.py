@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from alight.bsdfs.normal_map import NormalMap
 from alight.bsdfs.principled import Principled
 from alight.core.spec import Bsdf, Light, Texture
 from alight.scene.formats.gltf.models import as_principled
@@ -61,7 +62,7 @@ class MaterialWriter:
             elif kind == "normal_map" and isinstance(fields["texture"], Bitmap):
                 info = self.textures.normals(fields["texture"])
                 made["normalTexture"] = {**info, "scale": fields["scale"]}
-                usual = dict(type(bsdf)(texture=fields["texture"], bsdf=fields["bsdf"]))
+                usual = dict(NormalMap(texture=fields["texture"], bsdf=fields["bsdf"]))
                 for name in ("rims", "fading", "follow_uv"):
                     if fields[name] != usual[name]:
                         self.store.lose(f"normal_map: its {name}")
