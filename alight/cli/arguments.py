@@ -155,6 +155,17 @@ Plugins = Annotated[
     ),
 ]
 
+Root = Annotated[
+    Path | None,
+    typer.Option(
+        "--root",
+        metavar="FOLDER",
+        help="Files that the scene names may lie in this folder and below; it holds the scene.",
+        show_default="the scene's own folder",
+        rich_help_panel=_SCENE,
+    ),
+]
+
 _FOREIGN = "Scene files of other programs"
 
 Definitions = Annotated[

@@ -61,19 +61,19 @@ def check(
     plugin: arguments.Plugins = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
+    root: arguments.Root = None,
     quiet: arguments.Quiet = False,
 ) -> None:
     """Test a scene: materials, lights, random numbers, and that all ways give one picture.
 
     Exit code 1 if something fails.
     """
-    from alight.cli.options import parse_definitions, parse_names
-    from alight.cli.plugins import load_plugins
+    from alight.cli.loading import load_scene
+    from alight.cli.options import parse_names
     from alight.cli.reporting import warn
     from alight.core.errors import OptionError
     from alight.laws.scene.check import PARTS, check_scene
     from alight.laws.scene.dump import write_failures
-    from alight.scene import load
 
     if mutant == LIST:
         from alight.laws.mutants import mutant_lines
@@ -86,14 +86,14 @@ def check(
         options = [
             *_repeated("--set", assignments), *_repeated("--plugin", plugin),
             *_repeated("-D", define), *(["--lenient"] if lenient else []),
+            *_repeated("--root", None if root is None else [root]),
             *(["--quiet"] if quiet else []), *(["--only", only] if only else []),
         ]  # fmt: skip
         numbers = ["--level", repr(level), "--seed", str(seed), "-o", str(output)]
         _check_mutant(mutant, ["check", scene, *numbers, *options])
         return
-    load_plugins(plugin)
-    description = load(
-        scene, assignments or [], definitions=parse_definitions(define), lenient=lenient
+    description = load_scene(
+        scene, assignments or (), plugin=plugin, define=define, lenient=lenient, root=root
     )
     for warning in description.warnings:
         warn(warning)

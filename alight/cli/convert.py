@@ -21,16 +21,18 @@ def convert(
     assignments: arguments.Assignments = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
+    root: arguments.Root = None,
 ) -> None:
     """Write a scene in the native format with its meshes and pictures beside it, or as glTF."""
-    from alight.cli.options import changes_of, parse_definitions
+    from alight.cli.loading import load_scene
+    from alight.cli.options import changes_of
     from alight.core.errors import OutputError
-    from alight.scene import flatten, load, save
+    from alight.scene import flatten, save
     from alight.scene.formats.gltf.write import write
 
     check_suffix(output)
     changes = changes_of({"camera": camera}, assignments or [])
-    description = load(scene, changes, definitions=parse_definitions(define), lenient=lenient)
+    description = load_scene(scene, changes, define=define, lenient=lenient, root=root)
     show_remarks(description)
     try:
         if output.suffix.lower() == ".glb":

@@ -26,13 +26,15 @@ def info(
     camera: arguments.CameraName = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
+    root: arguments.Root = None,
 ) -> None:
     """Show what a scene holds, without rendering it."""
-    from alight.cli.options import changes_of, parse_definitions
-    from alight.scene import flatten, load
+    from alight.cli.loading import load_scene
+    from alight.cli.options import changes_of
+    from alight.scene import flatten
 
     changes = changes_of({"camera": camera}, assignments or [])
-    description = load(scene, changes, definitions=parse_definitions(define), lenient=lenient)
+    description = load_scene(scene, changes, define=define, lenient=lenient, root=root)
     flat = flatten(description)
     for name, value in facts(description, flat):
         typer.echo(f"{name:<13}{value}")

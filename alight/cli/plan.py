@@ -21,21 +21,22 @@ def plan(
     plugin: arguments.Plugins = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
+    root: arguments.Root = None,
 ) -> None:
     """Predict samples and time that an error will take, from a short pilot."""
-    from alight.cli.options import changes_of, parse_definitions
-    from alight.cli.plugins import load_plugins
+    from alight.cli.loading import load_scene
+    from alight.cli.options import changes_of
     from alight.rendering.plan import make_plan
     from alight.rendering.resources import usable_processors
-    from alight.scene import load
 
     promise = promises.parse_promise(error or "2%", confidence, metric, share)
-    load_plugins(plugin)
-    description = load(
+    description = load_scene(
         scene,
         changes_of({"size": size, "crop": crop}, assignments or []),
-        definitions=parse_definitions(define),
+        plugin=plugin,
+        define=define,
         lenient=lenient,
+        root=root,
     )
     threads = threads or usable_processors()
     result = make_plan(description, promise, seed=seed, threads=threads)

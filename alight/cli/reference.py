@@ -18,15 +18,16 @@ def reference(
     threads: arguments.Threads = None,
     size: arguments.Size = None,
     assignments: arguments.Assignments = None,
+    root: arguments.Root = None,
     quiet: arguments.Quiet = False,
 ) -> None:
     """Render until the picture's own error is as small as wanted, for comparisons with it."""
+    from alight.cli.loading import load_scene
     from alight.cli.options import changes_of
     from alight.cli.progress import ProgressBar
     from alight.core.errors import OptionError
     from alight.lab.study_file import parse_share
     from alight.outputs.image import check_writable
-    from alight.scene import load
 
     if output.suffix.lower() != ".exr":
         raise OptionError(f"--output: must end in .exr, which keeps standard errors, got {output}")
@@ -35,7 +36,7 @@ def reference(
         wanted = parse_share(error)
     except ValueError as problem:
         raise OptionError(f"--error: {problem}") from None
-    description = load(scene, changes_of({"size": size}, assignments or []))
+    description = load_scene(scene, changes_of({"size": size}, assignments or []), root=root)
     from alight.lab.make_reference import make_reference
 
     with ProgressBar(quiet) as bar:

@@ -45,6 +45,7 @@ def render(
     plugin: arguments.Plugins = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
+    root: arguments.Root = None,
     aov: arguments.Layers = None,
     exposure: arguments.Exposure = "0",
     white_balance: arguments.WhiteBalance = "none",
@@ -56,30 +57,30 @@ def render(
 ) -> None:
     """Render a scene, by default the Cornell box."""
     from alight.cli.finishing import Results, run_and_finish
-    from alight.cli.options import changes_of, parse_definitions, parse_names, parse_seconds
-    from alight.cli.plugins import load_plugins
+    from alight.cli.loading import load_scene
+    from alight.cli.options import changes_of, parse_names, parse_seconds
     from alight.cli.resume import notes_of
     from alight.films.denoising import FEATURES
     from alight.outputs.display import Display
     from alight.rendering import render as render_scene
-    from alight.scene import load
 
     # Everything that can be wrong is found before the first second is spent.
     display = Display(exposure, tone_map, bits, white_balance)
     outputs = output or [Path(f"{Path(scene).stem}.png")]
     results = Results(outputs, display, denoise, stats, checkpoint, quiet)
     results.check()
-    load_plugins(plugin)
     options = {
         "size": size, "crop": crop, "camera": camera, "integrator": integrator, "sampler": sampler,
         "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
         "replicates": replicates,
     }  # fmt: skip
-    description = load(
+    description = load_scene(
         scene,
         changes_of(options, assignments or []),
-        definitions=parse_definitions(define),
+        plugin=plugin,
+        define=define,
         lenient=lenient,
+        root=root,
     )
     if not quiet:
         note_unused(scene, description)

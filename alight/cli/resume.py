@@ -43,6 +43,14 @@ def resume(
     scene: Annotated[
         str | None, typer.Option(help="Where the scene file is now, if it was moved.")
     ] = None,
+    root: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Files that the scene names may lie in this folder and below.",
+            show_default="as the render began",
+        ),
+    ] = None,
     to: Annotated[
         Path | None,
         typer.Option("--checkpoint", help="Write checkpoints to another file."),
@@ -83,6 +91,7 @@ def resume(
         resume_render,
         saved,
         scene=scene,
+        root=root,
         spp=max_spp if promise else spp,
         promise=promise,
         time_limit=time_limit,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from alight.cli import arguments
 from alight.cli.reporting import INTERRUPTED
 
 #: Exit code when a scene has no picture.
@@ -46,6 +47,7 @@ def sheet(
     lenient: Annotated[
         bool, typer.Option("--lenient", help="Replace what is not covered, and list it.")
     ] = False,
+    root: arguments.Root = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")] = False,
 ) -> None:
     """Show scenes side by side: a contact sheet, on which what fails has its message."""
@@ -76,7 +78,7 @@ def sheet(
         try:
             made = render_tile(
                 scene, size, spp=spp, time_limit=time_limit, threads=threads, lenient=lenient,
-                display=display,
+                root=root, display=display,
             )  # fmt: skip
         except KeyboardInterrupt:
             stopped = True

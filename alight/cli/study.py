@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from alight.lab.pictures import StudyProgress
     from alight.lab.results import SceneResult, StudyResult
 
+from alight.cli import arguments
 from alight.cli.progress import Bar
 from alight.cli.reporting import INTERRUPTED
 
@@ -28,6 +29,7 @@ def study(
         bool, typer.Option("--quick", help="Small and short, with wider intervals.")
     ] = False,
     list_ready: Annotated[bool, typer.Option("--list", help="List the ready studies.")] = False,
+    root: arguments.Root = None,
     threads: Annotated[int | None, typer.Option(help="Default: all processors.", min=1)] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")] = False,
 ) -> None:
@@ -40,7 +42,7 @@ def study(
         return
     if name is None:
         raise OptionError(f"name a study file or one of: {', '.join(ready_names())}")
-    description = load_study(name)
+    description = load_study(name, root)
     folder = output or Path(f"study-{Path(name).stem}{'-quick' if quick else ''}")
     # After the messages about a wrong file: these imports take a second.
     from alight.lab.report import write_report

@@ -28,27 +28,28 @@ def trace(
     plugin: arguments.Plugins = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
+    root: arguments.Root = None,
     as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
 ) -> None:
     """Follow one sample of a pixel, one path vertex a line; breakpoints in kernels work."""
-    from alight.cli.options import changes_of, parse_definitions
-    from alight.cli.plugins import load_plugins
+    from alight.cli.loading import load_scene
+    from alight.cli.options import changes_of
     from alight.cli.reporting import warn
     from alight.rendering.trace import trace as trace_sample
-    from alight.scene import load
 
     position = parse_pixel(pixel)
-    load_plugins(plugin)
     options = {
         "size": size, "camera": camera, "integrator": integrator, "sampler": sampler,
         "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
         "replicates": replicates,
     }  # fmt: skip
-    description = load(
+    description = load_scene(
         scene,
         changes_of(options, assignments or []),
-        definitions=parse_definitions(define),
+        plugin=plugin,
+        define=define,
         lenient=lenient,
+        root=root,
     )
     for warning in description.warnings:
         warn(warning)

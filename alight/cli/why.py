@@ -37,28 +37,29 @@ def why(
     plugin: arguments.Plugins = None,
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
+    root: arguments.Root = None,
     quiet: arguments.Quiet = False,
 ) -> None:
     """Say where a picture's noise comes from: path depth, technique, light, first material."""
     import json
 
-    from alight.cli.options import changes_of, parse_definitions
-    from alight.cli.plugins import load_plugins
+    from alight.cli.loading import load_scene
+    from alight.cli.options import changes_of
     from alight.cli.reporting import warn
     from alight.core.errors import OptionError
     from alight.lab.why import shares_of, try_alternatives
     from alight.lab.why.maps import write_maps
     from alight.lab.why.words import plain, ranked, share_lines, trial_lines
     from alight.outputs.atomic import check_folder
-    from alight.scene import load
 
     target = output or Path(f"{Path(scene).stem}.why.png")
     if target.suffix.lower() != ".png":
         raise OptionError(f"-o: the maps are a .png file, got {target}")
     check_folder(target)
-    load_plugins(plugin)
     changes = changes_of({"integrator": integrator, "max_depth": max_depth}, assignments or [])
-    description = load(scene, changes, definitions=parse_definitions(define), lenient=lenient)
+    description = load_scene(
+        scene, changes, plugin=plugin, define=define, lenient=lenient, root=root
+    )
     for warning in description.warnings:
         warn(warning)
     begin = time.perf_counter()

@@ -116,7 +116,7 @@ def _load(study: Study, scene: SceneSpec, arm: ArmSpec, quick: bool) -> Scene:
     named = scene.scene in builtin_names()
     changes = assignments(study, scene.options, "scenes")
     changes += assignments(study, arm.options, f"arms.{arm.name}")
-    result = load(scene.scene if named else study.folder / path, changes)
+    result = load(scene.scene if named else study.folder / path, changes, root=study.root)
     if not quick:
         return result
     film = result.film

@@ -156,6 +156,8 @@ class Study:
         From which all seeds follow.
     folder : Path
         Where relative files are looked up.
+    root : Path, optional
+        See `alight.load`: of all its scenes.
     file : str
         Name of the study file, for messages.
     places : mapping of str to str
@@ -178,6 +180,7 @@ class Study:
     paired: bool = False
     seed: int = 1
     folder: Path = Path()
+    root: Path | None = None
     file: str = ""
     places: Mapping[str, str] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)

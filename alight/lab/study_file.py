@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -62,8 +63,14 @@ def ready_names() -> tuple[str, ...]:
     return tuple(re.sub(r"^\d+-", "", name[:-5]) for name in files)
 
 
-def load_study(name: str | Path) -> Study:
+def load_study(name: str | Path, root: Path | None = None) -> Study:
     """Read a study file, or a ready study by its name.
+
+    Parameters
+    ----------
+    name : str or path
+    root : Path, optional
+        Where the files of its scenes may lie, see `alight.load`.
 
     Raises
     ------
@@ -88,7 +95,7 @@ def load_study(name: str | Path) -> Study:
         text = path.read_bytes().decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise StudyError([Issue("", f"cannot be read: {error}", str(name))]) from None
-    return parse_study(text, str(name), path.parent)
+    return replace(parse_study(text, str(name), path.parent), root=root)
 
 
 def _files_beside(path: Path) -> list[str]:

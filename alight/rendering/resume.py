@@ -35,6 +35,7 @@ def resume(
     time_limit: float | None = None,
     promise: Promise | None = None,
     schedule: Schedule | None = None,
+    root: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     spp_per_pass: int | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
@@ -59,6 +60,9 @@ def resume(
         Go on until it is kept.
     schedule : Schedule, optional
         Another rule instead of the one in the checkpoint.
+    root : path, optional
+        As for `alight.load`, where the scene and its files have been moved; as the render began
+        by default.
     checkpoint : path, optional
         Write checkpoints to this file, not to `path`.
     threads, spp_per_pass, every, progress, cancel
@@ -80,7 +84,7 @@ def resume(
     saved = path if isinstance(path, Checkpoint) else read_checkpoint(path)
     clock = Clock()
     _check_machine(saved)
-    scene = _load_scene(saved, scene)
+    scene = _load_scene(saved, scene, root)
     state, film = saved.state, saved.state.rounds[0]
     own = restored_schedule(state.schedule, state.schedule_state)
     goes_on = spp is None and promise is None and schedule is None
@@ -117,7 +121,11 @@ def _check_machine(saved: Checkpoint) -> None:
     )
 
 
-def _load_scene(saved: Checkpoint, scene: Scene | str | os.PathLike[str] | None) -> Scene:
+def _load_scene(
+    saved: Checkpoint,
+    scene: Scene | str | os.PathLike[str] | None,
+    root: str | os.PathLike[str] | None,
+) -> Scene:
     """Load the scene and refuse another one."""
     recipe = saved.origin.recipe
     if scene is None and recipe is None:
@@ -127,25 +135,26 @@ def _load_scene(saved: Checkpoint, scene: Scene | str | os.PathLike[str] | None)
         )
     if not isinstance(scene, Scene):
         try:
-            scene = _loaded(recipe, scene)
+            scene = _loaded(recipe, scene, root)
         except SceneError as error:
             raise FilmError(
                 f"cannot go on with {saved.path}: its scene cannot be loaded\n{error}\n"
-                "a scene that was moved is found again with --scene"
+                "a scene that was moved is found again with --scene, and --root where it has one"
             ) from error
     if content_hash(flatten(scene)) != saved.state.rounds[0].scene_hash:
         raise FilmError(changed_scene(saved.path, saved.origin.content, scene))
     return scene
 
 
-def _loaded(recipe, moved) -> Scene:
+def _loaded(recipe, moved, root) -> Scene:
     if recipe is None:
-        return load(moved)
+        return load(moved, root=root)
     return load(
         moved or recipe.path,
         recipe.changes,
         definitions=recipe.definitions,
         lenient=recipe.lenient,
+        root=recipe.root if root is None else root,
     )
 
 

@@ -241,12 +241,15 @@ class Recipe:
     definitions : mapping of str to str
         As for ``-D``.
     lenient : bool
+    root : str, optional
+        Absolute path of the folder in which and below which files may lie.
     """
 
     path: str
     changes: tuple[str, ...] = ()
     definitions: Mapping[str, str] = field(default_factory=dict)
     lenient: bool = False
+    root: str | None = None
 
 
 @dataclass(frozen=True)

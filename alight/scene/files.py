@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib import resources
@@ -21,6 +22,7 @@ from alight.scene.dump import dump_scene
 from alight.scene.formats import mitsuba, native, pbrt, ply
 from alight.scene.formats.models import PARSERS, read_model
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.made_up import fitted
 from alight.scene.manager import SceneManager
@@ -46,6 +48,7 @@ def load(
     *,
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
+    root: str | os.PathLike[str] | None = None,
 ) -> Scene:
     """Load a scene and check it.
 
@@ -62,6 +65,10 @@ def load(
     lenient : bool, default False
         Replace what a foreign file asks for and alight lacks, instead of refusing it;
         `Scene.warnings` lists it.
+    root : str or path, optional
+        Folder that holds the scene file: what the file names may lie there and below, and nowhere
+        else. By default the scene's own folder, as files come from strangers. What `changes`
+        name may lie anywhere.
 
     Returns
     -------
@@ -88,7 +95,7 @@ def load(
         path = Path(name)
         if path.suffix.lower() in PARSERS and path.is_file():
             _refuse_definitions(definitions or {}, name)
-            parsed = read_model(path, name)
+            parsed = read_model(path, name, _reach(path.parent, root, name))
             framed = parsed.framed
             source = Source(name, path.parent, parsed.places, parsed.remarks)
             result = _built(parsed.data, parsed.issues, source, check=not changes)
@@ -100,11 +107,13 @@ def load(
                 check=not changes,
                 definitions=definitions,
                 lenient=lenient,
+                root=root,
             )
     if changes:
         result = fitted(result, _changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
-    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient)
+    kept_root = None if root is None or is_builtin else str(Path(root).absolute())
+    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root)
     return result.from_source(replace(result.source, recipe=recipe))
 
 
@@ -116,6 +125,7 @@ def loads(
     *,
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
+    root: str | os.PathLike[str] | None = None,
 ) -> Scene:
     """Load a scene from text, in the native format, in Mitsuba's, or, by its name, in pbrt's.
 
@@ -126,18 +136,19 @@ def loads(
     name : str, default "scene"
         Its name, for messages.
     folder : Path, optional
-        Where relative mesh files are looked up; the current folder by default.
+        Where the files that it names are looked up; the current folder by default.
     check : bool, default True
         Whether to run the checks that need the whole scene (`find_problems`).
-    definitions, lenient
-        For Mitsuba's format, see `load`.
+    definitions, lenient, root
+        See `load`.
 
     Raises
     ------
     SceneError
         With every problem, each with its place.
     """
-    data, found, source = _parse(text, name, folder, definitions or {}, lenient)
+    reach = _reach(folder, root, name)
+    data, found, source = _parse(text, name, reach, definitions or {}, lenient)
     return _built(data, found, source, check)
 
 
@@ -160,19 +171,33 @@ def _built(data: Any, found: list[Issue], source: Source, check: bool) -> Scene:
     return scene
 
 
+def _reach(folder: Path | None, root: str | os.PathLike[str] | None, name: str) -> Reach:
+    """Where the files of a scene may lie."""
+    try:
+        return Reach(folder, None if root is None else Path(root))
+    except OutOfReachError as error:
+        raise SceneError([Issue("--root", str(error), name)]) from None
+
+
 def _parse(
-    text: str, name: str, folder: Path | None, definitions: Mapping[str, str], lenient: bool
+    text: str, name: str, reach: Reach, definitions: Mapping[str, str], lenient: bool
 ) -> tuple[Any, list[Issue], Source]:
     """Plain data, problems so far and the origin, whichever format the text has."""
     if mitsuba.is_xml(text):
-        parsed: Parsed = mitsuba.parse(text, name, folder, definitions, lenient)
-        return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
+        parsed: Parsed = mitsuba.parse(text, name, reach, definitions, lenient)
+        return parsed.data, parsed.issues, Source(name, reach.folder, parsed.places, parsed.remarks)
     _refuse_definitions(definitions, name)
     if name.lower().endswith(pbrt.SUFFIX):
-        parsed = pbrt.parse(text, name, folder, lenient)
-        return parsed.data, parsed.issues, Source(name, folder, parsed.places, parsed.remarks)
+        parsed = pbrt.parse(text, name, reach, lenient)
+        return parsed.data, parsed.issues, Source(name, reach.folder, parsed.places, parsed.remarks)
     data, places, issues = native.parse(text, name)
-    return data, list(issues), Source(name, folder, places)
+    source = Source(name, reach.folder, places)
+    refused = reach.keep_inside(data) if isinstance(data, dict) else {}
+    if refused:
+        # Whatever else is wrong would be found by reading these files.
+        located = [source.located(Issue(path, text)) for path, text in refused.items()]
+        raise SceneError([*issues, *located])
+    return data, list(issues), source
 
 
 def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
@@ -266,7 +291,8 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
     ----------
     scene : Scene
         Mesh arrays of more than 100 vertices are written to PLY files beside it, pictures of more
-        than 64 texels to NPY files.
+        than 64 texels to NPY files. Files that it names are copied there, unless they lie there
+        or below already: so the scene reads nothing outside of its own folder.
     path : str or path
         Where to; ends in ``.yaml``, ``.yml`` or ``.json``.
 
@@ -293,7 +319,7 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 class _FileWriter:
-    """Writes large meshes and pictures to files, and keeps references to files valid."""
+    """Writes large meshes and pictures to files, and keeps what is in files already."""
 
     def __init__(self, target: Path, folder: Path | None) -> None:
         self.target = target
@@ -304,11 +330,20 @@ class _FileWriter:
         if spec.file is not None:
             if is_builtin(spec.file):
                 return spec
-            absolute = (self.folder / spec.file).resolve()
-            return spec.replaced(file=_relative(absolute, self.target.parent.resolve()))
+            return spec.replaced(file=self.kept(spec.file))
         if isinstance(spec, Mesh):
             return self.mesh(spec, key_path)
         return self.volume(spec, key_path) if holds_volume(spec) else self.picture(spec, key_path)
+
+    def kept(self, file: str) -> str:
+        """Name a file as seen from the target; one from elsewhere is copied beside it."""
+        path, folder = (self.folder / file).resolve(), self.target.parent.resolve()
+        if path.is_relative_to(folder):
+            return path.relative_to(folder).as_posix()
+        if path not in self.names:
+            name = self.names[path] = self.new_name(path.stem, path.suffix)
+            shutil.copyfile(path, self.target.with_name(name))
+        return self.names[path]
 
     def volume(self, spec: Any, key_path: str) -> Any:
         volume = spec.values
@@ -341,13 +376,6 @@ class _FileWriter:
         return spec.replaced(file=self.names[image], pixels=None)
 
     def new_name(self, key_path: str, suffix: str) -> str:
-        """Name a file after the scene and the place in it."""
+        """Name a file after the scene and the place in it, or what it was called."""
         plain = re.sub(r"[^A-Za-z0-9_-]+", "-", key_path).strip("-")
         return f"{self.target.stem}-{len(self.names)}-{plain[:60]}{suffix}"
-
-
-def _relative(path: Path, folder: Path) -> str:
-    try:
-        return path.relative_to(folder).as_posix()
-    except ValueError:
-        return str(path)

@@ -177,6 +177,30 @@ def test_a_changed_scene_is_refused_by_key(tmp_path, monkeypatch):
     assert alight.resume(path, scene=moved, spp=2).spp == 2
 
 
+def test_a_render_with_a_root_goes_on_from_anywhere(tmp_path, monkeypatch):
+    project, path = tmp_path / "project", tmp_path / "a.alight"
+    for name in ("scenes", "textures", "elsewhere"):
+        (project / name).mkdir(parents=True)
+    np.save(project / "textures" / "sky.npy", np.ones((2, 4)))
+    (project / "scenes" / "a.yaml").write_text(
+        "alight: 1\ncamera: {type: pinhole}\nfilm: {size: [8, 8]}\n"
+        "environment: {type: environment, file: ../textures/sky.npy}\n"
+    )
+    monkeypatch.chdir(project)
+    whole = alight.render(alight.load("scenes/a.yaml", root="."), spp=4)
+    alight.render(alight.load("scenes/a.yaml", root="."), spp=2, checkpoint=path)
+    monkeypatch.chdir(project / "elsewhere")
+    assert_same(alight.resume(path, spp=4, checkpoint=tmp_path / "b.alight"), whole)
+    assert read_checkpoint(tmp_path / "b.alight").origin.recipe.root == str(project)
+    moved = tmp_path / "moved"
+    project.rename(moved)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FilmError, match=r"--root\n  must be a folder.*\n.*--scene, and --root"):
+        alight.resume(path, scene=moved / "scenes" / "a.yaml", spp=4)
+    found = alight.resume(path, scene=moved / "scenes" / "a.yaml", root="moved", spp=4)
+    assert_same(found, whole)
+
+
 def test_a_changed_file_of_a_scene_is_named(tmp_path):
     (tmp_path / "scene.yaml").write_text(
         "alight: 1\ncamera: {type: pinhole}\nfilm: {size: [8, 8]}\n"

@@ -185,7 +185,7 @@ def test_parts_that_come_again_keep_all_faces_and_smoothing_ends(tmp_path):
         ("d 1.5", "must be in [0, 1], got 1.5"),
         ("Kd spectral a.rfl", "spectral is not covered"),
         ("map_Kd grey.pn", 'did you mean "grey.png"?'),
-        ("map_Kd ../a.png", "no such file"),
+        ("map_Kd ../a.png", "leads out of the folder of the scene"),
     ],
 )
 def test_problems_have_a_line(line, words, tmp_path):
@@ -228,8 +228,8 @@ def test_what_a_material_does_not_get_is_said(line, words, harmless, tmp_path):
     ("line", "words", "harmless"),
     [
         ("usemlt red", 'unknown statement "usemlt" is left out; did you mean "usemtl"?', False),
-        ("curv 0 1 1 2", "curv: curves and free-form surfaces", False),
-        ("lod 3", "lod: plays no part", True),
+        ("curv 0 1 1 2", '"curv" is left out: curves and free-form surfaces', False),
+        ("lod 3", '"lod": plays no part', True),
         ("f 1 2", "faces of fewer than 3 corners", True),
     ],
 )
@@ -278,7 +278,7 @@ def test_ply_and_stl_stand_upright(tmp_path):
 def test_names_that_no_library_holds_are_grey(tmp_path):
     (tmp_path / "a.mtl").write_text("newmtl red\nKd 1 0 0\nNi 0\n")
     text = OBJ.replace(b"usemtl lamp", b"usemtl lost")
-    found = parse(text, "a.obj", tmp_path)
+    found = parse(text, "a.obj", Reach(tmp_path))
     assert any('a.obj:14:1: unknown material "lost"' in text for text in found.warnings)
     assert len(found.data["bsdfs"]) == 2
     # So programs write that there is no index of refraction.

@@ -69,7 +69,7 @@ MISTAKES = {
     ),
     "syntax": ("def Mesh {", "is no OpenUSD stage"),
     "reference": ('def "m" (references = @gone.usda@) { }', "does not fit together"),
-    "reach": ('def "m" (references = @../out.usda@) { }', "outside of its own folder: out.usda"),
+    "reach": ('def "m" (references = @../out.usda@) { }', "layer leads out of the folder"),
     "picture": (PICTURE, '/m/picture no such picture: "p.png"'),
     "kind of an input": (
         PICTURE.replace("float4 inputs:scale = (0.5, 0.5, 0.5, 1)", "float inputs:scale = 2"),
@@ -101,6 +101,14 @@ def test_mistakes_are_refused_with_their_prim(tmp_path, text, message):
     with pytest.raises(SceneError) as caught:
         alight.load(folder / "a.usda")
     assert message in " ".join(str(caught.value).split())
+
+
+@pytest.mark.parametrize("suffix", [".usd", ".usda", ".usdc", ".usdz"])
+@pytest.mark.parametrize("data", [b"", b"garbage", b"PXR-USDC" + bytes(4)])
+def test_files_that_are_no_stage_are_refused(suffix, data, tmp_path):
+    (tmp_path / f"a{suffix}").write_bytes(data)
+    with pytest.raises(SceneError, match="is no OpenUSD stage: "):
+        alight.load(tmp_path / f"a{suffix}")
 
 
 @pytest.mark.parametrize("unit", ["inf", "nan", "0", "-1"])

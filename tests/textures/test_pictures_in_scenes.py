@@ -184,11 +184,12 @@ def test_files_that_are_not_there(folder):
     for name, message in (
         ("pictures/b.png", 'no such file: "pictures/b.png"; did you mean "a.png"?'),
         ("pictures", '"pictures": is no file'),
-        (os.devnull, "is no file"),
     ):
         with pytest.raises(SceneError) as caught:
             loads(SCENE.replace("pictures/a.png", name), "scene.yaml", folder)
         assert message in str(caught.value)
+    with pytest.raises(SceneError, match="is no file"):
+        load(folder / "scene.yaml", [f"textures.picture.file={os.devnull}"])
 
 
 # ---------------------------------------------------------------- scenes

@@ -81,6 +81,7 @@ def render_tile(
     time_limit: float | None = None,
     threads: int | None = None,
     lenient: bool = False,
+    root: Path | None = None,
     display: Display | None = None,
 ) -> Tile:
     """Render a scene as large as fits into a tile; what is wrong with it becomes the message.
@@ -93,7 +94,7 @@ def render_tile(
         Width and height of the tile, pixels.
     spp, time_limit, threads
         See `alight.render`.
-    lenient : bool
+    lenient, root
         See `alight.load`.
     display : Display, optional
     """
@@ -102,11 +103,11 @@ def render_tile(
     name = f"{path.parent.name}/{path.stem}".lstrip("/")
     kind = path.suffix.lstrip(".").lower() or "built in"
     try:
-        loaded = load(scene, lenient=lenient)
+        loaded = load(scene, lenient=lenient, root=root)
         width, height = fitted(loaded.film.size, size)
         # Loaded anew, so that an automatic camera is placed for this picture.
         changes = ["film.crop=null", f"film.size=[{width}, {height}]"]
-        loaded = load(scene, changes, lenient=lenient)
+        loaded = load(scene, changes, lenient=lenient, root=root)
         film = render(loaded, spp=spp, time_limit=time_limit, threads=threads)
     except (AlightError, OSError, MemoryError) as error:
         text = str(error) or type(error).__name__

@@ -6,7 +6,6 @@ STL files come from machines whose z is up, so they are turned; PLY files are ta
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats import ply, stl
 from alight.scene.formats.obj_scene import COLORED, GREY
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import Bounds, add_camera, add_light
 from alight.scene.formats.triangles import MeshArrays
@@ -26,12 +26,12 @@ from alight.shapes.mesh import Mesh
 _UPRIGHT = {"rotate": {"axis": "x", "angle": -90.0}}
 
 
-def parse_ply(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+def parse_ply(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """Read a PLY file as a scene; see `alight.scene.formats.obj_scene.parse`."""
     return _parse(ply.read, data, name, z_is_up=False)
 
 
-def parse_stl(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+def parse_stl(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """Read an STL file as a scene; see `alight.scene.formats.obj_scene.parse`."""
     return _parse(stl.read, data, name, z_is_up=True)
 

@@ -9,11 +9,12 @@ from alight.core.errors import Issue, SceneError
 from alight.outputs.texels import reusing_memory
 from alight.scene.formats import gltf, mesh_scene, obj_scene
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.reach import Reach
 
-Parser = Callable[[bytes, str, Path | None], Parsed]
+Parser = Callable[[bytes, str, Reach], Parsed]
 
 
-def _read_usd(data: bytes, name: str, folder: Path | None) -> Parsed:
+def _read_usd(data: bytes, name: str, reach: Reach) -> Parsed:
     """Read a file of OpenUSD, if the package for it is there."""
     import importlib.util
 
@@ -22,7 +23,7 @@ def _read_usd(data: bytes, name: str, folder: Path | None) -> Parsed:
         raise SceneError([Issue("", text, name)])
     from alight.scene.formats.usd.scene import parse
 
-    return parse(data, name, folder)
+    return parse(data, name, reach)
 
 
 PARSERS: dict[str, Parser] = {
@@ -36,7 +37,7 @@ PARSERS: dict[str, Parser] = {
 MOST_BYTES = 2**30
 
 
-def read_model(path: Path, name: str) -> Parsed:
+def read_model(path: Path, name: str, reach: Reach) -> Parsed:
     """Read a file whose ending is one of `PARSERS`.
 
     Parameters
@@ -44,6 +45,8 @@ def read_model(path: Path, name: str) -> Parsed:
     path : Path
     name : str
         How messages call it.
+    reach : Reach
+        Where the files that it names may lie.
 
     Raises
     ------
@@ -59,4 +62,4 @@ def read_model(path: Path, name: str) -> Parsed:
     except OSError as error:
         raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
     with reusing_memory():
-        return PARSERS[path.suffix.lower()](data, name, path.parent)
+        return PARSERS[path.suffix.lower()](data, name, reach)

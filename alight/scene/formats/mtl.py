@@ -24,7 +24,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.core.errors import Issue, SceneError, quote
 from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.report import Report
 
@@ -152,19 +152,8 @@ def _statement(
         if found is not None:
             entry.maps[{"map_bump": "bump"}.get(key, key)] = found
     else:
-        _say_left_out(key, place, report)
-
-
-def _say_left_out(key: str, place: str, report: Report) -> None:
-    text = f"unknown key {quote(key)} is left out"
-    if key in _DROPPED:
-        report.drop(f"{quote(key)}: {_DROPPED[key]}")
-    elif key in _LEFT_OUT:
-        report.approximate(f"{quote(key)} is left out: {_LEFT_OUT[key]}")
-    elif not any(text in line for line in report.warnings):
-        near = nearest(key, (*_NUMBERS, *_COLORS, *_MAPS))
-        hint = f"; did you mean {quote(near)}?" if near else ""
-        report.approximate(f"{place}: {text}{hint}")
+        known = (*_NUMBERS, *_COLORS, *_MAPS)
+        report.leave_out(place, key, "key", dropped=_DROPPED, approximated=_LEFT_OUT, known=known)
 
 
 def _numbers(words: list[str], place: str, key: str, report: Report) -> list[float]:
@@ -258,11 +247,13 @@ def _find(name: str, place: str, reach: Reach, report: Report) -> str:
     """A file beside the scene; of a path of another machine its last part."""
     try:
         return reach.name_of(reach.find(name))
-    except OutOfReachError:
+    except OutOfReachError as error:
         last = name.replace("\\", "/").rpartition("/")[2]
-        if last == name:
-            raise
-        found = reach.name_of(reach.find(last))
+        try:
+            found = reach.name_of(reach.find(last))
+        except OutOfReachError:
+            # What is wrong with the whole path tells more.
+            raise error from None
         report.approximate(f"{place}: {quote(name)} was found as {quote(found)}")
         return found
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, join_path, nearest, quote, unknown_name
+from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats import mtl, obj
 from alight.scene.formats.glow import Glow
@@ -30,15 +29,21 @@ from alight.shapes.mesh import Mesh
 
 MOST_LIBRARY_BYTES = 16 * 2**20
 #: Of free-form curves and surfaces.
-_FREE_FORM = {
-    "bmat", "bsp", "bzp", "cdc", "cdp", "con", "cstype", "curv", "curv2", "deg", "end", "hole",
-    "parm", "res", "scrv", "sp", "step", "surf", "trim", "vp",
-}  # fmt: skip
+_FREE_FORM = dict.fromkeys(
+    (
+        "bmat", "bsp", "bzp", "cdc", "cdp", "con", "cstype", "curv", "curv2", "deg", "end", "hole",
+        "parm", "res", "scrv", "sp", "step", "surf", "trim", "vp",
+    ),
+    "curves and free-form surfaces are not covered",
+)  # fmt: skip
 #: About how other programs draw.
-_OF_DRAWING = {
-    "bevel", "c_interp", "ctech", "d_interp", "lod", "maplib", "mg", "shadow_obj", "stech",
-    "trace_obj", "usemap",
-}  # fmt: skip
+_OF_DRAWING = dict.fromkeys(
+    (
+        "bevel", "c_interp", "ctech", "d_interp", "lod", "maplib", "mg", "shadow_obj", "stech",
+        "trace_obj", "usemap",
+    ),
+    "plays no part",
+)  # fmt: skip
 _KNOWN = ("f", "g", "l", "mtllib", "o", "p", "s", "usemtl", "v", "vn", "vt")
 GREY: dict[str, Any] = {
     "type": "two_sided", "bsdf": {"type": "principled", "base_color": 0.6, "roughness": 0.6},
@@ -63,22 +68,22 @@ class _Part:
     faces: list[tuple[int, int]] = field(default_factory=list)
 
 
-def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """Read an OBJ file as a scene.
 
     Parameters
     ----------
     data, name : bytes and str
         Content of the file, and its name for messages.
-    folder : Path, optional
-        Where it lies; material libraries and pictures are looked up there and below.
+    reach : Reach, optional
+        Where material libraries and pictures may lie; the current folder by default.
 
     Raises
     ------
     SceneError
         If the file is broken; messages name the line.
     """
-    report, reach = Report(), Reach(folder)
+    report, reach = Report(), reach or Reach()
     try:
         content = obj.parse(data)
     except SceneError as error:
@@ -159,8 +164,11 @@ def _parts(
             _library(rest, f"{name}:{line}:1", reach, report, materials)
         elif words[0] in (b"l", b"p"):
             report.drop("points and lines have no surface")
-        else:
-            _say_left_out(texts[0], f"{name}:{line}:1", report)
+        elif texts[0]:
+            report.leave_out(
+                f"{name}:{line}:1", texts[0], "statement",
+                dropped=_OF_DRAWING, approximated=_FREE_FORM, known=_KNOWN,
+            )  # fmt: skip
     if any(size < 3 for size in content.sizes):
         report.drop("faces of fewer than 3 corners have no surface")
     for material, place in used.items():
@@ -168,18 +176,6 @@ def _parts(
             known = unknown_name("material", material, materials).partition("  (")[0]
             report.approximate(f"{place}: {known}; its faces are grey")
     return list(parts.values())
-
-
-def _say_left_out(word: str, place: str, report: Report) -> None:
-    text = f"unknown statement {quote(word)} is left out"
-    if word in _FREE_FORM:
-        report.approximate(f"{word}: curves and free-form surfaces are not covered")
-    elif word in _OF_DRAWING:
-        report.drop(f"{word}: plays no part")
-    elif word and not any(text in line for line in report.warnings):
-        near = nearest(word, _KNOWN)
-        hint = f"; did you mean {quote(near)}?" if near else ""
-        report.approximate(f"{place}: {text}{hint}")
 
 
 def _library(

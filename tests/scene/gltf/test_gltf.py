@@ -10,6 +10,7 @@ from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
 from alight.scene.formats.gltf.scene import parse
 from alight.scene.formats.gltf.write import write
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
 from tests.scene.gltf.maker import POINTS, Maker, everything
 
@@ -361,7 +362,7 @@ def test_accessors_of_every_type(kind):
     table, normalized, wanted = ACCESSORS[kind]
     m = Maker()
     index = m.accessor(table, normalized=normalized)
-    document = open_document(m.glb(), "a", None, Report())
+    document = open_document(m.glb(), "a", Reach(), Report())
     np.testing.assert_allclose(read_accessor(document, index), wanted, atol=1e-7)
 
 
@@ -378,7 +379,7 @@ def test_accessors_with_strides_and_sparse_rows():
              "values": {"bufferView": m.view((-np.ones((2, 3), "<f4")).tobytes())},
          }}
     )  # fmt: skip
-    document = open_document(m.glb(), "a", None, Report())
+    document = open_document(m.glb(), "a", Reach(), Report())
     wanted = rows[:, 1:4].copy()
     wanted[[1, 3]] = -1
     np.testing.assert_array_equal(read_accessor(document, 0), wanted)

@@ -131,15 +131,15 @@ def read_file(item: Item, path: Path) -> bytes:
         raise item.fatal("uri", f"cannot read {quote(path.name)}: {error.strerror}") from None
 
 
-def open_document(data: bytes, name: str, folder: Path | None, report: Report) -> Document:
+def open_document(data: bytes, name: str, reach: Reach, report: Report) -> Document:
     """Open a file.
 
     Parameters
     ----------
     data, name : bytes and str
         Its content, and its name for messages.
-    folder : Path or None
-        Where it lies.
+    reach : Reach
+        Where the files that it names may lie.
     report : Report
         Takes what is noticed.
 
@@ -150,7 +150,7 @@ def open_document(data: bytes, name: str, folder: Path | None, report: Report) -
     """
     text, chunk = _chunks(data, name) if data[:4] == _MAGIC else (data, None)
     root = Item(_parse(text, name), "", name, report)
-    document = Document(root, chunk, Reach(folder))
+    document = Document(root, chunk, reach)
     asset = root.object("asset")
     if asset is None:
         raise root.fatal("", "is no glTF file: the key asset is missing")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from alight.core.errors import SceneError, nearest
@@ -14,6 +13,7 @@ from alight.scene.formats.gltf.materials import COVERED as MATERIALS
 from alight.scene.formats.gltf.materials import Materials
 from alight.scene.formats.gltf.nodes import Graph
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import SIZE, add_camera, add_light, use_first_camera
 
@@ -24,15 +24,15 @@ COVERED = (
 _HEIGHT = 600
 
 
-def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """Read a scene file.
 
     Parameters
     ----------
     data, name : bytes and str
         Content of the file (.gltf or .glb), and its name for messages.
-    folder : Path, optional
-        Where it lies; files outside are refused. The current folder by default.
+    reach : Reach, optional
+        Where the files that it names may lie; the current folder by default.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         If the file is no scene at all.
     """
     report = Report()
-    document = open_document(data, name, folder, report)
+    document = open_document(data, name, reach or Reach(), report)
     _check_extensions(document)
     say_what_is_unknown(document.root.value, report)
     graph = Graph(document, Materials(document))

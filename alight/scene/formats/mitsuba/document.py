@@ -161,7 +161,7 @@ class Document:
 
 
 def read_document(
-    text: str, name: str, folder: Path | None, definitions: Mapping[str, str], report: Report
+    text: str, name: str, reach: Reach, definitions: Mapping[str, str], report: Report
 ) -> tuple[list[Element], Document]:
     """Read a scene file and what it includes.
 
@@ -169,8 +169,8 @@ def read_document(
     ----------
     text, name : str
         Content of the file, and its name for messages.
-    folder : Path or None
-        Where the file lies; nothing outside is read.
+    reach : Reach
+        Where the files that it names may lie.
     definitions : mapping of str to str
         Names with values that go before those in the file.
     report : Report
@@ -188,7 +188,7 @@ def read_document(
     SceneError
         If the file itself cannot be read.
     """
-    document = Document(Reach(folder), report, dict(definitions))
+    document = Document(reach, report, dict(definitions))
     objects = document.expand(document.read(text, name))
     for unused in [word for word in definitions if word not in document.used]:
         known = unknown_name("parameter", unused, document.used, listed_as="parameters")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from alight.core.errors import Issue, join_path, unknown_name
@@ -25,6 +24,7 @@ from alight.scene.formats.mitsuba.elements import Element
 from alight.scene.formats.mitsuba.framing import surround
 from alight.scene.formats.mitsuba.report import Report
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.surroundings import Bounds
 
 bsdfs.COVERED.update(stand_ins.STAND_INS)
@@ -41,7 +41,7 @@ def is_xml(text: str) -> bool:
 def parse(
     text: str,
     name: str,
-    folder: Path | None = None,
+    reach: Reach | None = None,
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
 ) -> Parsed:
@@ -51,8 +51,8 @@ def parse(
     ----------
     text, name : str
         Content of the file, and its name for messages.
-    folder : Path, optional
-        Where it lies; files outside are refused. The current folder by default.
+    reach : Reach, optional
+        Where the files that it names may lie; the current folder by default.
     definitions : mapping of str to str, optional
         Values of ``$names``.
     lenient : bool, default False
@@ -64,7 +64,7 @@ def parse(
         If the file is no scene at all.
     """
     report = Report(lenient)
-    objects, document = read_document(text, name, folder, definitions or {}, report)
+    objects, document = read_document(text, name, reach or Reach(), definitions or {}, report)
     context = Context(report, document.reach)
     _collect_ids(context, objects, document)
     data, spp, framed = _convert(context, objects)

@@ -30,20 +30,20 @@ MOST_ISSUES = 100
 _UNUSED = {"Accelerator": "alight builds its own", "Option": "it is an option of pbrt"}
 
 
-def parse(text: str, name: str, folder: Path | None = None, lenient: bool = False) -> Parsed:
+def parse(text: str, name: str, reach: Reach | None = None, lenient: bool = False) -> Parsed:
     """Read a scene file.
 
     Parameters
     ----------
     text, name : str
         Content of the file, and its name for messages.
-    folder : Path, optional
-        Where it lies; files outside are refused. The current folder by default.
+    reach : Reach, optional
+        Where the files that it names may lie; the current folder by default.
     lenient : bool, default False
         Whether what is not covered is replaced instead of refused.
     """
     report = Report(lenient)
-    context = Context(report, Reach(folder), old=_is_old(text))
+    context = Context(report, reach or Reach(), old=_is_old(text))
     context.colors.old = context.old
     reader = _Reader(context)
     reader.file(text, name)

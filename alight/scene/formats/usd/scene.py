@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from alight.core.errors import Issue, SceneError
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats.names import free_name
 from alight.scene.formats.parsed import Parsed
+from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import add_camera, add_light, use_first_camera
 from alight.scene.formats.usd.graph import Graph
@@ -18,15 +18,15 @@ from alight.scene.formats.usd.stage import first_line, open_stage, to_world, wor
 _HEIGHT = 600
 
 
-def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
+def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """Read a scene file.
 
     Parameters
     ----------
     data, name : bytes and str
         Content of the file, which OpenUSD reads again itself; and its name for messages.
-    folder : Path, optional
-        Where it lies. The current folder by default.
+    reach : Reach, optional
+        Where it lies, and its layers and pictures may lie; the current folder by default.
 
     Raises
     ------
@@ -34,8 +34,7 @@ def parse(data: bytes, name: str, folder: Path | None = None) -> Parsed:
         If the file is no scene at all.
     """
     report = Report()
-    path = (folder or Path()) / Path(name).name
-    stage = open_stage(path, name, report)
+    stage = open_stage(name, reach or Reach(), report)
     steps = to_world(stage)
     graph = Graph(stage, world_matrix(steps))
     try:

@@ -1,4 +1,4 @@
-"""Opening a stage: what it is made of must lie beside it, and what OpenUSD complains of is said."""
+"""Opening a stage: its layers must lie within reach, and what OpenUSD complains of is said."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.core.errors import Issue, SceneError, show_value
-from alight.scene.formats.reach import Reach
+from alight.core.errors import Issue, SceneError, quote, show_value
+from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.report import Report
 from alight.scene.formats.usd.modules import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
@@ -97,6 +97,28 @@ class Stage:
         self.report.approximate(f"{primvar.GetAttr().GetPrim().GetPath()}: {text}")
         return None
 
+    def picture(self, authored: str, resolved: str) -> Path:
+        """Where a picture lies that some layer names; `resolved` is empty if there is none.
+
+        Raises
+        ------
+        OutOfReachError
+            If it lies out of reach, in the same words whether it is there or not; or is missing.
+        """
+        if resolved:
+            return self.reach.inside(resolved, shown=authored)
+        refused = None
+        for layer in self.stage.GetUsedLayers():
+            try:
+                folder = Path(layer.realPath.partition("[")[0]).parent
+                self.reach.inside(authored, folder if layer.realPath else None)
+            except OutOfReachError as error:
+                refused = error
+            else:
+                refused = None
+                break
+        raise refused or OutOfReachError(f"no such picture: {quote(authored)}")
+
     def problem(self, prim: Any, message: str) -> None:
         """Report what nothing mends but an edit."""
         self.report.problem(self.name, str(prim.GetPath()), message)
@@ -133,22 +155,34 @@ def _kind(name: str) -> str:
     return ("quaternion" if base.startswith("quat") else base) + array
 
 
-def open_stage(path: Path, name: str, report: Report) -> Stage:
+def open_stage(name: str, reach: Reach, report: Report) -> Stage:
     """Open a file with everything that it refers to.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, for messages; its last part is its name in the folder of `reach`.
+    reach : Reach
+        Where layers and pictures may lie.
+    report : Report
+        Takes what is noticed.
 
     Raises
     ------
     SceneError
         If it is no stage, or refers to layers that are missing or lie elsewhere.
     """
+    path = str((reach.folder / Path(name).name).resolve())
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
-        stage = Usd.Stage.Open(str(path.resolve()))
+        # Held until the stage holds them, each is read once.
+        layers = _layers_within(path, name, reach)
+        stage = Usd.Stage.Open(path)
+        del layers
     except Tf.ErrorException as error:
         raise SceneError([Issue("", f"is no OpenUSD stage: {first_line(error)}", name)]) from None
     finally:
         warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
-    reach = Reach(path.parent)
     errors = stage.GetCompositionErrors()
     issues = [Issue("", f"does not fit together: {first_line(error)}", name) for error in errors]
     if not issues:
@@ -156,9 +190,11 @@ def open_stage(path: Path, name: str, report: Report) -> Stage:
             report.approximate(f"OpenUSD: {first_line(text)}")
     for layer in stage.GetUsedLayers():
         real = layer.realPath
-        if real and not Path(real.partition("[")[0]).resolve().is_relative_to(reach.root):
-            text = f"refers to a layer outside of its own folder: {Path(real).name}"
-            issues.append(Issue("", text, name))
+        try:
+            # Layers of clips are known only now.
+            reach.inside(real.partition("[")[0] or path, shown=Path(real).name)
+        except OutOfReachError as error:
+            issues.append(Issue("", f"layer {error}", name))
     if issues:
         raise SceneError(issues[:20])
     has_times = stage.HasAuthoredTimeCodeRange()
@@ -166,6 +202,49 @@ def open_stage(path: Path, name: str, report: Report) -> Stage:
     if has_times and stage.GetEndTimeCode() > stage.GetStartTimeCode():
         report.drop(f"times after {stage.GetStartTimeCode():g}: the scene is shown at that one")
     return Stage(stage, time, name, reach, report)
+
+
+def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
+    """Open the layers that a file is made of, its own first, before OpenUSD follows any path.
+
+    Raises
+    ------
+    SceneError
+        If it refers to layers out of reach: of these nothing is read.
+    """
+    first = _opened(path)
+    layers, seen, refused = [] if first is None else [first], {path}, {}
+    for layer in layers:
+        for authored in layer.GetCompositionAssetDependencies():
+            found, _ = Sdf.Layer.SplitIdentifier(layer.ComputeAbsolutePath(authored))
+            if found in seen:
+                continue
+            seen.add(found)
+            try:
+                # A name that was not found comes back as it was.
+                folder = Path(layer.realPath.partition("[")[0]).parent
+                reach.inside(found.partition("[")[0], folder, authored)
+            except OutOfReachError as error:
+                refused[authored] = f"layer {error}"
+                continue
+            try:
+                below = _opened(found)
+            except Tf.ErrorException:
+                # OpenUSD says so when it puts the stage together.
+                continue
+            layers += [] if below is None else [below]
+    if refused:
+        raise SceneError([Issue("", text, name) for text in list(refused.values())[:20]])
+    return layers
+
+
+def _opened(path: str) -> Any:
+    """A layer as its file is now; None where there is none."""
+    layer = Sdf.Layer.FindOrOpen(path)
+    if layer is not None:
+        # One that somebody still holds may have been read from an older file.
+        layer.Reload()
+    return layer
 
 
 def to_world(opened: Stage) -> list[dict[str, Any]]:

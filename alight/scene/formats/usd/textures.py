@@ -7,7 +7,7 @@ UsdTransform2d. Texture coordinates have (0, 0) at the lower left corner of the 
 from __future__ import annotations
 
 import zipfile
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 from typing import Any
 
 from pydantic_core import PydanticCustomError
@@ -197,13 +197,9 @@ def picture_of(stage: Stage, asset: Any) -> Data:
         If it is missing, broken, or lies elsewhere.
     """
     resolved = asset.resolvedPath
-    if not resolved:
-        raise OutOfReachError(f"no such picture: {quote(asset.path)}")
+    path = stage.picture(asset.path, resolved.partition("[")[0])
     if "[" not in resolved:
-        path = Path(resolved).resolve()
-        if not path.is_relative_to(stage.reach.root):
-            raise OutOfReachError(f"{quote(asset.path)} lies outside of the folder of the file")
-        return {"file": path.relative_to(stage.reach.root).as_posix()}
+        return {"file": stage.reach.name_of(path)}
     try:
         return {"pixels": _packed(resolved)}
     except PydanticCustomError as error:
