@@ -220,7 +220,7 @@ def albedos(layers: Layers) -> Albedos:
         out = np.zeros(points)
         for _ in range(layers.bounces):
             out = bounce @ (leaving + again @ out)
-        metal.append(entering @ out)
+        metal.append(np.maximum(entering @ out, 0.0))
     return Albedos(coat, np.array(metal))
 
 
@@ -287,7 +287,8 @@ def rounds(layers: Layers) -> Rounds:
     for albedo in metal:
         s = np.sqrt(albedo)
         for _ in range(_ROUNDS):
-            s = np.sqrt(s * albedo / (lobe @ s))
+            # A metal that reflects nothing, or that no light gets to, has s = 0.
+            s = np.sqrt(s * albedo / np.maximum(lobe @ s, 1e-300))
         scales.append(s)
     share = coat / (coat + metal.mean(0))
     # Over all cosines, as they are seen from a white sky.

@@ -25,6 +25,10 @@ from alight.shapes.hit import INFO as SHAPE_INFO
 #: the whole scene, of which one point sees little.
 LEAST_OUTER, MOST_OUTER = 0.15, 0.85
 
+#: Of an equal share, the part that each light gets at least which is chosen by its power. The power
+#: of a sun counts miles of ground; beside it a lamp would never be asked.
+LEAST_SHARE = 0.01
+
 #: Intensity over radiance times area, for shapes that face all directions: a sphere is seen as a
 #: disk, a cylinder from the side as a rectangle.
 _ROUND = {"sphere": 0.25, "cylinder": 1.0 / PI}
@@ -88,6 +92,13 @@ class Choosing(NamedTuple):
     tables: list[NDArray[np.float32]]
     starts: NDArray[np.uint32]
     probabilities: NDArray[np.floating]
+
+
+def by_power(powers: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The distribution of lights of some powers, as of `alight.core.distributions.cumulative`."""
+    shining = powers > 0.0
+    least = LEAST_SHARE * powers.sum() / max(np.count_nonzero(shining), 1)
+    return cumulative(np.where(shining, np.maximum(powers, least), 0.0))
 
 
 def find_leaves(
@@ -227,7 +238,7 @@ def chosen_by_tree(
     share = float(outer.sum()) / total if total > 0.0 else 1.0
     if 0.0 < share < 1.0:
         share = min(max(share, LEAST_OUTER), MOST_OUTER)
-    cdf = cumulative(outer) if rows else np.zeros(2, np.float32)
+    cdf = by_power(outer) if rows else np.zeros(2, np.float32)
     start = OUTER_CDF + cdf.size
     if walked:
         points = points_on_surfaces(shapes, shining_shapes(rows, shapes))

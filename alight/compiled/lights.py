@@ -10,6 +10,7 @@ from alight.compiled.light_gain import gain_of_tree
 from alight.compiled.light_tree import (
     Choosing,
     LightRow,
+    by_power,
     chosen_by_tree,
     find_leaves,
     shining_shapes,
@@ -140,7 +141,7 @@ def _joined(maps: list[np.ndarray]) -> View:
 
 def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: CompiledShapes) -> Choosing:
     """One distribution of all lights, and one of the triangles of each mesh."""
-    cdf = cumulative(weights) if rows else np.zeros(2, np.float32)
+    cdf = by_power(weights) if rows else np.zeros(2, np.float32)
     tables, starts = [cdf], np.zeros(len(rows), np.uint32)
     for i, row in enumerate(rows):
         if row.shape >= 0 and shapes.rows[row.shape].kind == "mesh":

@@ -5,8 +5,9 @@ has probability c_{i+1} - c_i *exactly as stored*, so sampling and density alway
 i with c_i <= u is found by bisection: well-stratified u give well-stratified choices, and
 (u - c_i) / (c_{i+1} - c_i) is again uniform and stratified.
 
-A u of 24 bits cannot find entries of probability below 2^-24; there the table holds 0 or 2^-24
-(in two dimensions always 2^-24).
+A u has 24 bits, so all numbers of a table are multiples of 2^-24: between others more or fewer u
+would lie than the table says. Every weight above 0 gets at least one of these units: whatever can
+be drawn is drawn, however large its neighbours are.
 
 Source: PBR4 sections 2.3, A.4 and A.5 (in the online edition "Sampling 1D functions" and what
 follows).
@@ -33,6 +34,9 @@ from alight.core.simd import (
 #: Resolution of the random numbers that choose.
 UNIT = 2.0**-24
 
+#: Of more entries not each gets a unit: most of them would have no other.
+MOST_WITH_UNITS = 1 << 23
+
 
 def cumulative(weights: ArrayLike) -> NDArray[np.float32]:
     """The cumulative distribution of weights.
@@ -45,12 +49,10 @@ def cumulative(weights: ArrayLike) -> NDArray[np.float32]:
     Returns
     -------
     (n + 1,) float32
-        From 0 to exactly 1, non-decreasing; entries of weight 0 have probability 0.
+        From 0 to exactly 1, non-decreasing multiples of 2^-24. Entries of weight 0 have
+        probability 0, others at least 2^-24; only of more than 2^23 entries some may get nothing.
     """
-    sums = np.concatenate([[0.0], np.cumsum(np.asarray(weights, np.float64))])
-    if sums[-1] <= 0.0:
-        return np.concatenate([np.zeros(len(sums) - 1), [1.0]]).astype(np.float32)
-    return (sums / sums[-1]).astype(np.float32)
+    return _cumulative_units(np.asarray(weights, np.float64)).astype(np.float32)
 
 
 def cumulative_2d(weights: ArrayLike) -> NDArray[np.float32]:
@@ -64,8 +66,7 @@ def cumulative_2d(weights: ArrayLike) -> NDArray[np.float32]:
     Returns
     -------
     (rows (columns + 1) + rows + 1,) float32
-        Multiples of 2^-24. Every weight above 0 gets at least one of these units, so whatever can
-        be drawn is drawn, however bright its neighbours are.
+        Each as of `cumulative`.
     """
     weights = np.asarray(weights, np.float64)
     conditional = _cumulative_units(weights)
@@ -77,7 +78,7 @@ def _cumulative_units(weights: NDArray[np.float64]) -> NDArray[np.float64]:
     sums = np.cumsum(weights, axis=-1)
     total = sums[..., -1:]
     # One unit for each weight above 0, the others by share.
-    least = np.cumsum(weights > 0.0, axis=-1)
+    least = np.cumsum((weights > 0.0) & (weights.shape[-1] <= MOST_WITH_UNITS), axis=-1)
     shared = np.rint(sums / np.where(total > 0.0, total, 1.0) * (1.0 / UNIT - least[..., -1:]))
     table = np.asarray((least + shared) * UNIT, np.float64)
     table[..., -1] = 1.0

@@ -34,6 +34,7 @@ from alight.core.simd import (
     any_lane,
     as_int,
     float_bits,
+    fma,
     gather,
     lanes,
     lanes_mask,
@@ -109,8 +110,8 @@ ONE_SIDED = frozenset(
 #: rest: number of its triangle (exact; 0 for others than meshes).
 Choice = namedtuple("Choice", "index pmf plain rest")
 
-#: After so many levels u has few digits left.
-SPENT = 10
+#: After choices that are less probable u has few digits left.
+SPENT = 2.0**-10
 
 
 @kernel
@@ -153,14 +154,17 @@ def first_node(cdf):
 
 
 @kernel
-def leaf_by_intensity(cdf, k, u, extra):
-    """A leaf of the group at the node k: (its number, its probability in the group)."""
+def leaf_by_intensity(cdf, k, u, extra, pmf):
+    """A leaf of the group at the node k: (its number, its probability in the group).
+
+    `extra` holds the digits of u below those that are left after choices of probability `pmf`.
+    """
     leaves = bits(cdf, LEAVES)
     low, high = bits(cdf, k + FIRST_LEAF), bits(cdf, k + (FIRST_LEAF + 1))
     start, end = bits(cdf, leaves + low), bits(cdf, leaves + high)
     # The digits of u stop before those of the sums.
     size = to_float(end - start)
-    at = start + to_uint(u * size) + to_uint(extra * (UNIT * size))
+    at = start + to_uint(u * size) + to_uint(extra * (UNIT / maximum(pmf, UNIT) * size))
     at = minimum_u32(at, end - 1)
     while any_lane(low + 1 < high):
         middle = (low + high) >> 1
@@ -203,11 +207,12 @@ def choose_leaf(program):
                 a = guess(bounds_of_row(cdf, top), p, n, everywhere, behind)
                 before = total
                 total, plain_total = total + a.importance, plain_total + a.plain
-                # The next one takes the place of those before with its share of the sum.
-                scaled = u * total
-                taken = scaled >= before
+                # The next one takes the place of those before with its share of the sum, where u is
+                # small: there nothing is rounded of what is left of u by improbable choices.
+                beyond = fma(u, total, -a.importance)
+                taken = beyond < 0.0
                 share = where(taken, a.importance, before)
-                rest = where(taken, scaled - before, scaled) / maximum(share, 1e-30)
+                rest = where(taken, u * total, beyond) / maximum(share, 1e-30)
                 rest = minimum(maximum(rest, 0.0), ONE_MINUS_EPSILON)
                 u = where(walking & (share > 0.0), rest, u)
                 pmf, plain = where(taken, a.importance, pmf), where(taken, a.plain, plain)
@@ -223,8 +228,12 @@ def choose_leaf(program):
             k = where(walking, onward, k)
             coasting = coasting | (walking & apart)
             walking = walking & ~apart
-        level = 0
         while any_lane(walking):
+            spent = walking & (pmf < SPENT)
+            if any_lane(spent):
+                # Of no more use in lanes where it is 0 already.
+                u = where(spent, more_digits(u, extra, pmf), u)
+                extra = where(spent, 0.0, extra)
             a = guess(bounds_at(cdf, k), p, n, everywhere, behind)
             b = guess(bounds_at(cdf, k + CHILD), p, n, everywhere, behind)
             total, plain_total = a.importance + b.importance, a.plain + b.plain
@@ -243,14 +252,11 @@ def choose_leaf(program):
             apart = walking & where(first, a.apart, b.apart)
             coasting = coasting | apart
             walking = walking & ~apart
-            level += 1
-            if level == SPENT:
-                u = where(walking, more_digits(u, extra, pmf), u)
-                extra = where(walking, 0.0, extra)
         ended = active & ~coasting & (pmf > 0.0) & (onward >= LEAF)
         index, prim = where(ended, onward & (LEAF - 1), 0), where(ended, prim, 0)
         if any_lane(coasting):
-            leaf, share = leaf_by_intensity(cdf, where(coasting, k, first_node(cdf)), u, extra)
+            group = where(coasting, k, first_node(cdf))
+            leaf, share = leaf_by_intensity(cdf, group, u, extra, pmf)
             pmf, plain = where(coasting, pmf * share, pmf), where(coasting, plain * share, plain)
             rows, prims = leaf_words(cdf, leaf)
             index, prim = where(coasting, rows, index), where(coasting, prims, prim)

@@ -105,7 +105,7 @@ def pack(groups: Groups) -> NDArray[np.uint32]:
     words = np.zeros((len(groups.radius), WORDS), np.uint32)
     words[:, :REACH] = np.ascontiguousarray(groups.center).view(np.uint32)
     words[:, REACH] = _upwards(groups.radius) << 16 | _upwards(groups.behind)
-    x, y, z = np.rint(groups.axis * _TENTH).astype(np.int64).T + _TENTH
+    x, y, z = _rounded_axes(groups.axis).T + _TENTH
     words[:, AXIS] = x | y << 10 | z << 20 | np.where(groups.alike, ALIKE, 0)
     # Wider cones, and darkness only farther from them.
     cosine = np.floor((groups.cosine + 1.0) * (0.5 * _FIFTEENTH))
@@ -115,6 +115,17 @@ def pack(groups: Groups) -> NDArray[np.uint32]:
     intensity = np.maximum(groups.intensity, 1e-30)
     words[:, STRENGTH] = (_upwards(intensity) << 16) | dark | np.where(groups.flat, FLAT, 0)
     return words
+
+
+def _rounded_axes(axis: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Unit vectors in steps of 1 / _TENTH, none longer than 1.
+
+    Behind a wide cone a longer one would feign an angle of 180 degrees where it is 177.
+    """
+    found = np.rint(axis * _TENTH)
+    long = np.sum(found * found, axis=1, keepdims=True) > _TENTH**2
+    shorter = np.rint(axis * (_TENTH - 0.5 * np.sqrt(3.0)))
+    return np.where(long, shorter, found).astype(np.int64)
 
 
 def _upwards(x: NDArray[np.float64]) -> NDArray[np.int64]:

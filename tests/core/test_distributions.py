@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from alight.core.distributions import (
+    MOST_WITH_UNITS,
     UNIT,
     bilinear,
     cumulative,
@@ -48,7 +49,8 @@ def test_stratified_numbers_choose_each_entry_by_its_share(weights, offset):
     index, pmf, rest = np.broadcast_arrays(*sample_discrete(view, offset, n, U))
     share = np.array(weights) / np.sum(weights)
     assert np.all(np.abs(np.bincount(index, minlength=n) - N * share) <= 1.0)
-    np.testing.assert_allclose(pmf, share[index], rtol=1e-6)
+    # Up to the units of the table, one for each end of an entry.
+    np.testing.assert_allclose(pmf, share[index], rtol=0.0, atol=1.5 * UNIT)
     np.testing.assert_array_equal(pmf, pmf_discrete(view, offset, index))
     # What is left of each number is stratified again.
     for i in np.unique(index):
@@ -56,6 +58,23 @@ def test_stratified_numbers_choose_each_entry_by_its_share(weights, offset):
         even = (np.arange(len(mine)) + 0.5) / len(mine)
         assert np.all(np.abs(mine - even) <= 1.5 / len(mine) + 1e-3)
     assert np.all((rest >= 0.0) & (rest < 1.0))
+
+
+@pytest.mark.parametrize("weights", [[1e-10, 1.0], [1.0, 1e-10], [1.7e-7, 0.0, 1.0, 4e-8, 2.0]])
+def test_numbers_of_24_bits_choose_each_entry_as_often_as_it_says(weights):
+    n, cdf = len(weights), cumulative(weights)
+    # All of them near the ends of entries.
+    near = np.rint(cdf[:, None] / UNIT) + np.arange(-64, 64)
+    u = np.unique(near[(near >= 0) & (near < 2**24)]) * UNIT
+    index, pmf, _ = np.broadcast_arrays(*sample_discrete(View(cdf), 0, n, np.float32(u)))
+    for i in np.flatnonzero(np.array(weights) < 0.1):
+        assert np.count_nonzero(index == i) * UNIT == cdf[i + 1] - cdf[i]
+    assert set(index) == set(np.flatnonzero(weights)) and np.all(pmf > 0.0)
+
+
+def test_of_very_many_entries_each_need_not_have_a_unit():
+    cdf = cumulative(np.ones(MOST_WITH_UNITS + 1))
+    assert cdf[-1] == 1.0 and np.all(np.diff(cdf) <= 3.0 * UNIT)
 
 
 def test_ends_of_the_interval():

@@ -80,6 +80,23 @@ def test_one_bounce_through_a_grey_coat_is_a_product():
     np.testing.assert_allclose(tabulated(spec, 0.6), expected, atol=0.0015)
 
 
+BLACK = {
+    "no light gets to the metal": CoatedConductor(alpha=0.3, thickness=1000.0),
+    "hardly any gets there": CoatedConductor(alpha=0.3, thickness=300.0),
+    "the metal is as dense as the coat": CoatedConductor(eta=1.5, k=0.0, int_ior=1.5),
+}
+
+
+@pytest.mark.parametrize("name", BLACK)
+def test_of_a_black_metal_the_coat_is_left(name):
+    material, wo = Material(BLACK[name]), direction(0.6)
+    f_cos, pdf = material.evaluate(wo, direction(0.5))
+    _, weight, _, _ = material.sample(wo, random_numbers(1000, 3))
+    assert np.isfinite(f_cos).all() and np.isfinite(pdf).all()
+    reflected, _ = fresnel(np.array([0.6]), layers_of(BLACK[name]).ior)
+    np.testing.assert_allclose(weight.mean(1), reflected[0], atol=1e-3)
+
+
 def shape_of(wi, power):
     """(cells,) parts of the light in each cell of the disk below the hemisphere."""
     cells, _, _ = np.histogram2d(wi[0], wi[1], bins=17, range=[[-1, 1], [-1, 1]], weights=power)

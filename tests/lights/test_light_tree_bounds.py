@@ -1,0 +1,39 @@
+"""A group of lights is not dark where one of them shines, just before the edge of its light."""
+
+import numpy as np
+
+from alight.core.jit import instantiate
+from alight.core.view import View
+from alight.lights.tree_bounds import bounds_of_row, guess, pack, unpack
+from alight.lights.tree_build import Leaves, _groups
+from tests.lights.test_light_tree import TREE, run
+from tests.shapes.tracing import vec
+
+
+def pair(axis, across, angle):
+    """Two small flat lamps in one place that face directions `angle` to both sides of an axis."""
+    axes = np.cos(angle) * axis + np.sin(angle) * np.stack([across, -across])
+    nothing, ones, words = np.zeros((2, 3)), np.ones(2), np.arange(2, dtype=np.uint32)
+    dark = 0.5 * np.pi * ones
+    return Leaves(nothing, nothing, axes, 0.0 * ones, dark, 0.0 * ones, ones, words, words)
+
+
+def unit(v):
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def test_a_pair_shines_up_to_the_edge_of_each_lamp():
+    rng, n = np.random.default_rng(0), 200
+    for angle in np.append(rng.uniform(0.0, 1.57, 100), rng.uniform(1.5, 1.57, 300)):
+        axis = unit(rng.normal(size=3))
+        across = unit(np.cross(axis, rng.normal(size=3)))
+        lamps = pair(axis, across, angle)
+        group = unpack(pack(_groups(lamps, np.arange(2), np.zeros(1, int))))[0]
+        # To the side of the first lamp on which the group ends, or all around it.
+        edge = unit(np.cross(lamps.axis[0], rng.normal(size=(n, 3))))
+        edge[: n // 2] = unit(np.cross(lamps.axis[0], np.cross(lamps.axis[0], axis)))
+        inside = np.abs(0.03 * rng.normal(size=(n, 1)))
+        p = vec((edge * np.cos(inside) + lamps.axis[0] * np.sin(inside)).T)
+        bounds = instantiate(bounds_of_row, TREE, compiled=False)(View(group), 0)
+        found = run(guess, bounds, p, p * np.float32(0.0), np.ones(n, bool), 0.0)
+        assert np.all(found.plain > 0.0), angle
