@@ -184,6 +184,16 @@ def test_cameras_see_the_same_though_nodes_do_not_scale_them(kind, tmp_path):
     np.testing.assert_allclose(other[:3, 3], signs * one[:3, 3], atol=1e-12)
 
 
+def test_brushed_metal_turns_the_other_way_in_a_mirrored_world(tmp_path):
+    """Angles run from the tangent round the normal, as they did before."""
+    metal = {"type": "principled", "anisotropy": 0.5, "anisotropy_rotation": 0.7}
+    nodes = {"a": {"shape": SQUARE, "bsdf": metal}}
+    for steps, angle in (([], 0.7), ([{"scale": [-1, 1, 1]}], -0.7)):
+        camera = {"type": "orthographic", "transform": steps}
+        _, flat, _, _ = written(tmp_path, nodes, camera)
+        assert flat.bsdfs[0].bsdf.anisotropy_rotation == pytest.approx(angle)
+
+
 def test_crops_and_sheared_pictures_are_told_of(tmp_path):
     camera = {"type": "orthographic", "transform": SHEAR}
     film = {"size": [6, 4], "crop": [1, 1, 2, 2]}

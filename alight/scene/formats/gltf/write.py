@@ -70,12 +70,13 @@ class _Writer(Store):
     _world: np.ndarray = field(default_factory=lambda: np.eye(4))
 
     def __post_init__(self) -> None:
-        self._writer = MaterialWriter(self)
-
-    def add_all(self) -> None:
-        if np.linalg.det(self.flat.camera.to_world[:3, :3]) < 0.0:
+        mirrored = bool(np.linalg.det(self.flat.camera.to_world[:3, :3]) < 0.0)
+        if mirrored:
             self._world = _MIRROR
             self.lose("a camera that mirrors: the whole scene is mirrored instead (x became -x)")
+        self._writer = MaterialWriter(self, mirrored)
+
+    def add_all(self) -> None:
         for shape in self.flat.shapes:
             self.add_shape(shape)
         for placed in self.flat.lights:

@@ -25,10 +25,13 @@ class MaterialWriter:
     Parameters
     ----------
     store : Store
+    mirrored : bool
+        Whether the world is mirrored, so that what turned to the left turns to the right.
     """
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: Store, mirrored: bool) -> None:
         self.store = store
+        self.mirrored = mirrored
         self.textures = TextureWriter(store)
 
     def material(
@@ -168,9 +171,10 @@ class MaterialWriter:
     def _add_directions(self, bsdf: Principled, made: Json) -> None:
         """Anisotropy and the thin film."""
         if bsdf.anisotropy != 0.0:
+            angle = self._plain(bsdf.anisotropy_rotation, "anisotropy_rotation")
             turned = {
                 "anisotropyStrength": self._plain(bsdf.anisotropy, "anisotropy"),
-                "anisotropyRotation": self._plain(bsdf.anisotropy_rotation, "anisotropy_rotation"),
+                "anisotropyRotation": -angle if self.mirrored else angle,
             }
             self.store.extension(made, "KHR_materials_anisotropy", turned)
         if bsdf.iridescence == 0.0:
