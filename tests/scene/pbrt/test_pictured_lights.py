@@ -177,3 +177,12 @@ def test_what_is_wrong_with_pictures_and_portals(tmp_path):
     for body, meant in wrong.items():
         found = messages(body, folder=tmp_path)
         assert any(meant in message for message in found), (body, found)
+
+
+def test_projections_that_are_too_wide_are_told_of(tmp_path):
+    picture(tmp_path, 2, 4, 3)
+    body = 'LightSource "projection" "string filename" "picture.npy" "float fov" 179.5'
+    scene = read(body, folder=tmp_path)
+    [lamp] = scene.nodes.values()
+    assert lamp.light.fov == 179.0
+    assert any("degrees wide: became 179" in text for text in scene.warnings)
