@@ -38,6 +38,16 @@ def test_pictures_inside_of_packages_are_read(tmp_path):
     assert (texels.width, texels.height) == (2, 2)
 
 
+_SCALE = "float3 xformOp:scale = (%s, 1, 1)"
+_RESET = 'uniform token[] xformOpOrder = ["!resetXformStack!"]'
+
+
+def _moved(step, inside):
+    """A prim with one step of a transform."""
+    kind = step.split()[1]
+    return f'def Xform "x" {{ {step}\nuniform token[] xformOpOrder = ["{kind}"]\n{inside} }}'
+
+
 PICTURE = MATERIAL % ("color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>", SQUARE)
 MISTAKES = {
     "type": ('def Cube "c" { token size = "x" }', "/c size must be of type double, got string"),
@@ -82,6 +92,25 @@ MISTAKES = {
     "unknown type of an input": (
         PICTURE.replace("float4 inputs:scale", "flota4 inputs:scale"),
         "/m/picture inputs:scale is of a type that OpenUSD does not know",
+    ),
+    "far away": (
+        _moved("double3 xformOp:translate = (1e300, 0, 0)", f'def Mesh "m" {{{SQUARE}}}'),
+        "/x its transform must be affine, of numbers of at most 1e+15 in size",
+    ),
+    "far away in two steps": (
+        _moved(_SCALE % "1e14", _moved(_SCALE % "1e14", f'def Mesh "m" {{{SQUARE}}}')),
+        "/x/x stands where the world needs numbers not of at most 1e+15 in size",
+    ),
+    "back from nothing": (
+        _moved(_SCALE % "0", f'def Mesh "m" {{{SQUARE}{_RESET}}}'),
+        "/x/m cannot undo the transforms above it: they flatten it to nothing",
+    ),
+    "far instance": (
+        (
+            'def PointInstancer "p" { rel prototypes = [</p/m>]; int[] protoIndices = [0]\n'
+            f'point3f[] positions = [(inf, 0, 0)]\n def Mesh "m" {{{SQUARE}}} }}'
+        ),
+        "/p the transform of instance 0 must hold numbers of at most 1e+15 in size",
     ),
     "prototype": (
         'def PointInstancer "p" { int[] protoIndices = [3]; point3f[] positions = [(0, 0, 0)] }',

@@ -16,6 +16,8 @@ import math
 _EUMELANIN, _PHEOMELANIN = (0.419, 0.697, 1.37), (0.187, 0.4, 1.05)
 #: Eumelanin of brown hair, and how rough hair is around itself.
 USUAL_EUMELANIN, USUAL_BETA_N = 1.3, 0.3
+#: Pigment that leaves no light in any channel.
+MOST = 1e3
 
 
 def absorption(eumelanin: float, pheomelanin: float) -> list[float]:

@@ -233,8 +233,6 @@ def test_a_mesh_gets_the_sets_that_its_material_asks_for(tmp_path):
     _, flat, lost = again(bsdf, tmp_path)
     np.testing.assert_allclose(flat.geometries[0].uvs, SQUARE["uvs"])
     assert lost == []
-    lost = again(bsdf, tmp_path, uvs=None)[2]
-    assert lost == ["it: pictures on a mesh without texture coordinates"]
 
 
 def test_colours_of_vertices_that_nothing_uses_are_left_out(tmp_path):
@@ -245,6 +243,96 @@ def test_colours_of_vertices_that_nothing_uses_are_left_out(tmp_path):
     tinted = {"type": "diffuse", "reflectance": {"type": "vertex_color"}}
     _, flat, _ = again(tinted, tmp_path, **colors)
     np.testing.assert_array_equal(flat.geometries[0].colors, [[1, 0, 0]] * 4)
+
+
+def test_vertices_tint_the_base_colour_alone(tmp_path):
+    """What else has their colours would be tinted by none, and the base colour by them."""
+    colors = {"colors": [[1, 0, 0]] * 4}
+    vertex = {"type": "vertex_color"}
+    mean = "vertex_color texture: became its mean colour"
+    for bsdf, light in (
+        ({"type": "diffuse"}, {"type": "area", "radiance": vertex}),
+        ({"type": "principled", "specular_color": vertex}, None),
+        ({"type": "principled", "sheen_color": vertex}, None),
+    ):
+        _, flat, lost = again(bsdf, tmp_path, light, **colors)
+        assert flat.geometries[0].colors is None
+        assert lost == [mean]
+
+
+def test_meshes_without_colours_of_vertices_show_the_fallback(tmp_path):
+    tinted = {"type": "vertex_color", "fallback": [0.5, 0.25, 1.0]}
+    bsdf = {"type": "diffuse", "reflectance": {"type": "multiply", "a": 0.5, "b": tinted}}
+    found, _, lost = again(bsdf, tmp_path)
+    assert found.base_color == pytest.approx((0.25, 0.125, 0.5))
+    assert lost == []
+
+
+CLEAR = {"type": "bitmap", "pixels": ["ff804020 40ff80c0"]}
+
+
+@pytest.mark.parametrize("opacity", [0.5, 1.0])
+def test_the_alpha_of_a_colour_that_nothing_asked_for_plays_no_part(opacity, tmp_path):
+    bsdf = {"type": "mask", "opacity": opacity, "bsdf": {"type": "diffuse", "reflectance": CLEAR}}
+    _, flat, lost = again(bsdf, tmp_path)
+    found = flat.bsdfs[flat.shapes[0].bsdf]
+    assert lost == []
+    assert opacity == (1.0 if found.type != "mask" else found.opacity.mean()[0])
+
+
+def test_an_opacity_that_lies_otherwise_becomes_its_mean(tmp_path):
+    other = {"type": "channel", "texture": GREY | {"wrap": "clamp"}, "channel": "r"}
+    bsdf = {"type": "mask", "opacity": {"type": "multiply", "a": 0.5, "b": other},
+            "bsdf": {"type": "diffuse", "reflectance": CLEAR}}  # fmt: skip
+    _, flat, lost = again(bsdf, tmp_path)
+    mean = 0.5 * (64 + 128 + 192 + 255) / 4 / 255
+    assert flat.bsdfs[flat.shapes[0].bsdf].opacity.mean() == pytest.approx([mean] * 3)
+    assert lost == ["opacity: its picture lies otherwise than that of the colour"]
+
+
+HALF = {"type": "bitmap", "pixels": ["10 20", "30 40"], "color_space": "linear"}
+TWICE = {"type": "multiply", "a": 2.0, "b": {"type": "channel", "texture": HALF, "channel": "r"}}
+
+
+@pytest.mark.parametrize("name", ["metallic", "roughness", "clearcoat", "sheen_roughness"])
+def test_factors_above_1_go_into_the_picture(name, tmp_path):
+    """The file allows none."""
+    sheen = {"sheen_color": 0.5} if name == "sheen_roughness" else {}
+    found, _, lost = again({"type": "principled", name: TWICE, **sheen}, tmp_path)
+    value = dict(found)[name]
+    assert value.type == "channel"
+    texels = value.texture.pixels.whole[..., "rgba".index(value.channel)]
+    assert texels.tolist() == [[0x20, 0x40], [0x60, 0x80]]
+    assert lost == []
+
+
+def test_cuts_of_opacities_with_factors_above_1_stay_where_they_are(tmp_path):
+    for kind in ("mask", "blend"):
+        cut = {"type": "threshold", "texture": TWICE, "cutoff": 0.3}
+        opacity = cut if kind == "mask" else TWICE
+        bsdf = {"type": "mask", "opacity": opacity, "bsdf": {"type": "diffuse"}}
+        _, flat, lost = again(bsdf, tmp_path)
+        found = flat.bsdfs[flat.shapes[0].bsdf].opacity
+        assert lost == []
+        if kind == "mask":
+            assert found.cutoff == pytest.approx(0.15)
+            found = found.texture
+        factor = 1 if kind == "mask" else 2
+        texels = factor * np.array([[0x10, 0x20], [0x30, 0x40]])
+        np.testing.assert_array_equal(found.texture.pixels.alpha, texels)
+
+
+@pytest.mark.parametrize("weight", [0.25, HALF, {"type": "multiply", "a": 0.5, "b": HALF}])
+def test_films_keep_their_thickness(weight, tmp_path):
+    thickness = {"type": "mix", "a": 100.0, "b": 500.0, "weight": weight}
+    bsdf = {"type": "principled", "iridescence": 1.0, "iridescence_thickness": thickness}
+    found, _, lost = again(bsdf, tmp_path)
+    value = found.iridescence_thickness
+    if weight == 0.25:
+        assert value == pytest.approx(200.0)
+    else:
+        assert (value.a[0], value.b[0]) == (100.0, 500.0 if weight is HALF else 300.0)
+    assert lost == []
 
 
 # ---------------------------------------------------------------- other models

@@ -64,10 +64,21 @@ def test_mixtures_keep_their_weights():
     assert "got 1 for 3" in messages(wrong, "0.5.0")[0]
 
 
+def test_parts_of_no_weight_are_left_out_of_mixtures():
+    parts = "".join(f'<bsdf type="{kind}"/>' for kind in ("plastic", "diffuse", "diffuse"))
+    weights = '<string name="weights" value="{}"/>'
+    for text in ("1 0 0", "1, 0, 0"):
+        found = read_bsdf(weights.format(text) + parts, 'type="mixturebsdf"', "0.5.0")
+        assert (found.opacity, found.bsdf.type_name()) == (1.0, "plastic")
+    found = read_bsdf(weights.format("0 .25 .75") + parts, 'type="mixturebsdf"', "0.5.0")
+    assert [part.type_name() for part in found.bsdfs] == ["diffuse", "diffuse"]
+    assert found.weight == 0.75
+
+
 def test_materials_of_06_that_have_a_counterpart():
     rough = read_bsdf('<float name="alpha" value="0.5"/>', 'type="roughdiffuse"', "0.5.0")
     assert rough.type_name() == "oren_nayar"
-    assert rough.sigma == pytest.approx(math.degrees(math.atan(0.5) / math.sqrt(2.0)))
+    assert rough.sigma == pytest.approx(math.degrees(0.5 / math.sqrt(2.0)))
     leaf = read_bsdf('<rgb name="transmittance" value="0 .5 0"/>', 'type="difftrans"', "0.5.0")
     assert (leaf.transmittance, leaf.reflectance) == ((0.0, 0.5, 0.0), (0.0, 0.0, 0.0))
     ward = read_bsdf('<float name="alphaU" value="0.05"/>', 'type="ward"', "0.5.0")
@@ -220,3 +231,44 @@ def test_grids_in_their_own_box(tmp_path):
 def test_what_stands_in_takes_no_unknown_parameters():
     [issue] = issues('<bsdf type="ward" id="a"><float name="wobble" value="1"/></bsdf>', "0.5.0")
     assert "unknown parameter" in issue.message
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "range_"),
+    [
+        ("eumelanin", "-3", "[0, 1000]"),
+        ("pheomelanin", "1e9", "[0, 1000]"),
+        ("azimuthal_roughness", "1.5", "[0, 1]"),
+        ("azimuthal_roughness", "-0.1", "[0, 1]"),
+    ],
+)
+def test_numbers_of_hair_have_their_range(name, value, range_):
+    text = f'<bsdf type="hair"><float name="{name}" value="{value}"/></bsdf>'
+    assert f"must be in {range_}, got {float(value):g}" in messages(text)[0]
+    text = '<bsdf type="hair"><rgb name="sigma_a" value="0 0 -1"/></bsdf>'
+    assert "must be >= 0" in messages(text)[0]
+
+
+def test_coats_say_what_becomes_of_their_facets():
+    """Over a matte base they stay; coated metal has those of GGX; what varies is told."""
+    rough = '<string name="distribution" value="beckmann"/><float name="alpha" value="0.3"/>'
+    varied = '<texture name="alpha" type="checkerboard"/>'
+    coat = 'type="roughcoating"'
+    found = read_bsdf(f'{rough}<bsdf type="diffuse"/>', coat, "0.5.0")
+    assert (found.distribution, found.alpha) == ("beckmann", 0.3)
+
+    def said(body):
+        scene = read(f'<shape type="sphere"><bsdf {coat}>{body}</bsdf></shape>', "0.5.0")
+        return "\n".join(scene.warnings)
+
+    assert "is no number: 0.1 is taken" in said(f'{varied}<bsdf type="diffuse"/>')
+    metal = '<bsdf type="{}conductor"><string name="material" value="Au"/>{}</bsdf>'
+    assert "has facets of GGX" in said(rough + metal.format("", ""))
+    assert "has facets of GGX" in said(metal.format("rough", ""))
+    ggx = '<string name="distribution" value="ggx"/>'
+    assert "has facets of GGX" not in said(ggx + metal.format("rough", ggx))
+    assert "loses the texture of its metal's alpha" in said(ggx + metal.format("rough", varied))
+    uneven = '<float name="alphaU" value="0.1"/><float name="alphaV" value="0.3"/>'
+    assert "alike in all directions, by alpha_u" in said(ggx + metal.format("rough", uneven))
+    tint = '<texture name="specularReflectance" type="checkerboard"/>'
+    assert "loses the texture of what its metal reflects" in said(metal.format("", tint))

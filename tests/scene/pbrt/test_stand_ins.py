@@ -10,10 +10,10 @@ from tests.scene.pbrt.reading import messages, node, read, read_bsdf, read_old
 PICTURE = '"string filename" "letters.png"'
 
 
-def textured(kind, *parameters, old=False, use="reflectance"):
+def textured(kind, *parameters, old=False, use="reflectance", material="diffuse"):
     """The texture that a material shows."""
     body = f'Texture "t" "spectrum" "{kind}" {" ".join(parameters)}'
-    name = "matte" if old else "diffuse"
+    name = "matte" if old else material
     use = "Kd" if old else use
     body += f'\nMaterial "{name}" "texture {use}" "t"\nShape "sphere"'
     return read_old(body) if old else read(body)
@@ -100,6 +100,41 @@ def test_gradients_go_from_corner_to_corner():
     np.testing.assert_allclose(look_up(texture, u, v), meant, atol=1e-6)
     [texture] = textured("uv").textures.values()
     np.testing.assert_allclose(look_up(texture, u, v)[:, :2], np.stack([u, v], 1), atol=1e-6)
+
+
+def test_gradients_beyond_their_square():
+    """The part of (u, v) after the point begins again; others stay as at their edges."""
+    from tests.textures.lookup import look_up
+
+    places = '"float uscale" 4 "float udelta" 0.5 "float vscale" 2'
+    [texture] = textured("uv", places, old=True).textures.values()
+    u, v = np.random.default_rng(1).random((2, 50))
+    meant = np.stack([4.0 * u + 0.5, 2.0 * v], axis=1) % 1.0
+    np.testing.assert_allclose(look_up(texture, u, v)[:, :2], meant, atol=1 / 500)
+    scene = textured("bilerp", places)
+    assert any("beyond its corners" in text for text in scene.warnings)
+    assert not any("beyond its corners" in text for text in textured("bilerp").warnings)
+
+
+def test_waves_out_of_range_are_told_of():
+    scene = textured("fbm", '"integer octaves" 40 "float roughness" 1.5')
+    said = "\n".join(scene.warnings)
+    assert '"integer octaves" became 16' in said
+    assert '"float roughness" became 1' in said
+
+
+@pytest.mark.parametrize("text", ["float eumelanin", "float pheomelanin", "float beta_n"])
+def test_numbers_of_hair_have_their_range(text):
+    most = 1 if "beta" in text else 1000
+    for value in (-0.5, most + 1):
+        found = messages(f'Material "hair" "{text}" {value} Shape "sphere"')
+        assert found == [f"must be in [0, {most}], got {value:g}"]
+    assert "must be >= 0" in messages('Material "hair" "rgb sigma_a" [1 -1 1] Shape "sphere"')[0]
+
+
+def test_hair_that_absorbs_by_a_texture_is_told_of():
+    scene = textured("checkerboard", use="sigma_a", material="hair")
+    assert any('"texture sigma_a" is a texture' in text for text in scene.warnings)
 
 
 @pytest.mark.parametrize("kind", ["fbm", "wrinkled", "windy", "marble"])

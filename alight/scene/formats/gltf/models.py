@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 
 from alight.bsdfs.blend import Blend
+from alight.bsdfs.burley import Burley
+from alight.bsdfs.burley_thin import BurleyThin
 from alight.bsdfs.coated_conductor import CoatedConductor
 from alight.bsdfs.conductor import Metallic, OfMetal
 from alight.bsdfs.diffuse import Diffuse
@@ -25,6 +27,7 @@ from alight.bsdfs.phong import Phong
 from alight.bsdfs.plastic import Coated
 from alight.bsdfs.principled import Principled
 from alight.core.spec import Bsdf, Texture
+from alight.scene.formats.gltf.burleys import burley_as_principled
 from alight.scene.formats.gltf.planes import Plane, plane_of
 from alight.textures.multiply import Multiply
 
@@ -61,6 +64,8 @@ def as_principled(bsdf: Bsdf) -> tuple[Bsdf, list[str]]:
         made = _glass(bsdf, fields, lost)
     elif isinstance(bsdf, Coated):
         made = _plastic(bsdf, fields, lost)
+    elif isinstance(bsdf, Burley | BurleyThin):
+        made = burley_as_principled(bsdf, lost)
     elif isinstance(bsdf, Phong):
         made = _phong(fields, lost)
     elif kind == "mirror":

@@ -20,6 +20,7 @@ from alight.scene.formats.glow import Glow
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.materials import Materials
 from alight.scene.formats.gltf.meshes import read_primitive
+from alight.scene.formats.gltf.places import unscaled
 from alight.scene.formats.gltf.skins import joint_matrices
 from alight.scene.formats.gltf.textures import Data
 from alight.scene.formats.gltf.values import Item
@@ -170,9 +171,19 @@ class Graph:
         self._add_light(item, children)
         camera = item.index("camera", len(self.document.list("cameras")), "cameras")
         if camera is not None:
-            data["camera"] = self._camera(self.document.list("cameras")[camera])
+            lens = self._camera(self.document.list("cameras")[camera])
+            view = unscaled(to_world)
+            if np.allclose(view, to_world, rtol=0.0, atol=1e-6 * np.abs(to_world).max()):
+                data["camera"] = lens
+            else:
+                # Below the node, by the same name, without its scale.
+                back = np.linalg.inv(to_world) @ view
+                child = free_name(name, children, name)
+                children[child] = {"camera": lens, "transform": {"matrix": back.tolist()}}
+                path, where = f"{path}/{child}", f"{keys}.children.{child}"
+                self.places[where] = f"{item.name}#{item.pointer}"
             self.cameras.append((path, camera))
-            self.view = to_world if self.view is None else self.view
+            self.view = view if self.view is None else self.view
         indices = item.indices("children", len(self.document.list("nodes")), "nodes")
         if task.level < DEEPEST:
             where = f"{keys}.children"

@@ -46,11 +46,20 @@ class Plane(NamedTuple):
         linear = np.broadcast_to(linear, (*linear.shape[:2], 3))
         return linear @ LUMINANCE if self.channel == ALL else linear[..., "rgb".index(self.channel)]
 
+    def within_one(self) -> Plane:
+        """The same with a factor of at most 1: what is above goes into the texels."""
+        if self.factor <= 1.0:
+            return self
+        return Plane(1.0, self._pictured(lambda values: self.factor * values), ALL)
+
     def texture(self, curve: Callable[[Any], Any]) -> Any:
         """It as a texture, with a curve applied to the texels."""
-        texels = np.rint(255.0 * np.clip(curve(self.values()), 0.0, 1.0)).astype(np.uint8)
-        picture = self.spec.replaced(file=None, pixels=texels, color_space="linear")
+        picture = self._pictured(curve)
         return Multiply(a=self.factor, b=picture) if self.factor != 1.0 else picture
+
+    def _pictured(self, curve: Callable[[Any], Any]) -> Bitmap:
+        texels = np.rint(255.0 * np.clip(curve(self.values()), 0.0, 1.0)).astype(np.uint8)
+        return self.spec.replaced(file=None, pixels=texels, color_space="linear")
 
 
 def placed_alike(a: Bitmap, b: Bitmap) -> bool:

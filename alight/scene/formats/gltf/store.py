@@ -69,7 +69,8 @@ class Store:
         """The file."""
         self.data += b"\0" * (-len(self.data) % 4)
         self.json["buffers"] = [{"byteLength": max(len(self.data), 4)}]
-        self.json["scenes"] = [{"nodes": list(range(len(self.json.get("nodes", []))))}]
+        count = len(self.json.get("nodes", []))
+        self.json |= {"scene": 0, "scenes": [{"nodes": list(range(count))} if count else {}]}
         if self.used:
             self.json["extensionsUsed"] = sorted(self.used)
         data = bytes(self.data) or b"\0" * 4

@@ -18,12 +18,17 @@ import numpy as np
 from alight.core.spec import Light
 from alight.outputs.atomic import replacing
 from alight.scene.flatten import FlatScene, PlacedShape, at_opening
+from alight.scene.formats.gltf.places import is_skewed, unscaled, unskewed
 from alight.scene.formats.gltf.store import Json, Store
 from alight.scene.formats.gltf.tessellate import EXACT, flipped, tessellated
 from alight.scene.formats.gltf.write_materials import MaterialWriter
+from alight.scene.formats.gltf.write_meshes import moved, with_coordinates, with_unit_normals
 from alight.scene.formats.triangles import MeshArrays
 
 _TURNED = np.diag([1.0, -1.0, -1.0, 1.0])
+_MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
+#: Radians: the file's spots shine into half of space at most, and must fade.
+_WIDEST, _NARROWEST = math.pi / 2.0, 1e-6
 
 
 def write(flat: FlatScene, path: Path) -> list[str]:
@@ -61,9 +66,15 @@ class _Writer(Store):
     _materials: dict[Any, tuple[int, frozenset[int], bool]] = field(default_factory=dict)
     _attributes: dict[Any, Json] = field(default_factory=dict)
     _writer: MaterialWriter = field(init=False)
+    # What is done to the world: cameras cannot mirror.
+    _world: np.ndarray = field(default_factory=lambda: np.eye(4))
 
     def __post_init__(self) -> None:
-        self._writer = MaterialWriter(self)
+        mirrored = bool(np.linalg.det(self.flat.camera.to_world[:3, :3]) < 0.0)
+        if mirrored:
+            self._world = _MIRROR
+            self.lose("a camera that mirrors: the whole scene is mirrored instead (x became -x)")
+        self._writer = MaterialWriter(self, mirrored)
 
     def add_all(self) -> None:
         for shape in self.flat.shapes:
@@ -93,29 +104,36 @@ class _Writer(Store):
             if kind not in EXACT:
                 self.lose(f"{kind}s: became meshes of {len(found.faces)} triangles")
         flip = shape.shape.flip_normals
-        surface = (shape.bsdf, None if shape.light is None else id(shape.light))
-        source = (kind, shape.geometry, flip)
+        arrays = MeshArrays(*(getattr(found, name) for name in MeshArrays._fields))
+        has_colors = arrays.colors is not None
+        surface = (shape.bsdf, None if shape.light is None else id(shape.light), has_colors)
+        material = self.material(shape, surface, has_colors)
+        has_to_be_mapped = bool(material[1]) and arrays.uvs is None
+        to_world, first = self._world @ to_world, None
+        if is_skewed(to_world):
+            to_world, first = unskewed(to_world)
+        shear = None if first is None else first.tobytes()
+        source = (kind, shape.geometry, flip, has_to_be_mapped, shear)
         if (*source, *surface) not in self._meshes:
             if source not in self._attributes:
-                arrays = MeshArrays(*(getattr(found, name) for name in MeshArrays._fields))
-                self._attributes[source] = self.attributes(flipped(arrays) if flip else arrays)
-            primitive = self.primitive(self._attributes[source], shape, surface)
+                arrays = with_coordinates(arrays) if has_to_be_mapped else arrays
+                arrays = flipped(arrays) if flip else arrays
+                arrays = arrays if first is None else moved(arrays, first)
+                self._attributes[source] = self.attributes(with_unit_normals(arrays))
+            primitive = self.primitive(self._attributes[source], material)
             self._meshes[(*source, *surface)] = self.put("meshes", {"primitives": [primitive]})
         self.node(to_world, mesh=self._meshes[(*source, *surface)], name=shape.name)
 
-    def primitive(self, arrays: Json, shape: PlacedShape, surface: Any) -> Json:
+    def primitive(self, arrays: Json, material: tuple[int, frozenset[int], bool]) -> Json:
         """Arrays with a material, which must have what it asks for, and no colours but then."""
-        material, sets, has_colors = self.material(shape, surface)
+        number, sets, has_colors = material
         attributes = dict(arrays["attributes"])
         if not has_colors:
             attributes.pop("COLOR_0", None)
         # Where a mesh lacks a set, its own is taken; numbers must not be left out.
-        for number in range(max(sets, default=-1) + 1):
-            if "TEXCOORD_0" in attributes:
-                attributes.setdefault(f"TEXCOORD_{number}", attributes["TEXCOORD_0"])
-            else:
-                self.lose(f"{shape.name}: pictures on a mesh without texture coordinates")
-        return {**arrays, "attributes": attributes, "material": material}
+        for wanted in range(max(sets, default=-1) + 1):
+            attributes.setdefault(f"TEXCOORD_{wanted}", attributes["TEXCOORD_0"])
+        return {**arrays, "attributes": attributes, "material": number}
 
     def attributes(self, geometry: MeshArrays) -> Json:
         found: Json = {"POSITION": self.accessor(geometry.vertices, 5126, "VEC3")}
@@ -131,10 +149,12 @@ class _Writer(Store):
         indices = geometry.faces.astype(np.uint32).ravel()
         return {"attributes": found, "indices": self.accessor(indices, 5125, "SCALAR")}
 
-    def material(self, shape: PlacedShape, key: Any) -> tuple[int, frozenset[int], bool]:
+    def material(
+        self, shape: PlacedShape, key: Any, has_colors: bool
+    ) -> tuple[int, frozenset[int], bool]:
         if key not in self._materials:
             bsdf = self.flat.bsdfs[shape.bsdf]
-            self._materials[key] = self._writer.material(bsdf, shape.light)
+            self._materials[key] = self._writer.material(bsdf, shape.light, has_colors)
         return self._materials[key]
 
     def add_light(self, light: Light, to_world: np.ndarray) -> None:
@@ -151,33 +171,42 @@ class _Writer(Store):
                 self.lose(f"a spot's {fields['falloff']} falloff: glTF's is quadratic")
             beam = fields["beam_width"]
             beam = 0.75 * fields["cutoff_angle"] if beam is None else beam
-            outer = min(math.radians(fields["cutoff_angle"]), math.pi / 2.0)
-            item["spot"] = {
-                "outerConeAngle": outer, "innerConeAngle": min(math.radians(beam), outer),
-            }  # fmt: skip
+            if fields["cutoff_angle"] > 90.0:
+                self.lose("a spot's cutoff_angle: became 90 degrees, the most that glTF has")
+            outer = min(math.radians(fields["cutoff_angle"]), _WIDEST)
+            inner = max(0.0, min(math.radians(beam), outer - _NARROWEST))
+            item["spot"] = {"outerConeAngle": outer, "innerConeAngle": inner}
         name = "KHR_lights_punctual"
         self.used.add(name)
         table = self.json.setdefault("extensions", {}).setdefault(name, {"lights": []})["lights"]
         table.append(item)
         number = {name: {"light": len(table) - 1}}
-        self.node(to_world @ _TURNED, extensions=number)
+        self.node(unscaled(self._world @ to_world) @ _TURNED, extensions=number)
 
     def add_camera(self) -> None:
         placed, (width, height) = self.flat.camera, self.flat.film.size
         kind, fields = placed.camera.type_name(), dict(placed.camera)
+        to_world = self._world @ placed.to_world
+        right, up, back = np.linalg.norm(to_world[:3, :3], axis=0).tolist()
         if kind == "orthographic":
-            half = 0.5 * fields["height"]
-            lens = {"ymag": half, "xmag": half * width / height, "znear": 0.0, "zfar": 1e6}
+            half = 0.5 * fields["height"] * up
+            aspect = width / height * right / up
+            lens = {"ymag": half, "xmag": half * aspect, "znear": 0.0, "zfar": 1e6}
             camera: Json = {"type": kind, "orthographic": lens}
         elif "fov" in fields:
             from alight.cameras.basis import perspective_half_extents
 
-            _, up = perspective_half_extents(fields["fov"], fields["fov_axis"], width, height)
-            lens = {"yfov": 2.0 * math.atan(up), "aspectRatio": width / height, "znear": 1e-3}
+            x, y = perspective_half_extents(fields["fov"], fields["fov_axis"], width, height)
+            yfov, aspect = 2.0 * math.atan(y * up / back), x * right / (y * up)
+            lens = {"yfov": yfov, "aspectRatio": aspect, "znear": 1e-3}
             camera = {"type": "perspective", "perspective": lens}
             if kind != "pinhole":
                 self.lose(f"{kind} camera: its lens")
         else:
             self.lose(f"{kind} camera: glTF has no word for it")
             return
-        self.node(placed.to_world, camera=self.put("cameras", camera))
+        if is_skewed(to_world):
+            self.lose("camera: the shear of its picture")
+        if self.flat.film.crop is not None:
+            self.lose("film: the crop of its picture")
+        self.node(unscaled(to_world), camera=self.put("cameras", camera))

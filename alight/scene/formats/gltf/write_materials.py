@@ -25,14 +25,27 @@ class MaterialWriter:
     Parameters
     ----------
     store : Store
+    mirrored : bool
+        Whether the world is mirrored, so that what turned to the left turns to the right.
     """
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: Store, mirrored: bool) -> None:
         self.store = store
+        self.mirrored = mirrored
         self.textures = TextureWriter(store)
 
-    def material(self, bsdf: Bsdf, light: Light | None) -> tuple[int, frozenset[int], bool]:
+    def material(
+        self, bsdf: Bsdf, light: Light | None, has_colors: bool
+    ) -> tuple[int, frozenset[int], bool]:
         """Write a material.
+
+        Parameters
+        ----------
+        bsdf : Bsdf
+        light : Light or None
+            Emission of the surface.
+        has_colors : bool
+            Whether its mesh has colours at the vertices.
 
         Returns
         -------
@@ -44,20 +57,20 @@ class MaterialWriter:
             Whether it uses the colours of vertices.
         """
         self.textures.sets, self.textures.has_colors = set(), False
-        made = self._surface(bsdf)
+        made = self._surface(bsdf, has_colors)
         if light is not None:
             self._emit(light, made)
         number = self.store.put("materials", made)
         return number, frozenset(self.textures.sets), self.textures.has_colors
 
-    def _surface(self, bsdf: Bsdf) -> Json:
+    def _surface(self, bsdf: Bsdf, has_colors: bool) -> Json:
         made: Json = {}
         opacity: Any = 1.0
         while "bsdf" in (fields := dict(bsdf)):
             kind = bsdf.type_name()
             if kind == "two_sided":
                 made["doubleSided"] = True
-            elif kind == "mask" and opacity == 1.0:
+            elif kind == "mask" and "alphaMode" not in made:
                 opacity = self._cut(fields["opacity"], made)
             elif kind == "normal_map" and isinstance(fields["texture"], Bitmap):
                 info = self.textures.normals(fields["texture"])
@@ -73,33 +86,42 @@ class MaterialWriter:
         for line in lost:
             self.store.lose(line)
         if isinstance(bsdf, Principled):
-            pbr = self._colored(bsdf.base_color, opacity)
+            pbr = self._colored(bsdf.base_color, opacity, has_colors)
             self._metal(bsdf, pbr)
             self._extend(bsdf, made)
         else:
-            pbr = {**self._colored(dict(bsdf)["reflectance"], opacity), "metallicFactor": 0.0}
+            pbr = self._colored(dict(bsdf)["reflectance"], opacity, has_colors)
+            pbr["metallicFactor"] = 0.0
             self.store.extension(made, "KHR_materials_specular", {"specularFactor": 0.0})
         return {**made, "pbrMetallicRoughness": pbr}
 
     def _cut(self, value: Any, made: Json) -> Plane | float:
         """The opacity of a mask, and how the file wants it to be taken."""
         made["alphaMode"] = "BLEND"
+        cutoff = None
         if isinstance(value, Threshold):
-            made["alphaMode"], made["alphaCutoff"] = "MASK", value.cutoff
-            value = value.texture
+            cutoff, value = value.cutoff, value.texture
         plane = plane_of(value)
         if plane is None:
             self.store.lose("opacity: its texture became the mean")
-            return value.mean()[1]
-        return plane
+            plane = float(value.mean()[1])
+        if cutoff is not None:
+            made["alphaMode"] = "MASK"
+            if not isinstance(plane, Plane):
+                made["alphaMode"], plane = "BLEND", float(plane >= cutoff)
+            elif plane.factor > 1.0:
+                cutoff, plane = cutoff / plane.factor, plane._replace(factor=1.0)
+            if made["alphaMode"] == "MASK":
+                made["alphaCutoff"] = cutoff
+        if plane == 1.0:
+            del made["alphaMode"]
+        return self.textures.within_one(plane) if isinstance(plane, Plane) else plane
 
-    def _colored(self, value: Any, opacity: Plane | float) -> Json:
+    def _colored(self, value: Any, opacity: Plane | float, has_colors: bool) -> Json:
         """Base colour, its picture, and opacity."""
-        alpha = opacity if isinstance(opacity, Plane) else None
-        factor, info = self.textures.color(value, alpha)
-        share = opacity.factor if isinstance(opacity, Plane) else opacity
+        factor, info = self.textures.base(value, opacity, has_colors)
         made: Json = {"baseColorTexture": info} if info else {}
-        return {**made, "baseColorFactor": [*(min(c, 1.0) for c in factor), share]}
+        return {**made, "baseColorFactor": [min(c, 1.0) for c in factor]}
 
     def _metal(self, bsdf: Principled, pbr: Json) -> None:
         metallic, roughness, info = self.textures.pair(bsdf.metallic, bsdf.roughness)
@@ -149,9 +171,10 @@ class MaterialWriter:
     def _add_directions(self, bsdf: Principled, made: Json) -> None:
         """Anisotropy and the thin film."""
         if bsdf.anisotropy != 0.0:
+            angle = self._plain(bsdf.anisotropy_rotation, "anisotropy_rotation")
             turned = {
                 "anisotropyStrength": self._plain(bsdf.anisotropy, "anisotropy"),
-                "anisotropyRotation": self._plain(bsdf.anisotropy_rotation, "anisotropy_rotation"),
+                "anisotropyRotation": -angle if self.mirrored else angle,
             }
             self.store.extension(made, "KHR_materials_anisotropy", turned)
         if bsdf.iridescence == 0.0:
@@ -164,7 +187,9 @@ class MaterialWriter:
             ends = (plane_of(thickness.a), plane_of(thickness.b))
         if isinstance(thickness, Mix) and all(isinstance(end, float) for end in ends):
             low, high = (float(end) for end in ends if isinstance(end, float))
-            _, info = self.textures.number(thickness.weight, "g")
+            share, info = self.textures.number(thickness.weight, "g")
+            # The file's picture has no factor; without a picture the maximum counts.
+            high = low + share * (high - low)
             film |= {"iridescenceThicknessMinimum": low, "iridescenceThicknessMaximum": high}
             if info:
                 film["iridescenceThicknessTexture"] = info
@@ -191,7 +216,11 @@ class MaterialWriter:
         return float(value)
 
     def _emit(self, light: Light, made: Json) -> None:
-        factor, info = self.textures.color(dict(light).get("radiance", _BLACK))
+        fields = dict(light)
+        if "radiance" not in fields:
+            self.store.lose(f"{light.type_name()} light: glTF has no word for it")
+            return
+        factor, info = self.textures.color(fields["radiance"])
         strength = max(*factor, 1.0)
         made["emissiveFactor"] = [c / strength for c in factor]
         if info:

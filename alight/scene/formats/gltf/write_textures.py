@@ -52,35 +52,64 @@ class TextureWriter:
         self.has_colors = False
         self._textures: dict[Any, int] = {}
 
-    def color(self, value: Any, alpha: Plane | None = None) -> tuple[tuple[float, ...], Json]:
+    def base(
+        self, value: Any, opacity: Plane | float, has_colors: bool
+    ) -> tuple[list[float], Json]:
+        """The base colour and its opacity, as factor (4) and texture info.
+
+        Parameters
+        ----------
+        value : color or texture
+        opacity : Plane or float
+            Its picture becomes the alpha of the colour's.
+        has_colors : bool
+            Whether the mesh has colours at its vertices, which tint the base colour.
+        """
+        factor, parts = factors_of(value)
+        tints = [part for part in parts if isinstance(part, VertexColor)]
+        if tints:
+            parts.remove(tints[0])
+            self.has_colors = has_colors
+            factor = factor if has_colors else factor * np.array(tints[0].fallback)
+        picture, factor = self._picture(factor, parts)
+        if isinstance(opacity, Plane) and picture and not placed_alike(picture, opacity.spec):
+            self.store.lose("opacity: its picture lies otherwise than that of the colour")
+            opacity = opacity.factor * float(opacity.values().mean())
+        if isinstance(opacity, Plane):
+            texels, scale = self._colors(picture, opacity.spec)
+            alpha = np.rint(255.0 * opacity.values()).astype(np.uint8)
+            info = self.info(np.dstack([_three(texels), alpha]), opacity.spec)
+            return [*_numbers(factor * scale), opacity.factor], info
+        if picture is None:
+            return [*_numbers(factor), opacity], {}
+        texels, scale = self._colors(picture, picture)
+        # Where there is an opacity, an alpha of the picture's own would count, too.
+        texels = texels if opacity == 1.0 else _three(texels)
+        return [*_numbers(factor * scale), opacity], self.info(texels, picture)
+
+    def color(self, value: Any) -> tuple[tuple[float, ...], Json]:
         """A colour as factor (3) and texture info, which is empty without a picture.
 
         Parameters
         ----------
         value : color or texture
-        alpha : Plane, optional
-            Opacity that its picture must hold.
         """
-        factor, parts = factors_of(value)
-        if any(isinstance(part, VertexColor) for part in parts):
-            self.has_colors = True
-            parts = [part for part in parts if not isinstance(part, VertexColor)]
-        picture = parts.pop(0) if parts and isinstance(parts[0], Bitmap) else None
-        for part in parts:
-            self.store.lose(f"{part.type_name()} texture: became its mean colour")
-            factor = factor * np.array(part.mean())
-        if picture is None and alpha is None:
+        picture, factor = self._picture(*factors_of(value))
+        if picture is None:
             return _numbers(factor), {}
-        spec = alpha.spec if picture is None and alpha is not None else picture
-        assert spec is not None
-        if alpha is not None and picture is not None and not placed_alike(picture, alpha.spec):
-            self.store.lose("opacity: its picture lies otherwise than that of the colour")
-            alpha = None
-        texels, scale = self._colors(picture, spec)
-        if alpha is not None:
-            opacity = np.rint(255.0 * alpha.values()).astype(np.uint8)
-            texels = np.dstack([texels[..., :3], opacity])
-        return _numbers(factor * scale), self.info(texels, spec)
+        texels, scale = self._colors(picture, picture)
+        return _numbers(factor * scale), self.info(texels, picture)
+
+    def _picture(
+        self, factor: NDArray[np.float64], parts: list[Any]
+    ) -> tuple[Bitmap | None, NDArray[np.float64]]:
+        """The picture among the factors of a colour; the others become their means."""
+        picture = next((part for part in parts if isinstance(part, Bitmap)), None)
+        for part in parts:
+            if part is not picture:
+                self.store.lose(f"{part.type_name()} texture: became its mean colour")
+                factor = factor * np.array(part.mean())
+        return picture, factor
 
     def number(self, value: Any, channel: str) -> tuple[float, Json]:
         """A number as factor and texture info; `channel` is where the file wants it."""
@@ -89,12 +118,19 @@ class TextureWriter:
             return self._mean(value), {}
         if not isinstance(plane, Plane):
             return plane, {}
+        plane = self.within_one(plane)
         if plane.is_plain and plane.channel == channel:
             return plane.factor, self.info(_whole(plane.spec), plane.spec)
         texels = _grey(self._bytes(plane))
         if channel == "a":
             texels = np.dstack([texels, texels[..., :1]])
         return plane.factor, self.info(texels, plane.spec)
+
+    def within_one(self, plane: Plane) -> Plane:
+        """A number with a factor of at most 1, as the file wants it."""
+        if plane.factor > 1.0 and plane.spec.pixels is not None:
+            self._say_bytes(plane.spec.pixels)
+        return plane.within_one()
 
     def pair(self, blue: Any, green: Any) -> tuple[float, float, Json]:
         """Two numbers that share a picture: the factors of blue and green, and its info."""
@@ -106,7 +142,7 @@ class TextureWriter:
         for c in "bg":
             if planes[c] is None:
                 factors[c] = self._mean(values[c])
-        found = {c: p for c, p in planes.items() if isinstance(p, Plane)}
+        found = {c: self.within_one(p) for c, p in planes.items() if isinstance(p, Plane)}
         if len(found) == 2 and not placed_alike(found["b"].spec, found["g"].spec):
             factors["b"] = self._mean(values["b"])
             del found["b"]
@@ -229,6 +265,11 @@ def decomposed(matrix: NDArray[np.float64]) -> Json | None:
 def _whole(spec: Bitmap) -> Bytes:
     assert spec.pixels is not None
     return spec.pixels.whole
+
+
+def _three(texels: Bytes) -> Bytes:
+    """Without alpha, in three channels."""
+    return np.broadcast_to(texels[..., :3], (*texels.shape[:2], 3))
 
 
 def _grey(plane: Bytes) -> Bytes:

@@ -18,6 +18,8 @@ from alight.scene.formats.mitsuba.values import NotNumbersError, parse_numbers
 
 _BLACK: Data = {"type": "diffuse", "reflectance": [0.0] * 3}
 MOST_PARTS = 16
+#: Of facets, where a file gives none.
+_USUAL_ALPHA = 0.1
 
 
 def _warn(draft: Draft, text: str) -> None:
@@ -51,11 +53,23 @@ def _hair(draft: Draft) -> None:
     draft.color("sigma_a", role="index")
     absorbed = draft.data.pop("sigma_a", None)
     if absorbed is None:
-        pigments = (p.number("eumelanin", 0.0) or 0.0, p.number("pheomelanin", 0.0) or 0.0)
+        pigments = [_hairy(draft, name, 0.0, hair.MOST) for name in ("eumelanin", "pheomelanin")]
         absorbed = hair.absorption(*(pigments if any(pigments) else (hair.USUAL_EUMELANIN, 0.0)))
-    beta = p.number("azimuthal_roughness", hair.USUAL_BETA_N)
-    draft.data["reflectance"] = hair.color(absorbed, hair.USUAL_BETA_N if beta is None else beta)
+    elif min(absorbed) < 0.0:
+        draft.context.report.error(p.named["sigma_a"], "must be >= 0 in each channel")
+    beta = _hairy(draft, "azimuthal_roughness", hair.USUAL_BETA_N, 1.0)
+    draft.data["reflectance"] = hair.color(absorbed, beta)
     _warn(draft, "is not covered: a matte surface of the colour of much such hair is taken")
+
+
+def _hairy(draft: Draft, name: str, default: float, most: float) -> float:
+    """A parameter of hair, which lies between 0 and `most`."""
+    found = draft.properties.number(name, default)
+    if found is None or 0.0 <= found <= most:
+        return default if found is None else found
+    text = f"must be in [0, {most:g}], got {found:g}"
+    draft.context.report.error(draft.properties.named[name], text)
+    return default
 
 
 def _polarizer(draft: Draft) -> None:
@@ -75,8 +89,8 @@ def _rough_diffuse(draft: Draft) -> None:
     color_or_texture(draft, "reflectance", 0.5, "diffuse_reflectance" if old_name else None)
     alpha = draft.properties.number("alpha", 0.2) or 0.0
     draft.properties.ignore("the whole model is taken", "use_fast_approx")
-    # The plug-in's own conversion to Oren and Nayar's angle.
-    sigma = math.degrees(math.atan(alpha) / math.sqrt(2.0))
+    # The plug-in's own conversion to Oren and Nayar's angle, in radians.
+    sigma = math.degrees(alpha / math.sqrt(2.0))
     draft.put("sigma", min(max(sigma, 0.0), 90.0), "alpha")
 
 
@@ -119,7 +133,8 @@ def _mixture(draft: Draft) -> None:
         report.warn(draft.element, f"has weights of {sum(weights):g} in all: they are scaled to 1")
     elif sum(weights) < 1.0 - 1e-6:
         built, weights = [*built, dict(_BLACK)], [*weights, 1.0 - sum(weights)]
-    draft.data = _blended(built, weights)
+    kept = [pair for pair in zip(built, weights, strict=True) if pair[1] > 0.0]
+    draft.data = _blended([part for part, _ in kept], [weight for _, weight in kept])
 
 
 def _blended(parts: list[Data | str], weights: list[float]) -> Data:
@@ -135,11 +150,13 @@ def _coating(draft: Draft) -> None:
     p, report = draft.properties, draft.context.report
     is_rough = draft.element.type == "roughcoating"
     inside, outside = medium_index(draft, "int_ior", "bk7"), medium_index(draft, "ext_ior", "air")
-    alpha = 0.0
+    alpha, facets = 0.0, "ggx"
     if is_rough:
         roughness(draft, anisotropic=False)
-        alpha = draft.data.get("alpha", 0.1)
-        alpha = alpha if isinstance(alpha, float) else 0.1
+        alpha, facets = draft.data.get("alpha", 0.1), draft.data["distribution"]
+        if not isinstance(alpha, float):
+            report.warn(p.named["alpha"], f"is no number: {_USUAL_ALPHA:g} is taken")
+            alpha = _USUAL_ALPHA
     draft.color("sigma_a", role="index")
     absorbed = draft.data.get("sigma_a", [0.0] * 3)
     thickness = p.number("thickness", 1.0) or 0.0
@@ -155,14 +172,19 @@ def _coating(draft: Draft) -> None:
     base = _plain(draft.context, inner)
     ior = {"int_ior": inside, "ext_ior": outside}
     if base["type"] == "diffuse":
-        draft.data = _over_matte(base, tint, ior, alpha if is_rough else None)
+        draft.data = _over_matte(base, tint, ior)
+        if is_rough:
+            rough = {"alpha": max(alpha, LEAST_ALPHA), "distribution": facets}
+            draft.data |= {"type": "rough_plastic", **rough}
         _warn(draft, "becomes plastic, which takes all rounds of the light between its layers")
     elif base["type"] in ("conductor", "rough_conductor") and _is_even(base, depth, ior):
         draft.data = _lacquered(base, depth[0], ior, alpha)
+        _say_ggx(draft, facets, base)
         if is_rough:
             _warn(draft, "becomes coated metal: how its coat spreads light below differs")
     elif base["type"] in ("conductor", "rough_conductor", "mirror"):
-        draft.data = _over_metal(base, tint, alpha)
+        draft.data = _over_metal(draft, base, tint, alpha)
+        _say_ggx(draft, facets, base)
         _warn(draft, "becomes a principled metal under a clear coat")
     else:
         draft.data = {"type": "mask", "opacity": 1.0, "bsdf": inner}
@@ -176,16 +198,19 @@ def _plain(context: Context, data: Data | str) -> Data:
     return data
 
 
-def _over_matte(base: Data, tint: list[float], ior: Data, alpha: float | None) -> Data:
+def _say_ggx(draft: Draft, facets: str, base: Data) -> None:
+    """Coats over metal have one kind of facets, as their metal."""
+    if "beckmann" in (facets, base.get("distribution")):
+        _warn(draft, "has facets of GGX, in the coat and below")
+
+
+def _over_matte(base: Data, tint: list[float], ior: Data) -> Data:
     color = base.get("reflectance", [0.5] * 3)
     if isinstance(color, list):
         color = [a * b for a, b in zip(color, tint, strict=True)]
     elif min(tint) < 1.0:
         color = {"type": "multiply", "a": color, "b": tint}
-    data: Data = {"type": "plastic", "diffuse_reflectance": color, "nonlinear": True, **ior}
-    if alpha is not None:
-        data |= {"type": "rough_plastic", "alpha": max(alpha, 1e-4), "distribution": "ggx"}
-    return data
+    return {"type": "plastic", "diffuse_reflectance": color, "nonlinear": True, **ior}
 
 
 def _is_even(base: Data, depth: list[float], ior: Data) -> bool:
@@ -214,7 +239,7 @@ def _lacquered(base: Data, thickness: float, ior: Data, alpha: float) -> Data:
     }
 
 
-def _over_metal(base: Data, tint: list[float], alpha: float) -> Data:
+def _over_metal(draft: Draft, base: Data, tint: list[float], alpha: float) -> Data:
     tinted = base.get("reflectance" if base["type"] == "mirror" else "specular_reflectance")
     color = [1.0] * 3
     if base["type"] != "mirror":
@@ -222,12 +247,20 @@ def _over_metal(base: Data, tint: list[float], alpha: float) -> Data:
         color = [_straight_on(eta, k) for eta, k in pairs]
     if isinstance(tinted, list):
         color = [a * b for a, b in zip(color, tinted, strict=True)]
-    inner = base.get("alpha", base.get("alpha_u", 0.0))
+    elif tinted is not None:
+        _warn(draft, "loses the texture of what its metal reflects")
+    inner = base.get("alpha", 0.0)
+    if "alpha_u" in base:
+        inner = base["alpha_u"]
+        _warn(draft, "spreads light over its metal alike in all directions, by alpha_u")
+    if not isinstance(inner, float):
+        _warn(draft, f"loses the texture of its metal's alpha: {_USUAL_ALPHA:g} is taken")
+        inner = _USUAL_ALPHA
     return {
         "type": "principled",
         "base_color": [a * b for a, b in zip(color, tint, strict=True)],
         "metallic": 1.0,
-        "roughness": math.sqrt(inner) if isinstance(inner, float) else 0.3,
+        "roughness": math.sqrt(inner),
         "clearcoat": 1.0,
         "clearcoat_roughness": math.sqrt(max(alpha, 0.0)),
     }

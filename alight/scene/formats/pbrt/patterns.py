@@ -22,9 +22,12 @@ from alight.scene.formats.pbrt.textures import (
     product,
 )
 from alight.scene.formats.pbrt.transforms import inverse
+from alight.textures.images import Image
 
 _BLACK, _WHITE = [0.0] * 3, [1.0] * 3
 _LARGEST_OCTAVES = 16
+#: Steps of a ramp that begins again and again.
+_SAWTEETH = 256
 #: Darkest and brightest colour of pbrt's marble.
 _VEIN, _STONE = [0.3, 0.3, 0.495], [0.87, 0.87, 0.9]
 #: From the unit square to the middles of the texels of a picture of 2 x 2.
@@ -49,6 +52,9 @@ def _bilerp(source: Source) -> Value:
     steps = mapping(source)
     colors = [value for value in found if isinstance(value, list)]
     if len(colors) == len(names):
+        if steps:
+            text = "beyond its corners it goes on as at its edges, and does not grow"
+            _approximated(source, text)
         return _gradient(source, colors, steps)
     _approximated(source, "mixes textures bilinearly: the first one is taken")
     return next(value for value in found if isinstance(value, str))
@@ -56,7 +62,15 @@ def _bilerp(source: Source) -> Value:
 
 def _uv(source: Source) -> Value:
     corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]
-    return _gradient(source, corners, mapping(source))
+    steps = mapping(source)
+    if not steps:
+        return _gradient(source, corners, steps)
+    # The part after the point, again in each square.
+    ramp = (np.arange(_SAWTEETH) + 0.5) / _SAWTEETH
+    red, green = np.meshgrid(ramp, ramp[::-1])
+    pixels = np.stack([red, green, 0.0 * red], axis=2).astype(np.float32)
+    data: Data = {"type": "bitmap", "pixels": Image(pixels), "interpolation": "nearest", **steps}
+    return entry(source, {**data, "color_space": "linear"})
 
 
 def _dots(source: Source) -> Value:
@@ -71,8 +85,12 @@ def _dots(source: Source) -> Value:
 def _waves(source: Source, octaves: int, gain: float, size: float = 1.0) -> tuple[Data, float]:
     """Noise between 0 and 1 in the texture's space, and the largest sum of its waves."""
     p = source.p
-    octaves = min(max(p.integer("octaves", octaves), 1), _LARGEST_OCTAVES)
-    gain = min(max(p.number("roughness", gain), 0.0), 1.0)
+    wanted = p.integer("octaves", octaves), p.number("roughness", gain)
+    octaves = min(max(wanted[0], 1), _LARGEST_OCTAVES)
+    gain = min(max(wanted[1], 0.0), 1.0)
+    for name, value, taken in zip(("octaves", "roughness"), wanted, (octaves, gain), strict=True):
+        if value != taken:
+            p.report.approximated(p.named[name], f"became {taken:g}")
     scale, offset = _space(source, size)
     data: Data = {"type": "noise", "octaves": octaves, "gain": gain, "scale": scale}
     if any(offset):

@@ -44,12 +44,17 @@ def projection(context: Context, p: Parameters, matrix: np.ndarray) -> Data | No
     half = math.tan(math.radians(0.5 * fov))
     wide, high = half * max(1.0, width / height), half * max(1.0, height / width)
     color = with_power(p, color, "power", _thrown(texels, wide, high))
+    across = math.degrees(2.0 * math.atan(wide))
+    taken = min(max(across, 0.1), 179.0)
+    if taken != across:
+        place = p.named.get("fov", p.directive)
+        p.report.approximated(place, f"makes a picture {across:.4g} degrees wide: became {taken:g}")
     pixels = texels[:, ::-1] if not context.old else texels[::-1, ::-1]
     light: Data = {
         "type": "projector",
         "pixels": Image(np.ascontiguousarray(pixels)),
         "scale": color,
-        "fov": min(max(math.degrees(2.0 * math.atan(wide)), 0.1), 179.0),
+        "fov": taken,
         "evenness": "intensity",
     }
     return placed(light, matrix)

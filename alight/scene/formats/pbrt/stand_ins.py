@@ -18,12 +18,16 @@ _GREY, _GREY_ALPHA = [0.5] * 3, 0.3
 
 def _hair(m: Making) -> Data:
     p = m.p
-    beta_n = m.plain_number("beta_n", hair.USUAL_BETA_N)
+    beta_n = _hairy(m, "beta_n", hair.USUAL_BETA_N, 1.0)
     p.ignore("a matte surface is taken", "beta_m", "alpha", "eta")
     color = m.color("color" if p.has("color") else "reflectance", None)
     absorbed = m.color("sigma_a", None, "index")
-    eumelanin = m.plain_number("eumelanin", 0.0)
-    pheomelanin = m.plain_number("pheomelanin", 0.0)
+    if isinstance(absorbed, str):
+        p.report.approximated(p.named["sigma_a"], "is a texture: the usual hair is taken")
+    elif isinstance(absorbed, list) and min(absorbed) < 0.0:
+        p.report.error(p.named["sigma_a"], "must be >= 0 in each channel")
+    eumelanin = _hairy(m, "eumelanin", 0.0, hair.MOST)
+    pheomelanin = _hairy(m, "pheomelanin", 0.0, hair.MOST)
     if color is None and not isinstance(absorbed, list):
         if not p.has("eumelanin") and not p.has("pheomelanin"):
             eumelanin = hair.USUAL_EUMELANIN
@@ -32,6 +36,15 @@ def _hair(m: Making) -> Data:
         color = hair.color(absorbed, beta_n)
     m.warn("is not covered: a matte surface of the colour of much such hair is taken")
     return two_sided({"type": "diffuse", "reflectance": color or _MIDDLE})
+
+
+def _hairy(m: Making, name: str, default: float, most: float) -> float:
+    """A parameter of hair, which lies between 0 and `most`."""
+    found = m.plain_number(name, default)
+    if 0.0 <= found <= most:
+        return found
+    m.p.report.error(m.p.named[name], f"must be in [0, {most:g}], got {found:g}")
+    return default
 
 
 def _measured(m: Making) -> Data:

@@ -188,7 +188,7 @@ class World(Attributes):
             self.context.places["environment"] = directive.place
         elif node is not None:
             self.add(self.nodes, "nodes", directive, node)
-        window = portal(p, self.state.matrix)
+        window = portal(p)
         if window is not None:
             self.add(self.nodes, "nodes", directive, window)
 

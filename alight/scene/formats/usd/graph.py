@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError
+from alight.core.spec import LARGEST
 from alight.scene.formats.glow import Glow
 from alight.scene.formats.names import free_name
 from alight.scene.formats.polygons import Triangles
@@ -21,6 +22,7 @@ from alight.scene.formats.usd.modules import UsdGeom, UsdLux, UsdShade
 from alight.scene.formats.usd.stage import Stage
 from alight.scene.formats.usd.textures import DEFAULT_COORDINATES
 from alight.scene.meshes import mesh_problem
+from alight.scene.transform import is_singular
 from alight.shapes.mesh import Mesh
 
 Data = dict[str, Any]
@@ -29,6 +31,7 @@ Matrix = np.ndarray
 _SILENT = ("Scope", "Xform", "", "Material", "Shader", "NodeGraph", "GeomSubset", "RenderSettings")
 _HIDDEN = (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy)
 _MOST_DEEP = 200
+_SMALL = f"of at most {LARGEST:g} in size"
 
 
 class Graph:
@@ -119,6 +122,9 @@ class Graph:
         if prim.IsA(UsdGeom.Xformable):
             local = self._local(prim, to_world)
         to_world = to_world @ local
+        if not np.abs(to_world).max() <= LARGEST:
+            self.stage.problem(prim, f"stands where the world needs numbers not {_SMALL}")
+            return None
         if (local != np.eye(4)).any():
             data["transform"] = {"matrix": local.tolist()}
         if prim.IsInstance():
@@ -138,11 +144,15 @@ class Graph:
     def _local(self, prim: Any, parent_to_world: Matrix) -> Matrix:
         xformable = UsdGeom.Xformable(prim)
         matrix = np.array(xformable.GetLocalTransformation(self.stage.time)).T
-        if xformable.GetResetXformStack():
-            matrix = np.linalg.solve(parent_to_world, self.root @ matrix)
-        if not np.isfinite(matrix).all() or not np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0]):
-            self.stage.problem(prim, "its transform must be affine and finite")
+        if not _is_placement(matrix):
+            self.stage.problem(prim, f"its transform must be affine, of numbers {_SMALL}")
             return np.eye(4)
+        if xformable.GetResetXformStack():
+            if is_singular(parent_to_world):
+                text = "cannot undo the transforms above it: they flatten it to nothing"
+                self.stage.problem(prim, text)
+                return np.eye(4)
+            matrix = np.linalg.solve(parent_to_world, self.root @ matrix)
         matrix[3] = [0.0, 0.0, 0.0, 1.0]
         return matrix
 
@@ -335,6 +345,11 @@ class Graph:
             if name is None or (len(mask) and not mask[i]):
                 continue
             matrix = np.array(move).T
+            if not _is_placement(matrix):
+                self.stage.problem(
+                    prim, f"the transform of instance {i} must hold numbers {_SMALL}"
+                )
+                return None
             children[f"{i}"] = {"instance": name, "transform": {"matrix": matrix.tolist()}}
             self._add_bounds(name, to_world @ matrix)
         self.stage.report.count("instances", len(children))
@@ -354,3 +369,9 @@ class Graph:
         # The transform of the prototype's root is part of each instance's.
         own, children = self._own(prim, to_world, path), self._children(prim, to_world, path)
         return ({free_name("itself", children, "itself"): own} if own else {}) | children
+
+
+def _is_placement(matrix: Matrix) -> bool:
+    """Whether a matrix is affine, of numbers whose products can be formed; NaN is none."""
+    is_small = np.abs(matrix).max() <= LARGEST
+    return bool(is_small and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0]))
