@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import quote
-from alight.scene.formats.triangles import MeshArrays, broken, fan, srgb_to_linear
+from alight.scene.formats.concave import cut_polygons
+from alight.scene.formats.triangles import MeshArrays, broken, srgb_to_linear
 
 LARGEST_INDEX = 2**31 - 1
 
@@ -169,7 +170,7 @@ def assemble(
     else:
         rows = np.stack([np.arange(len(positions))] * 3, axis=1)
         inverse = keys[:, 0]
-    triangles, _ = fan(np.array(sizes, np.int64))
+    triangles, _ = cut_polygons(positions[keys[:, 0]], np.array(sizes, np.int64))
     faces = inverse[triangles].astype(np.int32).reshape(-1, 3)
     return MeshArrays(
         positions[rows[:, 0]],

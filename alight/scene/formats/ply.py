@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from alight.core.errors import quote, unknown_name
 from alight.core.uv_sets import MOST_SETS
+from alight.scene.formats.concave import cut_polygons
 from alight.scene.formats.triangles import MeshArrays, broken, fan, srgb_to_linear
 
 TYPES = {
@@ -311,6 +312,11 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
     if indices is not None:
         corners, _ = fan(indices.sizes)
         faces = _to_indices(indices.values[corners], len(vertices))
+        if indices.sizes.max(initial=0) > 3:
+            # Corners of what is too small for a triangle have not been looked at.
+            known = np.clip(indices.values, 0, len(vertices) - 1).astype(np.int64)
+            corners, _ = cut_polygons(vertices[known], indices.sizes)
+            faces = _to_indices(indices.values[corners], len(vertices))
     found = {
         name: next((c for c in (_columns(vertex, n) for n in names) if c is not None), None)
         for name, names in NAMES.items()

@@ -18,6 +18,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.scene.formats.concave import cut_polygons
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -216,12 +218,8 @@ class Triangles:
 
 
 def triangulated(mesh: Polygons) -> Triangles:
-    """Cut faces into fans from their first corners, as all programs do with convex ones."""
-    fans = mesh.counts - 2
-    face = np.repeat(np.arange(len(fans)), fans)
-    step = np.arange(int(fans.sum())) - np.repeat(np.cumsum(fans) - fans, fans)
-    first = mesh.starts[face]
-    corner = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    """Cut faces into triangles."""
+    corner, face = cut_polygons(mesh.points[mesh.corners], mesh.counts)
     # A vertex is a point with all its values.
     rows = np.concatenate([mesh.corners[:, None].astype(np.float64), *mesh.values.values()], axis=1)
     unique, index = _unique_rows(rows)
