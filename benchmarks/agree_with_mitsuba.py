@@ -96,6 +96,8 @@ def their_picture(
     resolver = mitsuba.file_resolver()
     resolver.prepend(str(path.parent.resolve()))
     config = mitsuba.parser.ParserConfig(arguments.variant)
+    # Loading in parallel stands still now and then (3.9.1).
+    config.parallel = False
     names = dict(text.split("=", 1) for text in arguments.define)
     state = mitsuba.parser.parse_file(config, str(path), **names)
     mitsuba.parser.transform_all(config, state)

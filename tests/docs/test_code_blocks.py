@@ -27,6 +27,26 @@ def test_whole_scenes_load(page):
             loads(block, name_of(page))
 
 
+#: Scenes by their names on the pages of their formats.
+SCENES = {
+    "mitsuba.md": (
+        "scene.xml",
+        '<scene version="3.0.0"><default name="spp" value="4"/><shape type="sphere"/></scene>',
+    ),
+    "pbrt.md": ("scene.pbrt", 'Camera "perspective"\nWorldBegin\nShape "sphere"\n'),
+}
+
+
+@pytest.mark.parametrize("page", SCENES)
+def test_calls_for_files_of_others_run(page, tmp_path, monkeypatch):
+    name, text = SCENES[page]
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    [block] = blocks(ROOT / "docs" / page, "python")
+    exec(compile(block, page, "exec"), {})
+    assert (tmp_path / "scene.yaml").is_file()
+
+
 def _module(name):
     """The code block of extending.md that holds the model `name`, as a module."""
     [block] = [text for text in blocks(EXTENDING, "python") if f'type: Literal["{name}"]' in text]
