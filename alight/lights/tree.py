@@ -29,6 +29,7 @@ from collections import namedtuple
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.distributions import UNIT, sample_discrete
 from alight.core.jit import kernel, specialised
+from alight.core.microfacet import FEATURES
 from alight.core.rng import unit_float
 from alight.core.simd import (
     any_lane,
@@ -106,6 +107,20 @@ ONE_SIDED = frozenset(
     }
 )
 
+#: What programs call options of these materials that do not change this; bent normals do.
+HARMLESS = frozenset(
+    {
+        *FEATURES.values(),
+        "absorbing",
+        "anisotropic",
+        "delta_and_smooth",
+        "diffuse:uniform",
+        "layered",
+        "rows:many",
+        "tinted",
+    }
+)
+
 #: index: row of a light; pmf: the probability that it had; plain: that for MIS, without the normal;
 #: rest: number of its triangle (exact; 0 for others than meshes).
 Choice = namedtuple("Choice", "index pmf plain rest")
@@ -131,7 +146,7 @@ def more_digits(u, extra, pmf):
 
 def least_cosine(program) -> float:
     """`BEHIND` where a material of the program may scatter light from there, else 0."""
-    return 0.0 if set(program.bsdfs) <= ONE_SIDED else BEHIND
+    return 0.0 if set(program.bsdfs) <= ONE_SIDED | HARMLESS else BEHIND
 
 
 @kernel

@@ -122,10 +122,13 @@ def _rounded_axes(axis: NDArray[np.float64]) -> NDArray[np.int64]:
 
     Behind a wide cone a longer one would feign an angle of 180 degrees where it is 177.
     """
-    found = np.rint(axis * _TENTH)
-    long = np.sum(found * found, axis=1, keepdims=True) > _TENTH**2
-    shorter = np.rint(axis * (_TENTH - 0.5 * np.sqrt(3.0)))
-    return np.where(long, shorter, found).astype(np.int64)
+    found, rows = np.rint(axis * _TENTH), np.arange(len(axis))
+    for _ in range(3):
+        # One coordinate after the other is rounded down, the one first that was most rounded up.
+        long = np.sum(found * found, axis=1) > _TENTH**2
+        most = np.argmax(np.abs(found) - np.abs(axis * _TENTH), axis=1)
+        found[rows, most] -= np.where(long, np.sign(found[rows, most]), 0.0)
+    return found.astype(np.int64)
 
 
 def _upwards(x: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -1,13 +1,17 @@
-"""A group of lights is not dark where one of them shines, just before the edge of its light."""
+"""Bounds of a light tree: where a group of lights may shine, and from where it may be seen."""
 
 import numpy as np
+import pytest
 
+from alight.compiled.materials import compile_materials
 from alight.core.jit import instantiate
+from alight.core.registry import modules, type_name_of
 from alight.core.view import View
+from alight.lights.tree import BEHIND, ONE_SIDED, least_cosine
 from alight.lights.tree_bounds import bounds_of_row, guess, pack, unpack
 from alight.lights.tree_build import Leaves, _groups
 from tests.lights.test_light_tree import TREE, run
-from tests.shapes.tracing import vec
+from tests.shapes.tracing import PROGRAM, vec
 
 
 def pair(axis, across, angle):
@@ -37,3 +41,17 @@ def test_a_pair_shines_up_to_the_edge_of_each_lamp():
         bounds = instantiate(bounds_of_row, TREE, compiled=False)(View(group), 0)
         found = run(guess, bounds, p, p * np.float32(0.0), np.ones(n, bool), 0.0)
         assert np.all(found.plain > 0.0), angle
+
+
+EXAMPLES = {module: module.EXAMPLES for module in modules("bsdfs")}
+
+
+@pytest.mark.parametrize("module", EXAMPLES, ids=lambda module: type_name_of(module))
+def test_only_materials_that_may_scatter_light_from_behind_look_there(module):
+    for example in EXAMPLES[module]:
+        _, names, _ = compile_materials([example])
+        least = least_cosine(PROGRAM._replace(bsdfs=names))
+        # Mixtures are what their parts are.
+        models = {type_name_of(module) for module in EXAMPLES} & set(names)
+        known = models <= ONE_SIDED and "bent" not in names
+        assert least == (0.0 if known else BEHIND), names
