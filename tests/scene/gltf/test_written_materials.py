@@ -13,7 +13,9 @@ from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten, load, loads
 from alight.scene.formats.gltf.write import write
+from alight.textures.checkerboard import Checkerboard
 from tests.scene.gltf.maker import Maker
+from tests.textures.lookup import look_up
 
 SQUARE = {
     "type": "mesh", "vertices": [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]],
@@ -333,6 +335,19 @@ def test_films_keep_their_thickness(weight, tmp_path):
     else:
         assert (value.a[0], value.b[0]) == (100.0, 500.0 if weight is HALF else 300.0)
     assert lost == []
+
+
+@pytest.mark.parametrize("place", [{}, {"scale": [3.0, 5.0], "offset": [0.25, -1.5]}])
+def test_checkerboards_become_pictures_of_four_texels(place, tmp_path):
+    board = {"type": "checkerboard", "color0": [1, 0.5, 0], "color1": 0.25, **place}
+    bsdf = {"type": "principled", "base_color": board, "metallic": board}
+    found, _, lost = again(bsdf, tmp_path)
+    assert lost == ["pictures of 16 bits and floats: became 8 bits"]
+    u, v = np.random.default_rng(1).random((2, 100))
+    meant = look_up(Checkerboard(**board), u, v)
+    np.testing.assert_allclose(look_up(found.base_color, u, v), meant, atol=0.004)
+    meant = meant @ [0.2126, 0.7152, 0.0722]
+    np.testing.assert_allclose(look_up(found.metallic, u, v)[:, 0], meant, atol=0.004)
 
 
 # ---------------------------------------------------------------- other models

@@ -3,10 +3,16 @@
 import json
 import math
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from alight.compiled.scene import compile_scene
+from alight.films import fixed_point
+from alight.integrators.walk import make_settings
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten, load, loads
 from alight.scene.formats.gltf.write import write
 from tests.scene.gltf.maker import Maker
@@ -233,3 +239,41 @@ def test_a_scene_without_anything_is_a_file_all_the_same(tmp_path, monkeypatch):
     assert file["scene"] == 0
     monkeypatch.setattr("alight.scene.formats.gltf.write._Writer.add_camera", lambda self: None)
     assert written(tmp_path, {})[2]["scenes"] == [{}]
+
+
+def shown(flat):
+    """A picture by a lamp, in the twin: the same numbers for the same scene."""
+    scene = compile_scene(flat, structure="list")
+    settings = make_settings(scene.integrator, seed=1, replicates=1)
+    kernels = make_kernels(scene, compiled=False)
+    width, height = flat.film.size
+    ranges = np.array([[[0, 64]]], np.int64)
+    film, _ = render_tile(kernels, scene, settings, Tile(0, 0, width, height), ranges)
+    fixed_point.carry(film.sums)
+    return fixed_point.to_float(film.sums)[:, :, 0] / 64
+
+
+def test_a_mirrored_world_looks_the_same(tmp_path):
+    """Bent normals, brushed metal and pictures too, on things that are mirrored themselves."""
+    hills = {"type": "bitmap", "pixels": ["c080d0 40a0e0", "90f0a0 805080"],
+             "color_space": "linear"}  # fmt: skip
+    square = {"shape": SQUARE | {"uvs": [[0, 0], [1, 0], [1, 1], [0, 1]]}}
+    metal = {"type": "principled", "metallic": 1.0, "base_color": GREY, "roughness": 0.5,
+             "anisotropy": 0.9, "anisotropy_rotation": 0.6}  # fmt: skip
+    bent = {"type": "normal_map", "texture": hills, "bsdf": {"type": "diffuse"}}
+    nodes = {"lamp": {"light": {"type": "point"}, "transform": {"translate": [0.3, 0.5, 1.5]}}}
+    sides = (([-0.4, 0.4, 1], -1, 1), ([0.4, 0.4, 1], 1, 1))
+    for bsdf, below in ((metal, 0), (bent, -2)):
+        for scale, x, y in sides:
+            steps = [{"scale": scale}, {"translate": [0.5 * x, 0.5 * (y + below), 0]}]
+            inner = {"type": "two_sided", "bsdf": bsdf}
+            nodes[f"{x}{below}"] = {**square, "bsdf": inner, "transform": steps}
+    steps = [{"scale": [-1, 1, 1]}, {"rotate": {"axis": "y", "angle": 10}}]
+    camera = {"type": "orthographic", "height": 2, "transform": [*steps, {"translate": [0, 0, 3]}]}
+    film = {"size": [8, 8]}
+    first, second, _, lost = written(tmp_path, nodes, camera, film=film)
+    assert len(lost) == 1
+    second = replace(second, film=first.film, integrator=first.integrator, environments=[])
+    one, other = shown(first), shown(second)
+    assert one.mean() > 0.02
+    np.testing.assert_allclose(other, one, rtol=0.02, atol=0.002)

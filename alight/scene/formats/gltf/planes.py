@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from alight.outputs.tone_mapping import LUMINANCE
 from alight.textures.bitmap import Bitmap
 from alight.textures.channel import CHANNELS, Channel
+from alight.textures.checkerboard import Checkerboard
 from alight.textures.multiply import Multiply
 
 #: The channel of a picture that is used as a number: its luminance.
@@ -82,7 +83,18 @@ def factors_of(value: Any) -> tuple[NDArray[np.float64], list[Any]]:
         return a * b, left + right
     if isinstance(value, float | int | tuple):
         return np.ones(3) * np.array(value, np.float64), []
-    return np.ones(3), [value]
+    return np.ones(3), [_squares(value) if isinstance(value, Checkerboard) else value]
+
+
+def _squares(board: Checkerboard) -> Bitmap:
+    """A checkerboard as a picture of four texels, its period."""
+    colors = np.array([[board.color1, board.color0], [board.color0, board.color1]])
+    return Bitmap(
+        pixels=colors.astype(np.float32),
+        interpolation="nearest",
+        to_uv=[{"matrix": (0.5 * board.matrix).tolist()}],
+        uv_set=board.uv_set,
+    )
 
 
 def plane_of(value: Any) -> Plane | float | None:

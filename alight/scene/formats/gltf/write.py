@@ -3,7 +3,7 @@
 Meshes with all their texture coordinates, their places, the camera, point, spot and directional
 lights, and materials: `principled` and `diffuse` as they are, others as the nearest `principled`,
 with pictures. Shapes that are formulas become meshes. What glTF has no word for (environments,
-textures that are no pictures) is named in the list that comes back.
+noise) is named in the list that comes back.
 """
 
 from __future__ import annotations
