@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from alight.core.errors import quote, unknown_name
 from alight.core.uv_sets import MOST_SETS
+from alight.scene.formats.ear_clipping import triangulated
 from alight.scene.formats.triangles import MeshArrays, broken, fan, srgb_to_linear
 
 TYPES = {
@@ -311,6 +312,10 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
     if indices is not None:
         corners, _ = fan(indices.sizes)
         faces = _to_indices(indices.values[corners], len(vertices))
+        if len(faces) and (indices.sizes > 3).any():
+            # Corners of faces that make no triangle may be no vertices.
+            own = np.clip(indices.values, 0, len(vertices) - 1).astype(np.int64)
+            faces = own[triangulated(vertices[own], indices.sizes)].astype(np.int32)
     found = {
         name: next((c for c in (_columns(vertex, n) for n in names) if c is not None), None)
         for name, names in NAMES.items()
