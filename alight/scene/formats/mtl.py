@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from alight.core.errors import Issue, SceneError, quote
@@ -100,7 +101,7 @@ def read(text: str, name: str, reach: Reach, report: Report) -> dict[str, Materi
     text, name : str
         Content of the file, and its name for messages.
     reach : Reach
-        Finds pictures.
+        Finds pictures; where the library lies, too.
     report : Report
         Takes problems and remarks.
     """
@@ -199,8 +200,11 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
             made.multiplier = values[0]
         else:
             _say_option(option, key, place, report)
+    if not words:
+        report.drop(f"{quote(key)}: names no picture")
+        return None
     try:
-        made.file = _find(" ".join(words), place, reach, report)
+        made.file = reach.name_of(find(" ".join(words), place, reach, report))
     except OutOfReachError as error:
         report.problem(place, key, str(error))
         return None
@@ -243,19 +247,29 @@ def _leading_numbers(words: list[str], count: tuple[int, int]) -> tuple[list[flo
     return (values if len(values) >= count[0] else []), words
 
 
-def _find(name: str, place: str, reach: Reach, report: Report) -> str:
-    """A file beside the scene; of a path of another machine its last part."""
+def find(name: str, place: str, reach: Reach, report: Report) -> Path:
+    """Find a file that a program on another computer may have named.
+
+    Names may stand in quotes and differ in upper and lower case; of a path that leads nowhere its
+    last parts are looked for, as many as there are.
+
+    Raises
+    ------
+    OutOfReachError
+        If it lies outside or does not exist.
+    """
+    plain = name.strip().strip('"')
     try:
-        return reach.name_of(reach.find(name))
-    except OutOfReachError as error:
-        last = name.replace("\\", "/").rpartition("/")[2]
-        try:
-            found = reach.name_of(reach.find(last))
-        except OutOfReachError:
-            # What is wrong with the whole path tells more.
-            raise error from None
-        report.approximate(f"{place}: {quote(name)} was found as {quote(found)}")
-        return found
+        return reach.find(plain)
+    except OutOfReachError:
+        parts = [part for part in plain.replace("\\", "/").split("/") if part.strip(".")]
+        for first in range(len(parts)):
+            found = reach.find_alike("/".join(parts[first:]))
+            if found is not None:
+                shown = quote(reach.name_of(found))
+                report.approximate(f"{place}: {quote(name)} was found as {shown}")
+                return found
+        raise
 
 
 def _times(color: Any, found: Map | None) -> Any:

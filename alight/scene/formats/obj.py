@@ -10,7 +10,8 @@ Source: Wavefront Technologies, Object files (.obj), appendix B1 of the Advanced
 from __future__ import annotations
 
 import codecs
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from alight.scene.formats.concave import cut_polygons
 from alight.scene.formats.triangles import MeshArrays, broken, srgb_to_linear
 
 LARGEST_INDEX = 2**31 - 1
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
 def read(data: bytes) -> MeshArrays:
@@ -42,8 +44,7 @@ def read(data: bytes) -> MeshArrays:
     SceneError
         If the file is broken; messages name the line.
     """
-    content = parse(data)
-    return assemble(content.tables, content.corners, content.sizes)
+    return parse(data).mesh()
 
 
 class Statement(NamedTuple):
@@ -61,21 +62,66 @@ class Content:
     Attributes
     ----------
     tables : dict
-        ``v``, ``vt`` and ``vn``: rows of numbers.
-    corners : list of (int, int, int)
+        Of ``v``, ``vt`` and ``vn``: (n, 3), (n, 2) and (n, 3) float32.
+    colors : (n, 3) float32 or None
+        Linear, of the rows of ``v``, if all have one.
+    corners : (c, 3) int64
         Rows of the three tables, of all faces one after the other; -1 where there is none.
-    sizes : list of int
+    sizes : (f,) int64
         Corners of each face.
     statements : list of Statement
         The rest, in order.
     """
 
-    tables: dict[bytes, list[list[float]]] = field(
-        default_factory=lambda: {b"v": [], b"vt": [], b"vn": []}
-    )
-    corners: list[tuple[int, int, int]] = field(default_factory=list)
-    sizes: list[int] = field(default_factory=list)
-    statements: list[Statement] = field(default_factory=list)
+    tables: dict[bytes, NDArray[np.float32]]
+    colors: NDArray[np.float32] | None
+    corners: NDArray[np.int64]
+    sizes: NDArray[np.int64]
+    statements: list[Statement]
+
+    def __post_init__(self) -> None:
+        """Sum up the sizes, to find the corners of a face."""
+        self._starts = np.concatenate([[0], np.cumsum(self.sizes)])
+
+    def partly(self, faces: list[tuple[int, int]]) -> list[str]:
+        """What only some corners of these faces have."""
+        keys = np.concatenate([self.corners[self._starts[a] : self._starts[b]] for a, b in faces])
+        given = (keys >= 0).any(axis=0) & (keys < 0).any(axis=0)
+        kinds = {1: "texture coordinates", 2: "normals"}
+        return [name for column, name in kinds.items() if given[column]]
+
+    def mesh(self, faces: list[tuple[int, int]] | None = None) -> MeshArrays:
+        """Make arrays of some faces.
+
+        Parameters
+        ----------
+        faces : list of (int, int), optional
+            Ranges of them; then only the vertices that they use are kept. All by default.
+        """
+        keys, sizes = self.corners, self.sizes
+        if faces is not None:
+            keys = np.concatenate([keys[self._starts[a] : self._starts[b]] for a, b in faces])
+            sizes = np.concatenate([sizes[a:b] for a, b in faces])
+        triangles = cut_polygons(self.tables[b"v"][keys[:, 0]], sizes)[0].reshape(-1)
+        use_uvs, use_normals = (len(keys) > 0 and keys[:, i].min() >= 0 for i in (1, 2))
+        kept = [0, *([1] if use_uvs else []), *([2] if use_normals else [])]
+        if faces is None and kept == [0]:
+            rows, inverse = np.arange(len(self.tables[b"v"]))[:, None], keys[:, 0]
+        else:
+            # Corners of faces that make no triangle count only in a whole file.
+            used = np.arange(len(keys)) if faces is None else triangles
+            rows, found = _distinct(keys[used][:, kept])
+            inverse = np.zeros(len(keys), np.int64)
+            inverse[used] = found
+        tables = [self.tables[kind] for kind in (b"v", b"vt", b"vn")]
+        columns = dict(zip(kept, rows.T, strict=True))
+        return MeshArrays(
+            tables[0][columns[0]],
+            inverse[triangles].astype(np.int32).reshape(-1, 3),
+            tables[2][columns[2]] if use_normals else None,
+            tables[1][columns[1]] if use_uvs else None,
+            self.colors[columns[0]] if self.colors is not None else None,
+        )
 
 
 def parse(data: bytes) -> Content:
@@ -84,31 +130,75 @@ def parse(data: bytes) -> Content:
     Raises
     ------
     SceneError
-        If a vertex or a face is broken; messages name the line.
+        If a vertex or a face is broken, or a face uses rows that are not there; messages name the
+        line.
     """
-    content = Content()
-    tables = content.tables
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        data = data.decode("utf-16", "replace").encode()
+    if data.startswith(_UTF_16):
+        data = decoded(data).encode()
     data = data.removeprefix(codecs.BOM_UTF8)
-    text = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
-    for number, line in enumerate(text.splitlines(), 1):
+    tables: dict[bytes, list[list[float]]] = {b"v": [], b"vt": [], b"vn": []}
+    corners: list[tuple[int, int, int]] = []
+    sizes, lines = [], []
+    statements: list[Statement] = []
+    for number, line in _whole_lines(data):
         words = line.split()
         if not words or words[0].startswith(b"#"):
             continue
+        is_text = words[0] != b"f" and words[0] not in tables
+        if not is_text and b"#" in line:
+            # In names a # is part of them.
+            ends = [i for i, word in enumerate(words) if word.startswith(b"#")]
+            words = words[: ends[0]] if ends else words
         if words[0] in tables:
             tables[words[0]].append(_parse_row(words, number))
         elif words[0] == b"f":
             counts = (len(tables[b"v"]), len(tables[b"vt"]), len(tables[b"vn"]))
-            content.corners.extend(_parse_corner(word, counts, number) for word in words[1:])
-            content.sizes.append(len(words) - 1)
+            corners.extend(_parse_corner(word, counts, number) for word in words[1:])
+            sizes.append(len(words) - 1)
+            lines.append(number)
         else:
-            content.statements.append(Statement(words, number, len(content.sizes)))
+            statements.append(Statement(words, number, len(sizes)))
+    colors = None
+    if tables[b"v"] and all(len(row) >= 6 for row in tables[b"v"]):
+        colors = srgb_to_linear(np.clip(_table([row[3:] for row in tables[b"v"]], 3), 0, 1))
+    content = Content(
+        {kind: _table(rows, 2 if kind == b"vt" else 3) for kind, rows in tables.items()},
+        colors,
+        np.array(corners, np.int64).reshape(-1, 3),
+        np.array(sizes, np.int64),
+        statements,
+    )
+    _check_indices(content, lines)
     return content
+
+
+def decoded(data: bytes) -> str:
+    """Text of a file that does not say how it is encoded; any bytes are one."""
+    if data.startswith(_UTF_16):
+        return data.decode("utf-16", "replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def _whole_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Numbers and contents of lines; those that end in a backslash go on in the next one."""
+    first, begun = 0, b""
+    for number, line in enumerate(data.splitlines(), 1):
+        if line.endswith(b"\\"):
+            first, begun = first or number, begun + line[:-1] + b" "
+            continue
+        yield first or number, begun + line
+        first, begun = 0, b""
+    yield first, begun
 
 
 def _parse_row(words: list[bytes], number: int) -> list[float]:
     least = 2 if words[0] == b"vt" else 3
+    if words[0] == b"vt" and len(words) == 2:
+        # Of a curve; v is 0 then.
+        words = [*words, b"0"]
     if len(words) <= least:
         kind = words[0].decode()
         raise broken(f"line {number}: {kind} needs {least} numbers, got {len(words) - 1}")
@@ -140,55 +230,27 @@ def _parse_corner(word: bytes, counts: tuple[int, int, int], number: int) -> tup
     return result[0], result[1], result[2]
 
 
-def assemble(
-    tables: dict[bytes, list[list[float]]], corners: list[tuple[int, int, int]], sizes: list[int]
-) -> MeshArrays:
-    """Make arrays of some faces.
-
-    Raises
-    ------
-    SceneError
-        If a face uses rows that are not there.
-    """
-    # A row per distinct (v, vt, vn), in the order of v, so that plain files keep their order.
-    keys = np.array(corners, np.int64).reshape(-1, 3)
-    _check_indices(tables, keys)
-    use_uvs, use_normals = bool(len(keys)), bool(len(keys))
-    use_uvs &= bool((keys[:, 1] >= 0).all())
-    use_normals &= bool((keys[:, 2] >= 0).all())
-    if not use_uvs:
-        keys[:, 1] = -1
-    if not use_normals:
-        keys[:, 2] = -1
-    positions = _table(tables[b"v"], 3)
-    colors = None
-    if tables[b"v"] and all(len(row) >= 6 for row in tables[b"v"]):
-        colors = srgb_to_linear(np.clip(_table([row[3:] for row in tables[b"v"]], 3), 0, 1))
-    if use_uvs or use_normals:
-        rows, inverse = np.unique(keys, axis=0, return_inverse=True)
-        inverse = inverse.reshape(-1)
-    else:
-        rows = np.stack([np.arange(len(positions))] * 3, axis=1)
-        inverse = keys[:, 0]
-    triangles, _ = cut_polygons(positions[keys[:, 0]], np.array(sizes, np.int64))
-    faces = inverse[triangles].astype(np.int32).reshape(-1, 3)
-    return MeshArrays(
-        positions[rows[:, 0]],
-        faces,
-        _table(tables[b"vn"], 3)[rows[:, 2]] if use_normals else None,
-        _table(tables[b"vt"], 2)[rows[:, 1]] if use_uvs else None,
-        colors[rows[:, 0]] if colors is not None else None,
-    )
+def _distinct(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Distinct rows in rising order, and which of them each row is."""
+    # One number for a row: the columns before it by their rank, times room for the next column.
+    rank, inverse = np.unique(keys[:, 0], return_inverse=True)
+    rows = rank[:, None]
+    for column in keys.T[1:]:
+        room = int(column.max(initial=0)) + 1
+        codes, inverse = np.unique(inverse * room + column, return_inverse=True)
+        rows = np.concatenate([rows[codes // room], (codes % room)[:, None]], axis=1)
+    return rows, inverse.reshape(-1)
 
 
-def _check_indices(tables: dict[bytes, list[list[float]]], keys: NDArray[np.int64]) -> None:
-    for column, kind in enumerate((b"v", b"vt", b"vn")):
-        largest = int(keys[:, column].max(initial=-1))
-        if largest >= len(tables[kind]):
-            raise broken(
-                f"a face uses {kind.decode()} number {largest + 1}, "
-                f"the file holds {len(tables[kind])}"
-            )
+def _check_indices(content: Content, lines: list[int]) -> None:
+    """Refuse faces that use rows that are nowhere in the file."""
+    for column, (kind, table) in enumerate(content.tables.items()):
+        outside = np.flatnonzero(content.corners[:, column] >= len(table))
+        if len(outside):
+            face = int(np.searchsorted(np.cumsum(content.sizes), outside[0], side="right"))
+            index = content.corners[outside[0], column] + 1
+            text = f"a face uses {kind.decode()} number {index}, the file holds {len(table)}"
+            raise broken(f"line {lines[face]}: {text}")
 
 
 def _table(rows: list[list[float]], columns: int) -> NDArray[np.float32]:

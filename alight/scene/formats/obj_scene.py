@@ -95,9 +95,8 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     bounds, glow, nodes, bsdfs = Bounds(), Glow(reach.folder), {}, {}
     names: dict[str, str] = {}
     places = {"": name}
-    starts = np.concatenate([[0], np.cumsum(content.sizes)]).astype(np.int64)
     for part in parts:
-        mesh = _mesh(content, part, starts, name)
+        mesh = _mesh(content, part, name, report)
         if mesh is None:
             continue
         assert mesh.vertices is not None
@@ -151,7 +150,7 @@ def _parts(
             part = parts.setdefault((group, material, smooth), _Part(group, material, smooth))
             part.faces.append((start, faces))
             start = faces
-        texts = [word.decode("utf-8", "replace") for word in words]
+        texts = [obj.decoded(word) for word in words]
         rest = " ".join(texts[1:])
         if words[0] in (b"g", b"o"):
             group = rest
@@ -169,8 +168,10 @@ def _parts(
                 f"{name}:{line}:1", texts[0], "statement",
                 dropped=_OF_DRAWING, approximated=_FREE_FORM, known=_KNOWN,
             )  # fmt: skip
-    if any(size < 3 for size in content.sizes):
+    if (content.sizes < 3).any():
         report.drop("faces of fewer than 3 corners have no surface")
+    if used and not any(words[0] == b"mtllib" for words, _, _ in content.statements):
+        report.approximate(f"{name}: names materials but no library (mtllib): all is grey")
     for material, place in used.items():
         if material not in materials and materials:
             known = unknown_name("material", material, materials).partition("  (")[0]
@@ -182,37 +183,30 @@ def _library(
     text: str, place: str, reach: Reach, report: Report, materials: dict[str, mtl.Material]
 ) -> None:
     """Read the libraries of a statement: one name with spaces, or several names."""
-    for name in [text] if text.lower().endswith(".mtl") and ".mtl " not in text else text.split():
+    is_one = text.lower().rstrip('"').endswith(".mtl") and ".mtl " not in text.lower()
+    for name in [text] if is_one else text.split():
         try:
-            path = reach.find(name)
+            path = mtl.find(name, place, reach, report)
         except OutOfReachError as error:
             report.approximate(f"{place}: {error}; its materials are grey")
             continue
         try:
             if path.stat().st_size > MOST_LIBRARY_BYTES:
                 raise mtl.broken(place, f"{quote(name)} must be at most 16 MB")
-            content = path.read_bytes().decode("utf-8", "replace")
+            content = obj.decoded(path.read_bytes())
         except OSError as error:
             raise mtl.broken(place, f"cannot read {quote(name)}: {error.strerror}") from None
-        materials.update(mtl.read(content, path.name, reach, report))
+        materials.update(mtl.read(content, path.name, reach.from_folder(path.parent), report))
 
 
-def _mesh(content: obj.Content, part: _Part, starts: np.ndarray, name: str) -> Mesh | None:
+def _mesh(content: obj.Content, part: _Part, name: str, report: Report) -> Mesh | None:
     """The mesh of a part; None if it has no triangle."""
-    corners, sizes = [], []
-    for first, last in part.faces:
-        corners += content.corners[int(starts[first]) : int(starts[last])]
-        sizes += content.sizes[first:last]
-    try:
-        arrays = obj.assemble(content.tables, corners, sizes)
-    except SceneError as error:
-        raise SceneError([Issue("", issue.message, name) for issue in error.issues]) from None
+    arrays = content.mesh(part.faces)
     if len(arrays.faces) == 0:
         return None
-    # Only the vertices that these faces use.
-    used, faces = np.unique(arrays.faces, return_inverse=True)
-    kept = {n: t[used] for n, t in arrays._asdict().items() if t is not None and n != "faces"}
-    arrays = arrays._replace(**kept, faces=faces.reshape(-1, 3).astype(np.int32))
+    for kind in content.partly(part.faces):
+        group = f"{quote(part.group)}: " if part.group else ""
+        report.approximate(f"{name}: {group}only some faces have {kind}: none is used")
     problem = mesh_problem(arrays)
     if problem:
         raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])

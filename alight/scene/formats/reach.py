@@ -9,6 +9,7 @@ of a path outside of it follows from the path alone: the disk is not looked at.
 from __future__ import annotations
 
 import os
+from copy import copy
 from pathlib import Path, PureWindowsPath
 from typing import Any
 
@@ -84,6 +85,26 @@ class Reach:
             if candidates[-1].is_file():
                 return candidates[-1]
         raise refused[0] if refused else OutOfReachError(_missing(candidates[0], name))
+
+    def find_alike(self, name: str) -> Path | None:
+        """Find a file by a name that may differ in upper and lower case; None if there is none."""
+        for folder in self.searched:
+            try:
+                path = self.folder
+                for part in self.name_of(self.inside(name, folder)).split("/"):
+                    path /= part if part == ".." else _alike(path, part)
+                path = self.inside(self.name_of(path))
+            except (OSError, OutOfReachError):
+                continue
+            if path.is_file():
+                return path
+        return None
+
+    def from_folder(self, folder: Path) -> Reach:
+        """The same reach for a file that lies in a folder and names files from there."""
+        other = copy(self)
+        other.searched = [folder, *(path for path in self.searched if path != folder)]
+        return other
 
     def name_of(self, path: Path) -> str:
         """Name a file relative to the scene's folder, as the native format does."""
@@ -194,6 +215,12 @@ def _plain(name: str) -> str:
 def _said(plain: str, folder: Path) -> Path:
     """What a path says by itself: ``..`` takes a name away, whatever lies there."""
     return Path(os.path.normpath(folder / plain))
+
+
+def _alike(folder: Path, name: str) -> str:
+    """The name of an entry of a folder that is a name but for upper and lower case."""
+    entries = [entry.name for entry in folder.iterdir() if entry.name.lower() == name.lower()]
+    return entries[0] if len(entries) == 1 and name not in entries else name
 
 
 def _missing(path: Path, name: str) -> str:
