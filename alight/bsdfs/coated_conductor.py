@@ -9,8 +9,9 @@ First what the coat reflects. Then the metal's lobe: directions with a dash are 
 coat, of relative index eta, as if it were smooth; D is a little wider than the metal's own, by what
 a rough coat scatters on both ways. Light goes to and fro between the layers, and is coloured by the
 metal each time. How much of it leaves at last is known, see `alight.bsdfs.layered`; the scales s,
-one for each channel, give the lobe just that albedo from every side, within 0.002. How it is spread
-is nearly right under smooth coats, and too narrow at grazing angles under rough ones.
+one for each channel, give the lobe just that albedo from every side, within 0.002 (within 0.01 in
+the last degree above the surface). How it is spread is nearly right under smooth coats, and too
+narrow at grazing angles under rough ones.
 
 All facets are GGX, of correlated heights, G = 1 / (1 + Lambda_o + Lambda_i), as in pbrt 4. Light
 that meets two facets of a layer is lost (single scattering). Black from behind.

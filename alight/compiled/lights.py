@@ -90,9 +90,9 @@ def compile_lights(
     shapes : CompiledShapes
         Its ``tables.info`` is completed in place.
     selection : {"auto", "power", "uniform", "tree"}, default "auto"
-        Each light that shines is equally likely, as likely as its share of the power, or as likely
-        as a tree says at the lit point; "auto" takes the tree for many lights where it gains, else
-        the power.
+        Each light that shines is equally likely, as likely as its share of the power (see
+        `alight.compiled.light_tree.by_power`), or as likely as a tree says at the lit point; "auto"
+        takes the tree for many lights where it gains, else the power.
     compensated : bool, default False
         Light sampling is combined with BSDF sampling, which finds what the compensated map of an
         environment leaves out.

@@ -64,7 +64,8 @@ def _conductor_channel(cos_i, eta, k):
     p_even, p_odd = cos2 * modulus + sin2 * sin2, a_cos * sin2
     p_sum = p_even + p_odd
     p = where(p_sum > 0.0, (p_even - p_odd) / where(p_sum > 0.0, p_sum, 1.0), 1.0)
-    return minimum(0.5 * s * (1.0 + p), 1.0)
+    # Where nothing is reflected, s is what rounding leaves of a difference.
+    return minimum(maximum(0.5 * s * (1.0 + p), 0.0), 1.0)
 
 
 @kernel

@@ -203,7 +203,7 @@ def leaf_words(cdf, leaf):
 def choose_leaf(program):
     """Go down the tree: ``choose_leaf(scene, p, n, u, extra, active) -> Choice``.
 
-    `extra` in [0, 1) carries on the digits of u; pmf is 0 where no light can shine.
+    `extra`, in units of 2^-24, carries on the digits of u; pmf is 0 where no light can shine.
     """
     behind = least_cosine(program)
 
@@ -299,6 +299,8 @@ def choose_by_tree(scene, p, n, u, u2, active):
     if any_lane(local):
         inner = 1.0 - outer
         scaled = maximum(u - outer, 0.0) / maximum(inner, UNIT)
+        # The digits that u lacks begin where those of the tree's part of it end.
+        extra = extra / maximum(inner, UNIT)
         leaf = choose_leaf(scene, p, n, minimum(scaled, ONE_MINUS_EPSILON), extra, local)
         index = where(local, leaf.index, index)
         pmf = where(local, leaf.pmf * inner, pmf)

@@ -39,6 +39,13 @@ def test_dielectric_agrees_with_the_complex_form(eta):
     np.testing.assert_allclose(reflectance[critical], exact[critical], atol=1e-2)
 
 
+@pytest.mark.parametrize("eta", [1.0, 1.0 + 1e-6, 1.0 - 1e-6])
+def test_metal_that_is_like_its_surroundings_reflects_nothing_not_less(eta):
+    cosines = np.linspace(1e-3, 1.0, 5000).astype(f)
+    reflectance = fresnel_conductor(cosines, grey(eta), grey(0.0)).x
+    assert np.all(reflectance >= 0.0) and np.all(reflectance[cosines > 0.1] < 1e-6)
+
+
 @pytest.mark.parametrize("eta", [1.5, 0.75, 2.4])
 def test_dielectric_at_normal_incidence(eta):
     reflectance, cos_t = fresnel_dielectric(f(1.0), f(eta))
