@@ -91,6 +91,11 @@ def test_written_normals_have_the_length_1(tmp_path):
     _, flat, _, _ = written(tmp_path, {"a": {"shape": long}})
     expected = [[0, 0, 1], [0, 0, 1], [0, 0.6, 0.8], [0, 0, 1]]
     np.testing.assert_allclose(flat.geometries[0].normals, expected, atol=1e-7)
+    none = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]}
+    for vertices in (none["vertices"], [[0, 0, 0]] * 3):
+        mesh = {"type": "mesh", **none, "vertices": vertices, "normals": [[0, 0, 0]] * 3}
+        _, flat, _, _ = written(tmp_path, {"a": {"shape": mesh}})
+        np.testing.assert_array_equal(flat.geometries[0].normals, [[0, 0, 1]] * 3)
 
 
 @pytest.mark.parametrize("flip", [False, True])
