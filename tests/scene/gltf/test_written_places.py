@@ -301,3 +301,10 @@ def test_a_mirrored_world_looks_the_same(tmp_path):
     one, other = shown(first), shown(second)
     assert one.mean() > 0.02
     np.testing.assert_allclose(other, one, rtol=0.02, atol=0.002)
+
+
+def test_files_that_are_too_large_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("alight.scene.formats.gltf.store.MOST_BYTES", 1000)
+    with pytest.raises(OSError, match="at most 1000 bytes, this would be 1"):
+        written(tmp_path, {"a": {"shape": SQUARE}})
+    assert not list(tmp_path.iterdir())

@@ -54,8 +54,9 @@ def write(flat: FlatScene, path: Path) -> list[str]:
     if any(placed.motion for placed in (*flat.shapes, *flat.lights, flat.camera)):
         writer.lose("what moves: it stands where it is when the shutter opens")
     writer.add_all()
+    data = writer.bytes()
     with replacing(path) as beside:
-        beside.write_bytes(writer.bytes())
+        beside.write_bytes(data)
     return list(writer.lost)
 
 
