@@ -27,6 +27,7 @@ MISSPELT = {
         ["extensions", "KHR_lights_punctual", "lights", 0, "spot", "outerCone"],
         'did you mean "outerConeAngle"?',
     ),
+    "skin": (["skins", 0, "inverseBindMatrix"], 'did you mean "inverseBindMatrices"?'),
     "extension": (["materials", 0, "extensions", "KHR_materials_clearcot"], '"KHR_materials_cl'),
     "extension of a node": (["nodes", 3, "extensions", "EXT_mesh_gpu_instancing"], "EXT_mesh_gpu"),
     "extension of a primitive": (
@@ -44,6 +45,7 @@ def warnings_of(document, tmp_path):
 @pytest.mark.parametrize("kind", MISSPELT)
 def test_misspelt_keys_are_told_of(kind, tmp_path):
     document = json.loads(everything().gltf())
+    document.setdefault("skins", [{"joints": [0]}])
     path, words = MISSPELT[kind]
     owner = document
     for key in path[:-1]:

@@ -2,6 +2,7 @@
 
 import pytest
 
+from alight.core.errors import SceneError
 from alight.scene import load
 from tests.scene.gltf.maker import Maker
 
@@ -23,3 +24,21 @@ def test_unlit_surfaces_are_no_lamps(tmp_path):
     m.node(mesh=m.square(m.material(extensions={"KHR_materials_unlit": {}})), scale=[9, 9, 9])
     (tmp_path / "a.glb").write_bytes(m.glb())
     assert any("has no light" in line for line in load(tmp_path / "a.glb").warnings)
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_lamps_with_two_sides_are_told_of(both, tmp_path):
+    m = Maker()
+    m.node(mesh=m.square(m.material(emissiveFactor=[1, 1, 1], doubleSided=both)))
+    m.node(mesh=m.square(m.material(pbrMetallicRoughness={}, doubleSided=True)))
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    said = "\n".join(load(tmp_path / "a.glb").warnings)
+    assert ("they shine on the outer side alone" in said) is both
+
+
+def test_sides_are_true_or_false(tmp_path):
+    m = Maker()
+    m.node(mesh=m.square(m.material(pbrMetallicRoughness={}, doubleSided=2)))
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    with pytest.raises(SceneError, match="/materials/0/doubleSided\n  must be true or false"):
+        load(tmp_path / "a.glb")

@@ -71,9 +71,22 @@ def test_joints_that_are_not_there():
     with pytest.raises(SceneError) as caught:
         parsed(with_skin(joints=JOINTS + np.uint8(5)))
     assert "below the number of joints, 2, got 6" in str(caught.value)
+    assert "/meshes/0/primitives/0/attributes/JOINTS_0" in str(caught.value)
     with pytest.raises(SceneError) as caught:
         parsed(with_skin(bind=np.eye(4).reshape(1, 16)))
     assert "a matrix for each of 2 joints" in str(caught.value)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, 0.5])
+def test_joints_are_whole_numbers(wrong):
+    with pytest.raises(SceneError, match="attributes/JOINTS_0\n  must hold whole numbers"):
+        parsed(with_skin(joints=JOINTS.astype("<f4") + np.float32(wrong)))
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+def test_weights_are_finite(wrong):
+    with pytest.raises(SceneError, match="attributes/WEIGHTS_0\n  must hold finite numbers"):
+        parsed(with_skin(weights=np.full_like(WEIGHTS, wrong)))
 
 
 def glossy(**extension):

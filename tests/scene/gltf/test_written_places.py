@@ -85,12 +85,36 @@ def test_what_is_sheared_is_sheared_in_its_vertices(steps, tmp_path):
     assert all(has_place(node["matrix"]) for node in file["nodes"])
 
 
+def test_very_long_and_tiny_things_are_written(tmp_path):
+    """No node takes scales so different; no warning is shown."""
+    stretch = [{"scale": [2, 1e12, 1]}, {"rotate": {"axis": "z", "angle": 30}}]
+    nodes = {"a": {"shape": SQUARE, "transform": stretch}}
+    nodes["b"] = {"shape": {"type": "sphere", "radius": 1e-15}}
+    nodes["c"] = {"shape": {"type": "cylinder", "radius": 1e-15}}
+    first, second, file, _ = written(tmp_path, nodes)
+    matrix = np.array(file["nodes"][0]["matrix"]).reshape(4, 4)[:3, :3]
+    np.testing.assert_allclose(matrix @ matrix.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(corners(second)[0][:2], corners(first)[0][:2], rtol=1e-5)
+
+
+@pytest.mark.parametrize("fov", [1e-7, 179.99])
+def test_very_narrow_and_wide_pictures_come_back(fov, tmp_path):
+    camera = {"type": "pinhole", "fov": fov}
+    _, second, _, _ = written(tmp_path, {"a": {"shape": SQUARE}}, camera)
+    assert second.camera.camera.fov == pytest.approx(fov)
+
+
 def test_written_normals_have_the_length_1(tmp_path):
     """That of a vertex without one is the triangles' mean."""
     long = SQUARE | {"normals": [[0, 0, 0], [0, 0, 3], [0, 3, 4], [0, 0, 1e-20]]}
     _, flat, _, _ = written(tmp_path, {"a": {"shape": long}})
     expected = [[0, 0, 1], [0, 0, 1], [0, 0.6, 0.8], [0, 0, 1]]
     np.testing.assert_allclose(flat.geometries[0].normals, expected, atol=1e-7)
+    none = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]}
+    for vertices in (none["vertices"], [[0, 0, 0]] * 3):
+        mesh = {"type": "mesh", **none, "vertices": vertices, "normals": [[0, 0, 0]] * 3}
+        _, flat, _, _ = written(tmp_path, {"a": {"shape": mesh}})
+        np.testing.assert_array_equal(flat.geometries[0].normals, [[0, 0, 1]] * 3)
 
 
 @pytest.mark.parametrize("flip", [False, True])
@@ -277,3 +301,10 @@ def test_a_mirrored_world_looks_the_same(tmp_path):
     one, other = shown(first), shown(second)
     assert one.mean() > 0.02
     np.testing.assert_allclose(other, one, rtol=0.02, atol=0.002)
+
+
+def test_files_that_are_too_large_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("alight.scene.formats.gltf.store.MOST_BYTES", 1000)
+    with pytest.raises(OSError, match="at most 1000 bytes, this would be 1"):
+        written(tmp_path, {"a": {"shape": SQUARE}})
+    assert not list(tmp_path.iterdir())

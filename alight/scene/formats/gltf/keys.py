@@ -20,7 +20,7 @@ KINDS: dict[str, dict[str, str]] = {
         "accessors": "accessor", "animations": "", "asset": "asset", "buffers": "buffer",
         "bufferViews": "bufferView", "cameras": "camera", "extensionsRequired": "",
         "extensionsUsed": "", "images": "image", "materials": "material", "meshes": "mesh",
-        "nodes": "node", "samplers": "sampler", "scene": "", "scenes": "scene", "skins": "",
+        "nodes": "node", "samplers": "sampler", "scene": "", "scenes": "scene", "skins": "skin",
         "textures": "texture",
     },
     "accessor": dict.fromkeys(
@@ -54,6 +54,7 @@ KINDS: dict[str, dict[str, str]] = {
     "primitive": dict.fromkeys(("attributes", "indices", "material", "mode", "targets"), ""),
     "sampler": dict.fromkeys(("magFilter", "minFilter", "name", "wrapS", "wrapT"), ""),
     "scene": {"name": "", "nodes": ""},
+    "skin": dict.fromkeys(("inverseBindMatrices", "joints", "name", "skeleton"), ""),
     "sparse": {"count": "", "indices": "sparse view", "values": "sparse view"},
     "sparse view": {"bufferView": "", "byteOffset": "", "componentType": ""},
     "texture": {"name": "", "sampler": "", "source": ""},

@@ -178,7 +178,14 @@ class Materials:
         strength = extension.number("emissiveStrength", 1.0, 0.0) if extension else 1.0
         color = [strength * c for c in factor]
         picture = self.textures.bitmap(item, "emissiveTexture", is_color=True)
-        return multiplied(color, picture) if max(color) > 0.0 else None
+        has_two_sides = item.flag("doubleSided")
+        if max(color) == 0.0:
+            return None
+        if has_two_sides:
+            self.document.report.approximate(
+                "emission of doubleSided materials: they shine on the outer side alone"
+            )
+        return multiplied(color, picture)
 
     def _extend(self, item: Item, bsdf: Data) -> None:
         """Add what the extensions say."""

@@ -31,6 +31,8 @@ from alight.shapes.mesh import Mesh
 
 #: Nodes this deep carry all that is below them; the native format ends at 24.
 DEEPEST = 16
+#: Radians, least and most, that a picture can span.
+_ANGLES = 1e-12, math.radians(179.9999)
 #: Spots and directional lights of glTF shine along -z, ours along +z.
 _TURNED = {"rotate": {"axis": "x", "angle": 180.0}}
 
@@ -315,7 +317,7 @@ class Graph:
             raise item.fatal(kind, "is missing")
         if kind == "orthographic":
             return {"type": "orthographic", "height": 2.0 * lens.number("ymag", 1.0, 1e-9)}
-        fov = math.degrees(lens.number("yfov", math.radians(45.0), 1e-6, math.radians(179.9)))
+        fov = math.degrees(lens.number("yfov", math.radians(45.0), *_ANGLES))
         return {"type": "pinhole", "fov": fov}
 
 

@@ -15,6 +15,8 @@ from alight.scene.transform import Matrix
 
 #: Largest cosine between the images of two axes that still counts as a right angle.
 SKEWED = 1e-5
+#: Scales along different axes that differ by more are lost when others take a matrix apart.
+STRETCHED = 1e6
 
 
 def unscaled(to_world: Matrix) -> Matrix:
@@ -42,9 +44,15 @@ def unscaled(to_world: Matrix) -> Matrix:
 
 
 def is_skewed(to_world: Matrix) -> bool:
-    """Whether the axes are no longer at right angles, so that no node of glTF can stand so."""
+    """Whether the axes are no longer at right angles."""
     axes = to_world[:3, :3] / np.linalg.norm(to_world[:3, :3], axis=0)
     return bool(np.abs(axes.T @ axes - np.eye(3)).max() > SKEWED)
+
+
+def fits_node(to_world: Matrix) -> bool:
+    """Whether others can take a matrix apart into a scale, a rotation and a shift."""
+    lengths = np.linalg.norm(to_world[:3, :3], axis=0)
+    return not is_skewed(to_world) and bool(lengths.max() <= STRETCHED * lengths.min())
 
 
 def unskewed(to_world: Matrix) -> tuple[Matrix, Matrix]:

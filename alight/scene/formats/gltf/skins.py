@@ -63,9 +63,14 @@ def skinned(
     normals: NDArray[np.float32] | None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """Move vertices and normals, each by its four joints."""
+    attributes = primitive.object("attributes") or primitive
+    if not (joints == np.floor(joints)).all():
+        raise attributes.fatal("JOINTS_0", "must hold whole numbers")
+    if not np.isfinite(weights).all():
+        raise attributes.fatal("WEIGHTS_0", "must hold finite numbers")
     if len(joints) and not 0 <= int(joints.max()) < len(matrices):
         text = f"must be below the number of joints, {len(matrices)}, got {int(joints.max())}"
-        raise primitive.fatal("attributes/JOINTS_0", text)
+        raise attributes.fatal("JOINTS_0", text)
     share = weights.astype(np.float64)
     whole = share.sum(axis=1, keepdims=True)
     share = np.where(whole > 0.0, share / np.where(whole > 0.0, whole, 1.0), 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import struct
 from dataclasses import dataclass, field
@@ -10,6 +11,8 @@ from typing import Any
 import numpy as np
 
 Json = dict[str, Any]
+#: Bytes of a file, which says its length in 32 bits.
+MOST_BYTES = 2**32 - 1
 
 
 @dataclass
@@ -66,7 +69,13 @@ class Store:
         return self.put("accessors", item)
 
     def bytes(self) -> bytes:
-        """The file."""
+        """The file.
+
+        Raises
+        ------
+        OSError
+            If it is too large for the format.
+        """
         self.data += b"\0" * (-len(self.data) % 4)
         self.json["buffers"] = [{"byteLength": max(len(self.data), 4)}]
         count = len(self.json.get("nodes", []))
@@ -76,6 +85,10 @@ class Store:
         data = bytes(self.data) or b"\0" * 4
         text = json.dumps(self.json, allow_nan=False).encode()
         text += b" " * (-len(text) % 4)
-        head = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(data))
+        length = 28 + len(text) + len(data)
+        if length > MOST_BYTES:
+            text = f"a .glb file holds at most {MOST_BYTES} bytes, this would be {length}"
+            raise OSError(errno.EFBIG, text)
+        head = struct.pack("<4sII", b"glTF", 2, length)
         json_chunk = struct.pack("<II", len(text), 0x4E4F534A) + text
         return head + json_chunk + struct.pack("<II", len(data), 0x004E4942) + data

@@ -39,7 +39,9 @@ def tessellated(shape: Shape) -> tuple[MeshArrays, Array] | None:
         return None
     placed = np.eye(4)
     if isinstance(shape, sphere.Sphere | cylinder.Cylinder):
-        row = (sphere if isinstance(shape, sphere.Sphere) else cylinder).pack(shape, np.eye(4))
+        # Of a tiny one, numbers that play no part here overflow.
+        with np.errstate(over="ignore"):
+            row = (sphere if isinstance(shape, sphere.Sphere) else cylinder).pack(shape, np.eye(4))
         placed[:3, 3] = row[:3]
         placed[:3, :3] = (
             row[17:26].reshape(3, 3) if kind == "cylinder" else shape.radius * np.eye(3)

@@ -18,7 +18,7 @@ import numpy as np
 from alight.core.spec import Light
 from alight.outputs.atomic import replacing
 from alight.scene.flatten import FlatScene, PlacedShape, at_opening
-from alight.scene.formats.gltf.places import is_skewed, unscaled, unskewed
+from alight.scene.formats.gltf.places import fits_node, is_skewed, unscaled, unskewed
 from alight.scene.formats.gltf.store import Json, Store
 from alight.scene.formats.gltf.tessellate import EXACT, flipped, tessellated
 from alight.scene.formats.gltf.write_materials import MaterialWriter
@@ -54,8 +54,9 @@ def write(flat: FlatScene, path: Path) -> list[str]:
     if any(placed.motion for placed in (*flat.shapes, *flat.lights, flat.camera)):
         writer.lose("what moves: it stands where it is when the shutter opens")
     writer.add_all()
+    data = writer.bytes()
     with replacing(path) as beside:
-        beside.write_bytes(writer.bytes())
+        beside.write_bytes(data)
     return list(writer.lost)
 
 
@@ -110,7 +111,7 @@ class _Writer(Store):
         material = self.material(shape, surface, has_colors)
         has_to_be_mapped = bool(material[1]) and arrays.uvs is None
         to_world, first = self._world @ to_world, None
-        if is_skewed(to_world):
+        if not fits_node(to_world):
             to_world, first = unskewed(to_world)
         shear = None if first is None else first.tobytes()
         source = (kind, shape.geometry, flip, has_to_be_mapped, shear)

@@ -19,12 +19,12 @@ def with_unit_normals(mesh: MeshArrays) -> MeshArrays:
         return mesh
     normals = mesh.normals.astype(np.float64)
     lengths = np.linalg.norm(normals, axis=1)
+    if (np.abs(lengths - 1.0) < 1e-6).all():
+        return mesh
     if not (lengths > 0.0).all():
         normals = np.where((lengths > 0.0)[:, None], normals, _around(mesh))
         lengths = np.linalg.norm(normals, axis=1)
-    is_unit = np.abs(lengths - 1.0) < 1e-6
-    normals = np.where(is_unit[:, None], mesh.normals, normals / lengths[:, None])
-    return mesh._replace(normals=normals.astype(np.float32))
+    return mesh._replace(normals=(normals / lengths[:, None]).astype(np.float32))
 
 
 def _around(mesh: MeshArrays) -> NDArray[np.float64]:
