@@ -34,7 +34,7 @@ from alight.accel.turns import write_packet
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
-    gather,
+    gather_row,
     lanes,
     lanes_u32,
     load_lanes,
@@ -103,13 +103,13 @@ def _write_tree(plan: tuple[str, ...], moving: bool) -> tuple[Callable, Callable
         index, t = load_lanes(hits.index, 0), load_lanes(hits.t, 0)
         # Triangles whose area underflows are "met" at infinity.
         met = (index != NONE) & (t < INFINITY)
-        at = 2 * where(met, index, 0)
+        shape, prim = gather_row(accel.tree.ids, 2 * where(met, index, 0), 2)
         found = Hit(
             t,
             load_lanes(hits.u, 0),
             load_lanes(hits.v, 0),
-            gather(accel.tree.ids, at),
-            gather(accel.tree.ids, at + 1) + load_lanes(hits.face, 0),
+            shape,
+            prim + load_lanes(hits.face, 0),
         )
         return keep(met & wins(found, best), found, best)
 

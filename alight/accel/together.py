@@ -44,10 +44,10 @@ from alight.core.simd import (
 )
 from alight.core.vec import Vec3
 
-#: So many quarters of the lanes, or fewer, go alone: a test for all lanes takes as long as theirs.
-#: In a big tree, in which rays by turns wait for memory side by side, it is worth more rays
-#: (decision 11).
-FEW, FEW_OF_BIG = 1, 3
+#: So many sixteenths of the lanes, or fewer, go alone: a test for all takes as long as theirs. In
+#: a big tree, in which rays by turns wait for memory side by side, it is worth more rays (decision
+#: 11).
+FEW, FEW_OF_BIG = 7, 12
 
 #: Subtrees that may wait for a ray alone; when there are so many, all go on together.
 WAITING = 32
@@ -189,7 +189,7 @@ def write_together(
         )
         t = load_lanes(hits.t, 0)
         size, waiting, place, code = 0, 0, 0, 0
-        few = where(tree.patience > 1, FEW, FEW_OF_BIG) * LANES // 4
+        few = where(tree.patience > 1, FEW, FEW_OF_BIG) * LANES // 16
         store_lanes(entries, 0, lanes(0.0))
         while bits != 0:
             base = size

@@ -22,12 +22,16 @@ from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.jit import kernel
 from alight.core.simd import (
     any_lane,
+    as_float,
+    as_int,
     floor,
     gather,
+    gather_row,
     lanes_u32,
     maximum,
     minimum,
     sqrt,
+    to_uint,
     where,
 )
 
@@ -58,6 +62,9 @@ def cumulative(weights: ArrayLike) -> NDArray[np.float32]:
 def cumulative_2d(weights: ArrayLike) -> NDArray[np.float32]:
     """Tables for `sample_cell`: a conditional distribution a row, then the marginal one.
 
+    Guides follow, which leave few steps to bisection: their sizes for a row and for the marginal
+    distribution, then the numbers of `guide` for each row and for the marginal distribution.
+
     Parameters
     ----------
     weights : (rows, columns) float
@@ -65,12 +72,30 @@ def cumulative_2d(weights: ArrayLike) -> NDArray[np.float32]:
 
     Returns
     -------
-    (rows (columns + 1) + rows + 1,) float32
-        Each as of `cumulative`.
+    (m,) float32
+        The first rows (columns + 1) + rows + 1 are as of `cumulative`.
     """
     weights = np.asarray(weights, np.float64)
-    conditional = _cumulative_units(weights)
-    return np.append(conditional, _cumulative_units(weights.sum(axis=1))).astype(np.float32)
+    conditional, marginal = _cumulative_units(weights), _cumulative_units(weights.sum(axis=1))
+    rows, columns = (guide_size(n) for n in weights.shape)
+    guides = [guide(row, columns) for row in conditional]
+    tables = [conditional.ravel(), marginal, (columns, rows), *guides, guide(marginal, rows)]
+    return np.concatenate(tables).astype(np.float32)
+
+
+def guide_size(n: int) -> int:
+    """How many equal parts of [0, 1] the guide of n entries knows: a power of two, about n / 4."""
+    return 2 ** max(round(np.log2(n)) - 2, 0)
+
+
+def guide(table: NDArray[np.float64], size: int) -> NDArray[np.intp]:
+    """The entry that holds k / size, for k = 0 ... size: where bisection may begin and end.
+
+    Source: Chen and Asau 1974, On generating random variates from an empirical distribution, AIIE
+    Transactions 6(2). As `size` is a power of two, nothing is rounded.
+    """
+    entries = np.searchsorted(table, np.arange(size + 1) / size, side="right") - 1
+    return np.minimum(entries, len(table) - 2)
 
 
 def _cumulative_units(weights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -108,22 +133,36 @@ def sample_discrete(cdf, offset, n, u):
     u : float
         Again uniform in [0, 1), for another use.
     """
+    return bisect(cdf, offset, lanes_u32(0), lanes_u32(n), u)
+
+
+@kernel
+def bisect(cdf, offset, low, high, u):
+    """`sample_discrete` where the entry is known to lie in [low, high)."""
     # Halve [low, high) until one entry is left; it keeps cdf[low] <= u.
-    low, high = lanes_u32(0), lanes_u32(n)
     while any_lane(low + 1 < high):
         middle = (low + high) >> 1
         below = gather(cdf, middle + offset) <= u
         low, high = where(below, middle, low), where(below, high, middle)
-    start = gather(cdf, low + offset)
-    pmf = gather(cdf, low + offset + 1) - start
+    start, end = gather_row(cdf, low + offset, 2)
+    pmf = end - start
     rest = where(pmf > 0.0, (u - start) / where(pmf > 0.0, pmf, 1.0), 0.0)
     return low, pmf, minimum(rest, ONE_MINUS_EPSILON)
 
 
 @kernel
+def sample_guided(cdf, offset, at, size, u):
+    """`sample_discrete` with the guide that starts at number `at` of the table (lanes)."""
+    part = to_uint(u * as_float(size))
+    first, last = gather_row(cdf, at + part, 2)
+    return bisect(cdf, offset, to_uint(first), to_uint(last) + 1, u)
+
+
+@kernel
 def pmf_discrete(cdf, offset, index):
     """Probability of an entry, as `sample_discrete` returns it."""
-    return gather(cdf, offset + index + 1) - gather(cdf, offset + index)
+    start, end = gather_row(cdf, offset + index, 2)
+    return end - start
 
 
 @kernel
@@ -149,8 +188,16 @@ def sample_cell(cdf, offset, rows, columns, u, u2):
     rest : tuple of 2 floats
         Again uniform in [0, 1), for the place inside the cell.
     """
-    row, pmf_row, rest_y = sample_discrete(cdf, offset + rows * (columns + 1), rows, u2[1])
-    column, pmf_column, rest_x = sample_discrete(cdf, offset + row * (columns + 1), columns, u2[0])
+    marginal = offset + rows * (columns + 1)
+    sizes = marginal + rows + 1
+    of_columns, of_rows = as_int(cdf[sizes]), as_int(cdf[sizes + 1])
+    guides = sizes + 2
+    row, pmf_row, rest_y = sample_guided(
+        cdf, marginal, guides + rows * (of_columns + 1), of_rows, u2[1]
+    )
+    column, pmf_column, rest_x = sample_guided(
+        cdf, offset + row * (columns + 1), guides + row * (of_columns + 1), of_columns, u2[0]
+    )
     # A cell of k units of 2^-24 meets k values of u2 only; u is spread between them.
     lower = u * 4096.0
     rest_y = rest_y + u * (UNIT / maximum(pmf_row, UNIT))

@@ -165,6 +165,15 @@ def gather(view, index):
     return view.array[np.asarray(index).astype(np.int64)]
 
 
+def gather_row(view, index, n):
+    """``view[index], ..., view[index + n - 1]`` in each lane: a tuple; n is 2, 3 or 4, a constant.
+
+    Every index must be valid, in dead lanes too. One load a lane, and not n: lanes seldom share a
+    cache line, but what is looked up together lies together.
+    """
+    return tuple(gather(view, index + k) for k in range(n))
+
+
 def lane_index():
     """0, 1, 2, ... across the lanes."""
     return _ALL

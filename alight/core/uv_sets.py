@@ -16,7 +16,7 @@ from collections import namedtuple
 from typing import Annotated
 
 from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, to_uint, where
+from alight.core.simd import any_lane, gather, gather_row, to_uint, where
 from alight.core.spec import Interval
 
 #: What programs call it that a texture names another set than 0.
@@ -55,12 +55,10 @@ def triangle_uvs(tables, surface, number):
     i0 = 2 * where(further, chart.i0 + shift, 0)
     i1 = 2 * where(further, chart.i1 + shift, 0)
     i2 = 2 * where(further, chart.i2 + shift, 0)
-    uvs = tables.uvs
-    return TriangleUvs(
-        further,
-        gather(uvs, i0), gather(uvs, i0 + 1), gather(uvs, i1), gather(uvs, i1 + 1),
-        gather(uvs, i2), gather(uvs, i2 + 1),
-    )  # fmt: skip
+    u0, v0 = gather_row(tables.uvs, i0, 2)
+    u1, v1 = gather_row(tables.uvs, i1, 2)
+    u2, v2 = gather_row(tables.uvs, i2, 2)
+    return TriangleUvs(further, u0, v0, u1, v1, u2, v2)
 
 
 @specialised

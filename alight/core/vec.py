@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from alight.core.jit import kernel
-from alight.core.simd import absolute, gather, maximum, minimum, rsqrt, sqrt, where
+from alight.core.simd import absolute, gather_row, maximum, minimum, rsqrt, sqrt, where
 from alight.core.vec3 import Vec3 as Vec3
 
 
@@ -98,7 +98,8 @@ def is_black(a):
 @kernel
 def gather_vec3(view, index):
     """Three neighbours of a table, from `index` on, in each lane."""
-    return Vec3(gather(view, index), gather(view, index + 1), gather(view, index + 2))
+    x, y, z = gather_row(view, index, 3)
+    return Vec3(x, y, z)
 
 
 @kernel

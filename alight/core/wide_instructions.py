@@ -13,8 +13,10 @@ from numba.extending import intrinsic
 from alight.core import simd, wide
 from alight.core.instructions import PRIMITIVES
 from alight.core.lane_types import (
+    I1,
     I8,
     I32,
+    I64,
     Floats,
     LaneType,
     Uints,
@@ -212,6 +214,94 @@ def _gather_near(typing, table, k, index):
         return _permute(builder, repeated, args[2], index.n)
 
     return result(table, k, index), codegen
+
+
+@_stands_for(simd.gather_row)
+@intrinsic(prefer_literal=True)
+def _gather_row(typing, view, index, n):
+    if not isinstance(n, types.IntegerLiteral):
+        return None
+    count, kind = n.literal_value, view.dtype
+    if isinstance(index, Uints):
+        kind = Floats(index.n) if kind == f32 else Uints(index.n)
+
+    def codegen(context, builder, sig, args):
+        element = context.get_value_type(view.dtype)
+        data = builder.bitcast(pointer_of(context, builder, view, args[0]), element.as_pointer())
+        if not isinstance(index, Uints):
+            at = context.cast(builder, args[1], index, types.int64)
+            row = _row(builder, builder.gep(data, [at]), count)
+            found = [builder.extract_element(row, ir.Constant(I32, k)) for k in range(count)]
+        else:
+            indices = builder.zext(args[1], ir.VectorType(I64, index.n))
+            each = [builder.extract_element(indices, ir.Constant(I32, i)) for i in range(index.n)]
+            rows = [_row(builder, builder.gep(data, [at]), count) for at in each]
+            found = _columns(builder, rows, count)
+        return context.make_tuple(builder, sig.return_type, found)
+
+    return types.UniTuple(kind, count)(view, index, n), codegen
+
+
+def _row(builder, pointer, count):
+    """A vector of `count` neighbours, of four where there are three."""
+    vector = ir.VectorType(pointer.type.pointee, count + count % 2)
+    pointer = builder.bitcast(pointer, vector.as_pointer())
+    if count != 3:
+        load = builder.load(pointer)
+        load.align = 4
+        return load
+    # The fourth may be behind the end of the table.
+    mask = ir.Constant(ir.VectorType(I1, 4), [1, 1, 1, 0])
+    name = f"llvm.masked.load.{suffix(vector)}.p0{suffix(vector)}"
+    undefined = ir.Constant(vector, ir.Undefined)
+    return call(builder, name, vector, [pointer, ir.Constant(I32, 4), mask, undefined])
+
+
+def _columns(builder, rows, count):
+    """The transpose of a list of vectors: a list of `count` vectors of their number."""
+    n, width = len(rows), rows[0].type.count
+    if n < 4:
+        columns = []
+        for k in range(count):
+            column = ir.Constant(ir.VectorType(rows[0].type.element, n), ir.Undefined)
+            for i, row in enumerate(rows):
+                one = builder.extract_element(row, ir.Constant(I32, k))
+                column = builder.insert_element(column, one, ir.Constant(I32, i))
+            columns.append(column)
+        return columns
+    if width == 2:
+        # Rows 0 1, 4 5, ... in one vector, rows 2 3, 6 7, ... in another.
+        a, b = (
+            _joined(builder, [row for i, row in enumerate(rows) if i % 4 // 2 == half])
+            for half in (0, 1)
+        )
+        return [_in_fours(builder, a, b, [k, 2 + k, n + k, n + 2 + k]) for k in range(2)]
+    a, b, c, d = (_joined(builder, rows[first::4]) for first in range(4))
+    columns = []
+    for k in (0, 2):
+        ab, cd = (
+            _in_fours(builder, *two, [k, n + k, k + 1, n + k + 1]) for two in ((a, b), (c, d))
+        )
+        columns.append(_in_fours(builder, ab, cd, [0, 1, n, n + 1]))
+        columns.append(_in_fours(builder, ab, cd, [2, 3, n + 2, n + 3]))
+    return columns[:count]
+
+
+def _in_fours(builder, a, b, order):
+    """The same shuffle of every four lanes of two vectors."""
+    n = a.type.count
+    return _shuffle(builder, a, b, [i + k for i in range(0, n, 4) for k in order])
+
+
+def _joined(builder, vectors):
+    """Vectors one behind the other."""
+    while len(vectors) > 1:
+        m = 2 * vectors[0].type.count
+        vectors = [
+            _shuffle(builder, a, b, list(range(m)))
+            for a, b in zip(vectors[::2], vectors[1::2], strict=True)
+        ]
+    return vectors[0]
 
 
 def _permute(builder, x, order, n):

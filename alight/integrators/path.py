@@ -88,8 +88,23 @@ EXAMPLES = (
 )
 
 
-def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=None):
-    """The kernel that carries paths on by one vertex, for the options of a program.
+def step(program, **options):
+    """The kernel that carries paths on by one vertex; parameters as of `stages`."""
+    trace, shade = stages(program, **options)
+
+    @kernel
+    def path_step(scene, settings, path):
+        """One more vertex of each path."""
+        path, hit = trace(scene, settings, path)
+        return shade(scene, settings, path, hit)
+
+    return path_step
+
+
+def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=None):
+    """The two halves of a step, for the options of a program.
+
+    Between them paths end whose rays left the scene, so that the others may be packed anew.
 
     Parameters
     ----------
@@ -103,6 +118,13 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     record : tuple of kernels, optional
         (meet, find, leave, sample) of `alight.integrators.contributions`, which are told of every
         contribution.
+
+    Returns
+    -------
+    trace : kernel (scene, settings, path) -> (path, hit)
+        The rays to the next surface, and what those find that meet none, whose paths end.
+    shade : kernel (scene, settings, path, hit) -> path
+        What is found there, and where the path goes on.
     """
     strategy = strategy or program.option("light_sampling")
     if roulette is None:
@@ -126,12 +148,10 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     through = _write_through(absorbs(program))
 
     @kernel
-    def path_step(scene, settings, path):
-        """One more vertex of each path."""
-        # Follow the ray to the next surface.
+    def trace(scene, settings, path):
+        """Follow the rays to the next surface."""
         rays = path.rays + count_lanes(path.active)
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
-        depth = path.depth + 1
         missed = path.active & (hit.t == INFINITY)
         active = path.active & (hit.t < INFINITY)
         L, L_direct = path.L, path.L_direct
@@ -140,8 +160,18 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
 
         # The ray left the scene: light of the environment.
         if environment:
-            L, L_direct = reach_environment(scene, path, depth, missed, L, L_direct)
+            L, L_direct = reach_environment(scene, path, path.depth + 1, missed, L, L_direct)
+        traced = WalkPath(
+            path.o, path.d, path.p, L, L_direct, path.beta, path.pdf, path.delta, path.depth,
+            path.sampler, active, rays,
+        )  # fmt: skip
+        return traced, hit
 
+    @kernel
+    def shade(scene, settings, path, hit):
+        """One more vertex, where the rays of active paths met a surface."""
+        active, rays, depth = path.active, path.rays, path.depth + 1
+        L, L_direct = path.L, path.L_direct
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
         path = through(scene, surface, wo, hit.t, active, path)
@@ -202,7 +232,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
             active = active | hidden
         return WalkPath(o, d, p, L, L_direct, beta, pdf, delta, depth, path.sampler, active, rays)
 
-    return path_step
+    return trace, shade
 
 
 def _write_through(absorbing):

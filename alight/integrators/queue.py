@@ -19,12 +19,16 @@ from alight.core.simd import (
 from alight.core.vec import Vec3
 from alight.integrators.walk import Path, count_lanes, module_of
 from alight.samplers.state import SamplerState
+from alight.shapes.hit import Hit
 
 #: Rows of floats (o, d, p, L, beta, pdf, L_direct) and of u32 (x, y, index, scramble and the keys
 #: a, b of the sampler, depth and whether it was a delta lobe). A row has room for two packets, so
 #: that one can be read or written from any place in the first.
 Queue = namedtuple("Queue", "floats uints")
 ROOM = 32
+
+#: Where the rows of a `Hit` (t, u, v; shape, prim) stand in a queue of paths that have met one.
+HIT_FLOATS, HIT_UINTS = 19, 7
 
 #: The first rows that an integrator may have for what it keeps beside a `Path`, and how many.
 MORE_FLOATS, MORE_UINTS = 19, 7
@@ -53,6 +57,23 @@ def vector_at(rows, k, at):
         load_lanes(rows, (k + 1) * ROOM + at),
         load_lanes(rows, (k + 2) * ROOM + at),
     )
+
+
+@kernel
+def put_hit(queue, at, path, hit):
+    """Append what the active paths have met, which `put` appends too."""
+    floats, uints, order = queue.floats, queue.uints, packing(path.active)
+    put_vector(floats, HIT_FLOATS, at, order, Vec3(hit.t, hit.u, hit.v))
+    put_row(uints, HIT_UINTS, at, order, hit.shape)
+    put_row(uints, HIT_UINTS + 1, at, order, hit.prim)
+
+
+@kernel
+def take_hit(queue, at):
+    """What the paths from number `at` on have met."""
+    t = vector_at(queue.floats, HIT_FLOATS, at)
+    shape = load_lanes(queue.uints, HIT_UINTS * ROOM + at)
+    return Hit(t.x, t.y, t.z, shape, load_lanes(queue.uints, (HIT_UINTS + 1) * ROOM + at))
 
 
 @kernel

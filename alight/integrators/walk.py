@@ -183,6 +183,39 @@ def step(program):
     return step_in_time
 
 
+@specialised
+def trace(program):
+    """The first half of a step, ``trace(scene, settings, path) -> (path, hit)``; `is_staged`."""
+    own = module_of(program).stages(program)[0]
+    if not program.motion:
+        return own
+
+    @kernel
+    def trace_in_time(scene, settings, path):
+        return own(at_times_of(scene, path.sampler), settings, path)
+
+    return trace_in_time
+
+
+@specialised
+def shade(program):
+    """The second half, ``shade(scene, settings, path, hit) -> path``."""
+    own = module_of(program).stages(program)[1]
+    if not program.motion:
+        return own
+
+    @kernel
+    def shade_in_time(scene, settings, path, hit):
+        return own(at_times_of(scene, path.sampler), settings, path, hit)
+
+    return shade_in_time
+
+
+def is_staged(program):
+    """Whether the step of a program's integrator has two halves, between which paths may wait."""
+    return hasattr(module_of(program), "stages")
+
+
 def module_of(program):
     """The module of a program's integrator, or of the pass in its place."""
     if program.integrator in PASSES:

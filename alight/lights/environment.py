@@ -40,7 +40,7 @@ from alight.core.simd import (
     absolute,
     as_float,
     as_int,
-    gather,
+    gather_row,
     maximum,
     minimum,
     minimum_u32,
@@ -180,8 +180,8 @@ def band_of(scene, at, row):
     q is sin^2(theta / 2) with theta from the nearer pole, so that it is precise there.
     """
     m = scene.lights.map
-    start = at + FIRST_BAND + BAND * row
-    return gather(m, start), gather(m, start + 1), 2 * row + 1 <= as_int(m[at + ROWS])
+    edge, size = gather_row(m, at + FIRST_BAND + BAND * row, BAND)
+    return edge, size, 2 * row + 1 <= as_int(m[at + ROWS])
 
 
 @kernel
@@ -219,21 +219,31 @@ def corners_of(scene, at, column, row):
 
 
 @kernel
-def channel(scene, corners, k):
-    """Number k of the four texels."""
+def texels_of(scene, at, column, row):
+    """The four texels of a cell: red, green, blue and weight of each."""
     m = scene.lights.map
-    a, b, c, d = corners
-    return gather(m, a + k), gather(m, b + k), gather(m, c + k), gather(m, d + k)
+    a, b, c, d = corners_of(scene, at, column, row)
+    return (
+        gather_row(m, a, TEXEL), gather_row(m, b, TEXEL),
+        gather_row(m, c, TEXEL), gather_row(m, d, TEXEL),
+    )  # fmt: skip
 
 
 @kernel
-def shown(scene, at, place):
+def channel(texels, k):
+    """Number k of the four texels."""
+    a, b, c, d = texels
+    return a[k], b[k], c[k], d[k]
+
+
+@kernel
+def shown(texels, place):
     """Radiance of the map at a place, without `scale`."""
-    corners, x, y = corners_of(scene, at, place.column, place.row), place.x, place.y
+    x, y = place.x, place.y
     return Vec3(
-        bilinear(channel(scene, corners, 0), x, y),
-        bilinear(channel(scene, corners, 1), x, y),
-        bilinear(channel(scene, corners, 2), x, y),
+        bilinear(channel(texels, 0), x, y),
+        bilinear(channel(texels, 1), x, y),
+        bilinear(channel(texels, 2), x, y),
     )
 
 
@@ -299,7 +309,8 @@ def sample(scene, back, p, u, u2):
     column, row, pmf, rest = sample_cell(
         scene.lights.cdf, cells_at(scene, back), rows, columns, u, u2
     )
-    weights = channel(scene, corners_of(scene, at, column, row), 3)
+    texels = texels_of(scene, at, column, row)
+    weights = channel(texels, 3)
     x, c = sample_bilinear(weights, rest)
     edge, size, upper = band_of(scene, at, row)
     q = edge + c * size
@@ -311,7 +322,7 @@ def sample(scene, back, p, u, u2):
     place = Place(column, row, x, minimum(maximum(y, 0.0), 1.0), c)
     return from_infinity(
         from_map(scene, at, Vec3(sine * s, cosine, -sine * z)),
-        shown(scene, at, place),
+        shown(texels, place),
         density(scene, at, weights, pmf, place, size),
     )
 
@@ -324,7 +335,7 @@ def pdf(scene, back, p, d):
     place = locate(scene, at, to_map(scene, at, d))
     start = cells_at(scene, back)
     pmf = pmf_cell(scene.lights.cdf, start, rows, columns, place.column, place.row)
-    weights = channel(scene, corners_of(scene, at, place.column, place.row), 3)
+    weights = channel(texels_of(scene, at, place.column, place.row), 3)
     _, size, _ = band_of(scene, at, place.row)
     return density(scene, at, weights, pmf, place, size)
 
@@ -333,4 +344,5 @@ def pdf(scene, back, p, d):
 def radiance(scene, back, d):
     """Radiance that arrives from the unit direction d, without the light's colour."""
     at = map_at(scene, back)
-    return shown(scene, at, locate(scene, at, to_map(scene, at, d)))
+    place = locate(scene, at, to_map(scene, at, d))
+    return shown(texels_of(scene, at, place.column, place.row), place)

@@ -33,8 +33,18 @@ from alight.core.simd import (
 from alight.films.fixed_point import split
 from alight.filters.importance import sample_filter
 from alight.integrators.moments import at_times_of
-from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, take
-from alight.integrators.walk import FILTER, LENS, count_lanes, empty_paths, start_paths, step
+from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, put_hit, take, take_hit
+from alight.integrators.walk import (
+    FILTER,
+    LENS,
+    count_lanes,
+    empty_paths,
+    is_staged,
+    shade,
+    start_paths,
+    step,
+    trace,
+)
 from alight.samplers.sampling import get_2d, sampler_state
 
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
@@ -184,9 +194,18 @@ def put_limbs(limbs, channel, value):
     return parts.saturated
 
 
+@specialised
+def render_tile_kernel(program):
+    """Render the samples `ranges` of one tile into `film` (sums counts direct tally).
+
+    ``render_tile_kernel(scene, settings, tile, ranges, film)``
+    """
+    return render_in_stages if is_staged(program) else render_step_by_step
+
+
 @kernel
-def render_tile_kernel(scene, settings, tile, ranges, film):
-    """Render the samples `ranges` of one tile into `film` (sums counts direct tally)."""
+def render_step_by_step(scene, settings, tile, ranges, film):
+    """`render_tile_kernel` where a step is one piece."""
     path = empty_paths()
     queue = Queue(local_floats(FLOATS), local_uints(UINTS))
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
@@ -211,4 +230,62 @@ def render_tile_kernel(scene, settings, tile, ranges, film):
         finished = before & ~path.active
         if any_lane(finished):
             add_finished(settings, tile, film, path, finished)
+    film.tally[RAYS] += rays
+
+
+@kernel
+def render_in_stages(scene, settings, tile, ranges, film):
+    """`render_tile_kernel` where paths wait a second time, for others whose rays met a surface.
+
+    Many rays of an open scene meet none. The packets that meet one are full again, and so are
+    those of shadow rays.
+    """
+    path = empty_paths()
+    queue = Queue(local_floats(FLOATS), local_uints(UINTS))
+    met = Queue(local_floats(FLOATS), local_uints(UINTS))
+    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
+    _, cells = count_cells(tile)
+    waiting, held, rays = 0, 0, 0
+    while True:
+        rest = False
+        if mask_bits(~path.active) != 0:
+            rays += path.rays
+            waiting = put(queue, waiting, path)
+            if waiting >= LANES:
+                waiting -= LANES
+                path = take(settings, queue, waiting, LANES)
+            elif cursor.cell < cells:
+                cursor, path = start(scene, settings, tile, ranges, cursor)
+            elif held > 0:
+                rest = True
+            elif waiting > 0:
+                path = take(settings, queue, 0, waiting)
+                waiting = 0
+            else:
+                break
+        count, hit = 0, take_hit(met, 0)
+        if rest:
+            path, count, held = take(settings, met, 0, held), held, 0
+        else:
+            before = path.active
+            path, hit = trace(scene, settings, path)
+            finished = before & ~path.active
+            if any_lane(finished):
+                add_finished(settings, tile, film, path, finished)
+            count = LANES
+            if mask_bits(~path.active) != 0:
+                rays += path.rays
+                put_hit(met, held, path, hit)
+                held = put(met, held, path)
+                count = 0
+                if held >= LANES:
+                    held, count = held - LANES, LANES
+                    hit = take_hit(met, held)
+                path = take(settings, met, held, count)
+        if count > 0:
+            before = path.active
+            path = shade(scene, settings, path, hit)
+            finished = before & ~path.active
+            if any_lane(finished):
+                add_finished(settings, tile, film, path, finished)
     film.tally[RAYS] += rays

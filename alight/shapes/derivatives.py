@@ -6,7 +6,7 @@ from alight.core.constants import PI, TWO_PI
 from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
 from alight.core.motion import matrix_at, point_of_rest, turned
-from alight.core.simd import any_lane, gather, lanes, sqrt, where
+from alight.core.simd import any_lane, gather, gather_row, lanes, sqrt, where
 from alight.core.uv_sets import UV_SETS, Chart, triangle_uvs
 from alight.core.vec import Vec3, gather_vec3
 from alight.shapes.cylinder import MATRIX as CYLINDER_MATRIX
@@ -142,9 +142,10 @@ def uv_edges(program):
 @kernel
 def _own_edges(tables, surface, mapped, i0, i1, i2):
     j0, j1, j2 = rows_if(mapped, i0, i1, i2)
-    u0, v0 = gather(tables.uvs, 2 * j0), gather(tables.uvs, 2 * j0 + 1)
-    du1, dv1 = gather(tables.uvs, 2 * j1) - u0, gather(tables.uvs, 2 * j1 + 1) - v0
-    du2, dv2 = gather(tables.uvs, 2 * j2) - u0, gather(tables.uvs, 2 * j2 + 1) - v0
+    u0, v0 = gather_row(tables.uvs, 2 * j0, 2)
+    u1, v1 = gather_row(tables.uvs, 2 * j1, 2)
+    u2, v2 = gather_row(tables.uvs, 2 * j2, 2)
+    du1, dv1, du2, dv2 = u1 - u0, v1 - v0, u2 - u0, v2 - v0
     return du1, dv1, du2, dv2
 
 

@@ -36,6 +36,7 @@ from alight.core.simd import (
     absolute,
     any_lane,
     gather,
+    gather_row,
     lanes,
     lanes_vec3,
     maximum,
@@ -163,11 +164,9 @@ _GAMMA_6, _GAMMA_16 = gamma(6), gamma(16)
 @kernel
 def corners_of(tables, shape, prim):
     """Vertex indices of a triangle of a mesh; those of triangle 0 for other shapes."""
-    row = shape * INFO
-    mine = prim < gather(tables.info, row + 7)
-    face = 3 * where(mine, gather(tables.info, row + 5) + prim, 0)
-    faces = tables.faces
-    return gather(faces, face), gather(faces, face + 1), gather(faces, face + 2)
+    _, first, _, count = gather_row(tables.info, shape * INFO + 4, 4)
+    face = 3 * where(prim < count, first + prim, 0)
+    return gather_row(tables.faces, face, 3)
 
 
 @kernel
@@ -300,9 +299,10 @@ def texture_frame(tables, flags, hit, i0, i1, i2, e1, e2):
     mapped = (flags & UVS) != 0
     if any_lane(mapped):
         j0, j1, j2 = rows_if(mapped, i0, i1, i2)
-        u0, v0 = gather(tables.uvs, 2 * j0), gather(tables.uvs, 2 * j0 + 1)
-        du1, dv1 = gather(tables.uvs, 2 * j1) - u0, gather(tables.uvs, 2 * j1 + 1) - v0
-        du2, dv2 = gather(tables.uvs, 2 * j2) - u0, gather(tables.uvs, 2 * j2 + 1) - v0
+        u0, v0 = gather_row(tables.uvs, 2 * j0, 2)
+        u1, v1 = gather_row(tables.uvs, 2 * j1, 2)
+        u2, v2 = gather_row(tables.uvs, 2 * j2, 2)
+        du1, dv1, du2, dv2 = u1 - u0, v1 - v0, u2 - u0, v2 - v0
         u = where(mapped, u0 + hit.u * du1 + hit.v * du2, u)
         v = where(mapped, v0 + hit.u * dv1 + hit.v * dv2, v)
         # e1 = du1 dp/du + dv1 dp/dv, and likewise e2: Cramer's rule.

@@ -13,7 +13,7 @@ from alight.core.motion import (
     point_at_rest,
     turned,
 )
-from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
+from alight.core.simd import any_lane, gather, gather_row, lanes, lanes_u32, lanes_vec3, where
 from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import normalize
 from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
@@ -224,10 +224,8 @@ def surface_at_rest(scene, hit, o, d, active):
     Surface
     """
     tables = scene.shapes
-    row = hit.shape * INFO
-    kind, k = gather(tables.info, row), gather(tables.info, row + 3)
+    kind, bsdf, light, k = gather_row(tables.info, hit.shape * INFO, 4)
     g = find_geometry(tables, kind, k, hit, o, d, active)
-    bsdf, light = gather(tables.info, row + 1), gather(tables.info, row + 2)
     s, t = tangents(g)
     chart = chart_of(tables, hit)
     return Surface(

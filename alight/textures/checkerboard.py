@@ -17,10 +17,10 @@ from typing import Literal
 import numpy as np
 
 from alight.core.jit import kernel
-from alight.core.simd import floor, gather, where
+from alight.core.simd import floor, where
 from alight.core.spec import Reflectance, Scale2, Texture, Triple, Vector2
 from alight.core.uv_sets import UvSet, set_features
-from alight.core.vec import Vec3
+from alight.core.vec import gather_vec3
 from alight.textures.uv import IDENTITY, ToUv, lookup_point
 
 
@@ -98,4 +98,4 @@ def evaluate(scene, base, surface):
     # The fraction of half a whole number is 0 or 1/2, whatever its sign.
     half = 0.5 * (floor(s) + floor(t))
     first = where(half == floor(half), base, base + 3)
-    return Vec3(gather(data, first), gather(data, first + 1), gather(data, first + 2))
+    return gather_vec3(data, first)

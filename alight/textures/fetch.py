@@ -8,8 +8,8 @@ to the table alone.
 from __future__ import annotations
 
 from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes_vec3, where
-from alight.core.vec import Vec3, luminance
+from alight.core.simd import any_lane, gather, gather_row, lanes_vec3, where
+from alight.core.vec import gather_vec3, luminance
 from alight.textures.composed import composed_value
 from alight.textures.switch import models_of, value_switch
 
@@ -28,8 +28,7 @@ def scalar(scene, slot, surface):
 @kernel
 def constant_color(scene, slot, surface):
     """The colour in the three slots from `slot`."""
-    data = scene.materials.data
-    return Vec3(gather(data, slot), gather(data, slot + 1), gather(data, slot + 2))
+    return gather_vec3(scene.materials.data, slot)
 
 
 @specialised
@@ -50,8 +49,7 @@ def texture_value(program):
         textured = texture != 0
         if any_lane(textured):
             row = where(textured, 2 * (texture - 1), 0)
-            kind = gather(scene.materials.texture_info, row)
-            base = gather(scene.materials.texture_info, row + 1)
+            kind, base = gather_row(scene.materials.texture_info, row, 2)
             value = varying(scene, kind, base, surface, textured, value)
         return value
 

@@ -26,9 +26,9 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from alight.core.errors import show_value, unknown_name
 from alight.core.jit import kernel
-from alight.core.simd import gather
 from alight.core.spec import LARGEST, Interval, Numbers, invalid
 from alight.core.uv_sets import uv_of_texture
+from alight.core.vec import gather_vec3
 
 STEPS = ("translate", "scale", "rotate", "matrix")
 MOST_STEPS = 100
@@ -161,6 +161,5 @@ def lookup_point(scene, base, slot, surface):
     """
     data = scene.materials.texture_data
     u, v = uv_of_texture(scene, slot, surface)
-    s = gather(data, base) * u + gather(data, base + 1) * v + gather(data, base + 2)
-    t = gather(data, base + 3) * u + gather(data, base + 4) * v + gather(data, base + 5)
-    return s, t
+    across, down = gather_vec3(data, base), gather_vec3(data, base + 3)
+    return across.x * u + across.y * v + across.z, down.x * u + down.y * v + down.z

@@ -3,17 +3,20 @@
 import numpy as np
 import pytest
 
+from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.distributions import (
     MOST_WITH_UNITS,
     UNIT,
     bilinear,
     cumulative,
     cumulative_2d,
+    guide_size,
     pmf_cell,
     pmf_discrete,
     sample_bilinear,
     sample_cell,
     sample_discrete,
+    sample_guided,
 )
 from alight.core.jit import instantiate, kernel
 from alight.core.simd import LANES, load_lanes, store_lanes, to_float
@@ -106,9 +109,9 @@ def test_improbable_cells_keep_their_units_and_all_of_their_places():
     weights = np.ones((2, 512))
     weights[1, 100] = 1e9
     table = cumulative_2d(weights)
-    parts = np.diff(table[:1026].reshape(2, 513)), np.diff(table[1026:])
+    parts = np.diff(table[:1026].reshape(2, 513)), np.diff(table[1026:1029])
     assert all(np.all(part >= UNIT) and np.all(part / UNIT % 1.0 == 0.0) for part in parts)
-    assert table[-1] == 1.0 and np.all(table[:1026].reshape(2, 513)[:, -1] == 1.0)
+    assert table[1028] == 1.0 and np.all(table[:1026].reshape(2, 513)[:, -1] == 1.0)
     zero = weights * (weights > 1.0)
     assert np.count_nonzero(np.diff(cumulative_2d(zero)[513:1026])) == 1
     # Numbers that meet such a cell hit one of its corners; the third number moves them apart.
@@ -119,6 +122,21 @@ def test_improbable_cells_keep_their_units_and_all_of_their_places():
     assert np.all(column == 7)
     steps = round((table[513 + 8] - start) / UNIT)
     assert 0.99 / steps < np.ptp(x) <= 1.0 / steps
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5, 64, 700])
+def test_guides_lead_to_the_entry_that_bisection_finds(n):
+    # Every fourth entry has nearly everything; where entries begin, parts of the guide begin too.
+    rng = np.random.default_rng(n)
+    weights = np.where(np.arange(n) % 4 == 0, 1e4, rng.random(n) < 0.7)
+    table, size = cumulative_2d(weights[None]), guide_size(n)
+    guide_at = n + 1 + 2 + 2
+    parts = np.float32(np.arange(size) / size)
+    u = np.concatenate([rng.random(4096), table[:n], parts, np.nextafter(parts, -parts)])
+    u = np.clip(u.astype(np.float32), 0.0, ONE_MINUS_EPSILON)
+    guided = sample_guided(View(table), 0, guide_at, size, u)
+    for a, b in zip(guided, sample_discrete(View(table), 0, n, u), strict=True):
+        np.testing.assert_array_equal(a, b)
 
 
 CORNERS = [(1.0, 3.0, 0.5, 2.0), (0.0, 0.0, 0.0, 7.0), (2.0, 2.0, 2.0, 2.0), (1e-3, 0.0, 0.0, 0.0)]
