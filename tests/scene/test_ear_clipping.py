@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from alight.scene.formats import obj, ply
-from alight.scene.formats.ear_clipping import triangulated
+from alight.scene.formats.ear_clipping import MOST_CORNERS, triangulated
+from alight.scene.formats.triangles import fan
 
 DART = [(0, 0), (2, 1), (0, 2), (0.5, 1)]
 COMB = [(0, 0), (6, 0), (6, 3), (5, 1), (4, 3), (3, 1), (2, 3), (1, 1), (0, 3)]
@@ -73,6 +74,11 @@ def test_convex_ones_are_fans_and_others_end():
         # Polygons that cut themselves have no true triangles; they have as many.
         assert len(triangulated(rng.normal(size=(size, 3)), np.array([size]))) == size - 2
     assert time.process_time() - begin < 5.0
+    # Of very large ones, however they are cut, the time would have no bound.
+    large = in_space(np.repeat(COMB, 600, axis=0), 1)
+    sizes = np.array([len(large)])
+    assert len(large) > MOST_CORNERS
+    np.testing.assert_array_equal(triangulated(large, sizes), fan(sizes)[0])
     for points in (np.zeros((5, 3)), np.full((6, 3), np.nan)):
         assert len(triangulated(points, np.array([len(points)]))) == len(points) - 2
 

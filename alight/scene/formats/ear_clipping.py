@@ -49,7 +49,7 @@ def triangulated(points: NDArray[np.floating], sizes: NDArray[np.int64]) -> NDAr
     triangles[rows[four] + 1] = around[:, [0, 2, 3]]
     larger = ~four & (sizes[found] <= MOST_CORNERS)
     for polygon, row, normal in zip(found[larger], rows[larger], normals[larger], strict=True):
-        own = np.arange(starts[polygon], starts[polygon] + sizes[polygon])
+        own = int(starts[polygon]) + np.arange(int(sizes[polygon]))
         triangles[row : row + len(own) - 2] = own[_ears(_seen_along(normal, points[own]))]
     return triangles
 
