@@ -75,7 +75,8 @@ def test_convex_ones_are_fans_and_others_end():
         assert len(triangulated(rng.normal(size=(size, 3)), np.array([size]))) == size - 2
     assert time.process_time() - begin < 5.0
     # Of very large ones, however they are cut, the time would have no bound.
-    large = in_space(np.repeat(COMB, 600, axis=0), 1)
+    teeth = [(x, 3 - 2 * (x % 2)) for x in range(MOST_CORNERS, -1, -1)]
+    large = in_space([(0, 0), (MOST_CORNERS, 0), *teeth], 1)
     sizes = np.array([len(large)])
     assert len(large) > MOST_CORNERS
     np.testing.assert_array_equal(triangulated(large, sizes), fan(sizes)[0])
