@@ -131,6 +131,8 @@ def test_a_number_sign_is_a_part_of_names(tmp_path):
 @pytest.mark.parametrize(
     ("line", "message"),
     [
+        ("f 9 1 2", "a face uses v number 9, the file holds 4"),
+        ("f 1 \\\n2 \\\n9", "a face uses v number 9, the file holds 4"),
         ("f 1 2 9", "a face uses v number 9, the file holds 4"),
         ("f 1/1 2/7 3/3", "a face uses vt number 7, the file holds 4"),
         ("f 1//1 2//1 3//2", "a face uses vn number 2, the file holds 1"),

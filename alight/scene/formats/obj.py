@@ -86,9 +86,8 @@ class Content:
     def partly(self, faces: list[tuple[int, int]]) -> list[str]:
         """What only some corners of these faces have."""
         keys = np.concatenate([self.corners[self._starts[a] : self._starts[b]] for a, b in faces])
-        given = (keys >= 0).any(axis=0) & (keys < 0).any(axis=0)
-        kinds = {1: "texture coordinates", 2: "normals"}
-        return [name for column, name in kinds.items() if given[column]]
+        lacks = {"texture coordinates": keys[:, 1] < 0, "normals": keys[:, 2] < 0}
+        return [name for name, corners in lacks.items() if corners.any() and not corners.all()]
 
     def mesh(self, faces: list[tuple[int, int]] | None = None) -> MeshArrays:
         """Make arrays of some faces.
@@ -138,6 +137,7 @@ def parse(data: bytes) -> Content:
     data = data.removeprefix(codecs.BOM_UTF8)
     tables: dict[bytes, list[list[float]]] = {b"v": [], b"vt": [], b"vn": []}
     corners: list[tuple[int, int, int]] = []
+    known: dict[bytes, tuple[int, int, int]] = {}
     sizes, lines = [], []
     statements: list[Statement] = []
     for number, line in _whole_lines(data):
@@ -153,7 +153,14 @@ def parse(data: bytes) -> Content:
             tables[words[0]].append(_parse_row(words, number))
         elif words[0] == b"f":
             counts = (len(tables[b"v"]), len(tables[b"vt"]), len(tables[b"vn"]))
-            corners.extend(_parse_corner(word, counts, number) for word in words[1:])
+            for word in words[1:]:
+                corner = known.get(word)
+                if corner is None:
+                    corner = _parse_corner(word, counts, number)
+                    # What is counted from the end is another row each time.
+                    if b"-" not in word:
+                        known[word] = corner
+                corners.append(corner)
             sizes.append(len(words) - 1)
             lines.append(number)
         else:
@@ -184,6 +191,9 @@ def decoded(data: bytes) -> str:
 
 def _whole_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
     """Numbers and contents of lines; those that end in a backslash go on in the next one."""
+    if b"\\" not in data:
+        yield from enumerate(data.splitlines(), 1)
+        return
     first, begun = 0, b""
     for number, line in enumerate(data.splitlines(), 1):
         if line.endswith(b"\\"):
