@@ -145,6 +145,12 @@ def studio_rotation(view: NDArray[np.float64]) -> float:
     return math.degrees(math.atan2(view[0, 2], view[2, 2])) - TO_THE_RIGHT
 
 
+def say_if_empty(report: Report, bounds: Bounds) -> None:
+    """Say that a file shows nothing, which its picture would not explain."""
+    if not bounds.parts:
+        report.approximate("the file holds no surface: there is nothing to see but light")
+
+
 def add_camera(data: dict[str, Any], report: Report, bounds: Bounds) -> None:
     """Place a camera that sees all of a scene."""
     origin, target = bounds.viewpoint(SIZE)

@@ -8,7 +8,7 @@ import pytest
 from alight.core.errors import SceneError
 from alight.scene import load
 from alight.scene.formats.gltf.scene import parse
-from tests.scene.gltf.maker import everything
+from tests.scene.gltf.maker import Maker, everything
 
 
 def broken(change):
@@ -67,3 +67,20 @@ def test_containers_that_are_none():
     for data, words in cases.items():
         with pytest.raises(SceneError, match=words):
             parse(data, "a.gltf")
+
+
+@pytest.mark.parametrize("mode", [0, 1, None])
+def test_a_file_without_surfaces_says_that_there_is_nothing_to_see(mode, tmp_path):
+    m = Maker()
+    if mode is not None:
+        m.node(mesh=m.square())
+        m.json["meshes"][0]["primitives"][0]["mode"] = mode
+    (tmp_path / "a.gltf").write_bytes(m.gltf())
+    assert any("nothing to see" in line for line in load(tmp_path / "a.gltf").warnings)
+
+
+def test_a_file_with_a_surface_does_not(tmp_path):
+    m = Maker()
+    m.node(mesh=m.square())
+    (tmp_path / "a.gltf").write_bytes(m.gltf())
+    assert not any("nothing to see" in line for line in load(tmp_path / "a.gltf").warnings)

@@ -17,6 +17,7 @@ from alight.scene.formats.factors import multiplied
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.textures import Data, Textures
 from alight.scene.formats.gltf.values import Item
+from alight.scene.formats.gltf.vertex_colors import OPACITY_SET, color_channels, opacity_texture
 
 ALPHA_MODES = ("OPAQUE", "MASK", "BLEND")
 LARGEST_IOR = 5.0
@@ -76,29 +77,43 @@ class Materials:
     def __init__(self, document: Document) -> None:
         self.document = document
         self.textures = Textures(document)
-        self._built: dict[tuple[int | None, bool], Material] = {}
+        self._built: dict[tuple[int | None, int], Material] = {}
 
-    def get(self, index: int | None, has_colors: bool) -> Material:
-        """The material with an index; None is the default one."""
-        key = (index, has_colors)
+    def get(self, index: int | None, channels: int) -> Material:
+        """The material with an index, None being the default one, for vertices with colours.
+
+        Parameters
+        ----------
+        index : int or None
+        channels : int
+            Of the colours of the vertices: see `channels`.
+        """
+        key = (index, channels)
         if key not in self._built:
-            root = self.document.root
-            empty = Item({}, "/materials", root.name, root.report)
-            item = empty if index is None else self.document.list("materials")[index]
-            self._built[key] = self._build(item, has_colors)
+            self._built[key] = self._build(self._item(index), channels)
         return self._built[key]
 
-    def _build(self, item: Item, has_colors: bool) -> Material:
+    def channels(self, index: int | None, attributes: Item | None) -> int:
+        """How many channels of the colours of vertices a material shows: 0, 3 or 4."""
+        mode = self._item(index).text("alphaMode", "OPAQUE", ALPHA_MODES)
+        return color_channels(self.document, attributes, is_opaque=mode == "OPAQUE")
+
+    def _item(self, index: int | None) -> Item:
+        root = self.document.root
+        empty = Item({}, "/materials", root.name, root.report)
+        return empty if index is None else self.document.list("materials")[index]
+
+    def _build(self, item: Item, channels: int) -> Material:
         self._say_what_is_dropped(item)
         empty = Item({}, item.at("pbrMetallicRoughness"), item.name, item.report)
         pbr = item.object("pbrMetallicRoughness") or empty
-        self.textures.sets = self._sets(item, pbr)
+        self.textures.sets = self._sets(item, pbr, has_opacity=channels == 4)
         shiny = item.extension(GLOSSY)
         owner, names = (pbr, _BASE) if shiny is None else (shiny, _DIFFUSE)
         *color, opacity = owner.numbers(names[0], (1.0, 1.0, 1.0, 1.0), 0.0, 1.0)
         picture = self.textures.bitmap(owner, names[1], is_color=True)
         base = multiplied(list(color), picture)
-        if has_colors:
+        if channels:
             base = multiplied(base, {"type": "vertex_color", "fallback": 1.0})
         unlit = item.extension("KHR_materials_unlit") is not None
         if unlit:
@@ -113,8 +128,13 @@ class Materials:
             bsdf = self._bumpy(item, bsdf)
             if "transmission" not in bsdf_core(bsdf):
                 bsdf = {"type": "two_sided", "bsdf": bsdf}
-        bsdf = self._cut_out(item, bsdf, opacity, picture)
+        alpha = self._opacity(item, opacity, picture)
+        if alpha != 1.0:
+            bsdf = {"type": "mask", "opacity": alpha, "bsdf": bsdf}
         emission = base if unlit else self._emission(item)
+        if emission is not None:
+            # What is cut out of a surface does not shine either.
+            emission = _product(emission, alpha)
         return Material(bsdf, emission, self.textures.sets, unlit)
 
     def _metal(self, pbr: Item) -> Data:
@@ -159,18 +179,21 @@ class Materials:
         scale = info.number("scale", 1.0)
         return {"type": "normal_map", "texture": picture, "scale": scale, "bsdf": bsdf}
 
-    def _cut_out(self, item: Item, bsdf: Data, opacity: float, picture: Data | None) -> Data:
+    def _opacity(self, item: Item, opacity: float, picture: Data | None) -> Any:
+        """A number or a texture; 1 for what is opaque."""
         mode = item.text("alphaMode", "OPAQUE", ALPHA_MODES)
         cutoff = item.number("alphaCutoff", 0.5, 0.0)
         if mode == "OPAQUE":
-            return bsdf
+            return 1.0
         alpha: Any = scaled(opacity, picture, "a")
+        if OPACITY_SET in self.textures.sets:
+            of_vertices = opacity_texture(self.textures.sets.index(OPACITY_SET))
+            alpha = multiplied(alpha, of_vertices)
         if mode == "MASK":
             if isinstance(alpha, float):
-                alpha = float(alpha >= cutoff)
-            else:
-                alpha = {"type": "threshold", "texture": alpha, "cutoff": cutoff}
-        return bsdf if alpha == 1.0 else {"type": "mask", "opacity": alpha, "bsdf": bsdf}
+                return float(alpha >= cutoff)
+            return {"type": "threshold", "texture": alpha, "cutoff": cutoff}
+        return alpha
 
     def _emission(self, item: Item) -> Any:
         factor = item.numbers("emissiveFactor", (0.0, 0.0, 0.0), 0.0)
@@ -200,7 +223,7 @@ class Materials:
         if item.has("occlusionTexture"):
             report.drop("occlusionTexture: the light itself is traced")
 
-    def _sets(self, item: Item, pbr: Item) -> tuple[int, ...]:
+    def _sets(self, item: Item, pbr: Item, *, has_opacity: bool) -> tuple[int, ...]:
         """The sets of coordinates of all textures, that of the tangents first."""
         used: list[int] = []
         for owner_name, keys in TEXTURE_KEYS:
@@ -208,7 +231,7 @@ class Materials:
             if owner is not None:
                 present = [key for key in keys if owner.has(key)]
                 used += [self.textures.coordinates(owner, key) for key in present]
-        sets = tuple(dict.fromkeys(used))
+        sets = tuple(dict.fromkeys(used + [OPACITY_SET] * has_opacity))
         if len(sets) > MOST_SETS:
             self.document.report.approximate(
                 f"{item.pointer}: its textures use {len(sets)} sets of coordinates, of which "
@@ -348,6 +371,19 @@ def bsdf_core(bsdf: Data) -> Data:
     while "bsdf" in bsdf:
         bsdf = bsdf["bsdf"]
     return bsdf
+
+
+def _product(color: Any, share: float | Data) -> Any:
+    """A colour times a part of it, either of which may be a texture."""
+    if isinstance(share, dict):
+        return multiplied(color, share)
+    if share == 1.0:
+        return color
+    if isinstance(color, list):
+        return [share * channel for channel in color]
+    if color["type"] == "multiply" and isinstance(color["a"], list):
+        return {**color, "a": [share * channel for channel in color["a"]]}
+    return multiplied([share] * 3, color)
 
 
 def scaled(factor: float, picture: Data | None, channel: str) -> Any:

@@ -15,6 +15,11 @@ from alight.scene.formats.gltf.accessors import COMPRESSED, read_accessor
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.skins import skinned
 from alight.scene.formats.gltf.values import Item
+from alight.scene.formats.gltf.vertex_colors import (
+    OPACITY_SET,
+    opacity_coordinates,
+    vertex_colors,
+)
 from alight.scene.formats.triangles import MeshArrays, joined_sets
 from alight.scene.meshes import mesh_problem
 
@@ -39,6 +44,7 @@ def read_primitive(
         Of the morph targets.
     sets : tuple of int
         Which sets of texture coordinates its material asks for; the first becomes the own one.
+        `OPACITY_SET` stands for the opacity of its colours.
     joints : (n, 4, 4) float64, optional
         Matrices of the joints of its skin.
 
@@ -72,7 +78,7 @@ def read_primitive(
         return None
     normals = _table(document, attributes, "NORMAL", 3, count)
     uvs, more_uvs = _coordinates(document, primitive, attributes, sets, count)
-    colors = _colors(document, attributes, count)
+    colors = vertex_colors(document, attributes, count)
     vertices, normals = _morphed(document, primitive, weights, vertices, normals)
     if joints is not None:
         held = _table(document, attributes, "JOINTS_0", 4, count)
@@ -112,18 +118,20 @@ def _coordinates(
 ) -> tuple[NDArray[np.float32] | None, NDArray[np.float32] | None]:
     """The own set of texture coordinates, and the others in one array; v upwards."""
     tables = [_table(document, attributes, f"TEXCOORD_{n}", 2, count) for n in sets or (0,)]
-    lacking = [f"TEXCOORD_{n}" for n, t in zip(sets, tables, strict=False) if t is None]
+    named = [(n, t) for n, t in zip(sets, tables, strict=False) if n != OPACITY_SET]
+    lacking = [f"TEXCOORD_{n}" for n, t in named if t is None]
     if lacking:
-        has_others = len(lacking) < len(tables)
+        has_others = len(lacking) < len(named)
         instead = "other coordinates of the mesh are" if has_others else "barycentric ones are"
         document.report.approximate(
             f"{primitive.pointer}: it lacks {' and '.join(lacking)}, which its material asks for; "
             f"{instead} taken"
         )
     up = np.float32(1.0)
-    return joined_sets(
-        [None if t is None else np.column_stack([t[:, 0], up - t[:, 1]]) for t in tables]
-    )
+    upwards = [None if t is None else np.column_stack([t[:, 0], up - t[:, 1]]) for t in tables]
+    if OPACITY_SET in sets:
+        upwards[sets.index(OPACITY_SET)] = opacity_coordinates(document, attributes, count)
+    return joined_sets(upwards)
 
 
 def _faces(document: Document, primitive: Item, mode: int, count: int) -> NDArray[np.int32]:
@@ -149,26 +157,6 @@ def _faces(document: Document, primitive: Item, mode: int, count: int) -> NDArra
         odd = np.arange(len(first)) % 2 == 1
         faces = np.stack([first, np.where(odd, third, second), np.where(odd, second, third)], 1)
     return faces.astype(np.int32)
-
-
-def _colors(document: Document, attributes: Item, count: int) -> NDArray[np.float32] | None:
-    index = _index(document, attributes, "COLOR_0")
-    if index is None:
-        return None
-    table = read_accessor(document, index)
-    if table.shape != (count, 3) and table.shape != (count, 4):
-        text = f"must have {count} rows of 3 or 4 components, got {table.shape}"
-        raise attributes.fatal("COLOR_0", text)
-    if table.dtype.kind != "f":
-        table = table.astype(np.float32) / np.float32(np.iinfo(table.dtype).max)
-    if table.shape[1] == 4 and (table[:, 3] < 1.0).any():
-        document.report.approximate("COLOR_0: the opacity of vertices is left out")
-    colors = table[:, :3]
-    # Not ~(<= 1): numbers that are none are found later, with their row.
-    if ((colors < 0.0) | (colors > 1.0)).any():
-        document.report.approximate("COLOR_0: colours of vertices were cut to [0, 1]")
-        colors = np.clip(colors, 0.0, 1.0)
-    return np.ascontiguousarray(colors, np.float32)
 
 
 def _morphed(

@@ -89,7 +89,7 @@ class Graph:
     _uses: dict[int, int] = field(default_factory=dict)
     _meshes: dict[tuple[int, tuple[float, ...], str], dict[str, Data]] = field(default_factory=dict)
     _names: dict[tuple[int, tuple[float, ...], str], str] = field(default_factory=dict)
-    _bsdf_names: dict[tuple[int | None, bool], str] = field(default_factory=dict)
+    _bsdf_names: dict[tuple[int | None, int], str] = field(default_factory=dict)
     _shining: dict[int, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -258,15 +258,15 @@ class Graph:
             count = len(self.document.list("materials"))
             index = primitive.index("material", count, "materials")
             attributes = primitive.object("attributes")
-            has_colors = attributes is not None and attributes.has("COLOR_0")
-            material = self.materials.get(index, has_colors)
+            channels = self.materials.channels(index, attributes)
+            material = self.materials.get(index, channels)
             if self.document.report.issues:
                 raise SceneError(self.document.report.issues)
             arrays = read_primitive(self.document, primitive, weights, material.sets, joints)
             if arrays is None:
                 continue
             shape = Mesh(**arrays._asdict())
-            part: Data = {"shape": shape, "bsdf": self._bsdf(index, has_colors)}
+            part: Data = {"shape": shape, "bsdf": self._bsdf(index, channels)}
             if material.emission is not None:
                 part["light"] = {"type": "area", "radiance": material.emission}
                 if not material.is_unlit:
@@ -274,9 +274,9 @@ class Graph:
             parts[f"primitive {number}"] = part
         return parts
 
-    def _bsdf(self, index: int | None, has_colors: bool) -> str:
+    def _bsdf(self, index: int | None, channels: int) -> str:
         """The name of a material, which is entered at its first use."""
-        key = (index, has_colors)
+        key = (index, channels)
         if key not in self._bsdf_names:
             name = "default material"
             if index is not None:
@@ -284,7 +284,7 @@ class Graph:
                 name = self.document.list("materials")[index].text("name") or f"material {index}"
             name = free_name(name, self.bsdfs, "material")
             self._bsdf_names[key] = name
-            self.bsdfs[name] = self.materials.get(index, has_colors).bsdf
+            self.bsdfs[name] = self.materials.get(index, channels).bsdf
             if index is not None:
                 pointer = self.document.list("materials")[index].pointer
                 self.places[f"bsdfs.{name}"] = f"{self.document.root.name}#{pointer}"

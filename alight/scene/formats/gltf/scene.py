@@ -15,7 +15,13 @@ from alight.scene.formats.gltf.nodes import Graph
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
-from alight.scene.formats.surroundings import SIZE, add_camera, add_light, use_first_camera
+from alight.scene.formats.surroundings import (
+    SIZE,
+    add_camera,
+    add_light,
+    say_if_empty,
+    use_first_camera,
+)
 
 #: Extensions that are read.
 COVERED = (
@@ -52,6 +58,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         "prototypes": graph.prototypes,
         "nodes": graph.nodes,
     }
+    say_if_empty(report, graph.bounds)
     if not graph.is_lit and not graph.glow.suffices(graph.bounds):
         add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from alight.bsdfs.normal_map import NormalMap
@@ -14,6 +15,7 @@ from alight.scene.formats.gltf.store import Json, Store
 from alight.scene.formats.gltf.write_textures import TextureWriter
 from alight.textures.bitmap import Bitmap
 from alight.textures.mix import Mix
+from alight.textures.multiply import Multiply
 from alight.textures.threshold import Threshold
 
 _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
@@ -58,8 +60,10 @@ class MaterialWriter:
         """
         self.textures.sets, self.textures.has_colors = set(), False
         made = self._surface(bsdf, has_colors)
-        if light is not None:
-            self._emit(light, made)
+        if light is not None and "radiance" in dict(light):
+            self._emit(_outside(light, bsdf, self.store.lose), made)
+        elif light is not None:
+            self.store.lose(f"{light.type_name()} light: glTF has no word for it")
         number = self.store.put("materials", made)
         return number, frozenset(self.textures.sets), self.textures.has_colors
 
@@ -215,12 +219,8 @@ class MaterialWriter:
             return value.mean()[1]
         return float(value)
 
-    def _emit(self, light: Light, made: Json) -> None:
-        fields = dict(light)
-        if "radiance" not in fields:
-            self.store.lose(f"{light.type_name()} light: glTF has no word for it")
-            return
-        factor, info = self.textures.color(fields["radiance"])
+    def _emit(self, radiance: Any, made: Json) -> None:
+        factor, info = self.textures.color(radiance)
         strength = max(*factor, 1.0)
         made["emissiveFactor"] = [c / strength for c in factor]
         if info:
@@ -228,3 +228,25 @@ class MaterialWriter:
         if strength > 1.0:
             content = {"emissiveStrength": strength}
             self.store.extension(made, "KHR_materials_emissive_strength", content)
+
+
+def _outside(light: Light, bsdf: Bsdf, lose: Callable[[str], None]) -> Any:
+    """What a surface would send out if nothing were cut out of it: glTF cuts that, too."""
+    radiance = dict(light)["radiance"]
+    while (fields := dict(bsdf)).get("bsdf") is not None and bsdf.type_name() != "mask":
+        bsdf = fields["bsdf"]
+    share = fields.get("opacity", 1.0) if bsdf.type_name() == "mask" else 1.0
+    if isinstance(share, float):
+        return radiance if share in (0.0, 1.0) else _divided(radiance, share)
+    if isinstance(radiance, Multiply) and radiance.b == share:
+        return radiance.a
+    lose("emission: it is cut out with the surface")
+    return radiance
+
+
+def _divided(radiance: Any, share: float) -> Any:
+    if isinstance(radiance, tuple):
+        return tuple(channel / share for channel in radiance)
+    if isinstance(radiance, Multiply) and isinstance(radiance.a, tuple):
+        return radiance.replaced(a=tuple(channel / share for channel in radiance.a))
+    return Multiply(a=1.0 / share, b=radiance)

@@ -10,7 +10,12 @@ from alight.scene.formats.names import free_name
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
-from alight.scene.formats.surroundings import add_camera, add_light, use_first_camera
+from alight.scene.formats.surroundings import (
+    add_camera,
+    add_light,
+    say_if_empty,
+    use_first_camera,
+)
 from alight.scene.formats.usd.graph import Graph
 from alight.scene.formats.usd.modules import Tf
 from alight.scene.formats.usd.stage import first_line, open_stage, to_world, world_matrix
@@ -57,6 +62,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
             graph.nodes[name] = {"light": around}
         else:
             scene["environment"] = around
+    say_if_empty(report, graph.bounds)
     if not graph.is_lit and not graph.glow.suffices(graph.bounds):
         add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
     if graph.cameras:
