@@ -125,3 +125,11 @@ def test_what_shines_in_part_is_written_as_it_was(holes, tmp_path):
     np.testing.assert_allclose(
         seen(tmp_path / "b.glb", 2, 0.0, 256), seen(path, 2, 0.0, 256), atol=0.05
     )
+
+
+@pytest.mark.parametrize("double", [True, False])
+def test_that_backs_do_not_shine_is_said(double, tmp_path):
+    m = Maker()
+    m.node(mesh=m.square(m.material(emissiveFactor=[1, 1, 1], doubleSided=double)))
+    said = any("outer side only" in line for line in alight.load(written(m, tmp_path)).warnings)
+    assert said == double

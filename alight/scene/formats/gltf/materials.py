@@ -135,6 +135,10 @@ class Materials:
         if emission is not None:
             # What is cut out of a surface does not shine either.
             emission = _product(emission, alpha)
+            if item.flag("doubleSided"):
+                self.document.report.approximate(
+                    "doubleSided: what shines does so on its outer side only"
+                )
         return Material(bsdf, emission, self.textures.sets, unlit)
 
     def _metal(self, pbr: Item) -> Data:
