@@ -4,6 +4,7 @@ A packet's samples take their first step together. Where some paths end, the oth
 from which the next packet is taken as soon as they fill one; so packets stay full although paths
 differ in length, and hold paths of the same pixel and depth, whose rays go the same way (the
 regeneration and compaction of paths of Wald 2011, Active thread compaction for GPU path tracing).
+Where a step has two halves, they wait a second time in the middle of it.
 """
 
 from __future__ import annotations
