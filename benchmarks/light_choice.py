@@ -4,11 +4,11 @@
 
 Efficiency is 1 / (relMSE * time) over that of choice by power. The error is the variance of a pixel
 over independent seeds (no arm is biased) over mean^2 + (0.1 median)^2 of all arms' mean, averaged
-over the picture; the median, as lamps that are seen would drown the rest in a mean. Time is processor time on one
-thread, arms taking turns, the least over the seeds; what a call costs that does not grow with the
-samples (loading, making trees, kernels from the cache) is measured by calls of 1 sample, and taken
-off. Scenes where local lights differ (clusters, lamps, rooms) are what a tree is for; the others,
-where far or even lights do not, are to show that it does no harm.
+over the picture; the median, as lamps that are seen would drown the rest in a mean. Time is
+processor time on one thread, arms taking turns, the least over the seeds; what a call costs that
+does not grow with the samples (loading, making trees, kernels from the cache) is measured by calls
+of 1 sample, and taken off. Scenes where local lights differ (clusters, lamps, rooms) are what a
+tree is for; the others, where far or even lights do not, are to show that it does no harm.
 """
 
 import argparse
