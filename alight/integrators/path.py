@@ -88,9 +88,11 @@ EXAMPLES = (
 )
 
 
-def step(program, **options):
+def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=None):
     """The kernel that carries paths on by one vertex; parameters as of `stages`."""
-    trace, shade = stages(program, **options)
+    trace, shade = stages(
+        program, scatter=scatter, strategy=strategy, roulette=roulette, record=record
+    )
 
     @kernel
     def path_step(scene, settings, path):

@@ -18,7 +18,14 @@ from alight.films import PartialFilm
 from alight.films.fixed_point import add_rows
 from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_number
 from alight.integrators.walk import Settings
-from alight.rendering.tile_kernel import INVALID, RAYS, SATURATED, Tile, render_tile_kernel
+from alight.rendering.tile_kernel import (
+    INVALID,
+    RAYS,
+    SATURATED,
+    Tile,
+    render_step_by_step,
+    render_tile_kernel,
+)
 
 #: What the kernel writes: flat int64 tables of one tile.
 TileFilm = namedtuple("TileFilm", "sums counts direct tally")
@@ -47,11 +54,12 @@ def make_kernels(
 ) -> Kernels:
     """The main loop specialised on a scene's program; compiled False gives the NumPy twin.
 
-    `observe` is for the twin, see `alight.core.jit.instantiate`.
+    `observe` is for the twin, see `alight.core.jit.instantiate`; what it sees are whole steps.
     """
+    root = render_step_by_step if observe else render_tile_kernel
 
     def make(program: Program) -> Callable:
-        kernel = instantiate(render_tile_kernel, program, compiled=compiled, observe=observe)
+        kernel = instantiate(root, program, compiled=compiled, observe=observe)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
         if isinstance(kernel, MachineCode):
             return kernel.fixed()
