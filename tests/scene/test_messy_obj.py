@@ -186,9 +186,10 @@ def test_many_groups_take_no_longer_than_one():
         assert len(nodes) == groups
         return time.process_time() - begin, nodes
 
-    one = min(seconds(1)[0] for _ in range(2))
-    many, nodes = seconds(300)
+    # The least of some: in a large process one collection of garbage takes longer than the file.
+    one = min(seconds(1)[0] for _ in range(3))
+    times, nodes = zip(*(seconds(300) for _ in range(3)), strict=True)
     # Each part that goes through the points of all made this a hundred times.
-    assert many < 5.0 * one
-    assert sum(len(node["shape"].faces) for node in nodes.values()) == len(faces)
+    assert min(times) < 5.0 * one
+    assert sum(len(node["shape"].faces) for node in nodes[0].values()) == len(faces)
     assert obj.read(points.encode() + "".join(faces).encode()).faces.shape == (len(faces), 3)
