@@ -157,6 +157,7 @@ SCENES: dict[str, Callable[[], Scene]] = {
     "clusters": lambda: with_lamps(OPEN, clusters()),
     "17 lamps": lambda: with_lamps(OPEN, hanging(17, 1, 2, 1000)),
     "128 lamps": lambda: with_lamps(OPEN, hanging(128, 1, 2, 1000)),
+    "5000 lamps": lambda: with_lamps(OPEN, hanging(5000, 1, 2, 1000)),
     "many-lights": lambda: alight.load("many-lights", ["film.size=[128,96]"]),
     "rooms": rooms,
     "ball in a room": lambda: with_lamps(ROOM, {"ball": ball(0.4, (0.2, 0.5, -0.5), 3, 30.0)}),
