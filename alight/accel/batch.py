@@ -13,8 +13,8 @@ from alight.accel.layout import Bvh
 from alight.accel.packets import start
 from alight.accel.rays import MOST, Hits
 from alight.accel.single import NONE, is_traceable
-from alight.accel.traversal import any_of_triangles, closest_of_triangles
 from alight.accel.turns import write_packet
+from alight.accel.visits import any_of_hits, closest_of_hits
 from alight.core.constants import INFINITY
 from alight.core.jit import instantiate, kernel
 from alight.core.simd import (
@@ -38,8 +38,8 @@ from alight.core.view import View
 _CHUNK = 16384
 
 
-closest_of_rays = write_packet(closest_of_triangles, True)
-any_of_rays = write_packet(any_of_triangles, False)
+closest_of_rays = write_packet(closest_of_hits, True)
+any_of_rays = write_packet(any_of_hits, False)
 
 
 @kernel(strict=True)

@@ -18,10 +18,10 @@ from functools import lru_cache
 import numpy as np
 
 from alight.accel import top
-from alight.accel.cost import patience, sah_cost
-from alight.accel.layout import BLOCK, CHILD, COUNT, NODE, WIDTH, Bvh
+from alight.accel.cost import sah_cost, waits_for_memory
+from alight.accel.layout import BLOCK, CHILD, COUNT, MAX_LEAF, NODE, WIDTH, Bvh
 from alight.accel.references import MARGIN, ROUNDING, refer_to_triangles
-from alight.accel.splitting import MEDIAN, SAH, Workspace, halve
+from alight.accel.splitting import MEDIAN, SAH, Rules, Workspace, halve
 from alight.accel.subtree import Source, build_subtree, expand, pack
 from alight.core.jit import instantiate
 from alight.core.view import View
@@ -36,6 +36,15 @@ SMALLEST_TASK, TASKS = 4096, 32
 TOP_LEVELS = 3
 
 METHODS = {"sah": SAH, "median": MEDIAN}
+
+#: Primitives that are not triangles, at least, before a set of them is divided.
+OTHERS_IN_LEAF = 8
+
+#: What tells how many vertices triangles share: so many runs of so many triangles.
+RUNS, RUN = 4, 2048
+
+#: Any big odd numbers: what the bits of coordinates are multiplied by.
+PLACE = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 
 
 def build_bvh(
@@ -79,7 +88,7 @@ def build_bvh(
         builder = _Builder(kernels(), pool, METHODS[method], vertices, faces, others, boxes)
         bvh, stats = builder.run()
     stats["sah_cost"] = sah_cost(bvh)
-    bvh = bvh._replace(patience=patience(bvh, stats["sah_cost"]))
+    bvh = bvh._replace(waits=waits_for_memory(bvh))
     stats["seconds"] = time.perf_counter() - begin
     return bvh, stats
 
@@ -149,7 +158,9 @@ class _Builder:
     """One build: the arrays that its passes share."""
 
     def __init__(self, compiled, pool, method, vertices, faces, others, boxes):
-        self.compiled, self.pool, self.method = compiled, pool, method
+        self.compiled, self.pool = compiled, pool
+        fill = expected_fill(vertices, faces, len(others))
+        self.rules = Rules(method, fill)
         self.triangles = len(faces)
         self.n = n = len(faces) + len(others)
         self.source = Source(View(vertices), View(faces), len(faces), View(others))
@@ -240,7 +251,7 @@ class _Builder:
         self.used += 8 * len(sets)
         self.pool.run(
             lambda record: self.compiled.expand(
-                self.work, self.records, self.ranges, record, first[record], self.method, sizes
+                self.work, self.records, self.ranges, record, first[record], self.rules, sizes
             ),
             sorted(sets, key=self._size, reverse=True),
         )
@@ -259,7 +270,7 @@ class _Builder:
         """Divide a set into 8; the records of the parts."""
         children = [record]
         while len(children) < 8:
-            large = [c for c in children if self._size(c) > WIDTH]
+            large = [c for c in children if self._size(c) > self.rules.fill]
             if not large:
                 break
             self._divide(max(large, key=self._area), self.used)
@@ -288,7 +299,7 @@ class _Builder:
 
         self.pool.run(bin_one, starts)
         self.compiled.choose(
-            self.records, self.ranges, i, rows, self.tables, self.counts, self.method, self.result
+            self.records, self.ranges, i, rows, self.tables, self.counts, self.rules, self.result
         )
         if self.result.array[0] < 0:
             self.compiled.halve(self.work, self.records, self.ranges, i, j)
@@ -329,8 +340,8 @@ class _Builder:
             records.array[16 * k : 16 * k + 16] = self.records.array[16 * record : 16 * record + 16]
             ranges.array[3 * k : 3 * k + 3] = self.ranges.array[3 * record : 3 * record + 3]
         # A subtree over n primitives has at most n / 2 + 1 nodes: a node without 8 children has
-        # leaves only, and holds more than WIDTH primitives unless it is the root. Most have far
-        # fewer, so each thread has room for the worst and what is used is kept.
+        # leaves only, and holds more primitives than fill a block unless it is the root. Most
+        # have far fewer, so each thread has room for the worst and what is used is kept.
         room = max(self._size(record) for record, _ in tasks) // 2 + 2
         local = threading.local()
         self.built = [View(np.zeros(0, np.float32))] * len(tasks)
@@ -345,8 +356,8 @@ class _Builder:
                 ranges,
                 k,
                 tasks[k][1],
-                self.method,
-                self.triangles,
+                self.rules,
+                self.source,
                 totals,
             )
             count = int(totals.array[4 * k])
@@ -368,7 +379,7 @@ class _Builder:
             View(aligned_zeros(int(node_at[-1]), NODE)),
             View(aligned_zeros(int(block_at[-1]), BLOCK)),
             View(np.zeros(0, np.uint32)),
-            1,
+            0,
         )
         for node, children in enumerate(top_nodes):
             row = bvh.nodes.array.reshape(-1, NODE)[node]
@@ -400,6 +411,45 @@ class _Builder:
             "depth": depth,
             "bytes": bvh.nodes.array.nbytes + bvh.blocks.array.nbytes,
         }
+
+
+def expected_fill(vertices: np.ndarray, faces: np.ndarray, others: int) -> int:
+    """How many primitives a block is expected to take.
+
+    Parameters
+    ----------
+    vertices, faces
+        As of `build_bvh`.
+    others : int
+        Primitives that are not triangles.
+
+    Returns
+    -------
+    int
+        As many triangles as there is room for if neighbours share their vertices, fewer if each
+        has its own.
+    """
+    n = len(faces)
+    if n == 0:
+        return OTHERS_IN_LEAF
+    fill = min(max(round(WIDTH * n / _count_vertices(vertices, faces)), WIDTH // 3), WIDTH)
+    if others == 0:
+        return fill
+    return min(round((n * fill + others * OTHERS_IN_LEAF) / (n + others)), MAX_LEAF)
+
+
+def _count_vertices(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """About how many different vertices there are, wherever files repeat them."""
+    n = len(faces)
+    if len(vertices) <= n:
+        return len(vertices)
+    starts = np.unique(np.linspace(0, max(n - RUN, 0), RUNS).astype(np.int64))
+    runs = [faces[start : start + RUN].ravel() for start in starts]
+    # One number a vertex: two vertices that share it are too few to matter.
+    seen = sum(
+        len(np.unique(vertices[run].view(np.uint32).astype(np.uint64) @ PLACE)) for run in runs
+    )
+    return min(seen * n / sum(len(run) // 3 for run in runs), len(vertices))
 
 
 def references_of_boxes(boxes: np.ndarray, first: int) -> np.ndarray:

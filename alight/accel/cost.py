@@ -1,4 +1,4 @@
-"""What a finished tree costs its rays, and how they share the time."""
+"""What a finished tree costs its rays."""
 
 from __future__ import annotations
 
@@ -6,17 +6,11 @@ import numpy as np
 
 from alight.accel.layout import CHILD, LEAF, NODE, Bvh
 
-#: Rays wait for memory where a tree has more bytes than this (about a core's own cache) ...
+#: Rays wait for memory where a tree has more bytes than this (about a core's own cache).
 BIG = 4 << 20
-
-#: ... and where they visit so little of it that the next node is seldom one of the last.
-COSTLY = 100.0
 
 #: Nodes looked at together.
 CHUNK = 1024
-
-#: More steps than any ray takes.
-ENDLESS = 1 << 40
 
 
 def sah_cost(tree: Bvh) -> float:
@@ -50,11 +44,6 @@ def _half_area(edges: np.ndarray) -> np.ndarray:
     return x * y + y * z + z * x
 
 
-def patience(tree: Bvh, cost: float) -> int:
-    """Steps that a ray takes before the others of its packet go on.
-
-    One in a tree whose rays wait for memory, as their waits overlap so; elsewhere all, as a change
-    of rays costs more than it gains. Both limits were measured (decision 11).
-    """
-    waits = tree.nodes.array.nbytes + tree.blocks.array.nbytes > BIG and cost < COSTLY
-    return 1 if waits else ENDLESS
+def waits_for_memory(tree: Bvh) -> int:
+    """1 where rays wait for memory, so that nodes are asked for before they are needed, else 0."""
+    return int(tree.nodes.array.nbytes + tree.blocks.array.nbytes > BIG)

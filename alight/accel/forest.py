@@ -10,13 +10,13 @@ from alight.accel.build import build_bvh
 from alight.accel.layout import (
     BLOCK,
     CHILD,
+    CORNERS,
     IDS,
     KINDS,
     LEAF,
     MOVING,
     NODE,
     OTHER,
-    WIDTH,
     Bvh,
     moving_number,
 )
@@ -66,7 +66,7 @@ class Forest:
         others = len(self.analytic) + len(self.instances) + len(self.moving)
         if len(self.triangles.faces) + others == 0:
             empty = View(np.zeros(0, np.float32))
-            tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)), 1)
+            tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)), 0)
             return tree, View(np.zeros(6, np.float32)), (), {}
         used = {i.geometry for i in self.instances}
         used = sorted(used | {m.row for m in self.moving if m.kind == "mesh"})
@@ -100,7 +100,7 @@ class Forest:
     def _describe_analytic(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
         """Fill the first rows of the blocks (`layout`) and boxes of primitives but triangles."""
         words = blocks.view(np.uint32)
-        words[:, IDS : IDS + WIDTH] = OTHER
+        words[:, CORNERS:IDS] = OTHER
         words[:, IDS] = len(self.triangles.faces) + np.arange(len(blocks))
         for row, a in enumerate(self.analytic):
             words[row, 0], words[row, 1] = KINDS.index(a.kind), a.row
@@ -128,7 +128,7 @@ class Forest:
         geometries += [m.row if m.kind == "mesh" else -1 for m in self.moving]
         root_of = np.array([roots.get(number, 0) for number in geometries], np.uint32)
         numbers = KINDS.index("instance"), moving_number("mesh")
-        leads_on = (words[:, IDS + WIDTH - 1] == OTHER) & np.isin(words[:, 0], numbers)
+        leads_on = (words[:, IDS - 1] == OTHER) & np.isin(words[:, 0], numbers)
         words[leads_on, 1] = root_of[words[leads_on, IDS].astype(np.int64) - first]
 
 
@@ -151,7 +151,7 @@ def _joined(trees: list[Bvh]) -> tuple[Bvh, list[int]]:
         View(np.concatenate([t.nodes.array for t in trees])),
         View(np.concatenate([t.blocks.array for t in trees])),
         trees[0].ids,
-        trees[0].patience,
+        trees[0].waits,
     )
     return joined, roots
 

@@ -14,9 +14,10 @@ word    meaning (8 words each, one a child)
 
 Children come first; a missing one has the bounds (inf, -inf), which no ray meets.
 
-A *block* holds up to WIDTH triangles side by side, so that one ray meets all of them at once:
-corners a, b, c as 9 rows of WIDTH floats (ax, ay, az, bx, ...), then a row of WIDTH indices. A
-block that is not full repeats its last triangle. A block whose last index is OTHER holds one
+A *block* holds up to WIDTH triangles side by side, so that one ray meets all of them at once, and
+their vertices, up to WIDTH, each once: rows of WIDTH words x, y, z; the triangles' corners (numbers
+of vertices, in bits 0 to 3, 4 to 7 and 8 to 11); the triangles' indices. A block that is not full
+repeats its first vertex and its last triangle. A block whose last corners are OTHER holds one
 analytic shape or instance instead: word 0 its kind (`KINDS`), word 1 the row in the data, or for an
 instance the root node of its geometry, words 2..13 the map of the world to its own space (3 rows of
 4); the first index is its own. Of what moves (`MOVING`) words 0 and 1 are alike, word 2 is the
@@ -28,21 +29,21 @@ from __future__ import annotations
 from collections import namedtuple
 
 #: Views. nodes, blocks: float32 as described above (whole numbers as bit patterns); ids: u32, shape
-#: and prim of each index. patience: steps that a ray takes before it lets the others of its packet
-#: go on (`turns`).
-Bvh = namedtuple("Bvh", "nodes blocks ids patience")
+#: and prim of each index. waits: 1 where rays wait for memory (`cost`), else 0.
+Bvh = namedtuple("Bvh", "nodes blocks ids waits")
 
 NODE = 64
 CHILD = 48
 COUNT = 56
 
-#: Triangles of a block: the width of a leaf test.
-WIDTH = 8
-IDS = 9 * WIDTH
-BLOCK = 10 * WIDTH
+#: Triangles and vertices of a block: the width of a leaf test.
+WIDTH = 16
+CORNERS = 3 * WIDTH
+IDS = 4 * WIDTH
+BLOCK = 5 * WIDTH
 
-#: A leaf never holds more primitives.
-MAX_LEAF = 8
+#: A leaf never has more blocks, nor more primitives unless they fill one block.
+MAX_LEAF = 15
 
 LEAF = 0x80000000
 OTHER = 0xFFFFFFFF

@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import lru_cache
 
-from alight.accel.layout import BLOCK, IDS, KINDS, OTHER, WIDTH
-from alight.accel.single import NONE, SingleHit, closest_of_block, meet_triangles
-from alight.accel.traversal import any_of_triangles, blocked, closest_of_triangles, write_single
+from alight.accel.layout import IDS, KINDS
+from alight.accel.single import NONE, SingleHit
+from alight.accel.traversal import any_of_triangles, closest_of_triangles, write_single
+from alight.accel.visits import SOMETHING_ELSE, any_of_hits, closest_of_hits
 from alight.core.jit import kernel
 from alight.core.simd import as_int, float_bits, lanes, mask_bits
 from alight.core.vec import Vec3
@@ -174,37 +175,25 @@ def leaves_of(meet_other: Callable, block_other: Callable) -> tuple[Callable, Ca
     """Visits (closest, any) to leaves that hold triangles and what a chain of kinds knows."""
 
     @kernel(strict=True)
-    def closest_of_leaf(tree, data, block, count, o, d, ray, best):
-        """The nearest hit of `best` and the blocks number `block` and following."""
-        at = BLOCK * block
-        for _ in range(count):
-            if as_int(float_bits(tree.blocks[at + IDS + WIDTH - 1])) == OTHER:
-                index = as_int(float_bits(tree.blocks[at + IDS]))
-                kind = as_int(float_bits(tree.blocks[at]))
-                found = meet_other(tree, data, kind, at, index, o, d, best.t)
-            else:
-                found = closest_of_block(
-                    tree.blocks, at, ray, SingleHit(best.t, NONE, 0, best.u, best.v)
-                )
-            best = closer(tree.ids, best, found)
-            at += BLOCK
-        return best
+    def closest_of_found(tree, data, at, o, d, numbers, k, bits, best):
+        """The nearer one of `best` and what is hit in a block; as `visits.closest_of_hits`."""
+        if bits == SOMETHING_ELSE:
+            index = as_int(float_bits(tree.blocks[at + IDS]))
+            kind = as_int(float_bits(tree.blocks[at]))
+            found = meet_other(tree, data, kind, at, index, o, d, best.t)
+        else:
+            found = SingleHit(best.t, NONE, 0, best.u, best.v)
+            found = closest_of_hits(tree, data, at, o, d, numbers, k, bits, found)
+        return closer(tree.ids, best, found)
 
     @kernel(strict=True)
-    def any_of_leaf(tree, data, block, count, o, d, ray, best):
-        """`blocked` if anything in blocks number `block` and following is hit, else `best`."""
-        at = BLOCK * block
-        for _ in range(count):
-            if as_int(float_bits(tree.blocks[at + IDS + WIDTH - 1])) == OTHER:
-                index = as_int(float_bits(tree.blocks[at + IDS]))
-                kind = as_int(float_bits(tree.blocks[at]))
-                if block_other(tree, data, kind, at, index, o, d, best.t):
-                    return blocked(best)
-            else:
-                _, _, _, hit = meet_triangles(tree.blocks, at, ray, best.t)
-                if mask_bits(hit) != 0:
-                    return blocked(best)
-            at += BLOCK
-        return best
+    def any_of_found(tree, data, at, o, d, numbers, k, bits, best):
+        """`any_of_hits` if anything in a block is hit, else `best`."""
+        if bits == SOMETHING_ELSE:
+            index = as_int(float_bits(tree.blocks[at + IDS]))
+            kind = as_int(float_bits(tree.blocks[at]))
+            if not block_other(tree, data, kind, at, index, o, d, best.t):
+                return best
+        return any_of_hits(tree, data, at, o, d, numbers, k, bits, best)
 
-    return closest_of_leaf, any_of_leaf
+    return closest_of_found, any_of_found

@@ -28,9 +28,8 @@ from alight.accel.moving import (
 )
 from alight.accel.rays import MOST, Hits
 from alight.accel.single import NONE, STRETCH, is_traceable, safe_reciprocal
-from alight.accel.together import data_of_all
-from alight.accel.traversal import any_of_triangles, closest_of_triangles
 from alight.accel.turns import write_packet
+from alight.accel.visits import any_of_hits, closest_of_hits, data_of_all
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel, specialised
 from alight.core.simd import (
@@ -80,13 +79,13 @@ def start(hits, t_max):
 def _write_tree(plan: tuple[str, ...], moving: bool) -> tuple[Callable, Callable]:
     """Kernels that send the lanes of a packet through the tree."""
     kinds = tuple(kind for kind in KINDS if kind + "s in tree" in plan)
-    leaf, any_leaf = write_leaves(kinds) if kinds else (closest_of_triangles, any_of_triangles)
+    leaf, any_leaf = write_leaves(kinds) if kinds else (closest_of_hits, any_of_hits)
     of_ray = data_of_all
     if moving:
         leaf, any_leaf = write_moving_leaves(plan)
         of_ray = data_of_ray
-    closest_of_rays = write_packet(leaf, True, of_ray)
-    any_of_rays = write_packet(any_leaf, False, of_ray)
+    closest_of_rays = write_packet(leaf, True, bool(kinds) or moving, of_ray)
+    any_of_rays = write_packet(any_leaf, False, bool(kinds) or moving, of_ray)
 
     @kernel(strict=True)
     def closest(accel, data, o, d, best):

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel.layout import BLOCK, CHILD, IDS, LEAF, NODE, WIDTH
+from alight.accel.layout import BLOCK, CHILD, CORNERS, IDS, LEAF, NODE, WIDTH
 from alight.core.jit import kernel
 from alight.core.simd import (
     absolute,
@@ -22,12 +22,13 @@ from alight.core.simd import (
     mask_bits,
     maximum,
     minimum,
+    permuted,
     trailing_zeros,
     where,
 )
 from alight.core.vec import Vec3
 from alight.core.wide import lane, load_wide, prefetch, wide
-from alight.shapes.triangle import Shear, component, shear_of, sheared_hit
+from alight.shapes.triangle import Shear, component, edge_functions, shear_of, sheared, where_met
 
 #: Found by one ray: t; index of the primitive in the tree (NONE: nothing up to t); face: triangle
 #: of an instance's mesh, else 0; u, v: barycentrics or local coordinates.
@@ -110,13 +111,19 @@ def meet_boxes(nodes, at, ray, t):
 @kernel(strict=True)
 def meet_triangles(blocks, at, ray, t):
     """The triangles of the block that starts at `at`: t, u, v, and which are hit up to t."""
-    x, y, z = at + ray.row_x, at + ray.row_y, at + ray.row_z
-    a = Vec3(load_wide(WIDTH, blocks, x), load_wide(WIDTH, blocks, y), load_wide(WIDTH, blocks, z))
-    x, y, z = x + 3 * WIDTH, y + 3 * WIDTH, z + 3 * WIDTH
-    b = Vec3(load_wide(WIDTH, blocks, x), load_wide(WIDTH, blocks, y), load_wide(WIDTH, blocks, z))
-    x, y, z = x + 3 * WIDTH, y + 3 * WIDTH, z + 3 * WIDTH
-    c = Vec3(load_wide(WIDTH, blocks, x), load_wide(WIDTH, blocks, y), load_wide(WIDTH, blocks, z))
-    found, u, v, inside = sheared_hit(a - ray.o, b - ray.o, c - ray.o, ray.shear)
+    x = load_wide(WIDTH, blocks, at + ray.row_x) - ray.o.x
+    y = load_wide(WIDTH, blocks, at + ray.row_y) - ray.o.y
+    z = load_wide(WIDTH, blocks, at + ray.row_z) - ray.o.z
+    x, y = sheared(Vec3(x, y, z), ray.shear)
+    corners = float_bits(load_wide(WIDTH, blocks, at + CORNERS))
+    a, b, c = corners & 15, (corners >> 4) & 15, corners >> 8
+    az, bz, cz = permuted(z, a), permuted(z, b), permuted(z, c)
+    w, inside = edge_functions(
+        (permuted(x, a), permuted(y, a)),
+        (permuted(x, b), permuted(y, b)),
+        (permuted(x, c), permuted(y, c)),
+    )
+    found, u, v = where_met(w, az, bz - az, cz - az, ray.shear)
     return found, u, v, inside & (found > 0.0) & (found <= t)
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel.layout import MAX_LEAF, WIDTH
+from alight.accel.layout import MAX_LEAF
 from alight.accel.references import (
     BINS,
     bin_scale,
@@ -40,6 +40,9 @@ NODE_COST = 1.0
 #: How splits are chosen.
 SAH, MEDIAN = 0, 1
 
+#: method: `SAH` or `MEDIAN`; fill: how many primitives a block is expected to take.
+Rules = namedtuple("Rules", "method fill")
+
 #: axis < 0: there is no plane with something on both sides; split: last bin of the left part;
 #: left: references in it; cost: of both sides, relative to the box before the split.
 Split = namedtuple("Split", "axis split left cost")
@@ -55,13 +58,13 @@ def bin_count(n):
 
 
 @kernel(strict=True)
-def blocks_of(n):
-    """Blocks that n triangles fill."""
-    return (n + (WIDTH - 1)) // WIDTH
+def blocks_of(n, fill):
+    """Blocks that n primitives take if one takes `fill`."""
+    return (n + (fill - 1)) // fill
 
 
 @kernel(strict=True)
-def cheapest_split(box, centers, bins, table, counts, n):
+def cheapest_split(box, centers, bins, table, counts, n, fill):
     """The border of bins with the least surface area cost."""
     right_cost = local_floats(BINS)
     scale = 1.0 / largest_edge(box)
@@ -75,14 +78,17 @@ def cheapest_split(box, centers, bins, table, counts, n):
                 count += counts[axis * BINS + b]
                 union = minimum(union, load_wide(8, table, 8 * (axis * BINS + b)))
                 right_cost[b] = where(
-                    count > 0, half_area(union, scale) * as_float(blocks_of(count)), 0.0
+                    count > 0, half_area(union, scale) * as_float(blocks_of(count, fill)), 0.0
                 )
             union, count = wide(8, INFINITY), 0
             for b in range(bins - 1):
                 count += counts[axis * BINS + b]
                 union = minimum(union, load_wide(8, table, 8 * (axis * BINS + b)))
                 if (count > 0) & (count < n):
-                    cost = half_area(union, scale) * as_float(blocks_of(count)) + right_cost[b + 1]
+                    cost = (
+                        half_area(union, scale) * as_float(blocks_of(count, fill))
+                        + right_cost[b + 1]
+                    )
                     if cost < best:
                         best, best_axis, best_split, best_left = cost, axis, b, count
     return Split(best_axis, best_split, best_left, best / maximum(half_area(box, scale), 1e-36))
@@ -106,12 +112,12 @@ def median_split(centers, bins, counts, n):
 
 
 @kernel(strict=True)
-def choose_split(box, centers, table, counts, n, method):
-    """The split of n references whose bins are filled, by `SAH` or `MEDIAN`."""
+def choose_split(box, centers, table, counts, n, rules):
+    """The split of n references whose bins are filled, by the `Rules`."""
     bins = bin_count(n)
-    if method == MEDIAN:
+    if rules.method == MEDIAN:
         return median_split(centers, bins, counts, n)
-    return cheapest_split(box, centers, bins, table, counts, n)
+    return cheapest_split(box, centers, bins, table, counts, n, rules.fill)
 
 
 @kernel(strict=True)
@@ -136,14 +142,14 @@ def halve(work, records, ranges, i, j):
 
 
 @kernel(strict=True)
-def prefers_leaf(split, n):
+def prefers_leaf(split, n, rules):
     """True if n references cost less as a leaf than divided so."""
-    leaf_cost = as_float(blocks_of(n))
+    leaf_cost = as_float(blocks_of(n, rules.fill))
     return (n <= MAX_LEAF) & ((split.axis < 0) | (split.cost + NODE_COST >= leaf_cost))
 
 
 @kernel(strict=True)
-def divide(work, records, ranges, i, j, table, counts, method, by_count):
+def divide(work, records, ranges, i, j, table, counts, rules, by_count):
     """Divide record i into i and j; False if it is better left as a leaf."""
     begin, end, side = ranges[3 * i], ranges[3 * i + 1], ranges[3 * i + 2]
     n = end - begin
@@ -154,8 +160,8 @@ def divide(work, records, ranges, i, j, table, counts, method, by_count):
     source, target = (work.a, work.b) if side == 0 else (work.b, work.a)
     bins = bin_count(n)
     fill_bins(source, begin, end, centers, bins, table, counts)
-    split = choose_split(box, centers, table, counts, n, method)
-    if prefers_leaf(split, n):
+    split = choose_split(box, centers, table, counts, n, rules)
+    if prefers_leaf(split, n, rules):
         return False
     if split.axis < 0:
         halve(work, records, ranges, i, j)
@@ -186,7 +192,7 @@ def divide(work, records, ranges, i, j, table, counts, method, by_count):
 
 
 @kernel(strict=True)
-def next_to_divide(records, ranges, whole, n, scale, by_count):
+def next_to_divide(records, ranges, whole, n, scale, rules, by_count):
     """The record with the largest surface (with most references if `by_count`), -1 for none.
 
     Areas are in units of 1 / scale^2; those marked in `whole`, and small ones, stay as they are.
@@ -194,7 +200,7 @@ def next_to_divide(records, ranges, whole, n, scale, by_count):
     best, best_size = -1, as_float(-1)
     for i in range(n):
         count = ranges[3 * i + 1] - ranges[3 * i]
-        if (whole[i] == 0) & (count > WIDTH):
+        if (whole[i] == 0) & (count > rules.fill):
             size = as_float(count) if by_count else half_area(load_wide(8, records, 16 * i), scale)
             # An area may be infinite or, for a point, 0: any record is better than none.
             if (best < 0) | (size > best_size):

@@ -12,6 +12,7 @@ from collections import namedtuple
 from alight.accel.layout import (
     BLOCK,
     CHILD,
+    CORNERS,
     COUNT,
     IDS,
     LEAF,
@@ -23,7 +24,6 @@ from alight.accel.layout import (
 )
 from alight.accel.references import BINS, fill_bins, largest_edge
 from alight.accel.splitting import (
-    blocks_of,
     choose_split,
     divide,
     next_to_divide,
@@ -39,6 +39,8 @@ from alight.core.simd import (
     float_bits,
     local_floats,
     local_longs,
+    mask_bits,
+    trailing_zeros,
 )
 from alight.core.wide import load_wide, store_wide
 
@@ -63,16 +65,16 @@ def copy_record(records, ranges, i, target, target_ranges, j):
 
 
 @kernel(strict=True)
-def divide_into_children(work, records, ranges, whole, table, counts, method, by_count):
+def divide_into_children(work, records, ranges, whole, table, counts, rules, by_count):
     """Divide record 0 into up to 8, largest first; the number of records."""
     scale = 1.0 / largest_edge(load_wide(8, records, 0))
     n = 1
     whole[0] = 0
     while n < 8:
-        i = next_to_divide(records, ranges, whole, n, scale, by_count)
+        i = next_to_divide(records, ranges, whole, n, scale, rules, by_count)
         if i < 0:
             break
-        if divide(work, records, ranges, i, n, table, counts, method, by_count):
+        if divide(work, records, ranges, i, n, table, counts, rules, by_count):
             whole[n] = 0
             n += 1
         else:
@@ -81,30 +83,30 @@ def divide_into_children(work, records, ranges, whole, table, counts, method, by
 
 
 @kernel(strict=True)
-def expand(work, all_records, all_ranges, i, target, method, sizes):
+def expand(work, all_records, all_ranges, i, target, rules, sizes):
     """Divide record i into up to 8, which become records `target` and on; sizes[i]: how many."""
     records, ranges, whole = local_floats(_RECORDS), local_longs(24), local_longs(8)
     table, counts = local_floats(_TABLE), local_longs(_COUNTS)
     copy_record(all_records, all_ranges, i, records, ranges, 0)
-    n = divide_into_children(work, records, ranges, whole, table, counts, method, False)
+    n = divide_into_children(work, records, ranges, whole, table, counts, rules, False)
     for k in range(n):
         copy_record(records, ranges, k, all_records, all_ranges, target + k)
     sizes[i] = n
 
 
 @kernel(strict=True)
-def is_leaf(work, records, ranges, whole, i, table, counts, method):
+def is_leaf(work, records, ranges, whole, i, table, counts, rules):
     """Should record i be a leaf? Small ones are tried, unless `divide` has said so before."""
     begin, end, side = ranges[3 * i], ranges[3 * i + 1], ranges[3 * i + 2]
     n = end - begin
-    if (whole[i] != 0) | (n <= WIDTH):
+    if (whole[i] != 0) | (n <= rules.fill):
         return True
     if n > MAX_LEAF:
         return False
     box, centers = load_wide(8, records, 16 * i), load_wide(8, records, 16 * i + 8)
     bins = 4
     fill_bins(work.a if side == 0 else work.b, begin, end, centers, bins, table, counts)
-    return prefers_leaf(choose_split(box, centers, table, counts, n, method), n)
+    return prefers_leaf(choose_split(box, centers, table, counts, n, rules), n, rules)
 
 
 @kernel(strict=True)
@@ -129,7 +131,49 @@ def clear_child(nodes, node, i):
 
 
 @kernel(strict=True)
-def list_primitives(work, ranges, i, triangles):
+def place_of(packed, at, n, vertices, vertex):
+    """The column of a vertex among the n of the block that starts at `at`; n if it is not there."""
+    x, y, z = vertices[vertex], vertices[vertex + 1], vertices[vertex + 2]
+    same = (
+        (load_wide(WIDTH, packed, at) == x)
+        & (load_wide(WIDTH, packed, at + WIDTH) == y)
+        & (load_wide(WIDTH, packed, at + 2 * WIDTH) == z)
+    )
+    return trailing_zeros((mask_bits(same) & ((1 << n) - 1)) | (1 << n))
+
+
+@kernel(strict=True)
+def write_block(order, first, count, packed, at, source):
+    """Write up to `count` triangles, ``order[first]`` and on, into one block; how many fit."""
+    n, done = 0, 0
+    while (done < count) & (done < WIDTH):
+        index = as_int(order[first + done])
+        before, word = n, 0
+        for corner in range(3):
+            vertex = 3 * as_int(source.faces[3 * index + corner])
+            i = place_of(packed, at, n, source.vertices, vertex)
+            if i < WIDTH:
+                for k in range(3):
+                    packed[at + k * WIDTH + i] = source.vertices[vertex + k]
+            n = max(n, i + 1)
+            word |= i << (4 * corner)
+        if n > WIDTH:
+            n = before
+            break
+        packed[at + CORNERS + done] = bits_float(as_uint(word))
+        packed[at + IDS + done] = bits_float(as_uint(index))
+        done += 1
+    for i in range(n, WIDTH):
+        for k in range(3):
+            packed[at + k * WIDTH + i] = packed[at + k * WIDTH]
+    for i in range(done, WIDTH):
+        packed[at + CORNERS + i] = packed[at + CORNERS + done - 1]
+        packed[at + IDS + i] = packed[at + IDS + done - 1]
+    return done
+
+
+@kernel(strict=True)
+def list_primitives(work, ranges, i, work_source):
     """Write the primitives of record i to their places in `order`; the number of blocks they fill.
 
     Triangles (indices below `triangles`) come first; each of the others has a block for itself.
@@ -139,17 +183,22 @@ def list_primitives(work, ranges, i, triangles):
     front, back = begin, end - 1
     for r in range(begin, end):
         primitive = float_bits(source[8 * r + 3])
-        if as_int(primitive) < triangles:
+        if as_int(primitive) < work_source.triangles:
             work.order[front] = primitive
             front += 1
         else:
             work.order[back] = primitive
             back -= 1
-    return blocks_of(front - begin) + (end - front)
+    packed = local_floats(BLOCK)
+    done, blocks = begin, end - front
+    while done < front:
+        done += write_block(work.order, done, front - done, packed, 0, work_source)
+        blocks += 1
+    return blocks
 
 
 @kernel(strict=True)
-def build_subtree(work, nodes, task_records, task_ranges, task, depth, method, triangles, totals):
+def build_subtree(work, nodes, task_records, task_ranges, task, depth, rules, source, totals):
     """Build the tree over one record.
 
     Parameters
@@ -161,10 +210,8 @@ def build_subtree(work, nodes, task_records, task_ranges, task, depth, method, t
         Records (float32) and their ranges (int64); `task` is the one to build.
     depth : int
         Levels above this subtree.
-    method : int
-        `SAH` or `MEDIAN`.
-    triangles : int
-        Primitives with a smaller index are triangles.
+    rules : Rules
+    source : Source
     totals : View of int64
         Written at 4 `task`: nodes, blocks, leaves, levels below and with the root.
     """
@@ -182,14 +229,14 @@ def build_subtree(work, nodes, task_records, task_ranges, task, depth, method, t
         deepest = max(deepest, level)
         copy_record(stacked, stacked_ranges, size, records, ranges, 0)
         by_count = depth + level >= SAH_DEPTH
-        n = divide_into_children(work, records, ranges, whole, table, counts, method, by_count)
+        n = divide_into_children(work, records, ranges, whole, table, counts, rules, by_count)
         for i in range(8):
             if i >= n:
                 clear_child(nodes, place, i)
                 continue
             write_child(nodes, place, i, records, ranges)
-            if is_leaf(work, records, ranges, whole, i, table, counts, method):
-                blocks += list_primitives(work, ranges, i, triangles)
+            if is_leaf(work, records, ranges, whole, i, table, counts, rules):
+                blocks += list_primitives(work, ranges, i, source)
                 leaves += 1
             else:
                 at = NODE * place
@@ -204,16 +251,6 @@ def build_subtree(work, nodes, task_records, task_ranges, task, depth, method, t
 
 
 @kernel(strict=True)
-def write_triangle(packed, at, i, index, source):
-    """A triangle's corners and index into column i of the block that starts at `at`."""
-    for corner in range(3):
-        vertex = 3 * as_int(source.faces[3 * index + corner])
-        for k in range(3):
-            packed[at + (3 * corner + k) * WIDTH + i] = source.vertices[vertex + k]
-    packed[at + IDS + i] = bits_float(as_uint(index))
-
-
-@kernel(strict=True)
 def write_leaf(order, first, n, blocks, block, source):
     """The primitives ``order[first : first + n]`` as blocks from number `block` on.
 
@@ -224,11 +261,10 @@ def write_leaf(order, first, n, blocks, block, source):
         if as_int(order[first + flat]) >= source.triangles:
             break
         flat += 1
-    full = blocks_of(flat)
-    for r in range(full * WIDTH):
-        index = as_int(order[first + (r if r < flat else flat - 1)])
-        write_triangle(blocks, BLOCK * (block + r // WIDTH), r % WIDTH, index, source)
-    block += full
+    done = 0
+    while done < flat:
+        done += write_block(order, first + done, flat - done, blocks, BLOCK * block, source)
+        block += 1
     for r in range(flat, n):
         row = as_int(order[first + r]) - source.triangles
         for k in range(BLOCK):

@@ -14,16 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from alight.accel.layout import CHILD, COUNT, LEAF, MAX_DEPTH, NODE, STACK
-from alight.accel.rays import (
-    DIRECTION,
-    MOST,
-    ORIGIN,
-    RECIPROCAL,
-    triangle_ray_of,
-    vector_of,
-)
-from alight.accel.single import SHRINK, STRETCH, SingleHit, fetch_ahead
+from alight.accel.layout import BLOCK, CHILD, COUNT, LEAF, MAX_DEPTH, NODE, STACK
+from alight.accel.rays import MOST, RECIPROCAL
+from alight.accel.single import SHRINK, STRETCH, fetch_ahead
 from alight.core.jit import kernel
 from alight.core.simd import (
     LANES,
@@ -44,16 +37,15 @@ from alight.core.simd import (
 )
 from alight.core.vec import Vec3
 
-#: So many sixteenths of the lanes, or fewer, go alone: a test for all takes as long as theirs. In
-#: a big tree, in which rays by turns wait for memory side by side, it is worth more rays (decision
-#: 11).
-FEW, FEW_OF_BIG = 7, 12
+#: So many sixteenths of the lanes, or fewer, go alone: a test for all takes as long as theirs
+#: (decision 11).
+FEW = 12
 
 #: Subtrees that may wait for a ray alone; when there are so many, all go on together.
 WAITING = 32
 
-#: Room for the stack of a ray alone: what waits, then what it puts on it itself.
-OWN = WAITING + STACK
+#: Room for the stack of a ray alone: what waits, then what it puts on it itself, eight at a time.
+OWN = WAITING + STACK + 8
 
 #: A *place* is a child that some rays have met: 8 on each level, at most MAX_DEPTH levels and the
 #: root's own.
@@ -131,54 +123,25 @@ def write_push_places(nearest_first: bool) -> Callable:
     return push_places
 
 
-@kernel(strict=True)
-def data_of_all(data, i):
-    """What ray i needs of the data where all rays need the same."""
-    return data
-
-
-def write_visit_one(
-    visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all
-) -> Callable:
-    """``(tree, data, code, rays, hits, i)``: ray i visits a leaf and takes down what it hits."""
-
-    @kernel(strict=True)
-    def visit_one(tree, data, code, rays, hits, i):
-        best = SingleHit(
-            hits.t[i], as_int(hits.index[i]), as_int(hits.face[i]), hits.u[i], hits.v[i]
-        )
-        best = visit(
-            tree, of_ray(data, i), (code & (LEAF - 1)) >> 4, code & 15,
-            vector_of(rays, ORIGIN, i), vector_of(rays, DIRECTION, i), triangle_ray_of(rays, i),
-            best,
-        )  # fmt: skip
-        hits.t[i] = best.t
-        if nearest_first:
-            hits.u[i], hits.v[i] = best.u, best.v
-            hits.index[i], hits.face[i] = as_uint(best.index), as_uint(best.face)
-
-    return visit_one
-
-
-def write_together(
-    visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all
-) -> Callable:
-    """The first part of a packet's traversal; parameters as of `turns.write_packet`."""
-    visit_one = write_visit_one(visit, nearest_first, of_ray)
+def write_together(visit_all: Callable, nearest_first: bool) -> Callable:
+    """The first part of a packet's traversal; `visit_all` is from `visits.write_visit_all`."""
     push_places = write_push_places(nearest_first)
     meet_children = write_meet_children(nearest_first)
 
     @kernel(strict=True)
-    def together(tree, data, o, rays, bits, hits, stack, bases):
+    def together(tree, data, o, rays, bits, hits, stacks, bases, visits):
         """Go down together, and leave to the rays alone what few of them enter.
 
         Parameters
         ----------
         tree, data, o, rays, bits, hits
             As of `turns.write_packet`.
-        stack, bases : local longs
-            Entries for ray i, nearest last, are put in front of ``stack[bases[i]]``, at most
-            `WAITING`; bases[i] becomes the place of the last.
+        stacks : Stacks
+        bases : local uints
+            Subtrees for ray i, nearest last, are put in front of number bases[i] of the stacks, at
+            most `WAITING`; bases[i] becomes the place of the last.
+        visits : Visits
+            Room for them.
         """
         keys, masks, codes = local_longs(STACK), local_longs(_PLACES), local_longs(_PLACES)
         entries = local_floats(_ENTRIES)
@@ -189,7 +152,7 @@ def write_together(
         )
         t = load_lanes(hits.t, 0)
         size, waiting, place, code = 0, 0, 0, 0
-        few = where(tree.patience > 1, FEW, FEW_OF_BIG) * LANES // 16
+        few = FEW * LANES // 16
         store_lanes(entries, 0, lanes(0.0))
         while bits != 0:
             base = size
@@ -198,16 +161,21 @@ def write_together(
                 while bits != 0:
                     i = trailing_zeros(bits)
                     bits &= bits - 1
-                    bases[i] -= 1
-                    stack[bases[i]] = code
+                    at = as_int(bases[i]) - 1
+                    bases[i] = as_uint(at)
+                    stacks.codes[at] = as_uint(code)
                     if nearest_first:
-                        enter = as_int(float_bits(entries[MOST * place + i]))
-                        stack[bases[i]] = (enter << 32) | code
+                        stacks.entries[at] = entries[MOST * place + i]
             elif code >= LEAF:
-                while bits != 0:
-                    i = trailing_zeros(bits)
-                    bits &= bits - 1
-                    visit_one(tree, data, code, rays, hits, i)
+                first = (code & (LEAF - 1)) >> 4
+                for block in range(first, first + (code & 15)):
+                    left, count = bits, 0
+                    while left != 0:
+                        visits.rays[count] = trailing_zeros(left)
+                        visits.places[count] = BLOCK * block
+                        left &= left - 1
+                        count += 1
+                    visit_all(tree, data, rays, hits, visits, count)
                 t = load_lanes(hits.t, 0)
             else:
                 at = NODE * code

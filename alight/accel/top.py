@@ -31,7 +31,7 @@ def bin_chunk(work, records, ranges, i, begin, end, row, tables, counts):
 
 
 @kernel(strict=True)
-def choose(records, ranges, i, rows, tables, counts, method, result):
+def choose(records, ranges, i, rows, tables, counts, rules, result):
     """Sum the rows and choose the split of record i.
 
     Parameters
@@ -51,7 +51,7 @@ def choose(records, ranges, i, rows, tables, counts, method, result):
         count[k] = n
     n = ranges[3 * i + 1] - ranges[3 * i]
     box, centers = load_wide(8, records, 16 * i), load_wide(8, records, 16 * i + 8)
-    split = choose_split(box, centers, table, count, n, method)
+    split = choose_split(box, centers, table, count, n, rules)
     result[0], result[1] = split.axis, split.split
     for row in range(1, rows + 1):
         left = 0

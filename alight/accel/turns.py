@@ -1,95 +1,160 @@
 """The rays of a packet through the bounding volume hierarchy: together, then by turns.
 
-What enough of them enter they open together (`together`). For the rest of its way each goes alone.
-That is a chain of steps each of which waits for what the last one asked of memory. So in a big tree
-each ray takes one step, asks for its next node or leaf, and lets the others go on meanwhile. Where
-there is little to wait for, as the tree lies in the processor's cache or every ray visits much of
-it, each goes to its end before the next one begins (`cost.patience`). Decision 11 has the figures.
+What enough of them enter they open together (`together`). For the rest of its way each goes alone,
+but all of them take a step at the same time: a turn takes what is next from the stack of each ray,
+opens all nodes, then visits all leaves. Which children a ray meets, and whether it hits anything,
+is anybody's guess; so neither is asked in a branch, and while one ray waits the others go on.
+Decision 11 has the figures.
 """
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable
 from functools import lru_cache
 
-from alight.accel.layout import LEAF
+from alight.accel.layout import BLOCK, CHILD, LEAF, NODE
 from alight.accel.rays import MOST, NUMBERS, ROWS, Rays, box_ray_of, write_rays
-from alight.accel.together import (
-    OWN,
-    WAITING,
-    data_of_all,
-    write_together,
-    write_visit_one,
-)
-from alight.accel.traversal import DONE, write_steps
+from alight.accel.single import SHRINK, fetch_ahead, meet_boxes
+from alight.accel.together import OWN, WAITING, write_together
+from alight.accel.visits import data_of_all, no_visits, write_visit_all
+from alight.core.constants import INFINITY
 from alight.core.jit import kernel
-from alight.core.simd import local_floats, local_longs, local_uints, trailing_zeros
+from alight.core.simd import (
+    as_int,
+    as_uint,
+    bits_mask,
+    count_bits,
+    float_bits,
+    gather,
+    horizontal_min,
+    lane_index,
+    load_lanes,
+    local_floats,
+    local_uints,
+    mask_bits,
+    store_lanes,
+    trailing_zeros,
+    where,
+)
+from alight.core.wide import compressed, load_wide, mask_of, store_wide
 
 _STACKS = OWN * MOST
 
+#: What waits for each ray: codes (local uints) and, if order matters, where the ray enters it
+#: (entries, local floats). Ray i has the places from ``OWN * i`` on.
+Stacks = namedtuple("Stacks", "codes entries")
 
-def write_apart(visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all) -> Callable:
-    """The second part of a packet's traversal; parameters as of `write_packet`."""
-    open_node, next_entry = write_steps(nearest_first)
-    visit_one = write_visit_one(visit, nearest_first, of_ray)
+
+def write_open_node(nearest_first: bool) -> Callable:
+    """``(tree, code, ray, t, stacks, size)``: the new size of a ray's stack."""
 
     @kernel(strict=True)
-    def apart(tree, data, rays, bits, hits, stack, bases):
+    def open_node(tree, code, ray, t, stacks, size):
+        """Put the children of a node that a ray meets before t on its stack, the nearest on top.
+
+        The others are in the order of the node: it hardly matters, and sorting them would.
+        """
+        at = NODE * code
+        enter, met = meet_boxes(tree.nodes, at, ray, t)
+        bits = mask_bits(met)
+        count = count_bits(bits)
+        below = met
+        if nearest_first:
+            nearest = horizontal_min(where(met, enter, INFINITY))
+            first = trailing_zeros(mask_bits(met & (enter == nearest)) | 128)
+            below = met & ~mask_of(8, 1 << first)
+        children = float_bits(load_wide(8, tree.nodes, at + CHILD))
+        store_wide(stacks.codes, size, compressed(children, below))
+        if nearest_first:
+            store_wide(stacks.entries, size, compressed(enter, below))
+            # Where nothing is met this place is free.
+            top = size + count - where(count > 0, 1, 0)
+            stacks.codes[top] = float_bits(tree.nodes[at + CHILD + first])
+            stacks.entries[top] = nearest
+        if tree.waits != 0:
+            while bits != 0:
+                fetch_ahead(tree, as_int(float_bits(tree.nodes[at + CHILD + trailing_zeros(bits)])))
+                bits &= bits - 1
+        return size + count
+
+    return open_node
+
+
+def write_apart(visit_all: Callable, nearest_first: bool) -> Callable:
+    """The second part of a packet's traversal; parameters as of `write_together`."""
+    open_node = write_open_node(nearest_first)
+
+    @kernel(strict=True)
+    def apart(tree, data, rays, bits, hits, stacks, bases, visits):
         """Take the rays in `bits` to their ends, each alone.
 
-        Parameters as of `write_together`: what waits for ray i stands from ``stack[bases[i]]`` on,
-        up to number ``OWN * i + WAITING``; behind it there is room for a stack.
+        Parameters as of `write_together`: what waits for ray i stands from ``bases[i]`` on, up to
+        number ``OWN * i + WAITING``; behind it there is room for a stack.
         """
-        codes, sizes, order = local_longs(MOST), local_longs(MOST), local_longs(MOST)
-        distances = local_floats(8)
-        count = 0
-        while bits != 0:
-            i = trailing_zeros(bits)
-            bits &= bits - 1
-            codes[i], sizes[i] = next_entry(stack, bases[i], OWN * i + WAITING, hits.t[i])
-            if codes[i] != DONE:
-                order[count] = i
-                count += 1
-        while count > 0:
-            k = 0
-            while k < count:
-                i = order[k]
-                code, size, left = codes[i], sizes[i], tree.patience
-                boxes = box_ray_of(rays, i)
-                while (left > 0) & (code != DONE):
-                    left -= 1
-                    if code < LEAF:
-                        code, size = open_node(tree, code, boxes, hits.t[i], stack, size, distances)
-                    else:
-                        visit_one(tree, data, code, rays, hits, i)
-                        code = DONE
-                    if code == DONE:
-                        code, size = next_entry(stack, bases[i], size, hits.t[i])
-                if code == DONE:
-                    count -= 1
-                    order[k] = order[count]
-                else:
-                    codes[i], sizes[i] = code, size
-                    k += 1
+        sizes, codes = local_uints(MOST), local_uints(MOST)
+        bottom = load_lanes(bases, 0)
+        store_lanes(sizes, 0, OWN * lane_index() + WAITING)
+        going = bits_mask(bits)
+        while True:
+            size, t = load_lanes(sizes, 0), load_lanes(hits.t, 0)
+            going = going & (size > bottom)
+            if not nearest_first:
+                going = going & (t > 0.0)
+            if mask_bits(going) == 0:
+                break
+            size = where(going, size - 1, bottom)
+            code = gather(stacks.codes, size)
+            near = going
+            if nearest_first:
+                near = near & (gather(stacks.entries, size) * SHRINK <= t)
+            store_lanes(sizes, 0, size)
+            store_lanes(codes, 0, code)
+            leaf = near & (code >= LEAF)
+            opening = mask_bits(near & ~leaf)
+            while opening != 0:
+                i = trailing_zeros(opening)
+                opening &= opening - 1
+                size_of_ray = open_node(
+                    tree, as_int(codes[i]), box_ray_of(rays, i), hits.t[i], stacks, as_int(sizes[i])
+                )
+                sizes[i] = as_uint(size_of_ray)
+            visiting, block = mask_bits(leaf), 0
+            while visiting != 0:
+                count = 0
+                while visiting != 0:
+                    i = trailing_zeros(visiting)
+                    visiting &= visiting - 1
+                    visits.rays[count] = i
+                    visits.places[count] = BLOCK * (((as_int(codes[i]) & (LEAF - 1)) >> 4) + block)
+                    count += 1
+                visit_all(tree, data, rays, hits, visits, count)
+                block += 1
+                visiting = mask_bits(leaf & ((code & 15) > block))
 
     return apart
 
 
 @lru_cache(maxsize=64)
-def write_packet(visit: Callable, nearest_first: bool, of_ray: Callable = data_of_all) -> Callable:
+def write_packet(
+    settle: Callable, nearest_first: bool, mixed: bool = False, of_ray: Callable = data_of_all
+) -> Callable:
     """The traversal for the rays of a packet.
 
     Parameters
     ----------
-    visit : kernel (tree, data, block, count, o, d, ray, best) -> SingleHit
-        How one ray visits the blocks of a leaf.
+    settle : kernel
+        What a ray makes of what it found in a block, as `visits.closest_of_hits`.
     nearest_first : bool
         False where any hit will do.
+    mixed : bool
+        Whether there are blocks of something else than triangles (`layout`).
     of_ray : kernel (data, i) -> data
-        What `visit` is given of `data` for ray i.
+        What `settle` is given of `data` for ray i.
     """
-    together = write_together(visit, nearest_first, of_ray)
-    apart = write_apart(visit, nearest_first, of_ray)
+    visit_all = write_visit_all(settle, mixed, nearest_first, of_ray)
+    together = write_together(visit_all, nearest_first)
+    apart = write_apart(visit_all, nearest_first)
 
     @kernel(strict=True)
     def packet(tree, data, o, d, bits, hits):
@@ -106,14 +171,14 @@ def write_packet(visit: Callable, nearest_first: bool, of_ray: Callable = data_o
             The lanes that are wanted; their rays are finite and have a direction.
         hits : Hits
             In: the largest t that counts, and `NONE`. Out: what was found; of primitives at the
-            same t the one with the lowest (shape, prim). Where any will do (`traversal`): t -1.
+            same t the one with the lowest (shape, prim). Where any will do (`visits`): t -1.
         """
         rays = Rays(local_floats(NUMBERS), local_uints(ROWS))
-        stack, bases = local_longs(_STACKS), local_longs(MOST)
+        stacks, bases = Stacks(local_uints(_STACKS), local_floats(_STACKS)), local_uints(MOST)
+        visits = no_visits()
         write_rays(rays, o, d)
-        for i in range(MOST):
-            bases[i] = OWN * i + WAITING
-        together(tree, data, o, rays, bits, hits, stack, bases)
-        apart(tree, data, rays, bits, hits, stack, bases)
+        store_lanes(bases, 0, OWN * lane_index() + WAITING)
+        together(tree, data, o, rays, bits, hits, stacks, bases, visits)
+        apart(tree, data, rays, bits, hits, stacks, bases, visits)
 
     return packet

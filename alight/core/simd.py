@@ -162,7 +162,7 @@ def reverse_bits(u):
 
 def gather(view, index):
     """``view[index]`` in each lane. Every index must be valid, in dead lanes too."""
-    return view.array[np.asarray(index).astype(np.int64)]
+    return getattr(view, "array", view)[np.asarray(index).astype(np.int64)]
 
 
 def gather_row(view, index, n):

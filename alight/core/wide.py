@@ -77,3 +77,14 @@ def smaller(a, b):
     one place becomes a masked store, and a masked store delays the next load from there.
     """
     return np.fmin(a, b)
+
+
+def compressed(x, mask):
+    """The components where the mask holds, one after another; what follows them is undefined."""
+    inside = np.broadcast_to(mask, np.shape(x))
+    return np.concatenate([x[inside], x[~inside]])
+
+
+def mask_of(n, bits):
+    """n lanes of a mask from a whole number: lane i is bit i."""
+    return (int(bits) >> np.arange(n) & 1).astype(bool)

@@ -19,6 +19,7 @@ from alight.core.lane_types import (
     I64,
     Floats,
     LaneType,
+    Mask,
     Uints,
     call,
     convert,
@@ -85,6 +86,33 @@ def _permuted(typing, x, order):
         return builder.bitcast(value, x.vector)
 
     return x(x, order), codegen
+
+
+@_stands_for(wide.compressed)
+@intrinsic
+def _compressed(typing, x, mask):
+    if not isinstance(x, Floats | Uints):
+        return None
+
+    def codegen(context, builder, sig, args):
+        name = f"llvm.experimental.vector.compress.{suffix(x.vector)}"
+        return call(builder, name, x.vector, [args[0], args[1], args[0]])
+
+    return x(x, mask), codegen
+
+
+@_stands_for(wide.mask_of)
+@intrinsic(prefer_literal=True)
+def _mask_of(typing, n, bits):
+    if not isinstance(n, types.IntegerLiteral):
+        return None
+    result = Mask(n.literal_value)
+
+    def codegen(context, builder, sig, args):
+        word = context.cast(builder, args[1], bits, types.int64)
+        return builder.bitcast(builder.trunc(word, ir.IntType(result.n)), result.vector)
+
+    return result(n, bits), codegen
 
 
 @_stands_for(wide.wide)
@@ -309,12 +337,28 @@ def _permute(builder, x, order, n):
     name = {16: "llvm.x86.avx512.permvar.sf.512", 8: "llvm.x86.avx2.permps"}.get(n)
     if name is not None and _HAS_PERMUTATION[n]:
         return call(builder, name, x.type, [x, order])
+    if n == 16 and _HAS_PERMUTATION[8]:
+        return _permute_halves(builder, x, order)
     out = ir.Constant(x.type, ir.Undefined)
     for i in range(n):
         lane = builder.extract_element(order, ir.Constant(I32, i))
         one = builder.extract_element(x, lane)
         out = builder.insert_element(out, one, ir.Constant(I32, i))
     return out
+
+
+def _permute_halves(builder, x, order):
+    """``x[order]`` for 16 floats, from permutations of 8."""
+    low, high = list(range(8)), list(range(8, 16))
+    first, second = _shuffle(builder, x, x, low), _shuffle(builder, x, x, high)
+    parts = []
+    for half in (low, high):
+        k = _shuffle(builder, order, order, half)
+        bit = builder.and_(k, ir.Constant(k.type, [8] * 8))
+        in_second = builder.icmp_unsigned("!=", bit, ir.Constant(k.type, [0] * 8))
+        a, b = _permute(builder, first, k, 8), _permute(builder, second, k, 8)
+        parts.append(builder.select(in_second, b, a))
+    return _shuffle(builder, *parts, low + high)
 
 
 def _permutation_features() -> dict[int, bool]:

@@ -4,8 +4,20 @@ import numpy as np
 import pytest
 
 from alight.accel import batch
-from alight.accel.cost import BIG, COSTLY, ENDLESS, patience
-from alight.accel.layout import BLOCK, CHILD, COUNT, IDS, LEAF, MAX_DEPTH, NODE, STACK, WIDTH
+from alight.accel.build import expected_fill
+from alight.accel.cost import BIG, waits_for_memory
+from alight.accel.layout import (
+    BLOCK,
+    CHILD,
+    CORNERS,
+    COUNT,
+    IDS,
+    LEAF,
+    MAX_DEPTH,
+    NODE,
+    STACK,
+    WIDTH,
+)
 from alight.core.simd import LANES
 from alight.core.view import View
 from tests.accel.tracing import icosphere, torus
@@ -92,16 +104,14 @@ def test_sah_costs_less_than_the_median():
     assert costs[0] < costs[1]
 
 
-def test_rays_share_the_time_only_where_they_wait_for_memory():
+def test_rays_wait_for_memory_in_big_trees_only():
     bvh, _ = batch.build(*torus(40, 30, 0.3))
-    assert bvh.patience == ENDLESS
-    # Only the size of the arrays counts here, not what is in them.
-    big = bvh._replace(nodes=View(np.zeros(BIG // 4 + 1, np.float32)))
-    assert patience(big, COSTLY - 1.0) == 1
-    assert patience(big, COSTLY) == ENDLESS
+    assert bvh.waits == 0
+    # Only the size of the arrays counts, not what is in them.
+    assert waits_for_memory(bvh._replace(nodes=View(np.zeros(BIG // 4 + 1, np.float32)))) == 1
 
 
-def test_how_rays_share_the_time_changes_no_hit():
+def test_what_is_asked_for_before_it_is_needed_changes_no_hit():
     rng = np.random.default_rng(5)
     vertices, faces = torus(60, 40, 0.3)
     vertices = np.concatenate([vertices, rng.normal(size=(900, 3)).astype(np.float32)])
@@ -110,8 +120,8 @@ def test_how_rays_share_the_time_changes_no_hit():
     o = rng.normal(size=(3000, 3)).astype(np.float32)
     d = rng.normal(size=(3000, 3)).astype(np.float32)
     results = []
-    for steps in (1, 3, 1 << 40):
-        tree = bvh._replace(patience=steps)
+    for waits in (0, 1):
+        tree = bvh._replace(waits=waits)
         hits = batch.intersect_batch(tree, o, d)
         results.append([*hits, batch.is_occluded_batch(tree, o, d)])
     assert 0 < np.isfinite(results[0][0]).sum() < 3000
@@ -128,7 +138,7 @@ def test_rays_that_travel_together_find_what_each_finds_alone(big):
     vertices = np.concatenate([vertices, rng.normal(size=(9000, 3)).astype(np.float32)])
     soup = len(vertices) - 9000 + np.arange(9000, dtype=np.int32).reshape(-1, 3)
     bvh, _ = batch.build(vertices, np.concatenate([faces, soup]))
-    bvh = bvh._replace(patience=1 if big else ENDLESS)
+    bvh = bvh._replace(waits=int(big))
     x, y = np.meshgrid(np.linspace(-1.5, 1.5, 32), np.linspace(-1.5, 1.5, 32))
     camera = np.stack([x, y, np.full_like(x, -3.0)], axis=-1).reshape(-1, 3)
     d = np.concatenate([camera, rng.normal(size=(512, 3))]).astype(np.float32)
@@ -147,3 +157,47 @@ def test_rays_that_travel_together_find_what_each_finds_alone(big):
     assert 300 < np.isfinite(together[0]).sum() < len(d)
     for a, b in zip(together, single, strict=True):
         np.testing.assert_array_equal(a, b[::n])
+
+
+def block_contents(bvh):
+    """Corners (blocks, WIDTH, 3, 3) and indices (blocks, WIDTH) of the triangles of all blocks."""
+    rows = bvh.blocks.array.reshape(-1, BLOCK)
+    vertices = np.stack([rows[:, WIDTH * k : WIDTH * (k + 1)] for k in range(3)], axis=-1)
+    words = rows.view(np.uint32)[:, CORNERS:IDS]
+    which = np.stack([words >> 4 * k & 15 for k in range(3)], axis=-1)
+    corners = vertices[np.arange(len(rows))[:, None, None], which]
+    return corners, rows.view(np.uint32)[:, IDS : IDS + WIDTH], words
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_blocks_hold_the_corners_of_their_triangles_bit_by_bit(shared):
+    vertices, faces = torus(70, 50, 0.3)
+    rng = np.random.default_rng(7)
+    if not shared:
+        vertices = (vertices[faces] + 0.01 * rng.normal(size=(len(faces), 3, 3))).reshape(-1, 3)
+        vertices, faces = vertices.astype(np.float32), np.arange(3 * len(faces)).reshape(-1, 3)
+        faces = faces.astype(np.int32)
+    bvh, stats = batch.build(vertices, faces)
+    corners, indices, words = block_contents(bvh)
+    assert np.array_equal(corners.view(np.uint32), vertices[faces][indices].view(np.uint32))
+    assert not np.any(words >> 12)
+    # Neighbours share vertices, so that a block takes more of them than of strangers.
+    held = [len(np.unique(block)) for block in indices]
+    assert max(held) == (WIDTH if shared else WIDTH // 3)
+    assert np.mean(held) > (9.0 if shared else 3.0)
+    assert stats["blocks"] == len(held)
+
+
+def test_the_expected_fill_of_a_block_follows_what_triangles_share():
+    vertices, faces = torus(70, 50, 0.3)
+    shuffled = np.random.default_rng(8).permutation(faces)
+    repeated = vertices[faces].reshape(-1, 3)
+    one_each = np.arange(3 * len(faces), dtype=np.int32).reshape(-1, 3)
+    soup = np.random.default_rng(9).normal(size=(900, 3)).astype(np.float32)
+    assert expected_fill(vertices, faces, 0) == WIDTH
+    assert expected_fill(vertices, shuffled, 0) == WIDTH
+    assert expected_fill(repeated, one_each, 0) == WIDTH
+    assert expected_fill(soup, one_each[:300], 0) == WIDTH // 3
+    # A leaf of other things has a block for each; fifteen are counted in its code.
+    assert expected_fill(vertices, faces, 3) == 15
+    assert expected_fill(vertices, faces[:0], 20) == 8
