@@ -46,18 +46,52 @@ _STACKS = OWN * MOST
 Stacks = namedtuple("Stacks", "codes entries")
 
 
-def write_open_node(nearest_first: bool) -> Callable:
-    """``(tree, code, ray, t, stacks, size)``: the new size of a ray's stack."""
+def write_push_in_order(nearest_first: bool) -> Callable:
+    """``(tree, stacks, size, at, bits, entries)``: the new size of a ray's stack."""
 
     @kernel(strict=True)
-    def open_node(tree, code, ray, t, stacks, size):
+    def push_in_order(tree, stacks, size, at, bits, entries):
+        """Put the children in `bits` of the node at `at` on a stack, and ask memory for them."""
+        base = size
+        while bits != 0:
+            i = trailing_zeros(bits)
+            bits &= bits - 1
+            child = tree.nodes[at + CHILD + i]
+            fetch_ahead(tree, as_int(float_bits(child)))
+            j = size
+            if nearest_first:
+                while j > base:
+                    if stacks.entries[j - 1] >= entries[i]:
+                        break
+                    stacks.codes[j] = stacks.codes[j - 1]
+                    stacks.entries[j] = stacks.entries[j - 1]
+                    j -= 1
+                stacks.entries[j] = entries[i]
+            stacks.codes[j] = float_bits(child)
+            size += 1
+        return size
+
+    return push_in_order
+
+
+def write_open_node(nearest_first: bool) -> Callable:
+    """``(tree, code, ray, t, stacks, size, entries)``: the new size of a ray's stack."""
+    push_in_order = write_push_in_order(nearest_first)
+
+    @kernel(strict=True)
+    def open_node(tree, code, ray, t, stacks, size, entries):
         """Put the children of a node that a ray meets before t on its stack, the nearest on top.
 
-        The others are in the order of the node: it hardly matters, and sorting them would.
+        entries: 8 local floats. Where rays wait for memory the others are in order, too, as a node
+        costs more than a wrong guess; elsewhere as they stand in the node, without a branch.
         """
         at = NODE * code
         enter, met = meet_boxes(tree.nodes, at, ray, t)
         bits = mask_bits(met)
+        if tree.waits != 0:
+            if nearest_first:
+                store_wide(entries, 0, enter)
+            return push_in_order(tree, stacks, size, at, bits, entries)
         count = count_bits(bits)
         below = met
         if nearest_first:
@@ -72,10 +106,6 @@ def write_open_node(nearest_first: bool) -> Callable:
             top = size + count - where(count > 0, 1, 0)
             stacks.codes[top] = float_bits(tree.nodes[at + CHILD + first])
             stacks.entries[top] = nearest
-        if tree.waits != 0:
-            while bits != 0:
-                fetch_ahead(tree, as_int(float_bits(tree.nodes[at + CHILD + trailing_zeros(bits)])))
-                bits &= bits - 1
         return size + count
 
     return open_node
@@ -92,7 +122,7 @@ def write_apart(visit_all: Callable, nearest_first: bool) -> Callable:
         Parameters as of `write_together`: what waits for ray i stands from ``bases[i]`` on, up to
         number ``OWN * i + WAITING``; behind it there is room for a stack.
         """
-        sizes, codes = local_uints(MOST), local_uints(MOST)
+        sizes, codes, entries = local_uints(MOST), local_uints(MOST), local_floats(8)
         bottom = load_lanes(bases, 0)
         store_lanes(sizes, 0, OWN * lane_index() + WAITING)
         going = bits_mask(bits)
@@ -115,8 +145,9 @@ def write_apart(visit_all: Callable, nearest_first: bool) -> Callable:
             while opening != 0:
                 i = trailing_zeros(opening)
                 opening &= opening - 1
+                ray, size_of_ray = box_ray_of(rays, i), as_int(sizes[i])
                 size_of_ray = open_node(
-                    tree, as_int(codes[i]), box_ray_of(rays, i), hits.t[i], stacks, as_int(sizes[i])
+                    tree, as_int(codes[i]), ray, hits.t[i], stacks, size_of_ray, entries
                 )
                 sizes[i] = as_uint(size_of_ray)
             visiting, block = mask_bits(leaf), 0
