@@ -93,7 +93,7 @@ def write_open_node(nearest_first: bool) -> Callable:
                 store_wide(entries, 0, enter)
             return push_in_order(tree, stacks, size, at, bits, entries)
         count = count_bits(bits)
-        below = met
+        below, nearest, first = met, t, 0
         if nearest_first:
             nearest = horizontal_min(where(met, enter, INFINITY))
             first = trailing_zeros(mask_bits(met & (enter == nearest)) | 128)

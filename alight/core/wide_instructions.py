@@ -358,7 +358,7 @@ def _permute_halves(builder, x, order):
         in_second = builder.icmp_unsigned("!=", bit, ir.Constant(k.type, [0] * 8))
         a, b = _permute(builder, first, k, 8), _permute(builder, second, k, 8)
         parts.append(builder.select(in_second, b, a))
-    return _shuffle(builder, *parts, low + high)
+    return _shuffle(builder, parts[0], parts[1], low + high)
 
 
 def _permutation_features() -> dict[int, bool]:

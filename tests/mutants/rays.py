@@ -24,6 +24,12 @@ RAYS = (
         "::test_ties_go_to_the_lowest_shape_then_the_lowest_primitive[list]",
     ),
     Mutant(
+        "children as near as the nearest are forgotten",
+        "accel/turns.py",
+        (("met & ~mask_of(8, 1 << first)", "met & (enter > nearest)"),),
+        f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
+    ),
+    Mutant(
         "box test that culls what it should keep",
         "accel/single.py",
         (("STRETCH = 1.0 + 2.0**-20", "STRETCH = 1.0 - 2.0**-10"),),
