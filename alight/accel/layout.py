@@ -42,7 +42,8 @@ CORNERS = 3 * WIDTH
 IDS = 4 * WIDTH
 BLOCK = 5 * WIDTH
 
-#: A leaf never has more blocks, nor more primitives unless they fill one block.
+#: A leaf never has more blocks (four bits of its code), nor more primitives, but for triangles that
+#: share vertices: of those it may have WIDTH.
 MAX_LEAF = 15
 
 LEAF = 0x80000000

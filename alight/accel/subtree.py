@@ -173,17 +173,17 @@ def write_block(order, first, count, packed, at, source):
 
 
 @kernel(strict=True)
-def list_primitives(work, ranges, i, work_source):
+def list_primitives(work, ranges, i, source):
     """Write the primitives of record i to their places in `order`; the number of blocks they fill.
 
-    Triangles (indices below `triangles`) come first; each of the others has a block for itself.
+    Triangles come first; each of the others has a block for itself.
     """
-    source = work.a if ranges[3 * i + 2] == 0 else work.b
+    references = work.a if ranges[3 * i + 2] == 0 else work.b
     begin, end = ranges[3 * i], ranges[3 * i + 1]
     front, back = begin, end - 1
     for r in range(begin, end):
-        primitive = float_bits(source[8 * r + 3])
-        if as_int(primitive) < work_source.triangles:
+        primitive = float_bits(references[8 * r + 3])
+        if as_int(primitive) < source.triangles:
             work.order[front] = primitive
             front += 1
         else:
@@ -192,7 +192,7 @@ def list_primitives(work, ranges, i, work_source):
     packed = local_floats(BLOCK)
     done, blocks = begin, end - front
     while done < front:
-        done += write_block(work.order, done, front - done, packed, 0, work_source)
+        done += write_block(work.order, done, front - done, packed, 0, source)
         blocks += 1
     return blocks
 
