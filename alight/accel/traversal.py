@@ -123,7 +123,15 @@ def write_steps(nearest_first: bool) -> tuple[Callable, Callable]:
 
 @lru_cache(maxsize=8)
 def write_single(visit: Callable, nearest_first: bool) -> Callable:
-    """The traversal for one ray: how rays meet instances; parameters as of `turns.write_packet`."""
+    """The traversal for one ray: how rays meet instances.
+
+    Parameters
+    ----------
+    visit : kernel (tree, data, block, count, o, d, ray, best) -> SingleHit
+        How the ray visits the blocks of a leaf: `closest_of_triangles` or `any_of_triangles`.
+    nearest_first : bool
+        False where any hit will do.
+    """
     open_node, next_entry = write_steps(nearest_first)
 
     @kernel(strict=True)

@@ -81,6 +81,10 @@ def write_visit_all(settle: Callable, mixed: bool, nearest_first: bool, of_ray: 
         What a ray makes of what its visit found, as `closest_of_hits`.
     mixed : bool
         Whether there are blocks of something else (`layout`).
+    nearest_first : bool
+        False where any hit will do: then only t is kept, -1 for a ray that hits something.
+    of_ray : kernel (data, i) -> data
+        What `settle` is given of `data` for ray i.
     """
 
     @kernel(strict=True)
