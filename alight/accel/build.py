@@ -1,9 +1,10 @@
 """Build of the bounding volume hierarchy on several threads.
 
-First all threads together divide the whole set into 8, each pass over chunks of references (`top`).
-Then each thread takes one of the sets and divides it into 8, until there are enough for all; the
-subtrees over those are tasks, largest first. Chunks and tasks depend on the number of primitives
-only, so the tree is the same for any number of threads.
+First all threads together divide the whole set, each pass over chunks of references (`top`). Then
+each thread takes one of the sets and divides it in two, until there are enough for all; the binary
+trees over those are tasks, largest first. At last nodes take up what levels of the whole binary
+tree they can hold (`collapse`). Chunks and tasks depend on the number of primitives only, so the
+tree is the same for any number of threads.
 """
 
 from __future__ import annotations
@@ -18,11 +19,12 @@ from functools import lru_cache
 import numpy as np
 
 from alight.accel import top
+from alight.accel.collapse import RIGHT, ROW, assign_columns, write_all_costs, write_costs_of
 from alight.accel.cost import sah_cost, waits_for_memory
-from alight.accel.layout import BLOCK, CHILD, COUNT, MAX_LEAF, NODE, WIDTH, Bvh
+from alight.accel.layout import BLOCK, CHILD, MAX_LEAF, NODE, TOP_LEVELS, UPPER, WIDTH, Bvh
 from alight.accel.references import MARGIN, ROUNDING, refer_to_triangles
-from alight.accel.splitting import MEDIAN, SAH, Rules, Workspace, halve
-from alight.accel.subtree import Source, build_subtree, expand, pack
+from alight.accel.splitting import MEDIAN, SAH, Rules, Workspace, divide_alone, halve
+from alight.accel.subtree import Source, build_subtree, pack
 from alight.core.jit import instantiate
 from alight.core.view import View
 
@@ -32,8 +34,8 @@ CHUNK = 65536
 #: Sets below this size, or this part of all primitives, become tasks.
 SMALLEST_TASK, TASKS = 4096, 32
 
-#: Levels of nodes above the tasks, at most.
-TOP_LEVELS = 3
+#: Sets above this part of all primitives are divided by all threads together.
+TOGETHER = 8
 
 METHODS = {"sah": SAH, "median": MEDIAN}
 
@@ -112,7 +114,9 @@ def aligned_zeros(rows: int, columns: int) -> np.ndarray:
     return memory[skip : skip + n].reshape(rows, columns)
 
 
-Kernels = namedtuple("Kernels", "refer bin choose partition conclude halve expand subtree pack")
+Kernels = namedtuple(
+    "Kernels", "refer bin choose partition conclude halve divide subtree costs costs_of assign pack"
+)
 
 
 @lru_cache(maxsize=1)
@@ -125,8 +129,11 @@ def kernels() -> Kernels:
         top.partition_chunk,
         top.conclude,
         halve,
-        expand,
+        divide_alone,
         build_subtree,
+        write_all_costs,
+        write_costs_of,
+        assign_columns,
         pack,
     )
     return Kernels(*(instantiate(text) for text in texts))
@@ -169,24 +176,25 @@ class _Builder:
             View(aligned_zeros(n, 8)),
             View(np.zeros(n, np.uint32)),
         )
-        # Room for every set at the top: nodes of TOP_LEVELS levels with 8 children each.
-        room = sum(8**level for level in range(TOP_LEVELS + 1))
+        # A set at the top has more than n / TASKS primitives, so a level has fewer than TASKS.
+        room = TASKS * (TOP_LEVELS + 1) + 1
         self.records = View(aligned_zeros(room, 16))
         self.ranges = View(np.zeros(3 * room, np.int64))
-        self.used = 1
         rows = -(-n // CHUNK) + 1
         self.tables = View(aligned_zeros(rows, top.ROW))
         self.counts = View(np.zeros(rows * top.COUNTS, np.int64))
         self.result = View(np.zeros(rows + 2, np.int64))
         self.boxes = boxes
-        self.boxes_of_top: list[np.ndarray] = []
 
     def run(self) -> tuple[Bvh, dict]:
-        """All steps: references, top, subtrees, packing."""
+        """All steps: references, top, subtrees, nodes, packing."""
         self._refer()
-        nodes, tasks = self._build_top()
-        totals = self._build_subtrees(tasks)
-        return self._pack(nodes, tasks, totals)
+        self.scale = 1.0 / self._largest_edge()
+        sets, parts = self._divide_top()
+        tasks = [k for k in range(len(sets)) if k not in parts]
+        totals = self._build_subtrees([sets[k][0] for k in tasks])
+        rows, starts = self._join(sets, parts, tasks, totals)
+        return self._pack(rows, starts, totals)
 
     def _refer(self) -> None:
         """References to all primitives; record 0 becomes the whole set."""
@@ -212,71 +220,49 @@ class _Builder:
         self.records.array[:16] = rows.min(axis=0)
         self.ranges.array[:3] = 0, self.n, 0
 
-    def _build_top(self) -> tuple[list[list[int]], list[tuple[int, int]]]:
+    def _divide_top(self) -> tuple[list[tuple[int, np.ndarray]], dict[int, tuple[int, int]]]:
         """Divide the big sets.
 
         Returns
         -------
-        nodes : list of list of int
-            The children of each top node: its number if >= 0, else -1 - (number of a task).
-        tasks : list of (record, level)
+        sets : list of (record, box)
+            All there have been, the whole first. The record is that of the set's left-most part.
+        parts : dict
+            The left and right part of each set that has been divided.
         """
         limit = max(SMALLEST_TASK, self.n // TASKS)
-        nodes: list[list[int]] = []
-        tasks: list[tuple[int, int]] = []
-        # (record, its parent node and place there)
-        waiting = [(0, None)]
-        for level in range(TOP_LEVELS + 1):
-            big = [w for w in waiting if self._size(w[0]) > limit and level < TOP_LEVELS]
-            for record, parent in waiting:
-                if (record, parent) not in big:
-                    if parent is not None:
-                        nodes[parent[0]][parent[1]] = -1 - len(tasks)
-                    tasks.append((record, level))
-            waiting = []
-            for (_, parent), children in zip(big, self._expand([w[0] for w in big]), strict=True):
-                if parent is not None:
-                    nodes[parent[0]][parent[1]] = len(nodes)
-                waiting += [(child, (len(nodes), i)) for i, child in enumerate(children)]
-                nodes.append([0] * len(children))
-                self.boxes_of_top.append(self.records.array.reshape(-1, 16)[children, :8].copy())
-        return nodes, tasks
+        sets, parts = [(0, self._box(0))], {}
+        level = [0]
+        for _ in range(TOP_LEVELS):
+            level = [k for k in level if self._size(sets[k][0]) > limit]
+            pairs = [(sets[k][0], len(sets) // 2 + 1 + i) for i, k in enumerate(level)]
+            self._divide_all(pairs)
+            for k, pair in zip(level, pairs, strict=True):
+                parts[k] = len(sets), len(sets) + 1
+                sets += [(record, self._box(record)) for record in pair]
+            level = [part for k in level for part in parts[k]]
+        return sets, parts
 
-    def _expand(self, sets: list[int]) -> list[list[int]]:
-        """Divide each of the sets into 8; the records of their parts."""
-        if len(sets) == 1:
-            return [self._divide_into_children(sets[0])]
-        sizes = View(np.zeros(self.records.size // 16, np.int64))
-        first = {record: self.used + 8 * k for k, record in enumerate(sets)}
-        self.used += 8 * len(sets)
-        self.pool.run(
-            lambda record: self.compiled.expand(
-                self.work, self.records, self.ranges, record, first[record], self.rules, sizes
-            ),
-            sorted(sets, key=self._size, reverse=True),
-        )
-        return [[first[r] + k for k in range(int(sizes.array[r]))] for r in sets]
+    def _divide_all(self, pairs: list[tuple[int, int]]) -> None:
+        """Divide the first record of each pair into both."""
+        big = [pair for pair in pairs if self._size(pair[0]) > self.n // TOGETHER]
+        small = [pair for pair in pairs if pair not in big]
+        for pair in big:
+            self._divide(*pair)
+        work, records, ranges, rules = self.work, self.records, self.ranges, self.rules
+        self.pool.run(lambda pair: self.compiled.divide(work, records, ranges, *pair, rules), small)
+
+    def _box(self, record: int) -> np.ndarray:
+        return self.records.array[16 * record : 16 * record + 8].copy()
+
+    def _largest_edge(self) -> float:
+        """The longest edge of the whole, as `references.largest_edge`."""
+        box = self._box(0)
+        return float(np.maximum(-(box[:3] + box[4:7]).min(), np.float32(1e-36)))
 
     def _size(self, record: int) -> int:
         begin, end = self.ranges.array[3 * record : 3 * record + 2]
         return int(end - begin)
-
-    def _area(self, record: int) -> float:
-        box = self.records.array[16 * record : 16 * record + 8].astype(np.float64)
-        x, y, z = -(box[:3] + box[4:7])
-        return x * y + y * z + z * x
-
-    def _divide_into_children(self, record: int) -> list[int]:
-        """Divide a set into 8; the records of the parts."""
-        children = [record]
-        while len(children) < 8:
-            large = [c for c in children if self._size(c) > self.rules.fill]
-            if not large:
-                break
-            self._divide(max(large, key=self._area), self.used)
-            children.append(self.used)
-            self.used += 1
-        return children
 
     def _divide(self, i: int, j: int) -> None:
         """Divide record i into i and j, all threads together."""
@@ -329,83 +315,86 @@ class _Builder:
             self.records, self.ranges, i, j, rows, self.tables, self.result, middle
         )
 
-    def _build_subtrees(self, tasks: list[tuple[int, int]]) -> np.ndarray:
-        """Build all tasks; (tasks, 4) int64: nodes, blocks, leaves and levels of each."""
-        totals = View(np.zeros(4 * len(tasks), np.int64))
-        records, ranges = (
-            View(aligned_zeros(len(tasks), 16)),
-            View(np.zeros(3 * len(tasks), np.int64)),
-        )
-        for k, (record, _) in enumerate(tasks):
-            records.array[16 * k : 16 * k + 16] = self.records.array[16 * record : 16 * record + 16]
-            ranges.array[3 * k : 3 * k + 3] = self.ranges.array[3 * record : 3 * record + 3]
-        # A subtree over n primitives has at most n / 2 + 1 nodes: a node without 8 children has
-        # leaves only, and holds more primitives than fill a block unless it is the root. Most
-        # have far fewer, so each thread has room for the worst and what is used is kept.
-        room = max(self._size(record) for record, _ in tasks) // 2 + 2
+    def _build_subtrees(self, tasks: list[int]) -> np.ndarray:
+        """Build all tasks, given as records; (tasks, 3) int64: rows, blocks, leaves of each."""
+        totals = View(np.zeros(3 * len(tasks), np.int64))
+        # Most trees have far fewer rows than the worst, so each thread has room for that and what
+        # is used is kept.
+        room = 2 * max(self._size(record) for record in tasks)
         local = threading.local()
-        self.built = [View(np.zeros(0, np.float32))] * len(tasks)
+        self.built = [np.zeros((0, ROW), np.float32)] * len(tasks)
 
         def build_one(k: int) -> None:
-            if not hasattr(local, "nodes"):
-                local.nodes = View(aligned_zeros(room, NODE))
+            if not hasattr(local, "rows"):
+                local.rows = View(aligned_zeros(room, ROW))
             self.compiled.subtree(
-                self.work,
-                local.nodes,
-                records,
-                ranges,
-                k,
-                tasks[k][1],
-                self.rules,
-                self.source,
-                totals,
-            )
-            count = int(totals.array[4 * k])
-            kept = aligned_zeros(count, NODE)
-            kept[:] = local.nodes.array.reshape(-1, NODE)[:count]
-            self.built[k] = View(kept)
+                self.work, local.rows, self.records, self.ranges, tasks[k], k,
+                self.rules, self.source, totals,
+            )  # fmt: skip
+            count = int(totals.array[3 * k])
+            self.compiled.costs(local.rows, count, self.scale)
+            self.built[k] = local.rows.array.reshape(-1, ROW)[:count].copy()
 
-        self.pool.run(build_one, sorted(range(len(tasks)), key=lambda k: -self._size(tasks[k][0])))
-        return totals.array.reshape(-1, 4)
+        self.pool.run(build_one, sorted(range(len(tasks)), key=lambda k: -self._size(tasks[k])))
+        return totals.array.reshape(-1, 3)
 
-    def _pack(self, top_nodes, tasks, totals) -> tuple[Bvh, dict]:
-        """The final arrays: top nodes, then the subtrees one after another."""
+    def _join(self, sets, parts, tasks, totals) -> tuple[View, list[int]]:
+        """The whole binary tree, and where the rows of each task start."""
+        task_of = {number: k for k, number in enumerate(tasks)}
+        place, waiting, at = 0, [0], {}
+        while waiting:
+            number = waiting.pop()
+            at[number] = place
+            place += 1 if number in parts else int(totals[task_of[number], 0])
+            waiting += reversed(parts.get(number, ()))
+        rows = aligned_zeros(place, ROW)
+        starts = [at[number] for number in tasks]
+
+        def copy_one(k: int) -> None:
+            built = self.built[k]
+            right = built.view(np.uint32)[:, RIGHT]
+            right[right > 0] += np.uint32(starts[k])
+            rows[starts[k] : starts[k] + len(built)] = built
+
+        self.pool.run(copy_one, range(len(tasks)))
+        del self.built
+        for number, (_, right) in parts.items():
+            rows[at[number], :8] = sets[number][1]
+            rows[at[number]].view(np.uint32)[RIGHT] = at[right]
+        tree = View(rows)
+        listed = np.array(sorted((at[number] for number in parts), reverse=True), np.int64)
+        self.compiled.costs_of(tree, View(listed), len(listed), self.scale)
+        return tree, starts
+
+    def _pack(self, rows: View, starts: list[int], totals: np.ndarray) -> tuple[Bvh, dict]:
+        """The final arrays."""
         # The references have done their work; their memory is as much as the final arrays'.
         order = self.work.order
         del self.work
-        node_at = len(top_nodes) + np.concatenate([[0], np.cumsum(totals[:, 0])])
+        count = rows.size // ROW
+        used, found = View(np.zeros(count, np.int64)), View(np.zeros(2, np.int64))
+        self.compiled.assign(rows, count, used, found)
+        nodes, depth = (int(k) for k in found.array)
         block_at = np.concatenate([[0], np.cumsum(totals[:, 1])])
         bvh = Bvh(
-            View(aligned_zeros(int(node_at[-1]), NODE)),
+            View(aligned_zeros(nodes, NODE)),
             View(aligned_zeros(int(block_at[-1]), BLOCK)),
             View(np.zeros(0, np.uint32)),
             0,
         )
-        for node, children in enumerate(top_nodes):
-            row = bvh.nodes.array.reshape(-1, NODE)[node]
-            row[:24], row[24:48] = np.inf, -np.inf
-            for i, child in enumerate(children):
-                box = self.boxes_of_top[node][i]
-                row[i:24:8], row[24 + i : 48 : 8] = box[:3], -box[4:7]
-                row[CHILD:].view(np.uint32)[i] = child if child >= 0 else node_at[-1 - child]
-            row[COUNT:].view(np.uint32)[0] = len(children)
+        missing = bvh.nodes.array.reshape(-1, NODE)
+        missing[:, :UPPER], missing[:, UPPER:CHILD] = np.inf, -np.inf
 
-        def pack_one(k: int) -> None:
-            self.compiled.pack(
-                order,
-                self.built[k],
-                int(totals[k, 0]),
-                bvh.nodes,
-                int(node_at[k]),
-                bvh.blocks,
-                int(block_at[k]),
-                self.source,
-            )
+        def pack_rows(first: int, end: int, block: int) -> None:
+            self.compiled.pack(order, rows, first, end, bvh.nodes, bvh.blocks, block, self.source)
 
-        self.pool.run(pack_one, range(len(tasks)))
-        depth = max(int(t) + level for t, (_, level) in zip(totals[:, 3], tasks, strict=True))
+        ends = [start + int(n) for start, n in zip(starts, totals[:, 0], strict=True)]
+        self.pool.run(lambda k: pack_rows(starts[k], ends[k], int(block_at[k])), range(len(starts)))
+        # Between the tasks stand the rows of the top.
+        for start, end in zip([0, *sorted(ends)], [*sorted(starts), count], strict=True):
+            pack_rows(start, end, 0)
         return bvh, {
-            "nodes": int(node_at[-1]),
+            "nodes": nodes,
             "blocks": int(block_at[-1]),
             "leaves": int(totals[:, 2].sum()),
             "depth": depth,

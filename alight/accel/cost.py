@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from alight.accel.layout import CHILD, LEAF, NODE, Bvh
+from alight.accel.layout import CHILD, CHILDREN, LEAF, NODE, UPPER, Bvh
 
 #: Rays wait for memory where a tree has more bytes than this (about a core's own cache).
 BIG = 4 << 20
@@ -20,7 +20,7 @@ def sah_cost(tree: Bvh) -> float:
     if it is a leaf.
     """
     rows = tree.nodes.array.reshape(-1, NODE)
-    root = rows[0, :48].reshape(6, 8)
+    root = rows[0, :CHILD].reshape(6, CHILDREN)
     whole = float(_half_area((root[3:].max(axis=1) - root[:3].min(axis=1)).astype(np.float64)))
     if whole == 0.0:
         return 1.0
@@ -31,10 +31,10 @@ def sah_cost(tree: Bvh) -> float:
 
 def _work_of(rows: np.ndarray) -> float:
     """Surface areas of the children of some nodes times what each costs, square metres."""
-    low, high = rows[:, :24].reshape(-1, 3, 8), rows[:, 24:48].reshape(-1, 3, 8)
+    low, high = (rows[:, k : k + UPPER].reshape(-1, 3, CHILDREN) for k in (0, UPPER))
     there = low[:, 0] <= high[:, 0]
     edges = np.where(there[:, None], high - low, 0.0).astype(np.float64)
-    child = rows[:, CHILD : CHILD + 8].view(np.uint32)
+    child = rows[:, CHILD : CHILD + CHILDREN].view(np.uint32)
     cost = np.where(child >= LEAF, child & 15, 1)
     return float((_half_area(np.moveaxis(edges, 1, 0)) * cost).sum())
 

@@ -10,6 +10,7 @@ from alight.accel.build import build_bvh
 from alight.accel.layout import (
     BLOCK,
     CHILD,
+    CHILDREN,
     CORNERS,
     IDS,
     KINDS,
@@ -93,7 +94,7 @@ class Forest:
         plan = ("tree", *(kind + "s in tree" for kind in KINDS if kind in kinds))
         kinds = {m.kind for m in self.moving}
         plan += tuple(f"moving {kind} in tree" for kind in MOVING if kind in kinds)
-        root = main.nodes.array[:NODE].reshape(8, 8)
+        root = main.nodes.array[:NODE].reshape(-1, CHILDREN)
         box = np.concatenate([root[:3].min(axis=1), root[3:6].max(axis=1)])
         return tree._replace(ids=View(ids)), View(box), plan, stats
 
@@ -142,9 +143,10 @@ def _joined(trees: list[Bvh]) -> tuple[Bvh, list[int]]:
         roots.append(nodes)
         first_blocks.append(blocks)
         rows = tree.nodes.array.reshape(-1, NODE)
-        child = rows[:, CHILD : CHILD + 8].view(np.uint32)
+        child = rows[:, CHILD : CHILD + CHILDREN].view(np.uint32)
         is_leaf = child >= LEAF
-        child += np.where(is_leaf, np.uint32(blocks << 4), np.uint32(nodes))
+        # A missing child stays 0.
+        child += np.where(is_leaf, np.uint32(blocks << 4), np.where(child > 0, np.uint32(nodes), 0))
         nodes += len(rows)
         blocks += tree.blocks.size // BLOCK
     joined = Bvh(

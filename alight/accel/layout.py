@@ -1,18 +1,17 @@
 """How the bounding volume hierarchy lies in memory.
 
-A *node* is 64 words of 4 bytes (256 bytes, four cache lines), one column a child:
+A *node* is 112 words of 4 bytes (448 bytes, seven cache lines), one column a child:
 
-======  ==================================================================
-word    meaning (8 words each, one a child)
-======  ==================================================================
-0..23   lower bounds x, y, z
-24..47  upper bounds x, y, z
-48..55  child: index of a node, or LEAF | first block << 4 | number of blocks
-56      number of children
-57..63  unused once the build is over
-======  ==================================================================
+=======  ==================================================================
+word     meaning (CHILDREN words each, one a child)
+=======  ==================================================================
+0..47    lower bounds x, y, z
+48..95   upper bounds x, y, z
+96..111  child: index of a node, or LEAF | first block << 4 | number of blocks
+=======  ==================================================================
 
-Children come first; a missing one has the bounds (inf, -inf), which no ray meets.
+Children come first. A missing one is 0, as the root is nobody's child, and has the bounds
+(inf, -inf), which no ray meets.
 
 A *block* holds up to WIDTH triangles side by side, so that one ray meets all of them at once, and
 their vertices, up to WIDTH, each once: rows of WIDTH words x, y, z; the triangles' corners (numbers
@@ -32,9 +31,11 @@ from collections import namedtuple
 #: and prim of each index. waits: 1 where rays wait for memory (`cost`), else 0.
 Bvh = namedtuple("Bvh", "nodes blocks ids waits")
 
-NODE = 64
-CHILD = 48
-COUNT = 56
+#: Most children of a node: so many boxes a ray meets at once.
+CHILDREN = 16
+UPPER = 3 * CHILDREN
+CHILD = 6 * CHILDREN
+NODE = 7 * CHILDREN
 
 #: Triangles and vertices of a block: the width of a leaf test.
 WIDTH = 16
@@ -62,12 +63,16 @@ def moving_number(kind: str) -> int:
     return len(KINDS) + MOVING.index(kind)
 
 
-#: Levels of nodes below the root until the build gives up on surface areas and halves by count.
-SAH_DEPTH = 24
+#: Levels of the binary tree (`collapse`) that are divided with all threads together, those after
+#: them in which the build goes by surface areas, and those in which it halves by count: fewer than
+#: 2^31 primitives, until a leaf may take what is left.
+TOP_LEVELS, SAH_LEVELS, HALVED_LEVELS = 12, 64, 29
 
-#: Deepest possible tree: below SAH_DEPTH each level has an eighth of the primitives, and there are
-#: fewer than 2^31.
-MAX_DEPTH = SAH_DEPTH + 11
+#: Levels of nodes that are chosen by their cost; below them each takes up four binary levels.
+CHOSEN_LEVELS = 16
 
-#: A node leaves at most 7 children behind on the stack, on each level.
-STACK = 7 * (MAX_DEPTH + 1) + 1
+#: Deepest possible tree.
+MAX_DEPTH = CHOSEN_LEVELS + (TOP_LEVELS + SAH_LEVELS + HALVED_LEVELS - CHOSEN_LEVELS + 3) // 4 + 1
+
+#: A node leaves all children but one behind on the stack, on each level.
+STACK = (CHILDREN - 1) * (MAX_DEPTH + 1) + 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel.layout import WIDTH
+from alight.accel.layout import CHILDREN, UPPER, WIDTH
 from alight.accel.single import BoxRay, TriangleRay, safe_reciprocal
 from alight.core.jit import kernel
 from alight.core.simd import as_int, lanes_u32, store_lanes, where
@@ -41,9 +41,9 @@ def write_rays(rays, o, d):
     _store(numbers, ROTATED, rotated(o, shear))
     _store(numbers, SHEAR, Vec3(shear.sx, shear.sy, shear.sz))
     zero = lanes_u32(0)
-    store_lanes(rows, 0, where(r.x >= 0.0, zero, 24))
-    store_lanes(rows, MOST, where(r.y >= 0.0, zero + 8, 32))
-    store_lanes(rows, 2 * MOST, where(r.z >= 0.0, zero + 16, 40))
+    store_lanes(rows, 0, where(r.x >= 0.0, zero, UPPER))
+    store_lanes(rows, MOST, where(r.y >= 0.0, zero + CHILDREN, CHILDREN + UPPER))
+    store_lanes(rows, 2 * MOST, where(r.z >= 0.0, zero + 2 * CHILDREN, 2 * CHILDREN + UPPER))
     store_lanes(rows, AXES, WIDTH * (zero + shear.kx))
     store_lanes(rows, AXES + MOST, WIDTH * (zero + shear.ky))
     store_lanes(rows, AXES + 2 * MOST, WIDTH * (zero + shear.kz))
@@ -75,8 +75,8 @@ def box_ray_of(rays, i):
     """The `BoxRay` of ray i."""
     rows = rays.rows
     return BoxRay(
-        _spread(8, vector_of(rays, ORIGIN, i)),
-        _spread(8, vector_of(rays, RECIPROCAL, i)),
+        _spread(CHILDREN, vector_of(rays, ORIGIN, i)),
+        _spread(CHILDREN, vector_of(rays, RECIPROCAL, i)),
         as_int(rows[i]),
         as_int(rows[MOST + i]),
         as_int(rows[2 * MOST + i]),

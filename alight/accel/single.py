@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel.layout import BLOCK, CHILD, CORNERS, IDS, LEAF, NODE, WIDTH
+from alight.accel.layout import BLOCK, CHILD, CHILDREN, CORNERS, IDS, LEAF, NODE, UPPER, WIDTH
 from alight.core.jit import kernel
 from alight.core.simd import (
     absolute,
@@ -69,11 +69,11 @@ def box_ray(o, d):
     """The `BoxRay` of a ray (scalars)."""
     r = Vec3(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z))
     return BoxRay(
-        Vec3(wide(8, o.x), wide(8, o.y), wide(8, o.z)),
-        Vec3(wide(8, r.x), wide(8, r.y), wide(8, r.z)),
-        0 if r.x >= 0.0 else 24,
-        8 if r.y >= 0.0 else 32,
-        16 if r.z >= 0.0 else 40,
+        Vec3(wide(CHILDREN, o.x), wide(CHILDREN, o.y), wide(CHILDREN, o.z)),
+        Vec3(wide(CHILDREN, r.x), wide(CHILDREN, r.y), wide(CHILDREN, r.z)),
+        0 if r.x >= 0.0 else UPPER,
+        CHILDREN if r.y >= 0.0 else CHILDREN + UPPER,
+        2 * CHILDREN if r.z >= 0.0 else 2 * CHILDREN + UPPER,
     )
 
 
@@ -97,12 +97,12 @@ def triangle_ray(o, d):
 @kernel(strict=True)
 def meet_boxes(nodes, at, ray, t):
     """The 8 boxes of the node that starts at `at`: entry distances, and which are met before t."""
-    x0 = (load_wide(8, nodes, at + ray.near_x) - ray.o.x) * ray.r.x
-    y0 = (load_wide(8, nodes, at + ray.near_y) - ray.o.y) * ray.r.y
-    z0 = (load_wide(8, nodes, at + ray.near_z) - ray.o.z) * ray.r.z
-    x1 = (load_wide(8, nodes, at + 24 - ray.near_x) - ray.o.x) * ray.r.x
-    y1 = (load_wide(8, nodes, at + 40 - ray.near_y) - ray.o.y) * ray.r.y
-    z1 = (load_wide(8, nodes, at + 56 - ray.near_z) - ray.o.z) * ray.r.z
+    x0 = (load_wide(CHILDREN, nodes, at + ray.near_x) - ray.o.x) * ray.r.x
+    y0 = (load_wide(CHILDREN, nodes, at + ray.near_y) - ray.o.y) * ray.r.y
+    z0 = (load_wide(CHILDREN, nodes, at + ray.near_z) - ray.o.z) * ray.r.z
+    x1 = (load_wide(CHILDREN, nodes, at + UPPER - ray.near_x) - ray.o.x) * ray.r.x
+    y1 = (load_wide(CHILDREN, nodes, at + 5 * CHILDREN - ray.near_y) - ray.o.y) * ray.r.y
+    z1 = (load_wide(CHILDREN, nodes, at + 7 * CHILDREN - ray.near_z) - ray.o.z) * ray.r.z
     enter = maximum(maximum(x0, y0), maximum(z0, 0.0))
     leave = minimum(minimum(x1, y1), minimum(z1, t))
     return enter, enter <= leave * STRETCH

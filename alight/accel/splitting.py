@@ -28,14 +28,15 @@ from alight.core.jit import kernel
 from alight.core.simd import (
     as_float,
     local_floats,
+    local_longs,
     maximum,
     minimum,
     where,
 )
 from alight.core.wide import lane, load_wide, store_wide, wide
 
-#: Cost of stepping through a node in units of testing a block of triangles.
-NODE_COST = 1.0
+_TABLE = 8 * (3 * BINS + 2)
+_COUNTS = 3 * BINS
 
 #: How splits are chosen.
 SAH, MEDIAN = 0, 1
@@ -143,9 +144,12 @@ def halve(work, records, ranges, i, j):
 
 @kernel(strict=True)
 def prefers_leaf(split, n, rules):
-    """True if n references cost less as a leaf than divided so."""
+    """True if n references cost less as a leaf than divided so.
+
+    The step through a node is not counted: most often there is a column to spare (`collapse`).
+    """
     leaf_cost = as_float(blocks_of(n, rules.fill))
-    return (n <= MAX_LEAF) & ((split.axis < 0) | (split.cost + NODE_COST >= leaf_cost))
+    return (n <= MAX_LEAF) & ((split.axis < 0) | (split.cost >= leaf_cost))
 
 
 @kernel(strict=True)
@@ -192,17 +196,7 @@ def divide(work, records, ranges, i, j, table, counts, rules, by_count):
 
 
 @kernel(strict=True)
-def next_to_divide(records, ranges, whole, n, scale, rules, by_count):
-    """The record with the largest surface (with most references if `by_count`), -1 for none.
-
-    Areas are in units of 1 / scale^2; those marked in `whole`, and small ones, stay as they are.
-    """
-    best, best_size = -1, as_float(-1)
-    for i in range(n):
-        count = ranges[3 * i + 1] - ranges[3 * i]
-        if (whole[i] == 0) & (count > rules.fill):
-            size = as_float(count) if by_count else half_area(load_wide(8, records, 16 * i), scale)
-            # An area may be infinite or, for a point, 0: any record is better than none.
-            if (best < 0) | (size > best_size):
-                best, best_size = i, size
-    return best
+def divide_alone(work, records, ranges, i, j, rules):
+    """Divide record i, more than any leaf may have, into i and j."""
+    table, counts = local_floats(_TABLE), local_longs(_COUNTS)
+    divide(work, records, ranges, i, j, table, counts, rules, False)

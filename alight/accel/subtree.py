@@ -1,38 +1,43 @@
-"""Build kernels: from a record (a set of primitives) to its subtree, and the packing of it.
+"""Build kernels: the binary tree over a set of primitives, and its leaves as blocks.
 
-While it is built a node's leaves say where their primitives stand in `order` (word CHILD) and how
-many they are (word COUNT, 0 for inner children). `pack` turns them into blocks and writes the nodes
-to their final, dense place.
+A tree is built as rows (`collapse`). Its leaves say where their primitives stand in `order`; `pack`
+turns them into blocks, and writes all rows that have become children to their nodes.
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
 
+from alight.accel.collapse import (
+    BLOCKS,
+    COLUMN,
+    COUNT,
+    FIRST,
+    NOT_A_COLUMN,
+    NUMBER,
+    OWNER,
+    RIGHT,
+    ROW,
+    set_word,
+    word_of,
+)
 from alight.accel.layout import (
     BLOCK,
     CHILD,
+    CHILDREN,
     CORNERS,
-    COUNT,
+    HALVED_LEVELS,
     IDS,
     LEAF,
-    MAX_LEAF,
     NODE,
-    SAH_DEPTH,
-    STACK,
+    SAH_LEVELS,
+    UPPER,
     WIDTH,
 )
-from alight.accel.references import BINS, fill_bins, largest_edge
-from alight.accel.splitting import (
-    choose_split,
-    divide,
-    next_to_divide,
-    prefers_leaf,
-)
-from alight.core.constants import INFINITY
+from alight.accel.references import BINS
+from alight.accel.splitting import Rules, divide
 from alight.core.jit import kernel
 from alight.core.simd import (
-    as_float,
     as_int,
     as_uint,
     bits_float,
@@ -49,10 +54,12 @@ from alight.core.wide import load_wide, store_wide
 Source = namedtuple("Source", "vertices faces triangles others")
 
 _TABLE = 8 * (3 * BINS + 2)
-_RECORDS = 16 * 8
-_STACKED = 16 * STACK
-_STACKED_RANGES = 3 * STACK
 _COUNTS = 3 * BINS
+
+#: Records that wait while the left parts before them are divided, and their numbers.
+_WAITING = SAH_LEVELS + HALVED_LEVELS + 2
+_RECORDS = 16 * _WAITING
+_RANGES = 3 * _WAITING
 
 
 @kernel(strict=True)
@@ -65,69 +72,14 @@ def copy_record(records, ranges, i, target, target_ranges, j):
 
 
 @kernel(strict=True)
-def divide_into_children(work, records, ranges, whole, table, counts, rules, by_count):
-    """Divide record 0 into up to 8, largest first; the number of records."""
-    scale = 1.0 / largest_edge(load_wide(8, records, 0))
-    n = 1
-    whole[0] = 0
-    while n < 8:
-        i = next_to_divide(records, ranges, whole, n, scale, rules, by_count)
-        if i < 0:
-            break
-        if divide(work, records, ranges, i, n, table, counts, rules, by_count):
-            whole[n] = 0
-            n += 1
-        else:
-            whole[i] = 1
-    return n
-
-
-@kernel(strict=True)
-def expand(work, all_records, all_ranges, i, target, rules, sizes):
-    """Divide record i into up to 8, which become records `target` and on; sizes[i]: how many."""
-    records, ranges, whole = local_floats(_RECORDS), local_longs(24), local_longs(8)
-    table, counts = local_floats(_TABLE), local_longs(_COUNTS)
-    copy_record(all_records, all_ranges, i, records, ranges, 0)
-    n = divide_into_children(work, records, ranges, whole, table, counts, rules, False)
-    for k in range(n):
-        copy_record(records, ranges, k, all_records, all_ranges, target + k)
-    sizes[i] = n
-
-
-@kernel(strict=True)
-def is_leaf(work, records, ranges, whole, i, table, counts, rules):
-    """Should record i be a leaf? Small ones are tried, unless `divide` has said so before."""
-    begin, end, side = ranges[3 * i], ranges[3 * i + 1], ranges[3 * i + 2]
-    n = end - begin
-    if (whole[i] != 0) | (n <= rules.fill):
-        return True
-    if n > MAX_LEAF:
-        return False
-    box, centers = load_wide(8, records, 16 * i), load_wide(8, records, 16 * i + 8)
-    bins = 4
-    fill_bins(work.a if side == 0 else work.b, begin, end, centers, bins, table, counts)
-    return prefers_leaf(choose_split(box, centers, table, counts, n, rules), n, rules)
-
-
-@kernel(strict=True)
-def write_child(nodes, node, i, records, ranges):
-    """Bounds and primitives of record i into column i of a node."""
+def exchange_records(records, ranges, i, j):
+    """Records i and j change places."""
+    for k in range(0, 16, 8):
+        first, second = load_wide(8, records, 16 * i + k), load_wide(8, records, 16 * j + k)
+        store_wide(records, 16 * i + k, second)
+        store_wide(records, 16 * j + k, first)
     for k in range(3):
-        nodes[NODE * node + 8 * k + i] = records[16 * i + k]
-        nodes[NODE * node + 24 + 8 * k + i] = -records[16 * i + 4 + k]
-    count = ranges[3 * i + 1] - ranges[3 * i]
-    nodes[NODE * node + CHILD + i] = bits_float(as_uint(ranges[3 * i]))
-    nodes[NODE * node + COUNT + i] = bits_float(as_uint(count))
-
-
-@kernel(strict=True)
-def clear_child(nodes, node, i):
-    """Column i of a node: no child, a box that nothing meets."""
-    for k in range(3):
-        nodes[NODE * node + 8 * k + i] = as_float(0) + INFINITY
-        nodes[NODE * node + 24 + 8 * k + i] = as_float(0) - INFINITY
-    nodes[NODE * node + CHILD + i] = as_float(0)
-    nodes[NODE * node + COUNT + i] = as_float(0)
+        ranges[3 * i + k], ranges[3 * j + k] = ranges[3 * j + k], ranges[3 * i + k]
 
 
 @kernel(strict=True)
@@ -174,9 +126,9 @@ def write_block(order, first, count, packed, at, source):
 
 @kernel(strict=True)
 def list_primitives(work, ranges, i, source):
-    """Write the primitives of record i to their places in `order`; the number of blocks they fill.
+    """Write the primitives of record i to their places in `order`, triangles first.
 
-    Triangles come first; each of the others has a block for itself.
+    Returns how many blocks the triangles fill, and the others: each has one for itself.
     """
     references = work.a if ranges[3 * i + 2] == 0 else work.b
     begin, end = ranges[3 * i], ranges[3 * i + 1]
@@ -190,64 +142,71 @@ def list_primitives(work, ranges, i, source):
             work.order[back] = primitive
             back -= 1
     packed = local_floats(BLOCK)
-    done, blocks = begin, end - front
+    done, blocks = begin, 0
     while done < front:
         done += write_block(work.order, done, front - done, packed, 0, source)
         blocks += 1
-    return blocks
+    return blocks, end - front
 
 
 @kernel(strict=True)
-def build_subtree(work, nodes, task_records, task_ranges, task, depth, rules, source, totals):
-    """Build the tree over one record.
+def build_subtree(work, rows, task_records, task_ranges, record, task, rules, source, totals):
+    """Build the binary tree over one record.
 
     Parameters
     ----------
     work : Workspace
-    nodes : View of float32
-        Its nodes are written here: as in `layout`, with places in ``work.order`` for blocks.
+    rows : View of float32
+        Room for 2 n rows if there are n primitives; written, but for costs (`collapse`).
     task_records, task_ranges : Views
-        Records (float32) and their ranges (int64); `task` is the one to build.
-    depth : int
-        Levels above this subtree.
+        Records (float32) and their ranges (int64); `record` is the one to build.
     rules : Rules
     source : Source
     totals : View of int64
-        Written at 4 `task`: nodes, blocks, leaves, levels below and with the root.
+        Written at 3 `task`: rows, blocks, leaves.
     """
-    records, ranges, whole = local_floats(_RECORDS), local_longs(24), local_longs(8)
-    stacked, stacked_ranges = local_floats(_STACKED), local_longs(_STACKED_RANGES)
-    places, levels = local_longs(STACK), local_longs(STACK)
+    records, ranges = local_floats(_RECORDS), local_longs(_RANGES)
+    parents, levels = local_longs(_WAITING), local_longs(_WAITING)
     table, counts = local_floats(_TABLE), local_longs(_COUNTS)
-    used, blocks, leaves, deepest = 1, 0, 0, 0
-    copy_record(task_records, task_ranges, task, stacked, stacked_ranges, 0)
-    places[0], levels[0] = 0, 0
+    row, blocks, leaves = 0, 0, 0
+    copy_record(task_records, task_ranges, record, records, ranges, 0)
+    parents[0], levels[0] = -1, 0
     size = 1
     while size > 0:
-        size -= 1
-        place, level = places[size], levels[size]
-        deepest = max(deepest, level)
-        copy_record(stacked, stacked_ranges, size, records, ranges, 0)
-        by_count = depth + level >= SAH_DEPTH
-        n = divide_into_children(work, records, ranges, whole, table, counts, rules, by_count)
-        for i in range(8):
-            if i >= n:
-                clear_child(nodes, place, i)
-                continue
-            write_child(nodes, place, i, records, ranges)
-            if is_leaf(work, records, ranges, whole, i, table, counts, rules):
-                blocks += list_primitives(work, ranges, i, source)
-                leaves += 1
-            else:
-                at = NODE * place
-                nodes[at + CHILD + i] = bits_float(as_uint(used))
-                nodes[at + COUNT + i] = as_float(0)
-                copy_record(records, ranges, i, stacked, stacked_ranges, size)
-                places[size], levels[size] = used, level + 1
-                size += 1
-                used += 1
-    totals[4 * task], totals[4 * task + 1] = used, blocks
-    totals[4 * task + 2], totals[4 * task + 3] = leaves, deepest + 1
+        i = size - 1
+        level = levels[i]
+        if parents[i] >= 0:
+            set_word(rows, parents[i], RIGHT, row)
+        store_wide(rows, ROW * row, load_wide(8, records, 16 * i))
+        count = ranges[3 * i + 1] - ranges[3 * i]
+        by_count = level >= SAH_LEVELS
+        flat, others = 0, 0
+        inner = count > rules.fill
+        if inner:
+            inner = divide(work, records, ranges, i, size, table, counts, rules, by_count)
+        if not inner:
+            flat, others = list_primitives(work, ranges, i, source)
+            if flat > 1:
+                # They were expected to fit one block.
+                less = Rules(rules.method, (count + 1) // 2)
+                inner = divide(work, records, ranges, i, size, table, counts, less, by_count)
+        if inner:
+            # The left part is taken up next.
+            exchange_records(records, ranges, i, size)
+            parents[i], parents[size] = row, -1
+            levels[i], levels[size] = level + 1, level + 1
+            size += 1
+        else:
+            n = flat + others
+            set_word(rows, row, RIGHT, 0)
+            set_word(rows, row, FIRST, ranges[3 * i])
+            set_word(rows, row, COUNT, count)
+            set_word(rows, row, BLOCKS, n)
+            blocks += n
+            leaves += 1
+            size -= 1
+        row += 1
+    totals[3 * task], totals[3 * task + 1], totals[3 * task + 2] = row, blocks, leaves
 
 
 @kernel(strict=True)
@@ -274,33 +233,31 @@ def write_leaf(order, first, n, blocks, block, source):
 
 
 @kernel(strict=True)
-def pack(order, built, count, nodes, node, blocks, block, source):
-    """Copy a subtree to its final place, its leaves as blocks.
+def pack(order, rows, first, end, nodes, blocks, block, source):
+    """Write what has become of rows `first` to `end`: children of nodes, and blocks.
 
     Parameters
     ----------
     order : View of u32
         Primitives in the order of the leaves.
-    built : View of float32
-        The subtree's nodes as `build_subtree` leaves them, `count` of them.
+    rows : View of float32
+        A whole tree with its columns (`collapse.assign_columns`).
     nodes, blocks : Views of float32
-        Written from node number `node` and block number `block` on.
+        Written; blocks from number `block` on.
     source : Source
     """
-    for index in range(count):
-        at, target = NODE * index, NODE * (node + index)
-        for k in range(0, CHILD, 8):
-            store_wide(nodes, target + k, load_wide(8, built, at + k))
-        children = 0
-        for i in range(8):
-            if built[at + i] <= built[at + 24 + i]:
-                children += 1
-            n = as_int(float_bits(built[at + COUNT + i]))
-            child = as_int(float_bits(built[at + CHILD + i]))
-            code = node + child
-            if n > 0:
-                end = write_leaf(order, child, n, blocks, block, source)
-                code = LEAF | (block << 4) | (end - block)
-                block = end
-            nodes[target + CHILD + i] = bits_float(as_uint(code))
-        nodes[target + COUNT] = bits_float(as_uint(children))
+    for row in range(first, end):
+        column = word_of(rows, row, COLUMN)
+        if column == NOT_A_COLUMN:
+            continue
+        at = NODE * word_of(rows, row, OWNER) + column
+        for k in range(3):
+            nodes[at + CHILDREN * k] = rows[ROW * row + k]
+            nodes[at + UPPER + CHILDREN * k] = -rows[ROW * row + 4 + k]
+        code = word_of(rows, row, NUMBER)
+        if word_of(rows, row, RIGHT) == 0:
+            n = word_of(rows, row, COUNT)
+            next_block = write_leaf(order, word_of(rows, row, FIRST), n, blocks, block, source)
+            code = LEAF | (block << 4) | (next_block - block)
+            block = next_block
+        nodes[at + CHILD] = bits_float(as_uint(code))

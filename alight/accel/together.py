@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from alight.accel.layout import BLOCK, CHILD, COUNT, LEAF, MAX_DEPTH, NODE, STACK
+from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, MAX_DEPTH, NODE, STACK, UPPER
 from alight.accel.rays import MOST, RECIPROCAL
 from alight.accel.single import SHRINK, STRETCH, fetch_ahead
 from alight.core.jit import kernel
@@ -36,6 +36,7 @@ from alight.core.simd import (
     where,
 )
 from alight.core.vec import Vec3
+from alight.core.wide import load_wide
 
 #: So many sixteenths of the lanes, or fewer, go alone: a test for all takes as long as theirs
 #: (decision 11).
@@ -45,11 +46,11 @@ FEW = 12
 WAITING = 32
 
 #: Room for the stack of a ray alone: what waits, then what it puts on it itself, eight at a time.
-OWN = WAITING + STACK + 8
+OWN = WAITING + STACK + CHILDREN
 
 #: A *place* is a child that some rays have met: 8 on each level, at most MAX_DEPTH levels and the
 #: root's own.
-_PLACES = 8 * (MAX_DEPTH + 2)
+_PLACES = CHILDREN * (MAX_DEPTH + 2)
 _ENTRIES = MOST * _PLACES
 
 
@@ -60,9 +61,9 @@ def meet_box(nodes, k, o, r, t):
     As `single.meet_boxes`, but the lanes differ in which bound comes first.
     """
     # This way round the bound is an operand from memory.
-    x0, x1 = (o.x - nodes[k]) * -r.x, (o.x - nodes[k + 24]) * -r.x
-    y0, y1 = (o.y - nodes[k + 8]) * -r.y, (o.y - nodes[k + 32]) * -r.y
-    z0, z1 = (o.z - nodes[k + 16]) * -r.z, (o.z - nodes[k + 40]) * -r.z
+    x0, x1 = (o.x - nodes[k]) * -r.x, (o.x - nodes[k + UPPER]) * -r.x
+    y0, y1 = (o.y - nodes[k + CHILDREN]) * -r.y, (o.y - nodes[k + CHILDREN + UPPER]) * -r.y
+    z0, z1 = (o.z - nodes[k + 2 * CHILDREN]) * -r.z, (o.z - nodes[k + 2 * CHILDREN + UPPER]) * -r.z
     enter = maximum(maximum(minimum(x0, x1), minimum(y0, y1)), maximum(minimum(z0, z1), 0.0))
     leave = minimum(minimum(maximum(x0, x1), maximum(y0, y1)), minimum(maximum(z0, z1), t))
     return enter, enter <= leave * STRETCH
@@ -79,7 +80,8 @@ def write_meet_children(nearest_first: bool) -> Callable:
         ``entries[MOST * (place + i)]`` and following, where each ray enters it.
         """
         met_by_any = 0
-        for child in range(as_int(float_bits(nodes[at + COUNT]))):
+        there = float_bits(load_wide(CHILDREN, nodes, at + CHILD)) != 0
+        for child in range(count_bits(mask_bits(there))):
             enter, met = meet_box(nodes, at + child, o, r, t)
             if nearest_first:
                 store_lanes(entries, MOST * (place + child), enter)
@@ -179,7 +181,7 @@ def write_together(visit_all: Callable, nearest_first: bool) -> Callable:
                 t = load_lanes(hits.t, 0)
             else:
                 at = NODE * code
-                place = 8 * ((place >> 3) + 1)
+                place = CHILDREN * (place // CHILDREN + 1)
                 met = meet_children(tree.nodes, at, o, r, t, bits, place, entries, masks)
                 size = push_places(tree, at, place, met, entries, masks, codes, keys, size)
             bits = 0

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
-from alight.accel.layout import BLOCK, CHILD, LEAF, NODE, STACK
+from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, NODE, STACK
 from alight.accel.single import (
     NONE,
     SHRINK,
@@ -82,7 +82,7 @@ def write_steps(nearest_first: bool) -> tuple[Callable, Callable]:
     def open_node(tree, code, ray, t, stack, size, distances):
         """The child of a node that a ray enters next, or `DONE`, and the size of the stack.
 
-        The other children that it meets before t go on the stack. distances: 8 local floats.
+        The other children that it meets before t go on the stack. distances: CHILDREN local floats.
         """
         at = NODE * code
         enter, met = meet_boxes(tree.nodes, at, ray, t)
@@ -158,7 +158,7 @@ def write_single(visit: Callable, nearest_first: bool) -> Callable:
         best = SingleHit(t_max, NONE, 0, as_float(0), as_float(0))
         if is_traceable(o, d, t_max):
             boxes, triangles = box_ray(o, d), triangle_ray(o, d)
-            stack, distances = local_longs(STACK), local_floats(8)
+            stack, distances = local_longs(STACK), local_floats(CHILDREN)
             code, size = root, 0
             while code != DONE:
                 if code < LEAF:

@@ -13,7 +13,7 @@ from collections import namedtuple
 from collections.abc import Callable
 from functools import lru_cache
 
-from alight.accel.layout import BLOCK, CHILD, LEAF, NODE
+from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, NODE
 from alight.accel.rays import MOST, NUMBERS, ROWS, Rays, box_ray_of, write_rays
 from alight.accel.single import SHRINK, fetch_ahead, meet_boxes
 from alight.accel.together import OWN, WAITING, write_together
@@ -82,8 +82,8 @@ def write_open_node(nearest_first: bool) -> Callable:
     def open_node(tree, code, ray, t, stacks, size, entries):
         """Put the children of a node that a ray meets before t on its stack, the nearest on top.
 
-        entries: 8 local floats. Where rays wait for memory the others are in order, too, as a node
-        costs more than a wrong guess; elsewhere as they stand in the node, without a branch.
+        entries: CHILDREN local floats. Where rays wait for memory the others are in order, too, as
+        a node costs more than a wrong guess; elsewhere as they stand in the node, without a branch.
         """
         at = NODE * code
         enter, met = meet_boxes(tree.nodes, at, ray, t)
@@ -96,9 +96,9 @@ def write_open_node(nearest_first: bool) -> Callable:
         below, nearest, first = met, t, 0
         if nearest_first:
             nearest = horizontal_min(where(met, enter, INFINITY))
-            first = trailing_zeros(mask_bits(met & (enter == nearest)) | 128)
-            below = met & ~mask_of(8, 1 << first)
-        children = float_bits(load_wide(8, tree.nodes, at + CHILD))
+            first = trailing_zeros(mask_bits(met & (enter == nearest)) | (1 << (CHILDREN - 1)))
+            below = met & ~mask_of(CHILDREN, 1 << first)
+        children = float_bits(load_wide(CHILDREN, tree.nodes, at + CHILD))
         store_wide(stacks.codes, size, compressed(children, below))
         if nearest_first:
             store_wide(stacks.entries, size, compressed(enter, below))
@@ -122,7 +122,7 @@ def write_apart(visit_all: Callable, nearest_first: bool) -> Callable:
         Parameters as of `write_together`: what waits for ray i stands from ``bases[i]`` on, up to
         number ``OWN * i + WAITING``; behind it there is room for a stack.
         """
-        sizes, codes, entries = local_uints(MOST), local_uints(MOST), local_floats(8)
+        sizes, codes, entries = local_uints(MOST), local_uints(MOST), local_floats(CHILDREN)
         bottom = load_lanes(bases, 0)
         store_lanes(sizes, 0, OWN * lane_index() + WAITING)
         going = bits_mask(bits)

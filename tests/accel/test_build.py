@@ -9,13 +9,14 @@ from alight.accel.cost import BIG, waits_for_memory
 from alight.accel.layout import (
     BLOCK,
     CHILD,
+    CHILDREN,
     CORNERS,
-    COUNT,
     IDS,
     LEAF,
     MAX_DEPTH,
     NODE,
     STACK,
+    UPPER,
     WIDTH,
 )
 from alight.core.simd import LANES
@@ -26,12 +27,12 @@ from tests.accel.tracing import icosphere, torus
 def indices_in_leaves(bvh):
     """Triangle indices of all leaves reached from the root, and the number of levels."""
     nodes = bvh.nodes.array.reshape(-1, NODE)
-    children = nodes.view(np.uint32)[:, CHILD:COUNT]
+    children = nodes.view(np.uint32)[:, CHILD:]
     ids = bvh.blocks.array.view(np.uint32).reshape(-1, BLOCK)[:, IDS : IDS + WIDTH]
     found, level, depth = [], np.array([0]), 0
     while len(level):
         depth += 1
-        there = nodes[level][:, :8] <= nodes[level][:, 24:32]
+        there = nodes[level][:, :CHILDREN] <= nodes[level][:, UPPER : UPPER + CHILDREN]
         codes = children[level][there].astype(np.int64)
         leaves = codes[codes >= LEAF] - LEAF
         for block, count in zip(leaves >> 4, leaves & 15, strict=True):
@@ -44,12 +45,12 @@ def assert_complete(bvh, stats, n):
     found, depth = indices_in_leaves(bvh)
     assert np.array_equal(np.sort(found), np.arange(n))
     assert depth == stats["depth"] <= MAX_DEPTH
-    assert 7 * depth + 1 <= STACK
-    # Children stand side by side, and their number with them.
+    assert (CHILDREN - 1) * depth + 1 <= STACK
+    # Children stand side by side, and only what is missing is number 0.
     nodes = bvh.nodes.array.reshape(-1, NODE)
-    there = nodes[:, :8] <= nodes[:, 24:32]
-    counts = nodes.view(np.uint32)[:, COUNT]
-    assert np.array_equal(there, np.arange(8) < counts[:, None])
+    there = nodes[:, :CHILDREN] <= nodes[:, UPPER : UPPER + CHILDREN]
+    assert np.array_equal(there, np.arange(CHILDREN) < there.sum(axis=1)[:, None])
+    assert np.array_equal(there, nodes.view(np.uint32)[:, CHILD:] != 0)
 
 
 @pytest.mark.parametrize("method", ["sah", "median"])

@@ -30,6 +30,12 @@ RAYS = (
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),
     Mutant(
+        "nodes that halve what is below them, whatever it costs",
+        "accel/collapse.py",
+        (("    if level < CHOSEN_LEVELS:", "    if level < 0:"),),
+        "tests/accel/test_collapse.py::test_no_other_choice_of_nodes_costs_less",
+    ),
+    Mutant(
         "box test that culls what it should keep",
         "accel/single.py",
         (("STRETCH = 1.0 + 2.0**-20", "STRETCH = 1.0 - 2.0**-10"),),
