@@ -13,7 +13,7 @@ from functools import lru_cache
 
 from alight.accel.layout import IDS, KINDS
 from alight.accel.single import NONE, SingleHit
-from alight.accel.traversal import any_of_triangles, closest_of_triangles, write_single
+from alight.accel.traversal import write_single
 from alight.accel.visits import SOMETHING_ELSE, any_of_hits, closest_of_hits
 from alight.core.jit import kernel
 from alight.core.simd import as_int, float_bits, lanes, mask_bits
@@ -75,15 +75,15 @@ def _write_meet_shape(intersect: Callable) -> Callable:
     return meet_shape
 
 
-closest_triangle = write_single(closest_of_triangles, True)
-any_triangle = write_single(any_of_triangles, False)
+closest_triangle = write_single(True)
+any_triangle = write_single(False)
 
 
 @kernel(strict=True)
 def meet_mesh(tree, data, at, index, o, d, t_max):
     """The hit of one ray, in the space of the mesh, on the mesh of the block at `at`; or NONE."""
     root = as_int(float_bits(tree.blocks[at + 1]))
-    hit = closest_triangle(tree, data, o, d, t_max, root)
+    hit = closest_triangle(tree, o, d, t_max, root)
     found = index if hit.index != NONE else NONE
     return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
 
@@ -92,7 +92,7 @@ def meet_mesh(tree, data, at, index, o, d, t_max):
 def mesh_is_met(tree, data, at, index, o, d, t_max):
     """True if one ray, in the space of the mesh, meets the mesh of the block at `at`."""
     root = as_int(float_bits(tree.blocks[at + 1]))
-    return any_triangle(tree, data, o, d, t_max, root).t < 0.0
+    return any_triangle(tree, o, d, t_max, root).t < 0.0
 
 
 @kernel(strict=True)

@@ -1,4 +1,4 @@
-"""One ray against 8 boxes, or against WIDTH triangles, at once: the steps of a traversal.
+"""One ray against all boxes of a node, or all triangles of a block: the steps of a traversal.
 
 Nothing is culled wrongly: the boxes are larger than their triangles by more than the triangle test
 errs near them (`references.MARGIN`), and the far ends of the box test are stretched by a few units
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel.layout import BLOCK, CHILD, CHILDREN, CORNERS, IDS, LEAF, NODE, UPPER, WIDTH
+from alight.accel.layout import BLOCK, CHILDREN, CORNERS, IDS, LEAF, NODE, UPPER, WIDTH
 from alight.core.jit import kernel
 from alight.core.simd import (
     absolute,
@@ -96,7 +96,7 @@ def triangle_ray(o, d):
 
 @kernel(strict=True)
 def meet_boxes(nodes, at, ray, t):
-    """The 8 boxes of the node that starts at `at`: entry distances, and which are met before t."""
+    """The boxes of the node that starts at `at`: entry distances, and which are met before t."""
     x0 = (load_wide(CHILDREN, nodes, at + ray.near_x) - ray.o.x) * ray.r.x
     y0 = (load_wide(CHILDREN, nodes, at + ray.near_y) - ray.o.y) * ray.r.y
     z0 = (load_wide(CHILDREN, nodes, at + ray.near_z) - ray.o.z) * ray.r.z
@@ -142,12 +142,6 @@ def closest_of_block(blocks, at, ray, best):
 
 
 @kernel(strict=True)
-def entry(distances, nodes, at, i):
-    """Stack entry of child i: its distance above, its code below; entries sort by distance."""
-    return (as_int(float_bits(distances[i])) << 32) | as_int(float_bits(nodes[at + CHILD + i]))
-
-
-@kernel(strict=True)
 def fetch_ahead(tree, code):
     """Bring a child's cache lines in while others are looked at; rays wait mostly for memory."""
     if code < LEAF:
@@ -157,23 +151,3 @@ def fetch_ahead(tree, code):
         at = BLOCK * ((code & (LEAF - 1)) >> 4)
         for line in range(0, BLOCK, 16):
             prefetch(tree.blocks, at + line)
-
-
-@kernel(strict=True)
-def push_children(tree, stack, size, bits, distances, at):
-    """Put the children in `bits` on the stack, nearest on top; the new size."""
-    base = size
-    while bits != 0:
-        i = trailing_zeros(bits)
-        bits &= bits - 1
-        key = entry(distances, tree.nodes, at, i)
-        fetch_ahead(tree, key & 0xFFFFFFFF)
-        j = size
-        while j > base:
-            if stack[j - 1] >= key:
-                break
-            stack[j] = stack[j - 1]
-            j -= 1
-        stack[j] = key
-        size += 1
-    return size

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, MAX_DEPTH, NODE, STACK, UPPER
 from alight.accel.rays import MOST, RECIPROCAL
 from alight.accel.single import SHRINK, STRETCH, fetch_ahead
+from alight.accel.stacks import ROOM
 from alight.core.jit import kernel
 from alight.core.simd import (
     LANES,
@@ -45,11 +46,11 @@ FEW = 12
 #: Subtrees that may wait for a ray alone; when there are so many, all go on together.
 WAITING = 32
 
-#: Room for the stack of a ray alone: what waits, then what it puts on it itself, eight at a time.
-OWN = WAITING + STACK + CHILDREN
+#: Room for the stack of a ray alone: what waits, then what it puts on it itself.
+OWN = WAITING + ROOM
 
-#: A *place* is a child that some rays have met: 8 on each level, at most MAX_DEPTH levels and the
-#: root's own.
+#: A *place* is a child that some rays have met: CHILDREN on each level, at most MAX_DEPTH levels
+#: and the root's own.
 _PLACES = CHILDREN * (MAX_DEPTH + 2)
 _ENTRIES = MOST * _PLACES
 

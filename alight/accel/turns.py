@@ -9,25 +9,21 @@ Decision 11 has the figures.
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Callable
 from functools import lru_cache
 
-from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, NODE
+from alight.accel.layout import BLOCK, CHILDREN, LEAF
 from alight.accel.rays import MOST, NUMBERS, ROWS, Rays, box_ray_of, write_rays
-from alight.accel.single import SHRINK, fetch_ahead, meet_boxes
+from alight.accel.single import SHRINK
+from alight.accel.stacks import Stacks, write_open_node
 from alight.accel.together import OWN, WAITING, write_together
 from alight.accel.visits import data_of_all, no_visits, write_visit_all
-from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.simd import (
     as_int,
     as_uint,
     bits_mask,
-    count_bits,
-    float_bits,
     gather,
-    horizontal_min,
     lane_index,
     load_lanes,
     local_floats,
@@ -37,78 +33,8 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.wide import compressed, load_wide, mask_of, store_wide
 
 _STACKS = OWN * MOST
-
-#: What waits for each ray: codes (local uints) and, if order matters, where the ray enters it
-#: (entries, local floats). Ray i has the places from ``OWN * i`` on.
-Stacks = namedtuple("Stacks", "codes entries")
-
-
-def write_push_in_order(nearest_first: bool) -> Callable:
-    """``(tree, stacks, size, at, bits, entries)``: the new size of a ray's stack."""
-
-    @kernel(strict=True)
-    def push_in_order(tree, stacks, size, at, bits, entries):
-        """Put the children in `bits` of the node at `at` on a stack, and ask memory for them."""
-        base = size
-        while bits != 0:
-            i = trailing_zeros(bits)
-            bits &= bits - 1
-            child = tree.nodes[at + CHILD + i]
-            fetch_ahead(tree, as_int(float_bits(child)))
-            j = size
-            if nearest_first:
-                while j > base:
-                    if stacks.entries[j - 1] >= entries[i]:
-                        break
-                    stacks.codes[j] = stacks.codes[j - 1]
-                    stacks.entries[j] = stacks.entries[j - 1]
-                    j -= 1
-                stacks.entries[j] = entries[i]
-            stacks.codes[j] = float_bits(child)
-            size += 1
-        return size
-
-    return push_in_order
-
-
-def write_open_node(nearest_first: bool) -> Callable:
-    """``(tree, code, ray, t, stacks, size, entries)``: the new size of a ray's stack."""
-    push_in_order = write_push_in_order(nearest_first)
-
-    @kernel(strict=True)
-    def open_node(tree, code, ray, t, stacks, size, entries):
-        """Put the children of a node that a ray meets before t on its stack, the nearest on top.
-
-        entries: CHILDREN local floats. Where rays wait for memory the others are in order, too, as
-        a node costs more than a wrong guess; elsewhere as they stand in the node, without a branch.
-        """
-        at = NODE * code
-        enter, met = meet_boxes(tree.nodes, at, ray, t)
-        bits = mask_bits(met)
-        if tree.waits != 0:
-            if nearest_first:
-                store_wide(entries, 0, enter)
-            return push_in_order(tree, stacks, size, at, bits, entries)
-        count = count_bits(bits)
-        below, nearest, first = met, t, 0
-        if nearest_first:
-            nearest = horizontal_min(where(met, enter, INFINITY))
-            first = trailing_zeros(mask_bits(met & (enter == nearest)) | (1 << (CHILDREN - 1)))
-            below = met & ~mask_of(CHILDREN, 1 << first)
-        children = float_bits(load_wide(CHILDREN, tree.nodes, at + CHILD))
-        store_wide(stacks.codes, size, compressed(children, below))
-        if nearest_first:
-            store_wide(stacks.entries, size, compressed(enter, below))
-            # Where nothing is met this place is free.
-            top = size + count - where(count > 0, 1, 0)
-            stacks.codes[top] = float_bits(tree.nodes[at + CHILD + first])
-            stacks.entries[top] = nearest
-        return size + count
-
-    return open_node
 
 
 def write_apart(visit_all: Callable, nearest_first: bool) -> Callable:
@@ -146,9 +72,11 @@ def write_apart(visit_all: Callable, nearest_first: bool) -> Callable:
                 i = trailing_zeros(opening)
                 opening &= opening - 1
                 ray, size_of_ray = box_ray_of(rays, i), as_int(sizes[i])
+                # Where rays wait for memory a node costs more than a wrong guess.
                 size_of_ray = open_node(
-                    tree, as_int(codes[i]), ray, hits.t[i], stacks, size_of_ray, entries
-                )
+                    tree, as_int(codes[i]), ray, hits.t[i], stacks, size_of_ray, entries,
+                    tree.waits != 0,
+                )  # fmt: skip
                 sizes[i] = as_uint(size_of_ray)
             visiting, block = mask_bits(leaf), 0
             while visiting != 0:
