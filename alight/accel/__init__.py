@@ -1,6 +1,6 @@
 """Acceleration structures find the surface that a ray meets first, or whether it meets any.
 
-`build` makes a bounding volume hierarchy with 8 children a node, `traversal` follows one ray
+`build` makes a bounding volume hierarchy of wide nodes, `traversal` follows one ray
 through it, `accelerator` puts it together with flat lists, planes and instances for a whole scene,
 and `packets` is what integrators call.
 """
