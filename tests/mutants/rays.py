@@ -25,8 +25,8 @@ RAYS = (
     ),
     Mutant(
         "children as near as the nearest are forgotten",
-        "accel/turns.py",
-        (("met & ~mask_of(8, 1 << first)", "met & (enter > nearest)"),),
+        "accel/stacks.py",
+        (("met & ~mask_of(CHILDREN, 1 << first)", "met & (enter > nearest)"),),
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),
     Mutant(
