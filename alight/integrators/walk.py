@@ -172,7 +172,17 @@ def step(program):
 
     Where things move, it sees the scene at the times of its paths.
     """
-    own = module_of(program).step(program)
+    return _in_time(program, module_of(program).step(program))
+
+
+@specialised
+def trace(program):
+    """The first half of a step, ``trace(scene, settings, path) -> (path, hit)``; `is_staged`."""
+    return _in_time(program, module_of(program).stages(program)[0])
+
+
+def _in_time(program, own):
+    """A step, or the first half of one, that sees the scene at the times of its paths."""
     if not program.motion:
         return own
 
@@ -181,20 +191,6 @@ def step(program):
         return own(at_times_of(scene, path.sampler), settings, path)
 
     return step_in_time
-
-
-@specialised
-def trace(program):
-    """The first half of a step, ``trace(scene, settings, path) -> (path, hit)``; `is_staged`."""
-    own = module_of(program).stages(program)[0]
-    if not program.motion:
-        return own
-
-    @kernel
-    def trace_in_time(scene, settings, path):
-        return own(at_times_of(scene, path.sampler), settings, path)
-
-    return trace_in_time
 
 
 @specialised

@@ -195,6 +195,14 @@ def put_limbs(limbs, channel, value):
     return parts.saturated
 
 
+@kernel
+def finish(settings, tile, film, path, before):
+    """Add the paths that have ended since they were active in the lanes of `before`."""
+    finished = before & ~path.active
+    if any_lane(finished):
+        add_finished(settings, tile, film, path, finished)
+
+
 @specialised
 def render_tile_kernel(program):
     """Render the samples `ranges` of one tile into `film` (sums counts direct tally).
@@ -228,9 +236,7 @@ def render_step_by_step(scene, settings, tile, ranges, film):
                 break
         before = path.active
         path = step(scene, settings, path)
-        finished = before & ~path.active
-        if any_lane(finished):
-            add_finished(settings, tile, film, path, finished)
+        finish(settings, tile, film, path, before)
     film.tally[RAYS] += rays
 
 
@@ -270,9 +276,7 @@ def render_in_stages(scene, settings, tile, ranges, film):
         else:
             before = path.active
             path, hit = trace(scene, settings, path)
-            finished = before & ~path.active
-            if any_lane(finished):
-                add_finished(settings, tile, film, path, finished)
+            finish(settings, tile, film, path, before)
             count = LANES
             if mask_bits(~path.active) != 0:
                 rays += path.rays
@@ -286,7 +290,5 @@ def render_in_stages(scene, settings, tile, ranges, film):
         if count > 0:
             before = path.active
             path = shade(scene, settings, path, hit)
-            finished = before & ~path.active
-            if any_lane(finished):
-                add_finished(settings, tile, film, path, finished)
+            finish(settings, tile, film, path, before)
     film.tally[RAYS] += rays
