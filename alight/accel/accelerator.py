@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.accel.forest import Forest, placed, placed_box
+from alight.accel.forest import Forest, own_box, placed, placed_box
 from alight.accel.layout import ANALYTIC, MOVING
 from alight.accel.lists import Accelerator
 from alight.accel.moving import MOVING_ROW, MovingAccelerator
@@ -169,7 +169,9 @@ class _Sorter:
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Box of everything but planes, metres."""
         parts = [np.asarray([a.low, a.high], float) for a in self.analytic]
-        parts += [placed_box(i, self.geometries[i.geometry][0]) for i in self.instances]
+        used = {i.geometry for i in self.instances if len(self.geometries[i.geometry][1])}
+        boxes = {g: own_box(*self.geometries[g]) for g in used}
+        parts += [placed_box(i, boxes[i.geometry]) for i in self.instances if i.geometry in used]
         parts += [np.asarray([m.low, m.high], float) for m in self.moving]
         if len(self.triangles.faces):
             vertices = self.triangles.vertices

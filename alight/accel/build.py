@@ -21,8 +21,19 @@ import numpy as np
 from alight.accel import top
 from alight.accel.collapse import RIGHT, ROW, assign_columns, write_all_costs, write_costs_of
 from alight.accel.cost import sah_cost, waits_for_memory
-from alight.accel.layout import BLOCK, CHILD, MAX_LEAF, NODE, TOP_LEVELS, UPPER, WIDTH, Bvh
-from alight.accel.references import MARGIN, ROUNDING, refer_to_triangles
+from alight.accel.layout import (
+    BLOCK,
+    CHILD,
+    MAX_LEAF,
+    NODE,
+    OTHERS_IN_LEAF,
+    TOP_LEVELS,
+    UPPER,
+    WIDTH,
+    Bvh,
+    check_blocks,
+)
+from alight.accel.references import COUNTS, MARGIN, ROUNDING, TABLE, refer_to_triangles
 from alight.accel.splitting import MEDIAN, SAH, Rules, Workspace, divide_alone, halve
 from alight.accel.subtree import Source, build_subtree, pack
 from alight.core.jit import instantiate
@@ -38,9 +49,6 @@ SMALLEST_TASK, TASKS = 4096, 32
 TOGETHER = 8
 
 METHODS = {"sah": SAH, "median": MEDIAN}
-
-#: Primitives that are not triangles, at least, before a set of them is divided.
-OTHERS_IN_LEAF = 8
 
 #: What tells how many vertices triangles share: so many runs of so many triangles.
 RUNS, RUN = 4, 2048
@@ -98,12 +106,13 @@ def build_bvh(
 @lru_cache(maxsize=2)
 def compile_kernels(big: bool) -> None:
     """Compile what a small or a big set needs, by building a set of that size."""
-    n = 16 * SMALLEST_TASK if big else 16
-    place = np.arange(3 * n, dtype=np.float32)
-    vertices = np.stack([place, place % 3, place % 128], axis=1)
-    faces = np.arange(3 * n, dtype=np.int32).reshape(n, 3)
     nothing = np.zeros((0, BLOCK), np.float32), np.zeros((0, 2, 3), np.float32)
-    _Builder(kernels(), _Pool(1), SAH, vertices, faces, *nothing).run()
+    # The second has no plane with something on both sides.
+    for n, spread in ((16 * SMALLEST_TASK, 1), (2 * SMALLEST_TASK, 0)) if big else ((16, 1),):
+        place = spread * np.arange(3 * n, dtype=np.float32)
+        vertices = np.stack([place, place % 3, place % 128], axis=1)
+        faces = np.arange(3 * n, dtype=np.int32).reshape(n, 3)
+        _Builder(kernels(), _Pool(1), SAH, vertices, faces, *nothing).run()
 
 
 def aligned_zeros(rows: int, columns: int) -> np.ndarray:
@@ -181,8 +190,8 @@ class _Builder:
         self.records = View(aligned_zeros(room, 16))
         self.ranges = View(np.zeros(3 * room, np.int64))
         rows = -(-n // CHUNK) + 1
-        self.tables = View(aligned_zeros(rows, top.ROW))
-        self.counts = View(np.zeros(rows * top.COUNTS, np.int64))
+        self.tables = View(aligned_zeros(rows, TABLE))
+        self.counts = View(np.zeros(rows * COUNTS, np.int64))
         self.result = View(np.zeros(rows + 2, np.int64))
         self.boxes = boxes
 
@@ -376,6 +385,7 @@ class _Builder:
         self.compiled.assign(rows, count, used, found)
         nodes, depth = (int(k) for k in found.array)
         block_at = np.concatenate([[0], np.cumsum(totals[:, 1])])
+        check_blocks(int(block_at[-1]))
         bvh = Bvh(
             View(aligned_zeros(nodes, NODE)),
             View(aligned_zeros(int(block_at[-1]), BLOCK)),

@@ -104,16 +104,23 @@ def write_costs_of(rows, listed, count, scale):
 
 
 @kernel(strict=True)
+def cost_of_share(rows, left, right, columns, k):
+    """What two rows cost in so many columns, k of them for the left one."""
+    return rows[ROW * left + COSTS + k - 1] + rows[ROW * right + COSTS + columns - k - 1]
+
+
+@kernel(strict=True)
 def share(rows, row, columns, owner, level):
     """Give the parts of a row the columns of a node at the least cost; that cost.
 
-    Very deep down, halves.
+    Of equals the even one; very deep down always that.
     """
     left, right = row + 1, word_of(rows, row, RIGHT)
-    best, least = columns // 2, as_float(0) + INFINITY
+    best = columns // 2
+    least = cost_of_share(rows, left, right, columns, best)
     if level < CHOSEN_LEVELS:
         for k in range(1, columns):
-            cost = rows[ROW * left + COSTS + k - 1] + rows[ROW * right + COSTS + columns - k - 1]
+            cost = cost_of_share(rows, left, right, columns, k)
             if cost < least:
                 best, least = k, cost
     give(rows, left, best, owner, level)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.accel.build import build_bvh
+from alight.accel.build import aligned_zeros, build_bvh
 from alight.accel.layout import (
     BLOCK,
     CHILD,
@@ -19,6 +19,7 @@ from alight.accel.layout import (
     NODE,
     OTHER,
     Bvh,
+    check_blocks,
     moving_number,
 )
 from alight.accel.primitives import Analytic, Instance, Moving, TriangleSet
@@ -85,6 +86,7 @@ class Forest:
         for _, more in trees:
             for key in ("nodes", "blocks", "leaves", "bytes"):
                 stats[key] += more[key]
+            stats["depth"] = max(stats["depth"], more["depth"])
         ids = np.zeros((len(faces) + others, 2), np.uint32)
         ids[: len(faces), 0], ids[: len(faces), 1] = self.triangles.shape, self.triangles.prim
         others = (*self.analytic, *self.instances, *self.moving)
@@ -109,10 +111,11 @@ class Forest:
 
     def _describe_instances(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
         """Fill the further rows; the root stands in once the trees are joined."""
+        boxes_of = {g: own_box(*self.geometries[g]) for g in {i.geometry for i in self.instances}}
         for row, one in enumerate(self.instances, len(self.analytic)):
             blocks.view(np.uint32)[row, 0] = KINDS.index("instance")
             blocks[row, 2:14] = np.asarray(one.to_object, np.float32).reshape(-1)
-            boxes[row] = placed_box(one, self.geometries[one.geometry][0])
+            boxes[row] = placed_box(one, boxes_of[one.geometry])
 
     def _describe_moving(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
         """The same for what moves; of meshes the root stands in once the trees are joined."""
@@ -137,25 +140,22 @@ def _joined(trees: list[Bvh]) -> tuple[Bvh, list[int]]:
     """One pair of arrays for several trees, and the number of each root."""
     if len(trees) == 1:
         return trees[0], [0]
-    roots, first_blocks = [], []
-    nodes, blocks = 0, 0
-    for tree in trees:
-        roots.append(nodes)
-        first_blocks.append(blocks)
-        rows = tree.nodes.array.reshape(-1, NODE)
+    first_node = np.cumsum([0, *(tree.nodes.size // NODE for tree in trees)])
+    first_block = np.cumsum([0, *(tree.blocks.size // BLOCK for tree in trees)])
+    check_blocks(int(first_block[-1]))
+    nodes = aligned_zeros(int(first_node[-1]), NODE)
+    blocks = aligned_zeros(int(first_block[-1]), BLOCK)
+    for i, tree in enumerate(trees):
+        rows = nodes[first_node[i] : first_node[i + 1]]
+        rows[:] = tree.nodes.array.reshape(-1, NODE)
+        blocks[first_block[i] : first_block[i + 1]] = tree.blocks.array.reshape(-1, BLOCK)
         child = rows[:, CHILD : CHILD + CHILDREN].view(np.uint32)
         is_leaf = child >= LEAF
+        child[is_leaf] += np.uint32(first_block[i] << 4)
         # A missing child stays 0.
-        child += np.where(is_leaf, np.uint32(blocks << 4), np.where(child > 0, np.uint32(nodes), 0))
-        nodes += len(rows)
-        blocks += tree.blocks.size // BLOCK
-    joined = Bvh(
-        View(np.concatenate([t.nodes.array for t in trees])),
-        View(np.concatenate([t.blocks.array for t in trees])),
-        trees[0].ids,
-        trees[0].waits,
-    )
-    return joined, roots
+        child[~is_leaf & (child > 0)] += np.uint32(first_node[i])
+    joined = Bvh(View(nodes), View(blocks), trees[0].ids, trees[0].waits)
+    return joined, [int(node) for node in first_node[:-1]]
 
 
 def placed(one: Instance, vertices: np.ndarray, faces: np.ndarray) -> TriangleSet:
@@ -170,9 +170,16 @@ def placed(one: Instance, vertices: np.ndarray, faces: np.ndarray) -> TriangleSe
     )
 
 
-def placed_box(one: Instance, vertices: np.ndarray) -> np.ndarray:
-    """Bounds of an instance in world space, (2, 3) float32, from the corners of its own box."""
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+def own_box(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Bounds of the vertices that a mesh uses, (2, 3) float32."""
+    used = np.zeros(len(vertices), bool)
+    used[faces.ravel()] = True
+    return np.array([vertices[used].min(axis=0), vertices[used].max(axis=0)])
+
+
+def placed_box(one: Instance, box: np.ndarray) -> np.ndarray:
+    """Bounds of an instance in world space, (2, 3) float32, from its geometry's `own_box`."""
+    low, high = box
     corners = np.array(
         [
             [x, y, z]

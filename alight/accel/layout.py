@@ -28,7 +28,8 @@ from __future__ import annotations
 from collections import namedtuple
 
 #: Views. nodes, blocks: float32 as described above (whole numbers as bit patterns); ids: u32, shape
-#: and prim of each index. waits: 1 where rays wait for memory (`cost`), else 0.
+#: and prim of each index. waits: 1 where rays wait for memory (`cost`) in the tree that starts at
+#: node 0, else 0.
 Bvh = namedtuple("Bvh", "nodes blocks ids waits")
 
 #: Most children of a node: so many boxes a ray meets at once.
@@ -43,11 +44,17 @@ CORNERS = 3 * WIDTH
 IDS = 4 * WIDTH
 BLOCK = 5 * WIDTH
 
+#: Primitives that are not triangles, at least, before a set of them is divided.
+OTHERS_IN_LEAF = 8
+
 #: A leaf never has more blocks (four bits of its code), nor more primitives, but for triangles that
 #: share vertices: of those it may have WIDTH.
 MAX_LEAF = 15
 
 LEAF = 0x80000000
+
+#: Blocks that the code of a leaf can number.
+MAX_BLOCKS = 1 << 27
 OTHER = 0xFFFFFFFF
 
 #: What a block can hold besides triangles.
@@ -56,6 +63,14 @@ ANALYTIC = tuple(kind for kind in KINDS if kind != "instance")
 
 #: The same of what moves while the shutter is open; their numbers follow.
 MOVING = ("sphere", "rectangle", "disk", "mesh", "cylinder")
+
+
+def check_blocks(count: int) -> None:
+    """Raise ValueError if the codes of leaves cannot number so many blocks."""
+    if count > MAX_BLOCKS:
+        raise ValueError(
+            f"{count} blocks of primitives, more than {MAX_BLOCKS}: some 1e9 triangles are the most"
+        )
 
 
 def moving_number(kind: str) -> int:

@@ -37,6 +37,10 @@ from alight.core.wide import (
 #: Most bins an axis.
 BINS = 16
 
+#: The bins of all axes: floats of their boxes, behind them the bounds of the centroids of both
+#: sides of a split; whole numbers of what they hold.
+TABLE, COUNTS = 8 * (3 * BINS + 2), 3 * BINS
+
 #: Boxes are enlarged by this much of the primitive's size, and by as much of the coordinate: the
 #: intersection test itself errs by a few units of 2^-24 of either.
 MARGIN = 2.0**-20

@@ -5,7 +5,8 @@ errs near them (`references.MARGIN`), and the far ends of the box test are stret
 of 2^-24, which covers all its rounding since every step is relative (Ize 2013, Robust BVH Ray
 Traversal, JCGT 2(2)).
 
-Nothing hangs: rays that are not finite, or that have no direction, meet nothing.
+Nothing hangs: rays that are not finite, or that have no direction, meet nothing. Components of a
+direction below 1e-37 count as 1e-37.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def meet_triangles(blocks, at, ray, t):
     z = load_wide(WIDTH, blocks, at + ray.row_z) - ray.o.z
     x, y = sheared(Vec3(x, y, z), ray.shear)
     corners = float_bits(load_wide(WIDTH, blocks, at + CORNERS))
-    a, b, c = corners & 15, (corners >> 4) & 15, corners >> 8
+    a, b, c = corners & 15, (corners >> 4) & 15, (corners >> 8) & 15
     az, bz, cz = permuted(z, a), permuted(z, b), permuted(z, c)
     w, inside = edge_functions(
         (permuted(x, a), permuted(y, a)),

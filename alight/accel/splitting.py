@@ -16,6 +16,8 @@ from collections import namedtuple
 from alight.accel.layout import MAX_LEAF
 from alight.accel.references import (
     BINS,
+    COUNTS,
+    TABLE,
     bin_scale,
     fill_bins,
     half_area,
@@ -34,9 +36,6 @@ from alight.core.simd import (
     where,
 )
 from alight.core.wide import lane, load_wide, store_wide, wide
-
-_TABLE = 8 * (3 * BINS + 2)
-_COUNTS = 3 * BINS
 
 #: How splits are chosen.
 SAH, MEDIAN = 0, 1
@@ -198,5 +197,5 @@ def divide(work, records, ranges, i, j, table, counts, rules, by_count):
 @kernel(strict=True)
 def divide_alone(work, records, ranges, i, j, rules):
     """Divide record i, more than any leaf may have, into i and j."""
-    table, counts = local_floats(_TABLE), local_longs(_COUNTS)
+    table, counts = local_floats(TABLE), local_longs(COUNTS)
     divide(work, records, ranges, i, j, table, counts, rules, False)

@@ -30,11 +30,12 @@ from alight.accel.layout import (
     IDS,
     LEAF,
     NODE,
+    OTHERS_IN_LEAF,
     SAH_LEVELS,
     UPPER,
     WIDTH,
 )
-from alight.accel.references import BINS
+from alight.accel.references import COUNTS, TABLE
 from alight.accel.splitting import Rules, divide
 from alight.core.jit import kernel
 from alight.core.simd import (
@@ -49,12 +50,9 @@ from alight.core.simd import (
 )
 from alight.core.wide import load_wide, store_wide
 
-#: What blocks are made from. Views vertices (float32) and faces (uint32); triangles: how many;
+#: What blocks are made from. Views vertices (float32) and faces (int32); triangles: how many;
 #: others: rows of BLOCK floats, the blocks of primitives number `triangles` and on.
 Source = namedtuple("Source", "vertices faces triangles others")
-
-_TABLE = 8 * (3 * BINS + 2)
-_COUNTS = 3 * BINS
 
 #: Records that wait while the left parts before them are divided, and their numbers.
 _WAITING = SAH_LEVELS + HALVED_LEVELS + 2
@@ -167,7 +165,7 @@ def build_subtree(work, rows, task_records, task_ranges, record, task, rules, so
     """
     records, ranges = local_floats(_RECORDS), local_longs(_RANGES)
     parents, levels = local_longs(_WAITING), local_longs(_WAITING)
-    table, counts = local_floats(_TABLE), local_longs(_COUNTS)
+    table, counts = local_floats(TABLE), local_longs(COUNTS)
     row, blocks, leaves = 0, 0, 0
     copy_record(task_records, task_ranges, record, records, ranges, 0)
     parents[0], levels[0] = -1, 0
@@ -186,9 +184,10 @@ def build_subtree(work, rows, task_records, task_ranges, record, task, rules, so
             inner = divide(work, records, ranges, i, size, table, counts, rules, by_count)
         if not inner:
             flat, others = list_primitives(work, ranges, i, source)
-            if flat > 1:
-                # They were expected to fit one block.
-                less = Rules(rules.method, (count + 1) // 2)
+            if (flat > 1) | (others > OTHERS_IN_LEAF):
+                # Triangles were expected to fit one block, and the others are too many.
+                n = flat + others
+                less = Rules(rules.method, (count + n - 1) // n)
                 inner = divide(work, records, ranges, i, size, table, counts, less, by_count)
         if inner:
             # The left part is taken up next.

@@ -141,8 +141,8 @@ def write_together(visit_all: Callable, nearest_first: bool) -> Callable:
             As of `turns.write_packet`.
         stacks : Stacks
         bases : local uints
-            Subtrees for ray i, nearest last, are put in front of number bases[i] of the stacks, at
-            most `WAITING`; bases[i] becomes the place of the last.
+            Subtrees for ray i, at most `WAITING`, are put in front of number bases[i] of the
+            stacks, the nearest first, so that it stands highest; bases[i] becomes the lowest used.
         visits : Visits
             Room for them.
         """

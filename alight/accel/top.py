@@ -6,27 +6,23 @@ Tables hold one row a chunk, and in front of them row 0: the sum.
 
 from __future__ import annotations
 
-from alight.accel.references import BINS, fill_bins, partition
+from alight.accel.references import BINS, COUNTS, TABLE, fill_bins, partition
 from alight.accel.splitting import bin_count, choose_split, write_box
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.simd import local_floats, local_longs, minimum
 from alight.core.wide import load_wide, store_wide, wide
 
-#: Floats a row: the boxes of all bins, then the centroids of both sides.
-ROW = 8 * (3 * BINS + 2)
-COUNTS = 3 * BINS
-
 
 @kernel(strict=True)
 def bin_chunk(work, records, ranges, i, begin, end, row, tables, counts):
     """Sort references begin to end of record i into the bins of a row."""
-    table, count = local_floats(ROW), local_longs(COUNTS)
+    table, count = local_floats(TABLE), local_longs(COUNTS)
     source = work.a if ranges[3 * i + 2] == 0 else work.b
     bins = bin_count(ranges[3 * i + 1] - ranges[3 * i])
     fill_bins(source, begin, end, load_wide(8, records, 16 * i + 8), bins, table, count)
     for k in range(3 * BINS):
-        store_wide(tables, row * ROW + 8 * k, load_wide(8, table, 8 * k))
+        store_wide(tables, row * TABLE + 8 * k, load_wide(8, table, 8 * k))
         counts[row * COUNTS + k] = count[k]
 
 
@@ -40,11 +36,11 @@ def choose(records, ranges, i, rows, tables, counts, rules, result):
         Written: axis (-1: none), last bin of the left part, then the references of each row that go
         left.
     """
-    table, count = local_floats(ROW), local_longs(COUNTS)
+    table, count = local_floats(TABLE), local_longs(COUNTS)
     for k in range(COUNTS):
         box, n = wide(8, INFINITY), 0
         for row in range(1, rows + 1):
-            box = minimum(box, load_wide(8, tables, row * ROW + 8 * k))
+            box = minimum(box, load_wide(8, tables, row * TABLE + 8 * k))
             n += counts[row * COUNTS + k]
         store_wide(table, 8 * k, box)
         store_wide(tables, 8 * k, box)
@@ -78,7 +74,7 @@ def partition_chunk(work, records, ranges, i, begin, end, left, right, result, r
         result[0],
         result[1],
         tables,
-        row * ROW + 8 * COUNTS,
+        row * TABLE + 8 * COUNTS,
     )
 
 
@@ -91,8 +87,8 @@ def conclude(records, ranges, i, j, rows, tables, result, middle):
     write_box(records, 16 * j, tables, first + result[1] + 1, first + bins - 1)
     left, right = wide(8, INFINITY), wide(8, INFINITY)
     for row in range(1, rows + 1):
-        left = minimum(left, load_wide(8, tables, row * ROW + 8 * COUNTS))
-        right = minimum(right, load_wide(8, tables, row * ROW + 8 * COUNTS + 8))
+        left = minimum(left, load_wide(8, tables, row * TABLE + 8 * COUNTS))
+        right = minimum(right, load_wide(8, tables, row * TABLE + 8 * COUNTS + 8))
     store_wide(records, 16 * i + 8, left)
     store_wide(records, 16 * j + 8, right)
     ranges[3 * j], ranges[3 * j + 1], ranges[3 * j + 2] = (

@@ -236,7 +236,7 @@ def packing(mask):
 
 
 def permuted(x, order):
-    """``x[order[0]], x[order[1]], ...``; the order (u32 lanes) may be computed."""
+    """``x[order[0]], x[order[1]], ...``; the order (u32 lanes, places in x) may be computed."""
     return np.broadcast_to(x, np.shape(order))[order]
 
 

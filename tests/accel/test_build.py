@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.accel import batch
-from alight.accel.build import expected_fill
+from alight.accel.build import build_bvh, expected_fill
 from alight.accel.cost import BIG, waits_for_memory
 from alight.accel.layout import (
     BLOCK,
@@ -13,11 +13,14 @@ from alight.accel.layout import (
     CORNERS,
     IDS,
     LEAF,
+    MAX_BLOCKS,
     MAX_DEPTH,
     NODE,
-    STACK,
+    OTHER,
+    OTHERS_IN_LEAF,
     UPPER,
     WIDTH,
+    check_blocks,
 )
 from alight.core.simd import LANES
 from alight.core.view import View
@@ -45,7 +48,6 @@ def assert_complete(bvh, stats, n):
     found, depth = indices_in_leaves(bvh)
     assert np.array_equal(np.sort(found), np.arange(n))
     assert depth == stats["depth"] <= MAX_DEPTH
-    assert (CHILDREN - 1) * depth + 1 <= STACK
     # Children stand side by side, and only what is missing is number 0.
     nodes = bvh.nodes.array.reshape(-1, NODE)
     there = nodes[:, :CHILDREN] <= nodes[:, UPPER : UPPER + CHILDREN]
@@ -80,21 +82,32 @@ def hard_cases():
     yield "the same centre", small - small.mean(axis=1, keepdims=True)
     yield "points", np.tile(rng.normal(size=(n, 1, 3)), (1, 3, 1))
     yield "on a line", small * [1, 0, 0] + np.linspace(0, 1, n)[:, None, None] * [1, 0, 0]
-    # Each is a thousandth of the one before: every split takes off very few.
+    # Each is smaller than the one before by the same factor: every split takes off few.
     powers = np.float64(10.0) ** -np.linspace(0, 36, 400)
     yield "a geometric series", powers[:, None, None] * (np.eye(3) + 1.0)
     yield "huge ones", np.where(rng.random((n, 1, 1)) < 0.01, 1e30, 1.0) * small
 
 
 @pytest.mark.parametrize(("name", "corners"), list(hard_cases()), ids=[c[0] for c in hard_cases()])
-@pytest.mark.parametrize("method", ["sah", "median"])
-def test_hard_cases_give_a_complete_tree_of_bounded_depth(name, corners, method):
+def test_hard_cases_give_complete_trees_of_bounded_depth_with_the_same_hits(name, corners):
     vertices = corners.reshape(-1, 3).astype(np.float32)
     faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
-    bvh, stats = batch.build(vertices, faces, method=method, threads=2)
-    assert_complete(bvh, stats, len(faces))
-    o = np.random.default_rng(2).normal(size=(1000, 3)).astype(np.float32)
-    batch.intersect_batch(bvh, o, -o)
+    # At triangles of all sizes, from near enough that their points are not rounded away.
+    rng = np.random.default_rng(2)
+    aim = corners.mean(axis=1)[rng.integers(0, len(corners), 1000)]
+    d = rng.normal(size=(1000, 3))
+    size = np.median(np.ptp(corners, axis=1)) + np.abs(aim).max(axis=1)
+    o = (aim - d * size[:, None]).astype(np.float32)
+    found = []
+    for method in ("sah", "median"):
+        bvh, stats = batch.build(vertices, faces, method=method, threads=2)
+        assert_complete(bvh, stats, len(faces))
+        hits = batch.intersect_batch(bvh, o, d.astype(np.float32))
+        found.append([*hits, batch.is_occluded_batch(bvh, o, d.astype(np.float32))])
+    for sah, median in zip(*found, strict=True):
+        np.testing.assert_array_equal(sah, median)
+    if name not in ("points", "on a line"):
+        assert np.isfinite(found[0][0]).sum() > 100
 
 
 def test_sah_costs_less_than_the_median():
@@ -202,3 +215,29 @@ def test_the_expected_fill_of_a_block_follows_what_triangles_share():
     # A leaf of other things has a block for each; fifteen are counted in its code.
     assert expected_fill(vertices, faces, 3) == 15
     assert expected_fill(vertices, faces[:0], 20) == 8
+
+
+def test_a_leaf_holds_few_things_that_are_not_triangles():
+    """In a scene of many triangles, too, where more of those are expected in a leaf."""
+    vertices, faces = torus(70, 50, 0.3)
+    rng = np.random.default_rng(10)
+    centers = 0.1 * rng.normal(size=(400, 1, 3)) + [0.0, 0.0, 3.0]
+    half = np.array([[-0.001], [0.001]])
+    boxes = (centers + half).astype(np.float32)
+    others = np.zeros((400, BLOCK), np.float32)
+    words = others.view(np.uint32)
+    words[:, CORNERS:IDS], words[:, IDS] = OTHER, len(faces) + np.arange(400)
+    bvh, _ = build_bvh(vertices.astype(np.float32), faces.astype(np.int32), others, boxes)
+    codes = bvh.nodes.array.reshape(-1, NODE)[:, CHILD:].view(np.uint32)
+    leaves = codes[codes >= LEAF]
+    last_corners = bvh.blocks.array.view(np.uint32).reshape(-1, BLOCK)[:, IDS - 1]
+    holds_others = last_corners[(leaves - LEAF) >> 4] == OTHER
+    assert holds_others.sum() >= 400 / OTHERS_IN_LEAF
+    assert (leaves[holds_others] & 15).max() <= OTHERS_IN_LEAF
+
+
+def test_more_blocks_than_a_code_can_number_are_an_error():
+    check_blocks(MAX_BLOCKS)
+    assert ((LEAF | (MAX_BLOCKS - 1) << 4 | 15) & (LEAF - 1)) >> 4 == MAX_BLOCKS - 1
+    with pytest.raises(ValueError, match="134217729 blocks of primitives, more than 134217728"):
+        check_blocks(MAX_BLOCKS + 1)

@@ -20,7 +20,15 @@ from alight.accel.collapse import (
     write_all_costs,
 )
 from alight.accel.cost import sah_cost
-from alight.accel.layout import CHILDREN, CHOSEN_LEVELS, MAX_DEPTH
+from alight.accel.layout import (
+    CHILDREN,
+    CHOSEN_LEVELS,
+    HALVED_LEVELS,
+    MAX_DEPTH,
+    SAH_LEVELS,
+    STACK,
+    TOP_LEVELS,
+)
 from alight.core.jit import instantiate
 from alight.core.view import View
 from tests.accel.tracing import icosphere, torus
@@ -150,6 +158,32 @@ def test_very_deep_down_each_node_takes_four_levels():
     assert levels == nodes == CHOSEN_LEVELS + -(-left // 4)
     # In a chain all levels are on the way: four of them leave four leaves and the rest.
     assert np.all(used[CHOSEN_LEVELS:-1] == 5)
+
+
+@pytest.mark.parametrize("corner", [0.0, np.nan])
+def test_the_deepest_tree_has_the_levels_that_stacks_have_room_for(corner):
+    """A spine of all levels; what hangs on it uses up columns, and nothing costs anything."""
+    side, depth = 4, TOP_LEVELS + SAH_LEVELS + HALVED_LEVELS - 2
+    parts = []
+
+    def balanced(n):
+        row = len(parts)
+        parts.append(None)
+        if n > 1:
+            parts[row] = balanced(n // 2), balanced(n - n // 2)
+        return row
+
+    row = 0
+    for _ in range(depth):
+        parts.append(None)
+        parts[row] = balanced(side), len(parts)
+        row = len(parts)
+    balanced(side)
+    low = np.full((len(parts), 3), corner)
+    _, used, _, levels = collapsed(parts, low, low, np.ones(len(parts), int))
+    assert MAX_DEPTH - 16 < levels <= MAX_DEPTH
+    assert used.max() <= CHILDREN
+    assert (CHILDREN - 1) * levels + 1 <= STACK
 
 
 def test_a_single_leaf_stands_in_a_node():

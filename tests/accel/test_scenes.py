@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.accel import build_accelerator
+from alight.accel import Instance, build_accelerator
 from alight.shapes import disk, plane, rectangle, sphere
 from tests.accel.tracing import (
     World,
@@ -12,6 +12,7 @@ from tests.accel.tracing import (
     same_bits,
     soup,
     soup_rays,
+    torus,
     triangle_set,
     unit,
 )
@@ -71,6 +72,28 @@ def test_a_mixed_scene_is_the_same_in_lists_in_the_tree_and_in_the_twin():
     assert set(listed.shape.tolist()) >= {0, 1, 5, 7, *range(10, 40)}
     twin = worlds["list"].trace(o[:512], d[:512], compiled=False)
     assert all(a[:512].tobytes() == b.tobytes() for a, b in zip(listed, twin, strict=True))
+
+
+def with_instance(vertices, faces):
+    """A torus and a mesh in a tree of its own."""
+    map_ = np.eye(4)[:3]
+    instance = Instance(geometry=0, shape=5, to_world=map_, to_object=map_)
+    main = triangle_set(*torus(30, 20, 0.1), 0)
+    return World(main, [], [], [instance], [(vertices, faces)], structure="bvh").accel
+
+
+def test_trees_of_instances_start_at_cache_lines():
+    for level in (1, 2, 3):
+        tree = with_instance(*icosphere(level)).tree
+        assert tree.nodes.array.ctypes.data % 64 == 0
+        assert tree.blocks.array.ctypes.data % 64 == 0
+
+
+def test_vertices_that_no_face_uses_do_not_enlarge_an_instance():
+    vertices, faces = icosphere(2)
+    more = np.concatenate([vertices, [[1e6] * 3]]).astype(np.float32)
+    boxes = [with_instance(v, faces).box.array for v in (vertices, more)]
+    np.testing.assert_array_equal(*boxes)
 
 
 def test_structures_of_a_scene_follow_from_its_size():
