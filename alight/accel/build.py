@@ -262,10 +262,11 @@ class _Builder:
         self.pool.run(lambda pair: self.compiled.divide(work, records, ranges, *pair, rules), small)
 
     def _box(self, record: int) -> np.ndarray:
+        """A copy, as the record will be that of a part: (8,) float32, as that of a reference."""
         return self.records.array[16 * record : 16 * record + 8].copy()
 
     def _largest_edge(self) -> float:
-        """The longest edge of the whole, as `references.largest_edge`."""
+        """The longest edge of the whole, metres, as `references.largest_edge`."""
         box = self._box(0)
         return float(np.maximum(-(box[:3] + box[4:7]).min(), np.float32(1e-36)))
 

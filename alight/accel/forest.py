@@ -171,14 +171,14 @@ def placed(one: Instance, vertices: np.ndarray, faces: np.ndarray) -> TriangleSe
 
 
 def own_box(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Bounds of the vertices that a mesh uses, (2, 3) float32."""
+    """Bounds of the vertices that the faces (F, 3) of a mesh use, (2, 3) float32, metres."""
     used = np.zeros(len(vertices), bool)
     used[faces.ravel()] = True
     return np.array([vertices[used].min(axis=0), vertices[used].max(axis=0)])
 
 
 def placed_box(one: Instance, box: np.ndarray) -> np.ndarray:
-    """Bounds of an instance in world space, (2, 3) float32, from its geometry's `own_box`."""
+    """Bounds of an instance in the world, (2, 3) float32, metres, from its geometry's `own_box`."""
     low, high = box
     corners = np.array(
         [

@@ -32,7 +32,8 @@ from collections import namedtuple
 #: node 0, else 0.
 Bvh = namedtuple("Bvh", "nodes blocks ids waits")
 
-#: Most children of a node: so many boxes a ray meets at once.
+#: Most children of a node: so many boxes a ray meets at once. Words where the upper bounds and the
+#: children start, and words of a node.
 CHILDREN = 16
 UPPER = 3 * CHILDREN
 CHILD = 6 * CHILDREN
@@ -44,7 +45,7 @@ CORNERS = 3 * WIDTH
 IDS = 4 * WIDTH
 BLOCK = 5 * WIDTH
 
-#: Primitives that are not triangles, at least, before a set of them is divided.
+#: Primitives that are not triangles: a leaf has more of them only if dividing it costs more.
 OTHERS_IN_LEAF = 8
 
 #: A leaf never has more blocks (four bits of its code), nor more primitives, but for triangles that
