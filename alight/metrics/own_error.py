@@ -7,40 +7,36 @@ that the picture has) and SE^2 the usual estimate of its square. Then exactly
 
 What the estimate lacks is a sum of products of *independent* errors: mean zero, and variance
 2 R / (R - 1) SE^4 whatever the distribution; the kurtosis of heavy tails cancels. SE^4 is estimated
-without bias by a product of two halves of the replicates. `docs/known-error.md` has the proof, what
-is done about the brightness in the denominator, and how often the interval was right.
+without bias by a product of two halves of the replicates.
+
+relMSE divides by the brightness squared, and that is the harder part: one bright sample would
+excuse its own error. So one half of the replicates tells the error and the other the brightness;
+pixels that are mostly noise are judged together (`noisy_pixels`). `docs/known-error.md` has the
+proof and how often the interval was right.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
 
-from alight.metrics.planes import (
-    box,
-    over_replicates,
-    planes_of,
-    same_everywhere,
-    squares,
-    weighted,
-)
+from alight.metrics import noisy_pixels
+from alight.metrics.planes import over_replicates, planes_of, same_everywhere, squares, weighted
 from alight.metrics.relmse import LITERATURE_EPSILON, Estimate
 from alight.metrics.statistics import f_quantile
+from alight.metrics.surroundings import CELL, around, by_cells, spread_out
 
-#: Half the picture's relative variance at which a pixel's own brightness counts half: noise of the
-#: 3x3 pixels around it, and of the pixel itself.
-_STEADY_AROUND, _STEADY_OWN = 0.4, 1.4
+#: Squared error of one half of the replicates, over the brightness squared, below which a pixel
+#: knows its own brightness.
+_PRECISE = 0.02
 
-#: What the noise of the brightness adds to the deviation of log(relMSE): in proportion to what it
-#: is without, per relRMSE; and, for the bias that is left, per relMSE.
-_BRIGHTNESS_NOISE, _BRIGHTNESS_BIAS, _MOST_BIAS = 1.7, 0.7, 0.3
-
-#: How soon the brightness for the spread is that of the pixels around, and no longer the own one.
-_EARLY = 100.0
+#: Least brightness of such a pixel by the other half, over that by the first.
+_GUARD = 0.5
 
 #: Rows that are worked on at a time: whole cells, and few enough to stay in the processor's cache.
 _BAND = 32
@@ -48,8 +44,7 @@ _BAND = 32
 #: Above so many pixels one way to halve the replicates is enough.
 _LARGE = 2**16
 
-#: Side of the cells over which the spread is also pooled.
-_CELL = 8
+_NORMAL = NormalDist()
 
 
 class Figure(NamedTuple):
@@ -59,19 +54,34 @@ class Figure(NamedTuple):
     ----------
     value : float
     freedom : float
-        The true relMSE over `value` has the distribution F(freedom, (R - 1) freedom).
+        Were the brightness known, the true relMSE over `value` had the distribution
+        F(freedom, (R - 1) freedom).
     replicates : int
+    brightness : float, default 0
+        Variance of log(relMSE) that comes from the brightness of noisy pixels.
+    lowest : float, default 1
+        What part of `value` is left if pixels of whose brightness there is no evidence are as
+        bright as their brightest samples say.
     """
 
     value: float
     freedom: float
     replicates: int
+    brightness: float = 0.0
+    lowest: float = 1.0
 
     def quantile(self, p: float) -> float:
         """Find the relMSE below which the true one lies with probability p."""
         if math.isnan(self.value) or self.value == 0.0:
             return self.value
-        return self.value * f_quantile(p, self.freedom, (self.replicates - 1) * self.freedom)
+        errors = f_quantile(p, self.freedom, (self.replicates - 1) * self.freedom)
+        # Both parts are independent; their logarithms add up as deviations do.
+        doubt = math.hypot(
+            math.log(max(errors, 1e-300)), _NORMAL.inv_cdf(p) * math.sqrt(self.brightness)
+        )
+        if p >= 0.5:
+            return self.value * math.exp(min(doubt, 600.0))
+        return self.value * self.lowest * math.exp(-doubt)
 
     def interval(self, confidence: float = 0.95) -> Estimate:
         """Give the value with its two-sided interval."""
@@ -134,92 +144,110 @@ def estimate_relmse(
 
     Notes
     -----
-    The error and the brightness that it is divided by come from different replicates: one bright
-    sample would else excuse its own error. Where a pixel is mostly noise, the mean of 3x3 pixels
-    takes its place; what the noise of a brightness b does to 1 / (b^2 + epsilon) is divided out to
-    second order. With fewer than 4 replicates they have to be the same, and the estimate is less
-    sure than it says. Light that no sample has found yet is in no estimate.
+    With fewer than 4 replicates the error and the brightness have to come from the same ones, and
+    the estimate is less sure than it says. Light that no sample has found yet is in no estimate.
     """
     size, replicates = counts.shape[:2], counts.shape[2]
     counts = same_everywhere(counts)
     known = np.zeros(size, bool)
     if replicates > 1:
         known[...] = over_replicates(counts, np.minimum) > 0
-    mean = _mean_of(means, counts)
-    epsilons = (0.01 * mean * mean, LITERATURE_EPSILON)
     unknown = Figure(math.nan, math.nan, replicates)
+    mean, variance = _picture(means, counts)
+    average = float(mean.mean(dtype=np.float64))
+    epsilons = (0.01 * average * average, LITERATURE_EPSILON)
     if not known.any() or not epsilons[0] > 0.0:
         return ErrorEstimate(unknown, unknown, epsilons[0], float(known.mean()))
-    wanted, halvings = epsilons[: 1 + literature], list(_halvings(replicates))
-    totals = np.zeros((len(wanted), 2, 3))
+    around_it = around(mean, variance, epsilons[0])
+    figures = [
+        _figure(means, counts, known, around_it, epsilon)
+        for epsilon in epsilons[: 1 + literature]
+    ]
+    return ErrorEstimate(*(*figures, unknown)[:2], epsilons[0], float(known.mean()))
+
+
+def _picture(means: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The picture, black where it is negative, and its squared standard error: (3, h, w) each."""
+    h, w, replicates, _ = means.shape
+    mean, variance = np.empty((3, h, w), np.float32), np.empty((3, h, w), np.float32)
+    for rows, m, k in _bands(means, counts):
+        own = weighted(m, k)
+        n = np.maximum(k.sum(axis=0), np.float32(1.0))
+        spread = squares(m, k, own)
+        spread /= n * np.float32(max(replicates - 1, 1))
+        variance[:, rows] = spread
+        np.maximum(own, 0.0, out=mean[:, rows])
+    return mean, variance
+
+
+def _bands(
+    means: np.ndarray, counts: np.ndarray
+) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
+    """Some rows at a time, and the replicates' means and counts there, plane by plane."""
+    for y in range(0, len(means), _BAND):
+        rows = slice(y, min(y + _BAND, len(means)))
+        yield rows, *planes_of(means[rows], counts[rows] if len(counts) > 1 else counts)
+
+
+def _figure(
+    means: np.ndarray, counts: np.ndarray, known: np.ndarray, q: np.ndarray, epsilon: float
+) -> Figure:
+    """Estimate relMSE with this epsilon; `q` is the brightness of the surroundings."""
+    h, w, replicates, _ = means.shape
+    halvings = list(_halvings(replicates))
     if known.size > _LARGE:
         del halvings[1:]
-    for y in range(0, size[0], _BAND):
-        low = max(y - 1, 0)
-        rows = slice(low, y + _BAND + 1)
-        inside = slice(y - low, y - low + _BAND)
-        band = _Band(means[rows], counts[rows] if len(counts) > 1 else counts, known[rows], inside)
-        totals += _totals_of(band, wanted, halvings)
-    pixels = int(known.sum())
-    figures = [*(_figure(rows, pixels, replicates) for rows in totals), unknown]
-    return ErrorEstimate(figures[0], figures[1], epsilons[0], float(known.mean()))
-
-
-def _mean_of(means: np.ndarray, counts: np.ndarray) -> float:
-    """Mean of the picture, black where it is negative."""
-    total = 0.0
-    for y in range(0, len(means), _BAND):
-        rows = slice(y, y + _BAND)
-        picture = weighted(*planes_of(means[rows], counts[rows] if len(counts) > 1 else counts))
-        total += float(np.maximum(picture, 0.0, out=picture).sum(dtype=np.float64))
-    return total / (means.shape[0] * means.shape[1] * means.shape[3])
-
-
-def _figure(rows: np.ndarray, pixels: int, replicates: int) -> Figure:
-    """From the sums over pixels of relative SE^2, of relative SE^4, and of that by cells.
-
-    `rows` has them for two brightnesses, shape (2, 3).
-    """
-    value, spread = float(rows[0, 0]), float(rows[:, 1:].max())
+    sums, precise = noisy_pixels.no_sums(), 0.0
+    looks: list[tuple[slice, list[tuple[_Half, _Half, _Weights, _Weights]]]] = []
+    groups = _groups(h, w)
+    for rows, m, k in _bands(means, counts):
+        here = _Band(known[rows], q[:, rows], groups[rows], np.float32(epsilon))
+        looks.append((rows, []))
+        for first, second in halvings:
+            a, b = _half(m, k, first), _half(m, k, second)
+            weights = _weigh(here, a, b, sums), _weigh(here, b, a, sums)
+            precise += sum(weight.value for weight in weights)
+            looks[-1][1].append((a, b, *weights))
+    size = len(halvings[0][0])
+    believed = noisy_pixels.believe(sums, 3 * len(halvings), size, size, replicates)
+    # Both halves of each way are estimates of the same.
+    value = (precise + believed.value) / (2 * len(halvings))
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
-    relmse = value / pixels
-    # Rare spikes seldom meet in both halves of a pixel's replicates, but do in those of a cell.
-    ratio = replicates / (replicates - 1)
-    variance = 2.0 * ratio * spread / value**2
-    variance *= (1.0 + _BRIGHTNESS_NOISE * math.sqrt(relmse)) ** 2
-    variance += min(_BRIGHTNESS_BIAS * relmse, _MOST_BIAS) ** 2
-    return Figure(relmse, 2.0 * ratio / variance, replicates)
+    spread = 0.0
+    for rows, ways in looks:
+        for a, b, by_a, by_b in ways:
+            spread += _spread(known[rows], a, b, by_a.full(believed), by_b.full(believed))
+    spread /= len(halvings)
+    if replicates < 4:
+        # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
+        spread *= (replicates - 1) / (replicates + 1)
+    pixels = 3.0 * float(known.sum())
+    share = believed.value / (precise + believed.value)
+    lowest = (precise + believed.lowest) / (precise + believed.value)
+    freedom = value * value / spread if spread > 0.0 else math.inf
+    return Figure(
+        value / pixels, min(freedom, 1e12), replicates, believed.variance * share**2, lowest
+    )
 
 
-class _Band:
-    """Some rows of a picture, plane by plane, and one more row above and below.
+def _groups(height: int, width: int) -> np.ndarray:
+    """Share out cells evenly over the groups of `noisy_pixels`; for each pixel its group."""
+    y, x = np.mgrid[0 : -(-height // CELL), 0 : -(-width // CELL)]
+    return spread_out((5 * y + x) % noisy_pixels.GROUPS, height, width)
 
-    Attributes
-    ----------
-    m, k : ndarray, shapes (R, 3, h, w) and (R, 1, h, w) or (R, 1, 1, 1)
-        Means and counts of the replicates.
-    n : ndarray
-        Sum of the counts, 1 at least.
-    known : ndarray of float32, shape (rows, w)
-        1 or 0, of the rows inside.
-    """
 
-    def __init__(
-        self, means: np.ndarray, counts: np.ndarray, known: np.ndarray, inside: slice
-    ) -> None:
-        self.m, self.k = planes_of(means, counts)
-        self.n = np.maximum(self.k.sum(axis=0), np.float32(1.0))
-        self.known = known[inside].astype(np.float32)
-        self._inside = inside
+class _Band(NamedTuple):
+    """Some rows: which pixels are known, their surroundings' brightness, groups, and epsilon."""
 
-    def inside(self, planes: np.ndarray) -> np.ndarray:
-        """Cut off the rows above and below."""
-        return planes[..., self._inside, :] if planes.shape[-2] > 1 else planes
+    known: np.ndarray
+    around: np.ndarray
+    groups: np.ndarray
+    epsilon: np.float32
 
 
 class _Half(NamedTuple):
-    """What half of the replicates say of the rows inside, shapes (3, rows, w) and (3, 3, ...).
+    """What half of the replicates say of some rows, shapes (3, rows, w) and a list of 3x3 planes.
 
     `spread` is the channels' covariance of the whole picture's error; `brightness` and its
     `variance` are those of the half.
@@ -230,36 +258,56 @@ class _Half(NamedTuple):
     variance: np.ndarray
 
 
-def _totals_of(
-    band: _Band, epsilons: tuple[float, ...], halvings: list[tuple[list[int], list[int]]]
-) -> np.ndarray:
-    """Sums over the known pixels of some rows: for each epsilon and two brightnesses, `_figure`'s.
+class _Weights(NamedTuple):
+    """What one half's squared error is multiplied by, shape (3, rows, w).
 
-    A bright sample lifts the brightness of its own pixel, and there hides a part of the spread that
-    it stands for. Where a pixel is noisy, that of the eight around is not tied to it, but wrong at
-    edges. `_figure` takes the larger of the spreads by both.
+    Attributes
+    ----------
+    value : float
+        Sum over the pixels that know their own brightness.
+    plain : ndarray
+        Their weight; elsewhere 1 / q^2.
+    noisy, classes : ndarray
+        Whether a pixel does not, and its class.
     """
-    mean = weighted(band.m, band.k)
-    replicates = len(band.m)
-    variance = squares(band.m, band.k, mean)
-    variance /= band.n * np.float32(replicates - 1)
-    around = box(mean)
-    smoothing = _smoothing(mean, around, variance, np.float32(epsilons[0]))
-    # For the spread, the steadiest brightness: one of halves would hide large products.
-    steady = band.inside(mean + smoothing * (around - mean))
-    early = _EARLY * smoothing / (1.0 + (_EARLY - 1.0) * smoothing)
-    others = band.inside(mean + early * np.float32(9.0 / 8.0) * (around - mean))
-    totals = np.zeros((len(epsilons), 2, 3))
-    for halving in halvings:
-        halves = [_half(band, half, smoothing) for half in halving]
-        for i, epsilon in enumerate(np.float32(epsilons)):
-            totals[i, :, 0] += _value_over_pixels(band.known, halves, epsilon)
-            for j, light in enumerate((steady, others)):
-                totals[i, j, 1:] += _spread_over_pixels(band.known, halves, light, epsilon)
-    if replicates < 4:
-        # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
-        totals[:, :, 1:] *= (replicates - 1) / (replicates + 1)
-    return totals / len(halvings)
+
+    value: float
+    plain: np.ndarray
+    noisy: np.ndarray
+    classes: np.ndarray
+
+    def full(self, believed: noisy_pixels.Believed) -> np.ndarray:
+        """The weight everywhere."""
+        weights = believed.weights.astype(np.float32)[self.classes]
+        return np.where(self.noisy, weights * self.plain, self.plain)
+
+
+def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
+    """Sort pixels by what half A says; those that are mostly noise are added to `sums`."""
+    s = np.stack([a.spread[c][c] for c in range(3)])
+    own = a.brightness * a.brightness
+    own += here.epsilon
+    q2 = here.around * here.around
+    q2 += here.epsilon
+    noisy = s >= np.float32(_PRECISE) * np.maximum(own, q2)
+    brightness = np.maximum(b.brightness, np.float32(_GUARD) * a.brightness)
+    plain = _inverse_square(brightness, b.variance, here.epsilon)
+    value = float((s * plain * (here.known & ~noisy)).sum(dtype=np.float64))
+    np.divide(1.0, q2, out=plain, where=noisy)
+    classes = noisy_pixels.class_of(own, q2)
+    chosen = noisy & here.known
+    inverse, bright = plain[chosen], b.brightness[chosen]
+    noisy_pixels.gather(
+        sums,
+        classes[chosen],
+        np.broadcast_to(here.groups, s.shape)[chosen],
+        s[chosen] * inverse,
+        bright * np.sqrt(inverse),
+        (bright * bright - b.variance[chosen]) * inverse,
+        here.epsilon * inverse,
+        own[chosen] * inverse,
+    )
+    return _Weights(value, plain, noisy, classes)
 
 
 def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:
@@ -279,54 +327,26 @@ def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:
     yield inner, [r for r in everything if r not in inner]
 
 
-def _smoothing(
-    mean: np.ndarray, mean_around: np.ndarray, variance: np.ndarray, epsilon: np.float32
-) -> np.ndarray:
-    """Weight of the 3x3 pixels in a pixel's brightness: towards 1 where it is mostly noise."""
-    tiny = np.float32(0.01) * epsilon
-    around = box(variance)
-    around /= mean_around * mean_around + tiny
-    around *= np.float32(2.0 / _STEADY_AROUND)
-    own = variance / (mean * mean + tiny)
-    own *= np.float32(2.0 / _STEADY_OWN)
-    own *= own
-    own += around
-    own /= 1.0 + own
-    return own
-
-
-def _half(band: _Band, half: list[int], smoothing: np.ndarray) -> _Half:
+def _half(m: np.ndarray, k: np.ndarray, half: list[int]) -> _Half:
     """Look at some of the replicates."""
+    n = np.maximum(k.sum(axis=0), np.float32(1.0))
     some = slice(half[0], half[-1] + 1) if half[-1] - half[0] == len(half) - 1 else half
-    m, k = band.m[some], band.k[some]
-    own = weighted(m, k)
+    m, k = m[some], k[some]
+    brightness = weighted(m, k)
     total, freedom = np.maximum(k.sum(axis=0), np.float32(1.0)), np.float32(len(half) - 1)
     if len(half) == 2:
         # Both deviations are parts of one difference.
         deviations, weights = m[:1] - m[1:], k[:1] * k[1:] / total
     else:
-        deviations, weights = m - own, k
+        deviations, weights = m - brightness, k
     products = [
         [_product(deviations[:, c], deviations[:, d], weights[:, 0]) for d in range(c + 1)]
         for c in range(3)
     ]
-    spread = np.stack([products[c][c] for c in range(3)])
-    spread /= freedom * total
-    rest = smoothing * np.float32(1.0 / 9.0)
-    keep = 1.0 - smoothing
-    # One pixel of the nine is the own one.
-    variance = spread * keep
-    variance *= keep
-    rest *= 2.0 * keep + 9.0 * rest
-    rest *= box(spread)
-    variance += rest
-    brightness = box(own)
-    brightness -= own
-    brightness *= smoothing
-    brightness += own
-    scale = 1.0 / (band.inside(band.n)[0] * freedom)
-    covariance = [[band.inside(plane) * scale for plane in row] for row in products]
-    return _Half(covariance, band.inside(brightness), band.inside(variance))
+    variance = np.stack([products[c][c] for c in range(3)])
+    variance /= freedom * total
+    scale = 1.0 / (n[0] * freedom)
+    return _Half([[plane * scale for plane in row] for row in products], brightness, variance)
 
 
 def _product(a: np.ndarray, b: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -354,37 +374,21 @@ def _inverse_square(
     return f
 
 
-def _value_over_pixels(known: np.ndarray, halves: Sequence[_Half], epsilon: np.float32) -> float:
-    """Sum over the known pixels of tr(W S), W = diag(1 / (brightness^2 + epsilon)) / 3."""
-    value = 0.0
-    # Each half's error is divided by the brightness that the other half saw.
-    for half, other in (halves, halves[::-1]):
-        scale = _inverse_square(other.brightness, other.variance, epsilon)
-        own = sum(half.spread[c][c] * scale[c] for c in range(3))
-        value += float(np.vdot(own, known))
-    return value / 6.0
+def _spread(
+    known: np.ndarray, a: _Half, b: _Half, weights_a: np.ndarray, weights_b: np.ndarray
+) -> float:
+    """Sum over the known pixels of tr(W S_A W S_B), or the same pooled by cells where that is more.
 
-
-def _spread_over_pixels(
-    known: np.ndarray, halves: Sequence[_Half], light: np.ndarray, epsilon: np.float32
-) -> tuple[float, float]:
-    """Sums over the known pixels of tr(W S_A W S_B), and the same by cells; W by `light`."""
-    root = np.sqrt(known * np.float32(1.0 / 3.0) / (light * light + epsilon))
-    # A product with ones adds up rows faster than a sum over an axis does.
-    heights = np.arange(known.shape[0]) // _CELL
-    rows = (heights == np.arange(heights[-1] + 1)[:, None]).astype(np.float32)
+    Rare spikes seldom meet in both halves of a pixel's replicates, but do in those of a cell.
+    """
+    root = np.sqrt(np.sqrt(weights_a * weights_b) * known)
     crossed = pooled = 0.0
     # Channels of a pixel share their paths, so their covariance counts; pixels are independent.
     for c in range(3):
         for d in range(c + 1):
             twice, scale = (1.0 if c == d else 2.0), root[c] * root[d]
-            a, b = (half.spread[c][d] * scale for half in halves)
-            crossed += twice * float(np.vdot(a, b))
-            pooled += twice * (_by_cells(rows, a) * _by_cells(rows, b))
-    pixels = _by_cells(rows, known)
-    return crossed, float((pooled / np.maximum(pixels, 1.0)).sum())
-
-
-def _by_cells(rows: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """Add up 8x8 pixels (those of the picture's edge may be fewer)."""
-    return np.add.reduceat(rows @ plane, range(0, plane.shape[1], _CELL), axis=1)
+            left, right = a.spread[c][d] * scale, b.spread[c][d] * scale
+            crossed += twice * float(np.vdot(left, right))
+            pooled += twice * (by_cells(left) * by_cells(right))
+    pixels = by_cells(known.astype(np.float32))
+    return max(crossed, float((pooled / np.maximum(pixels, 1.0)).sum()))

@@ -1,0 +1,194 @@
+r"""How bright noisy pixels really are: learnt from the replicates, pooled over pixels alike.
+
+A pixel's squared error is estimated by one half of its replicates, A, and has to be divided by its
+brightness squared. The other half, B, tells the brightness without a share in that error; but where
+a pixel is mostly noise, B often holds no bright sample at all, and the quotient is off by orders of
+magnitude. Then many pixels have to tell together. Let q be the brightness of the pixels around,
+:math:`\rho = \mu / q` what is sought, and r = s / q^2 the squared error by A. Over a class of pixels
+that look alike to A, with replicates k and l of B,
+
+.. math:: \frac{\sum r \rho_k}{\sum r} \to \mathrm E_r[\rho], \qquad
+    \frac{\sum r \rho_k \rho_l}{\sum r} \to \mathrm E_r[\rho^2]
+
+without bias, because A and B are independent. With these two moments the class is taken as
+log-normal, which gives :math:`\mathrm E_r[1 / (\rho^2 + \epsilon / q^2)]`. This is empirical Bayes
+estimation by replicates (Robbins 1956; Ignatiadis, Saha, Sun and Muralidharan 2021, "Empirical
+Bayes mean estimation with nonparametric errors via order statistic regression on replicated data").
+
+Where hardly a bright sample would be expected in B if the pixels were as bright as their
+surroundings, and none was seen, they are taken to be so: a gamma prior, whose weight is the
+probability of so many samples or more.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+#: A's own brightness over that of the surroundings, squared, at which one class ends.
+_EDGES = (2.0**2, 8.0**2, 64.0**2)
+
+CLASSES = len(_EDGES) + 1
+
+#: Groups of cells, each left out once to see how sure the classes are.
+GROUPS = 16
+
+#: Relative deviation of a pixel from its surroundings below which no class is believed to be.
+_UNEVENNESS = 0.1
+
+#: Largest variance of log(rho) that a class may have.
+_WIDEST = 4.0
+
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
+_WEIGHTS /= _WEIGHTS.sum()
+
+#: What `gather` adds up over pixels: r, r rho, r rho^2, r epsilon / q^2, r^2, r^(3/2) and
+#: r log(A's brightness squared / q^2).
+_SUMS = 7
+
+
+class Believed(NamedTuple):
+    """What is known of noisy pixels.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (CLASSES,)
+        E_r[1 / (rho^2 + epsilon / q^2)] of each class.
+    value : float
+        Sum of r times its weight over all gathered pixels.
+    lowest : float
+        The same if pixels of which B says nothing are as bright as A says.
+    variance : float
+        Relative variance of `value`: of the classes, and of single pixels within them.
+    """
+
+    weights: np.ndarray
+    value: float
+    lowest: float
+    variance: float
+
+
+def class_of(brightness: np.ndarray, around: np.ndarray) -> np.ndarray:
+    """Sort pixels by A's own brightness over their surroundings', both squared."""
+    classes = np.zeros(brightness.shape, np.uint8)
+    for edge in _EDGES:
+        classes += brightness > np.float32(edge) * around
+    return classes
+
+
+def no_sums() -> np.ndarray:
+    """Begin with nothing gathered, shape (7, CLASSES, GROUPS)."""
+    return np.zeros((_SUMS, CLASSES, GROUPS))
+
+
+def gather(
+    sums: np.ndarray,
+    classes: np.ndarray,
+    groups: np.ndarray,
+    r: np.ndarray,
+    rho: np.ndarray,
+    rho_squared: np.ndarray,
+    floor: np.ndarray,
+    ratio: np.ndarray,
+) -> None:
+    """Add pixels to the sums of their classes.
+
+    Parameters
+    ----------
+    sums : ndarray, shape (7, CLASSES, GROUPS)
+        As `no_sums`; changed.
+    classes, groups : ndarray of int, shape (n,)
+    r : ndarray, shape (n,)
+        Squared error by A, over q^2.
+    rho, rho_squared : ndarray, shape (n,)
+        Estimates without bias of brightness over q, and its square, by B.
+    floor : ndarray, shape (n,)
+        epsilon / q^2.
+    ratio : ndarray, shape (n,)
+        A's brightness squared over q^2.
+    """
+    keys = classes.astype(np.int64) * GROUPS + groups
+    rows = (r, r * rho, r * rho_squared, r * floor, r * r, r * np.sqrt(r), r * np.log(ratio))
+    for total, row in zip(sums, rows, strict=True):
+        total += np.bincount(keys, row, CLASSES * GROUPS).reshape(CLASSES, GROUPS)
+
+
+def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> Believed:
+    """Work out the classes.
+
+    Parameters
+    ----------
+    sums : ndarray, shape (7, CLASSES, GROUPS)
+    repeats : int
+        How often one bright sample was gathered: for three channels and each way of halving.
+    a, b, replicates : int
+        Replicates of A, of B, and of both.
+    """
+    # A single bright replicate x of A brings r = x^2 / (a R): its size from r.
+    size = math.sqrt(a * replicates)
+    weights, value, lowest, within = np.zeros(CLASSES), 0.0, 0.0, 0.0
+    without = np.zeros(GROUPS)
+    for c in range(CLASSES):
+        whole = sums[:, c].sum(axis=1)
+        if not whole[0] > 0.0:
+            continue
+        found = _class(whole, repeats, b, size)
+        weights[c], own = found.weight, whole[0] * found.weight
+        value += own
+        lowest += own * found.lowest
+        within += found.spread * own * own
+        for g in range(GROUPS):
+            rest = whole - sums[:, c, g]
+            few = not rest[0] > 1e-9 * whole[0]
+            without[g] += whole[0] * (found if few else _class(rest, repeats, b, size)).weight
+    if value == 0.0:
+        return Believed(weights, 0.0, 0.0, 0.0)
+    deviations = np.log(without / value)
+    jackknife = (GROUPS - 1) / GROUPS * float(((deviations - deviations.mean()) ** 2).sum())
+    return Believed(weights, value, lowest, math.log1p(within / value**2) + jackknife)
+
+
+class _Class(NamedTuple):
+    """Weight of a class, its relative variance over pixels, and the least it may be, over it."""
+
+    weight: float
+    spread: float
+    lowest: float
+
+
+def _class(sums: np.ndarray, repeats: int, b: int, size: float) -> _Class:
+    total, first, second, floor, squares, roots, ratio = (float(s) for s in sums)
+    pixels = total * total / (squares * repeats)
+    # Bright samples that B would hold if the pixels were as bright as their surroundings; and does.
+    expected = b * pixels * total / (size * roots)
+    seen = max(expected * first / total, 0.0)
+    prior = poisson_tail(math.ceil(seen), expected) if seen > 0.5 else 1.0
+    mean = (seen + prior) / (expected + prior)
+    square = (second / total * expected + prior) / (expected + prior)
+    variance = max(square - mean * mean, 0.0) + (_UNEVENNESS * mean) ** 2
+    weight, spread = _log_normal(mean, variance, floor / total)
+    # Without evidence the truth may lie anywhere between the surroundings and what A saw.
+    far = max(ratio / total - math.log(max(mean * mean, 1.0)), 0.0)
+    return _Class(weight, spread / max(pixels, 0.1), math.exp(-prior * far))
+
+
+def _log_normal(mean: float, variance: float, floor: float) -> tuple[float, float]:
+    """E[1 / (rho^2 + floor)] and its relative variance, rho log-normal, by quadrature."""
+    mean = max(mean, 1e-12)
+    v = min(math.log1p(variance / mean**2), _WIDEST)
+    rho = np.exp(math.log(mean) - 0.5 * v + math.sqrt(v) * _NODES)
+    x = 1.0 / (rho * rho + floor)
+    first = float(_WEIGHTS @ x)
+    return first, max(float(_WEIGHTS @ (x * x)) / first**2 - 1.0, 0.0)
+
+
+def poisson_tail(k: int, mean: float) -> float:
+    """P(X >= k) of a Poisson distribution."""
+    if k <= 0:
+        return 1.0
+    below = math.fsum(
+        math.exp(i * math.log(mean) - mean - math.lgamma(i + 1)) for i in range(k)
+    ) if k < mean + 40.0 * math.sqrt(mean) + 40.0 else 1.0  # fmt: skip
+    return max(1.0 - below, 0.0)

@@ -1,0 +1,79 @@
+r"""Brightness around a pixel, over a window as large as its noise asks for.
+
+A window of n pixels, each with the relative variance v, knows its brightness to :math:`\sqrt{v/n}`.
+Small windows follow edges, large ones hold enough samples: each pixel takes the smallest of 3x3
+pixels, its 8x8 cell, and 3x3 cells that knows its brightness to half. The noise is that of the 3x3
+cells around: in a dark window it would be judged by samples that found nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Side of a cell.
+CELL = 8
+
+#: Relative error of the brightness that a window may have.
+_ENOUGH = 0.5
+
+
+def around(mean: np.ndarray, variance: np.ndarray, epsilon: float) -> np.ndarray:
+    """Estimate each pixel's brightness from the pixels around it, its own left out.
+
+    Parameters
+    ----------
+    mean, variance : ndarray of float32, shape (3, h, w)
+        The picture, negative values black, and its squared standard error.
+    epsilon : float
+        Brightness squared below which precision does not matter.
+
+    Returns
+    -------
+    ndarray of float32, shape (3, h, w)
+    """
+    h, w = mean.shape[1:]
+    pixels = by_cells(np.ones((1, h, w), np.float32))
+    own = by_cells(mean)
+    wide_pixels, wide = _three_by_three(pixels), _three_by_three(own)
+    brightness = wide / wide_pixels
+    noise = _three_by_three(by_cells(variance)) / wide_pixels
+    # Pixels that a window needs, the channel that needs most.
+    needed = (noise / (_ENOUGH**2 * (brightness * brightness + epsilon))).max(axis=0)
+    few, some = spread_out(needed <= 8.0, h, w), spread_out(needed <= pixels[0], h, w)
+    result = spread_out(wide, h, w) - mean
+    result /= np.maximum(spread_out(wide_pixels, h, w) - 1.0, 1.0)
+    if some.any():
+        cell = spread_out(own, h, w) - mean
+        cell /= np.maximum(spread_out(pixels, h, w) - 1.0, 1.0)
+        np.copyto(result, cell, where=some)
+    if few.any():
+        near = _three_by_three(mean) - mean
+        near /= np.maximum(_three_by_three(np.ones((1, h, w), np.float32)) - 1.0, 1.0)
+        np.copyto(result, near, where=few)
+    return np.maximum(result, 0.0, out=result)
+
+
+def by_cells(planes: np.ndarray) -> np.ndarray:
+    """Add up 8x8 pixels (those at the edge may be fewer), planes (..., h, w)."""
+    height, width = planes.shape[-2:]
+    # A product with ones adds up rows faster than a sum over an axis does.
+    cells = np.arange(-(-height // CELL))
+    rows = (np.arange(height) // CELL == cells[:, None]).astype(np.float32)
+    return np.add.reduceat(rows @ planes, range(0, width, CELL), axis=-1)
+
+
+def spread_out(cells: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Give each pixel what its cell has, planes (..., cells_y, cells_x)."""
+    rows, columns = np.arange(height) // CELL, np.arange(width) // CELL
+    return cells[..., rows, :][..., columns]
+
+
+def _three_by_three(planes: np.ndarray) -> np.ndarray:
+    """Add up 3x3 neighbours of planes (..., h, w); beyond the border there is nothing."""
+    rows = planes.copy()
+    rows[..., 1:, :] += planes[..., :-1, :]
+    rows[..., :-1, :] += planes[..., 1:, :]
+    result = rows.copy()
+    result[..., 1:] += rows[..., :-1]
+    result[..., :-1] += rows[..., 1:]
+    return result
