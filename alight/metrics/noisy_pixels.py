@@ -27,6 +27,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from alight.metrics.statistics import student_t_quantile
+
 #: A's own brightness over that of the surroundings, squared, at which one class ends.
 _EDGES = (2.0**2, 8.0**2, 64.0**2)
 
@@ -35,11 +37,18 @@ CLASSES = len(_EDGES) + 1
 #: Groups of cells, each left out once to see how sure the classes are.
 GROUPS = 16
 
-#: Relative deviation of a pixel from its surroundings below which no class is believed to be.
+#: Relative deviation from its surroundings that every pixel is believed to have.
 _UNEVENNESS = 0.1
 
 #: Largest variance of log(rho) that a class may have.
 _WIDEST = 4.0
+
+#: Two moments do not tell the shape of a distribution: standard deviation of log(value), in parts of
+#: what the spread of the classes makes of it.
+_SHAPE = 1.0 / 3.0
+
+#: Degrees of freedom that the groups have in any case.
+_LEAST_FREEDOM = 2.0
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 _WEIGHTS /= _WEIGHTS.sum()
@@ -61,7 +70,8 @@ class Believed(NamedTuple):
     lowest : float
         The same if pixels of which B says nothing are as bright as A says.
     variance : float
-        Relative variance of `value`: of the classes, and of single pixels within them.
+        Of log(`value`): of single pixels within their classes, of what is known of the classes, and
+        of their shape.
     """
 
     weights: np.ndarray
@@ -71,7 +81,7 @@ class Believed(NamedTuple):
 
 
 def class_of(brightness: np.ndarray, around: np.ndarray) -> np.ndarray:
-    """Sort pixels by A's own brightness over their surroundings', both squared."""
+    """Sort pixels by A's own brightness over their surroundings', both squared: 0 to CLASSES - 1."""
     classes = np.zeros(brightness.shape, np.uint8)
     for edge in _EDGES:
         classes += brightness > np.float32(edge) * around
@@ -128,17 +138,18 @@ def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> 
     """
     # A single bright replicate x of A brings r = x^2 / (a R): its size from r.
     size = math.sqrt(a * replicates)
-    weights, value, lowest, within = np.zeros(CLASSES), 0.0, 0.0, 0.0
+    weights, value, lowest, within, shape = np.zeros(CLASSES), 0.0, 0.0, 0.0, 0.0
     without = np.zeros(GROUPS)
     for c in range(CLASSES):
         whole = sums[:, c].sum(axis=1)
         if not whole[0] > 0.0:
             continue
         found = _class(whole, repeats, b, size)
-        weights[c], own = found.weight, whole[0] * found.weight
+        weights[c], own = found.weight, float(whole[0]) * found.weight
         value += own
         lowest += own * found.lowest
         within += found.spread * own * own
+        shape += _SHAPE * found.shape * own
         for g in range(GROUPS):
             rest = whole - sums[:, c, g]
             few = not rest[0] > 1e-9 * whole[0]
@@ -146,15 +157,31 @@ def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> 
     if value == 0.0:
         return Believed(weights, 0.0, 0.0, 0.0)
     deviations = np.log(without / value)
-    jackknife = (GROUPS - 1) / GROUPS * float(((deviations - deviations.mean()) ** 2).sum())
-    return Believed(weights, value, lowest, math.log1p(within / value**2) + jackknife)
+    terms = (deviations - deviations.mean()) ** 2
+    jackknife = (GROUPS - 1) / GROUPS * float(terms.sum())
+    # Few groups can carry the sum: Student's distribution by as many as really have a part in it.
+    freedom = max(effective(terms) - 1.0, _LEAST_FREEDOM)
+    student = student_t_quantile(0.975, freedom, 1e-3) / 1.96
+    variance = (math.log1p(within / value**2) + jackknife) * student**2 + (shape / value) ** 2
+    return Believed(weights, value, lowest, variance)
 
 
 class _Class(NamedTuple):
-    """Weight of a class, its relative variance over pixels, and the least it may be, over it."""
+    """What a class says.
+
+    Attributes
+    ----------
+    weight, spread : float
+        E_r[1 / (rho^2 + epsilon / q^2)], and its relative variance by single pixels.
+    shape : float
+        log(weight) less what it were if all pixels were alike.
+    lowest : float
+        The least that the weight may be for lack of evidence, over itself.
+    """
 
     weight: float
     spread: float
+    shape: float
     lowest: float
 
 
@@ -167,11 +194,14 @@ def _class(sums: np.ndarray, repeats: int, b: int, size: float) -> _Class:
     prior = poisson_tail(math.ceil(seen), expected) if seen > 0.5 else 1.0
     mean = (seen + prior) / (expected + prior)
     square = (second / total * expected + prior) / (expected + prior)
-    variance = max(square - mean * mean, 0.0) + (_UNEVENNESS * mean) ** 2
-    weight, spread = _log_normal(mean, variance, floor / total)
-    # Without evidence the truth may lie anywhere between the surroundings and what A saw.
+    square = max(square, mean * mean)
+    weight, spread = _log_normal(mean, square - mean * mean, floor / total)
+    shape = math.log(weight * (square + floor / total))
+    # As far as the prior speaks, the truth may be anything from the surroundings to what A saw.
     far = max(ratio / total - math.log(max(mean * mean, 1.0)), 0.0)
-    return _Class(weight, spread / max(pixels, 0.1), math.exp(-prior * far))
+    lowest = math.exp(-far * prior / (expected + prior))
+    spread += 4.0 * _UNEVENNESS**2
+    return _Class(weight, spread / max(pixels, 0.1), shape, lowest)
 
 
 def _log_normal(mean: float, variance: float, floor: float) -> tuple[float, float]:
@@ -184,11 +214,20 @@ def _log_normal(mean: float, variance: float, floor: float) -> tuple[float, floa
     return first, max(float(_WEIGHTS @ (x * x)) / first**2 - 1.0, 0.0)
 
 
+def effective(terms: np.ndarray) -> float:
+    """Count the terms that a sum really has: (sum x)^2 / sum x^2; infinity if all are 0."""
+    squares = float((terms * terms).sum())
+    return float(terms.sum()) ** 2 / squares if squares > 0.0 else math.inf
+
+
 def poisson_tail(k: int, mean: float) -> float:
-    """P(X >= k) of a Poisson distribution."""
+    """P(X >= k) of a Poisson distribution; normal where the mean is above 50."""
     if k <= 0:
         return 1.0
-    below = math.fsum(
-        math.exp(i * math.log(mean) - mean - math.lgamma(i + 1)) for i in range(k)
-    ) if k < mean + 40.0 * math.sqrt(mean) + 40.0 else 1.0  # fmt: skip
+    if mean > 50.0:
+        return 0.5 * math.erfc((k - 0.5 - mean) / math.sqrt(2.0 * mean))
+    term = below = math.exp(-mean)
+    for i in range(1, min(k, 400)):
+        term *= mean / i
+        below += term
     return max(1.0 - below, 0.0)

@@ -223,12 +223,10 @@ def _figure(
         # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
         spread *= (replicates - 1) / (replicates + 1)
     pixels = 3.0 * float(known.sum())
-    share = believed.value / (precise + believed.value)
-    lowest = (precise + believed.lowest) / (precise + believed.value)
-    freedom = value * value / spread if spread > 0.0 else math.inf
-    return Figure(
-        value / pixels, min(freedom, 1e12), replicates, believed.variance * share**2, lowest
-    )
+    total = precise + believed.value
+    share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
+    freedom = min(value * value / spread, 1e12) if spread > 0.0 else 1e12
+    return Figure(value / pixels, freedom, replicates, believed.variance * share, lowest)
 
 
 def _groups(height: int, width: int) -> np.ndarray:
@@ -267,19 +265,18 @@ class _Weights(NamedTuple):
         Sum over the pixels that know their own brightness.
     plain : ndarray
         Their weight; elsewhere 1 / q^2.
-    noisy, classes : ndarray
-        Whether a pixel does not, and its class.
+    classes : ndarray of int
+        Of the others; `noisy_pixels.CLASSES` for these.
     """
 
     value: float
     plain: np.ndarray
-    noisy: np.ndarray
     classes: np.ndarray
 
     def full(self, believed: noisy_pixels.Believed) -> np.ndarray:
         """The weight everywhere."""
-        weights = believed.weights.astype(np.float32)[self.classes]
-        return np.where(self.noisy, weights * self.plain, self.plain)
+        factors = np.append(believed.weights, 1.0).astype(np.float32)
+        return factors.take(self.classes) * self.plain
 
 
 def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
@@ -289,25 +286,31 @@ def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
     own += here.epsilon
     q2 = here.around * here.around
     q2 += here.epsilon
-    noisy = s >= np.float32(_PRECISE) * np.maximum(own, q2)
     brightness = np.maximum(b.brightness, np.float32(_GUARD) * a.brightness)
     plain = _inverse_square(brightness, b.variance, here.epsilon)
-    value = float((s * plain * (here.known & ~noisy)).sum(dtype=np.float64))
-    np.divide(1.0, q2, out=plain, where=noisy)
     classes = noisy_pixels.class_of(own, q2)
-    chosen = noisy & here.known
-    inverse, bright = plain[chosen], b.brightness[chosen]
+    precise = s < np.float32(_PRECISE) * np.maximum(own, q2)
+    classes[precise] = noisy_pixels.CLASSES
+    precise &= here.known
+    value = float(np.vdot(s * plain, precise.astype(np.float32)))
+    noisy = np.flatnonzero(classes < noisy_pixels.CLASSES)
+    inverse = 1.0 / q2.ravel().take(noisy)
+    plain.ravel()[noisy] = inverse
+    if not here.known.all():
+        seen = np.broadcast_to(here.known, s.shape).ravel().take(noisy)
+        noisy, inverse = noisy[seen], inverse[seen]
+    bright = b.brightness.ravel().take(noisy)
     noisy_pixels.gather(
         sums,
-        classes[chosen],
-        np.broadcast_to(here.groups, s.shape)[chosen],
-        s[chosen] * inverse,
+        classes.ravel().take(noisy),
+        here.groups.ravel().take(noisy % here.groups.size),
+        s.ravel().take(noisy) * inverse,
         bright * np.sqrt(inverse),
-        (bright * bright - b.variance[chosen]) * inverse,
+        (bright * bright - b.variance.ravel().take(noisy)) * inverse,
         here.epsilon * inverse,
-        own[chosen] * inverse,
+        own.ravel().take(noisy) * inverse,
     )
-    return _Weights(value, plain, noisy, classes)
+    return _Weights(value, plain, classes)
 
 
 def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:

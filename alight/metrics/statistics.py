@@ -83,8 +83,8 @@ def student_t_tail(t: np.ndarray | float, dof: np.ndarray | float) -> np.ndarray
     return np.where(normal, gauss(t), tail)
 
 
-def student_t_quantile(p: float, dof: float) -> float:
-    """Find the t with P(T <= t) = p, by bisection to the last bits.
+def student_t_quantile(p: float, dof: float, accuracy: float = 4e-16) -> float:
+    """Find the t with P(T <= t) = p, by bisection to a relative accuracy: to the last bits.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def student_t_quantile(p: float, dof: float) -> float:
     low, high = 0.0, 1.0
     while student_t_tail(high, dof) > tail and high < 1e150:
         low, high = high, 2.0 * high
-    while high - low > 4e-16 * high:
+    while high - low > accuracy * high:
         middle = 0.5 * (low + high)
         if middle in (low, high):
             break
