@@ -24,7 +24,9 @@ def summary_lines(
     rate, rendering = film.stats["msamples_per_s"], film.stats["seconds"]["render"]
     speed = f"{film.spp:g} spp in {rendering:.2f} s, {rate:.2f} Msamples/s"
     lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
-    return [*lines, error_line(error), *bias_lines(film, further), *verdict_lines(film)]
+    known = not math.isnan(error.relmse.value)
+    doubts = unsure_lines(film.interval().unsure_share) if known else []
+    return [*lines, error_line(error), *doubts, *bias_lines(film, further), *verdict_lines(film)]
 
 
 def bias_lines(film: Film, further: Sequence[Bias] = ()) -> list[str]:
@@ -51,6 +53,15 @@ def error_line(error: ErrorEstimate) -> str:
         f"estimated error: {relative.value:.2%} relRMSE (95 %: {relative.low:.2%} to "
         f"{relative.high:.2%}), relMSE {error.relmse.value:.3g}"
     )
+
+
+def unsure_lines(share: float) -> list[str]:
+    """Say of how many pixels the error bars may be too short, if of any."""
+    if share < 0.001:
+        return []
+    return [
+        f"error bars of {100 * share:.3g} % of the pixels are unsure: few samples carry the noise"
+    ]
 
 
 def warnings_of(film: Film) -> list[str]:
@@ -80,6 +91,7 @@ def statistics_of(
         "relmse": {"epsilon": error.epsilon, **_estimate(error.relmse)},
         "relmse_literature": {"epsilon": 0.01, **literature},
         "relrmse": _estimate(error.relrmse),
+        "unsure_pixels": film.interval().unsure_share,
         "unseen": {
             "indicator": unseen.indicator,
             "bound": unseen.bound,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import FilmError
+from alight.core.errors import FilmError, OptionError
 from alight.core.view import View
 from alight.films import fixed_point, ledger, merging, notebook, readout, statistics, storage
 from alight.films.ledger import Bias
@@ -27,6 +27,7 @@ from alight.films.sample_ranges import (
     union_of_cells,
 )
 from alight.metrics.own_error import ErrorEstimate, estimate_relmse
+from alight.metrics.pixel_bars import PixelBars, pixel_bars
 from alight.outputs.image import write_image
 from alight.outputs.picture import Picture
 
@@ -305,6 +306,30 @@ class Film:
             ),
         )
 
+    def interval(self, confidence: float = 0.95) -> PixelBars:
+        """Give every pixel an interval that holds the true one with this probability.
+
+        Wider than `standard_error` alone would have it, where the pixels around show that bright
+        samples are rare; `unsure` marks those of whose noise too little is known.
+
+        Parameters
+        ----------
+        confidence : float, default 0.95
+
+        Returns
+        -------
+        PixelBars
+            ``low`` and ``high``, float32, shape (h, w, 3), and ``unsure``, bool, shape (h, w).
+
+        Raises
+        ------
+        OptionError
+            If `confidence` does not lie in (0, 1).
+        """
+        if not 0.0 < confidence < 1.0:
+            raise OptionError(f"confidence: must lie in (0 %, 100 %), got {confidence:.6g}")
+        return pixel_bars(*self.replicate_means(), confidence)
+
     @property
     def sample_count(self) -> np.ndarray:
         """Samples per pixel, int64, shape (h, w)."""
@@ -386,6 +411,7 @@ class Film:
             if layers:
                 error = self.standard_error
                 planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
+                planes["unsure"] = self.interval().unsure.astype(np.uint32)
                 planes["samples"] = self.sample_count.astype(np.uint32)
                 for name, channels in self.aov_channels.items():
                     plane = self.aov(name)

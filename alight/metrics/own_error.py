@@ -153,36 +153,41 @@ def estimate_relmse(
     if replicates > 1:
         known[...] = over_replicates(counts, np.minimum) > 0
     unknown = Figure(math.nan, math.nan, replicates)
-    mean, variance = _picture(means, counts)
+    mean, variance = picture_and_variance(means, counts)
+    np.maximum(mean, 0.0, out=mean)
     average = float(mean.mean(dtype=np.float64))
     epsilons = (0.01 * average * average, LITERATURE_EPSILON)
     if not known.any() or not epsilons[0] > 0.0:
         return ErrorEstimate(unknown, unknown, epsilons[0], float(known.mean()))
     around_it = around(mean, variance, epsilons[0])
-    figures = [
-        _figure(means, counts, known, around_it, epsilon)
-        for epsilon in epsilons[: 1 + literature]
-    ]
-    return ErrorEstimate(*(*figures, unknown)[:2], epsilons[0], float(known.mean()))
+    figure = _figure(means, counts, known, around_it, epsilons[0])
+    other = _figure(means, counts, known, around_it, epsilons[1]) if literature else unknown
+    return ErrorEstimate(figure, other, epsilons[0], float(known.mean()))
 
 
-def _picture(means: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The picture, black where it is negative, and its squared standard error: (3, h, w) each."""
+def picture_and_variance(means: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Work out a picture and its squared standard error from its replicates.
+
+    Parameters
+    ----------
+    means : ndarray, shape (h, w, R, 3)
+    counts : ndarray of int, shape (h, w, R) or (1, 1, R)
+
+    Returns
+    -------
+    mean, variance : ndarray of float32, shape (3, h, w)
+    """
     h, w, replicates, _ = means.shape
-    mean, variance = np.empty((3, h, w), np.float32), np.empty((3, h, w), np.float32)
+    mean, variance = np.zeros((3, h, w), np.float32), np.zeros((3, h, w), np.float32)
     for rows, m, k in _bands(means, counts):
-        own = weighted(m, k)
-        n = np.maximum(k.sum(axis=0), np.float32(1.0))
+        mean[:, rows] = own = weighted(m, k)
         spread = squares(m, k, own)
-        spread /= n * np.float32(max(replicates - 1, 1))
+        spread /= np.maximum(k.sum(axis=0), np.float32(1.0)) * np.float32(max(replicates - 1, 1))
         variance[:, rows] = spread
-        np.maximum(own, 0.0, out=mean[:, rows])
     return mean, variance
 
 
-def _bands(
-    means: np.ndarray, counts: np.ndarray
-) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
+def _bands(means: np.ndarray, counts: np.ndarray) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
     """Some rows at a time, and the replicates' means and counts there, plane by plane."""
     for y in range(0, len(means), _BAND):
         rows = slice(y, min(y + _BAND, len(means)))

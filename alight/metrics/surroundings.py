@@ -34,9 +34,9 @@ def around(mean: np.ndarray, variance: np.ndarray, epsilon: float) -> np.ndarray
     h, w = mean.shape[1:]
     pixels = by_cells(np.ones((1, h, w), np.float32))
     own = by_cells(mean)
-    wide_pixels, wide = _three_by_three(pixels), _three_by_three(own)
+    wide_pixels, wide = neighbours(pixels), neighbours(own)
     brightness = wide / wide_pixels
-    noise = _three_by_three(by_cells(variance)) / wide_pixels
+    noise = neighbours(by_cells(variance)) / wide_pixels
     # Pixels that a window needs, the channel that needs most.
     needed = (noise / (_ENOUGH**2 * (brightness * brightness + epsilon))).max(axis=0)
     few, some = spread_out(needed <= 8.0, h, w), spread_out(needed <= pixels[0], h, w)
@@ -47,8 +47,8 @@ def around(mean: np.ndarray, variance: np.ndarray, epsilon: float) -> np.ndarray
         cell /= np.maximum(spread_out(pixels, h, w) - 1.0, 1.0)
         np.copyto(result, cell, where=some)
     if few.any():
-        near = _three_by_three(mean) - mean
-        near /= np.maximum(_three_by_three(np.ones((1, h, w), np.float32)) - 1.0, 1.0)
+        near = neighbours(mean) - mean
+        near /= np.maximum(neighbours(np.ones((1, h, w), np.float32)) - 1.0, 1.0)
         np.copyto(result, near, where=few)
     return np.maximum(result, 0.0, out=result)
 
@@ -65,12 +65,14 @@ def spread_out(cells: np.ndarray, height: int, width: int) -> np.ndarray:
     return cells[..., rows, :][..., columns]
 
 
-def _three_by_three(planes: np.ndarray) -> np.ndarray:
-    """Add up 3x3 neighbours of planes (..., h, w); beyond the border there is nothing."""
+def neighbours(planes: np.ndarray, reach: int = 1) -> np.ndarray:
+    """Add up (2 reach + 1)^2 neighbours in planes (..., h, w); beyond the border is nothing."""
     rows = planes.copy()
-    rows[..., 1:, :] += planes[..., :-1, :]
-    rows[..., :-1, :] += planes[..., 1:, :]
+    for shift in range(1, reach + 1):
+        rows[..., shift:, :] += planes[..., :-shift, :]
+        rows[..., :-shift, :] += planes[..., shift:, :]
     result = rows.copy()
-    result[..., 1:] += rows[..., :-1]
-    result[..., :-1] += rows[..., 1:]
+    for shift in range(1, reach + 1):
+        result[..., shift:] += rows[..., :-shift]
+        result[..., :-shift] += rows[..., shift:]
     return result

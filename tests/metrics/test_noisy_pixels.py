@@ -1,0 +1,230 @@
+"""The error of pictures that are mostly noise: brightness from the other replicates and around."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from alight.metrics import noisy_pixels
+from alight.metrics.own_error import Figure, estimate_relmse
+from alight.metrics.relmse import relmse
+from alight.metrics.surroundings import around, by_cells, neighbours, spread_out
+
+SIZE = 40
+
+
+def smooth():
+    y, x = np.mgrid[0:SIZE, 0:SIZE] / SIZE
+    return 0.5 + 0.3 * np.sin(5 * x) * np.cos(4 * y)
+
+
+def caustic(rng, samples):
+    """Dim light everywhere, and in a corner rare bright samples that bring as much again."""
+    base, bright = smooth(), np.zeros((SIZE, SIZE))
+    bright[8:24, 8:24] = 1.0
+    hits = rng.binomial(samples, 0.02, (4, SIZE, SIZE)) / samples / 0.02
+    noise = 1.0 + 0.2 * rng.normal(size=(4, SIZE, SIZE)) / math.sqrt(samples)
+    return base * (1.0 + bright), base * (noise + bright * hits)
+
+
+def lamps(rng, samples):
+    """Lamps that fill a part of single pixels, among dark ones."""
+    where = np.random.default_rng(1)
+    cover = np.where(where.random((SIZE, SIZE)) < 0.05, where.uniform(0.1, 0.9, (SIZE, SIZE)), 0.0)
+    base = 0.1 * smooth()
+    hits = rng.binomial(samples, cover, (4, SIZE, SIZE)) / samples
+    noise = 1.0 + 0.3 * rng.normal(size=(4, SIZE, SIZE)) / math.sqrt(samples)
+    return base + 20.0 * cover, base * noise + 20.0 * hits
+
+
+def uneven(rng, samples):
+    """Brightness that differs from pixel to pixel, with log-normal noise."""
+    truth = smooth() * np.exp(0.6 * np.random.default_rng(2).normal(size=(SIZE, SIZE)))
+    factors = np.exp(1.5 * rng.normal(size=(samples, 4, SIZE, SIZE)) - 1.125).mean(axis=0)
+    return truth, truth * factors
+
+
+def means_of(planes):
+    """As a film gives them: (h, w, R, 3), the channels in step."""
+    colours = np.array([1.0, 0.8, 0.5])
+    return (np.moveaxis(planes, 0, 2)[..., None] * colours).astype(np.float32), colours
+
+
+@pytest.mark.parametrize("scene", [caustic, lamps, uneven])
+@pytest.mark.parametrize("samples", [4, 16])
+def test_the_interval_holds_the_error_of_noisy_pictures(scene, samples):
+    held, ratios = 0, []
+    for seed in range(24):
+        truth, planes = scene(np.random.default_rng(100 + seed), samples)
+        means, colours = means_of(planes)
+        found = estimate_relmse(means, np.full(means.shape[:3], samples), literature=False).relmse
+        error = relmse(means.mean(axis=2), truth[..., None] * colours)
+        held += found.low <= error <= found.high
+        ratios.append(found.value / error)
+    # Of 24 at 95 %, fewer than 19 have a probability of 0.1 %.
+    assert held >= 19
+    # Brightness by the own half alone is wrong here by factors of 2 to 1000.
+    assert 0.6 < np.median(ratios) < 1.6
+
+
+def test_what_is_bright_and_noisy_is_not_what_is_dark_and_noisy():
+    # The lamps' pixels look to one half as the caustic's do: rare bright samples in the dark.
+    figures = {}
+    for scene in (caustic, lamps):
+        _, planes = scene(np.random.default_rng(3), 4)
+        means, _ = means_of(planes)
+        figures[scene] = estimate_relmse(means, np.full(means.shape[:3], 4), literature=False)
+    truth, planes = lamps(np.random.default_rng(3), 4)
+    # Divided by the surroundings' brightness the lamps' error would be hundreds of times larger.
+    error = ((planes.mean(axis=0) - truth) ** 2).mean() / (0.1 * smooth().mean()) ** 2
+    assert figures[lamps].relmse.value < 0.1 * error
+
+
+def picture_of_all_kinds(seed=4):
+    _, planes = uneven(np.random.default_rng(seed), 8)
+    return means_of(planes)[0]
+
+
+def figure_of(means):
+    return estimate_relmse(means, np.full(means.shape[:3], 8), literature=False).figure
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda m: 4.0 * m,
+        lambda m: m[..., ::-1].copy(),
+        lambda m: m[:, :, ::-1].copy(),
+        lambda m: m[:, :, [2, 0, 3, 1]].copy(),
+    ],
+    ids=["brighter", "other channels", "replicates backwards", "replicates shuffled"],
+)
+def test_the_figure_knows_no_units_and_no_order(change):
+    means = picture_of_all_kinds()
+    a, b = figure_of(means), figure_of(change(means))
+    assert b.value == pytest.approx(a.value, rel=1e-4)
+    assert b.freedom == pytest.approx(a.freedom, rel=1e-3)
+    assert b.brightness == pytest.approx(a.brightness, rel=1e-2)
+
+
+def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0):
+    """Sums of pixels of which B sees rho, with normal noise."""
+    rng, n = np.random.default_rng(seed), len(rho)
+    one, two = rho * (1.0 + noise * rng.normal(size=(2, n)))
+    sums = noisy_pixels.no_sums()
+    noisy_pixels.gather(
+        sums, np.zeros(n, np.uint8), np.arange(n) % noisy_pixels.GROUPS, r,
+        0.5 * (one + two), one * two,
+        np.full(n, floor), np.full(n, 2.0),
+    )  # fmt: skip
+    return noisy_pixels.believe(sums, 9, 2, 2, replicates)
+
+
+@pytest.mark.parametrize("floor", [0.0, 0.25])
+def test_pixels_alike_weigh_what_their_brightness_says(floor):
+    found = gathered(np.full(4800, 1.7), 4, np.ones(4800), floor)
+    assert found.weights[0] == pytest.approx(1.0 / (1.7**2 + floor), rel=0.01)
+    assert found.value == pytest.approx(4800 * found.weights[0])
+
+
+def test_log_normal_pixels_weigh_the_mean_of_their_inverse_squares():
+    rho = np.exp(0.4 * np.random.default_rng(6).normal(size=100_000))
+    found = gathered(rho, 4, np.ones(len(rho)), 0.1, noise=0.5)
+    assert found.weights[0] == pytest.approx((1.0 / (rho * rho + 0.1)).mean(), rel=0.02)
+
+
+def test_the_doubt_about_classes_is_that_of_their_noise():
+    # Eight times the noise of rho, eight times the deviation of log(weight).
+    r, logs = np.ones(1600), {0.05: [], 0.4: []}
+    for noise, found in logs.items():
+        for seed in range(60):
+            found.append(gathered(np.ones(1600), 4, r, seed=seed, noise=noise))
+    for noise, found in logs.items():
+        truth = np.std([math.log(f.weights[0]) for f in found])
+        believed = math.sqrt(np.mean([f.variance for f in found]))
+        # Pixels differ from their surroundings by 10 % in any case: 0.2 of their weights.
+        floor = 0.2 / math.sqrt(1600 / 9)
+        assert believed > 0.8 * truth
+        assert believed < 1.6 * math.hypot(truth, floor), noise
+
+
+def test_without_a_sample_pixels_are_as_bright_as_their_surroundings():
+    # One bright sample of 1000 times the surroundings in each of 9 gathered entries, none in B.
+    r = np.full(9, 1000.0**2 / 8)
+    found = gathered(np.zeros(9), 4, r)
+    assert found.weights[0] == pytest.approx(1.0, rel=0.05)
+    # And nothing speaks against their being as bright as A saw.
+    assert found.lowest < 0.6 * found.value
+    many = gathered(np.full(9000, 30.0), 4, np.full(9000, 1000.0**2 / 8), noise=0.1)
+    assert many.weights[0] == pytest.approx(1.0 / 900.0, rel=0.1)
+    assert many.lowest > 0.95 * many.value
+
+
+@pytest.mark.parametrize("mean", [0.01, 0.5, 3.0, 20.0, 49.0, 300.0])
+def test_the_poisson_tail_is_scipys(mean):
+    for k in (0, 1, 2, round(mean), round(mean + 2 * math.sqrt(mean)) + 1):
+        expected = stats.poisson.sf(k - 1, mean)
+        assert noisy_pixels.poisson_tail(k, mean) == pytest.approx(
+            expected, abs=1e-12 if mean <= 50.0 else 5e-3
+        )
+
+
+def test_terms_are_counted_by_their_part_in_the_sum():
+    assert noisy_pixels.effective(np.ones(7)) == pytest.approx(7.0)
+    assert noisy_pixels.effective(np.array([1.0, 0.0, 0.0])) == pytest.approx(1.0)
+    assert noisy_pixels.effective(np.array([2.0, 1.0])) == pytest.approx(9 / 5)
+    assert noisy_pixels.effective(np.zeros(3)) == math.inf
+
+
+def test_doubts_about_error_and_brightness_add_up():
+    noise, light = Figure(1.0, 50.0, 4), Figure(1.0, 1e12, 4, 0.09)
+    both = Figure(1.0, 50.0, 4, 0.09)
+    assert light.quantile(0.975) == pytest.approx(math.exp(1.96 * 0.3), rel=1e-3)
+    for p in (0.025, 0.9, 0.975):
+        parts = math.hypot(math.log(noise.quantile(p)), math.log(light.quantile(p)))
+        assert abs(math.log(both.quantile(p))) == pytest.approx(parts, rel=1e-3)
+    # Where there is no evidence only the lower end moves.
+    low = Figure(1.0, 50.0, 4, 0.09, 0.25)
+    assert low.quantile(0.975) == both.quantile(0.975)
+    assert low.quantile(0.025) == pytest.approx(0.25 * both.quantile(0.025))
+
+
+# ------------------------------------------------------------------------- surroundings
+
+
+@pytest.mark.parametrize("size", [(40, 40), (13, 21), (8, 8), (5, 3), (1, 9)])
+@pytest.mark.parametrize("noise", [0.0, 0.5, 30.0, 1e6])
+def test_a_plain_picture_is_as_bright_around_as_it_is(size, noise):
+    mean = np.ones((3, *size), np.float32) * np.array([1.0, 2.0, 3.0], np.float32)[:, None, None]
+    found = around(mean, np.full_like(mean, noise), 1e-6)
+    np.testing.assert_allclose(found, mean, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("noise", "window"), [(1e-4, 8), (8.0, 63), (40.0, 575)])
+def test_a_pixel_has_no_part_in_its_own_surroundings(noise, window):
+    mean = np.ones((3, 48, 48), np.float32)
+    lifted = mean.copy()
+    lifted[:, 20, 21] += 0.1
+    found = around(lifted, np.full_like(mean, noise), 1e-6)
+    assert found[0, 20, 21] == pytest.approx(1.0)
+    # The noisier, the farther a pixel is seen, and the less.
+    shares = (found[0] - 1.0)[found[0] > 1.0 + 1e-5]
+    assert len(shares) == window
+    np.testing.assert_allclose(shares, 0.1 / window, rtol=0.02)
+
+
+def test_cells_and_neighbours_are_plain_sums():
+    plane = np.random.default_rng(8).random((2, 20, 13)).astype(np.float32)
+    cells = by_cells(plane)
+    assert cells.shape == (2, 3, 2)
+    assert cells[1, 2, 1] == pytest.approx(plane[1, 16:, 8:].sum(), rel=1e-5)
+    assert (spread_out(cells, 20, 13)[1, 16:, 8:] == cells[1, 2, 1]).all()
+    for reach in (1, 2):
+        sums = neighbours(plane, reach)
+        assert sums[0, 10, 6] == pytest.approx(
+            plane[0, 10 - reach : 11 + reach, 6 - reach : 7 + reach].sum(), rel=1e-5
+        )
+        assert sums[0, 0, 12] == pytest.approx(plane[0, : 1 + reach, 12 - reach :].sum(), rel=1e-5)
