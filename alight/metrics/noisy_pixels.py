@@ -43,8 +43,8 @@ _UNEVENNESS = 0.1
 #: Largest variance of log(rho) that a class may have.
 _WIDEST = 4.0
 
-#: Two moments do not tell the shape of a distribution: standard deviation of log(value), in parts of
-#: what the spread of the classes makes of it.
+#: Two moments do not tell the shape of a distribution: standard deviation of log(value), in parts
+#: of what the spread of the classes makes of it.
 _SHAPE = 1.0 / 3.0
 
 #: Degrees of freedom that the groups have in any case.
@@ -81,7 +81,7 @@ class Believed(NamedTuple):
 
 
 def class_of(brightness: np.ndarray, around: np.ndarray) -> np.ndarray:
-    """Sort pixels by A's own brightness over their surroundings', both squared: 0 to CLASSES - 1."""
+    """Sort pixels by A's brightness over their surroundings', both squared; 0 to CLASSES - 1."""
     classes = np.zeros(brightness.shape, np.uint8)
     for edge in _EDGES:
         classes += brightness > np.float32(edge) * around
