@@ -114,7 +114,7 @@ def test_replicates_count_by_their_samples():
 def test_the_lower_bound_is_below_the_share_that_is_expected_and_no_farther_than_it_must_be(
     replicates,
 ):
-    """Grey noise of known size: the bound errs to the safe side, by the margin and a few percent."""
+    """Grey noise of known size: the bound is on the safe side, by the margin and some percent."""
     rng, bounds = np.random.default_rng(3), []
     error, sigma = 0.1, 0.1
     expected = 1.0 - 2.0 * stats.norm.sf(error / sigma)
@@ -235,7 +235,8 @@ def test_the_doubt_of_all_looks_is_that_of_the_promise(confidence):
 
 def test_the_ranges_of_a_promise():
     for right in (
-        {"error": 1e-6}, {"error": 10.0}, {"error": 0.1, "share": 0.5}, {"error": 1, "confidence": 0.5},
+        {"error": 1e-6}, {"error": 10.0}, {"error": 0.1, "share": 0.5},
+        {"error": 1, "confidence": 0.5},
         {"error": 0.1, "confidence": 0.99999, "metric": "pixel"},
     ):  # fmt: skip
         assert Promise(**Promise(**right).state()) == Promise(**right)

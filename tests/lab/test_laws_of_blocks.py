@@ -1,4 +1,4 @@
-"""Laws of block statistics, of bias and variance, and of the figures: truth known, noise planted."""
+"""Laws of block statistics, of bias and variance, and of figures: truth known, noise planted."""
 
 import math
 
@@ -61,9 +61,7 @@ def test_a_row_is_channel_means_and_luminances_of_blocks():
     ]  # fmt: skip
     assert row[3:] == pytest.approx(np.ravel(expected))
     turned = block_row(picture.transpose(1, 0, 2))
-    assert turned[3:].reshape(np.transpose(expected).shape) == pytest.approx(
-        np.transpose(expected)
-    )
+    assert turned[3:].reshape(np.transpose(expected).shape) == pytest.approx(np.transpose(expected))
 
 
 def test_moments_of_blocks_are_numpys_with_rows_and_columns_as_in_the_picture():
@@ -151,7 +149,7 @@ def one_test(rng, shift=0.0, count=12, own=0.1, reference=0.08):
     return compare_with_reference(BlockMoments.of(rows, (WIDTH, HEIGHT)).statistics, known)
 
 
-def test_without_a_bias_z_is_standard_normal_and_the_level_is_kept_and_used():
+def test_without_a_bias_z_is_standard_normal_and_the_level_is_kept():
     """The reference is as noisy as the arm's mean: too much noise would hide every bias."""
     rng = np.random.default_rng(5)
     raw = [one_test(rng) for _ in range(60)]
@@ -186,6 +184,20 @@ def test_the_p_value_is_five_times_the_smallest_of_five():
             channels.append(2.0 * stats.norm.sf(1.96 * abs(one.value) / width))
         expected = min(1.0, 5.0 * min(chi, largest, *channels))
         assert math.log(raw.p_value) == pytest.approx(math.log(expected), rel=0.3, abs=0.2)
+
+
+@pytest.mark.parametrize("z", [0.7, 1.2, 1.6])
+def test_many_small_biases_are_found_by_their_chi_square(z):
+    """Blocks by turns too bright and too dark: no block is far off, and no channel."""
+    block, sigma = block_size((WIDTH, HEIGHT)), 0.1
+    y, x = np.mgrid[:HEIGHT, :WIDTH] // block
+    # The luminance of a block has a standard error of sigma / block.
+    picture, step = truth(), z * sigma / block * np.where((x + y) % 2, 1.0, -1.0)[..., None]
+    arm = exact_statistics(picture + step, np.full(picture.shape, sigma**2))
+    raw = compare_with_reference(arm, exact_statistics(picture, None))
+    assert raw.test.z_rms == pytest.approx(z, rel=1e-3)
+    expected = min(1.0, 5.0 * stats.chi2.sf(54 * z**2, 54))
+    assert raw.p_value == pytest.approx(expected, rel=0.03)
 
 
 def test_a_planted_bias_is_found_with_its_size_and_sign():

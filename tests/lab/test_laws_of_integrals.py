@@ -1,6 +1,7 @@
 """Laws of the integrals without a scene: rules are exact where they must be, errors as theory."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -92,7 +93,7 @@ def test_sides_of_grids_double_the_nodes(d, odd):
     assert found == sorted(set(found))
     assert all(k**d <= 4096 and (k % 2 or not odd) for k in found)
     assert found[0] == (3 if odd else 2)
-    for k, after in zip(found, found[1:], strict=False):
+    for k, after in pairwise(found):
         fitting = [n for n in range(k + 1, after + 1) if n**d >= 1.9 * k**d and (n % 2 or not odd)]
         assert after == fitting[0]
 

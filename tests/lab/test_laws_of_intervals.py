@@ -1,4 +1,4 @@
-"""Laws of the laboratory's intervals and tests: coverage and level on both sides, SciPy's values."""
+"""Laws of the laboratory's intervals and tests: coverage and level on both sides, and SciPy."""
 
 import math
 from itertools import combinations
@@ -147,9 +147,7 @@ def test_ratios_are_the_t_tests_of_scipy(paired, sizes):
     # Degrees of freedom of intervals have two digits.
     assert np.array(found.estimate) - 1.0 == pytest.approx(expected, abs=0.01 * width)
     other = log_ratio(log_mean(b), log_mean(a), paired=paired)
-    assert other.estimate == pytest.approx(
-        [1.0 / found.estimate[i] for i in (0, 2, 1)], rel=1e-12
-    )
+    assert other.estimate == pytest.approx([1.0 / found.estimate[i] for i in (0, 2, 1)], rel=1e-12)
     assert other.p_value == pytest.approx(found.p_value, rel=1e-9)
 
 
@@ -335,10 +333,10 @@ def test_slopes_are_least_squares_and_their_error_the_jackknife():
 
 
 def test_slopes_cover_on_both_sides():
-    rng, estimates, trials = np.random.default_rng(14), [], 800
+    rng, trials = np.random.default_rng(14), 800
     x = np.repeat(np.array([4.0, 16.0, 64.0])[:, None], 5, axis=1)
-    for _ in range(trials):
-        estimates.append(log_slope(x, x**-1.3 * (1.0 + 0.02 * rng.standard_normal((3, 5)))))
+    noise = 1.0 + 0.02 * rng.standard_normal((trials, 3, 5))
+    estimates = [log_slope(x, x**-1.3 * one) for one in noise]
     above, below = share_below_and_above(estimates, -1.3)
     assert within_chance(above, trials, 0.025)
     assert within_chance(below, trials, 0.025)

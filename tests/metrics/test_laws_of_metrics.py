@@ -45,7 +45,7 @@ def test_figures_do_not_depend_on_orientation_or_the_order_of_channels(name):
 @pytest.mark.parametrize("name", FIGURES)
 def test_figures_have_their_units(name):
     figure, (image, reference) = FIGURES[name], pictures()
-    power = {"mse": 2.0}.get(name, 0.0)
+    power = 2.0 if name == "mse" else 0.0
     more = {"epsilon": 0.08} if name == "smape" else {}
     assert figure(8.0 * image, 8.0 * reference, **more) == pytest.approx(
         8.0**power * figure(image, reference)
@@ -53,8 +53,8 @@ def test_figures_have_their_units(name):
     # Half the difference: a quarter of the square.
     half = reference + 0.5 * (image - reference)
     if name != "smape":
-        quarter = 0.25 if "r" != name[3:4] else 0.5
-        assert figure(half, reference) == pytest.approx(quarter * figure(image, reference))
+        smaller = 0.5 if name == "relrmse" else 0.25
+        assert figure(half, reference) == pytest.approx(smaller * figure(image, reference))
 
 
 def test_which_figures_tell_the_picture_from_the_reference():
@@ -95,9 +95,7 @@ def test_noise_of_the_reference_is_taken_out_in_the_mean_whatever_its_pattern():
     sigma = 0.05 * truth.mean() * (1.0 + rng.random(truth.shape))
     # The weights stay those of the truth, so that only the numerator is noisy.
     found = [
-        np.mean(
-            ((image - noisy) ** 2 - sigma**2) / (truth**2 + default_epsilon(truth))
-        )
+        np.mean(((image - noisy) ** 2 - sigma**2) / (truth**2 + default_epsilon(truth)))
         for noisy in truth + sigma * rng.standard_normal((100, *truth.shape))
     ]
     error = np.std(found) / 10.0
