@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from alight.rendering.depth_cap import _series
-from alight.rendering.plan import Pilot, plan_of
+from alight.rendering.plan import Pilot, _look_after, plan_of
 from alight.rendering.stopping import Promise, first_look, next_look
 
 
@@ -77,6 +78,15 @@ def test_ends_of_the_interval_are_looks_that_leave_room_for_the_rules_noise():
         assert plan.spp.low == next(look for look in looks if look >= 0.94 * min(ends))
         last = next(i for i, look in enumerate(looks) if look >= 1.06 * max(ends))
         assert plan.spp.high == pytest.approx(looks[last + 1], abs=4)
+
+
+@pytest.mark.parametrize("replicates", [1, 4, 6])
+def test_a_look_is_the_first_one_at_or_after_so_many_samples(replicates):
+    looks = looks_up_to(5000, replicates)
+    for before, look in pairwise(looks):
+        assert _look_after(look, replicates) == look
+        assert _look_after(before + 0.5, replicates) == look
+        assert _look_after(look - 0.5, replicates) == look
 
 
 def test_a_promise_that_is_kept_already_needs_fewer_samples_than_the_pilot():

@@ -173,7 +173,7 @@ def test_the_bootstrap_of_paired_arms_draws_pairs():
 
 
 def test_every_figure_has_its_own_place_and_unit():
-    truth = Truth(5, {"base": (0.2, 3.0, {"expected_slope": -0.5})}, count=12, noise=0.02)
+    truth = Truth(5, {"base": (0.2, 3.0, {"expected_slope": -0.5})}, count=12, noise=0.06)
     base = truth.results()["base"]
     assert [point.spp for point in base.samples] == list(LADDER)
     figures = ("mse", "relmse", "relmse_literature", "smape", "seconds", "flip")
@@ -185,6 +185,10 @@ def test_every_figure_has_its_own_place_and_unit():
         low, high = stats.t.interval(0.95, 11, of["smape"].mean(), stats.sem(of["smape"]))
         assert point.smape[1:] == pytest.approx((low, high))
         assert point.bias2.value + point.variance.value == pytest.approx(point.mse.value)
+        # The bias does not depend on the samples: that of the deepest pictures.
+        moments, reference = truth.moments("base", LADDER[-1]), truth.plans[0].reference
+        squared = (moments.mean - reference.image) ** 2 - moments.variance / 12
+        assert point.bias2.value == pytest.approx(float(squared.mean()) - 0.06**2, rel=1e-4)
         # Errors of both parts add up as squares.
         for i in (1, 2):
             sides = [abs(one[i] - one.value) for one in (point.mse, point.bias2, point.variance)]
