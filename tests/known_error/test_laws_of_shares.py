@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from alight.films.sample_ranges import cells_of, empty_cells
-from alight.rendering.adaptive import LEAST, MOST, PILOT_SPP, counts_at, over_cells, shares_of
+from alight.rendering.adaptive import (
+    LEAST,
+    MOST,
+    PILOT_SPP,
+    _correlation,
+    counts_at,
+    over_cells,
+    shares_of,
+)
 
 #: Four replicates whose two halves have the same spread.
 SIGNS = np.array([1.0, 1.0, -1.0, -1.0])
@@ -132,6 +140,18 @@ def test_shares_are_no_surer_than_the_pilot():
         slopes.append(float((found * (true - 1.0)).sum() / (found**2).sum()))
     # Of shares as the pilot has them it is 0.83, of ones cut by the halves' agreement itself 1.2.
     assert np.mean(slopes) == pytest.approx(1.0, abs=0.08)
+
+
+def test_halves_agree_as_their_pixels_do():
+    """A cell counts by its pixels, as if it stood there so many times; -1 is no agreement."""
+    rng = np.random.default_rng(8)
+    a, pixels = rng.random((4, 5)), rng.integers(1, 64, (4, 5))
+    for b in (a + 0.3 * rng.random((4, 5)), 3.0 + a, 2.0 - a, rng.random((4, 5))):
+        each = [np.repeat(plane.ravel(), pixels.ravel()) for plane in (a, b)]
+        expected = max(np.corrcoef(each)[0, 1], 0.0)
+        assert _correlation(a, b, pixels) == pytest.approx(expected, abs=1e-12)
+        assert _correlation(7.0 * b, a, pixels) == pytest.approx(expected, abs=1e-12)
+    assert _correlation(a, np.ones((4, 5)), pixels) == 0.0
 
 
 def test_a_pilot_that_says_nothing_leaves_all_even():
