@@ -273,11 +273,20 @@ class Spec(BaseModel):
 
 
 class Bsdf(Spec):
-    """Base class of scattering models."""
+    """Base class of scattering models.
+
+    Attributes
+    ----------
+    transmissive : bool
+        Whether it has two sides already.
+    shares : tuple of str
+        Fields whose reflectances share the light: together at most 1 in each channel.
+    """
 
     family: ClassVar[str] = "bsdfs"
     kind: ClassVar[str] = "bsdf"
     transmissive: ClassVar[bool] = False
+    shares: ClassVar[tuple[str, ...]] = ()
 
 
 def _is_color(marker: object) -> bool:

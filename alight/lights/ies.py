@@ -168,7 +168,9 @@ def power(luminance: float, area: float, radius: float) -> float:
 def cone(spec: Ies) -> tuple[float, float]:
     """Half angle of the directions that it faces; dark beyond."""
     lit = np.flatnonzero(grid(profile(spec)).max(axis=1) > 0.0)
-    return min(PI, float(np.radians((lit[-1] + 2) * VERTICAL_STEP))), 0.0
+    # A dark lamp, or one whose light falls between the steps of the grid, has none.
+    last = lit[-1] if lit.size else 0
+    return min(PI, float(np.radians((last + 2) * VERTICAL_STEP))), 0.0
 
 
 @kernel

@@ -82,17 +82,42 @@ def _by_row(names: tuple[str, ...], others):
     """A kernel that runs `sample` of each of several environments where it was chosen."""
     if not names:
         return others
-    own, back, after = LIGHTS[names[0]].sample, len(names), _by_row(names[1:], others)
+    chosen = _one_after_another(
+        [_if_chosen(LIGHTS[name].sample, back) for back, name in enumerate(names[::-1], 1)]
+    )
 
     @kernel
     def choose(scene, index, p, u, u2):
-        result = after(scene, index, p, u, u2)
+        return chosen(scene, index, p, u, u2, others(scene, index, p, u, u2))
+
+    return choose
+
+
+def _if_chosen(own, back: int):
+    """A kernel that puts the sample of one environment into the lanes that chose it."""
+
+    @kernel
+    def choose(scene, index, p, u, u2, result):
         mine = lanes_u32(0) + index == scene.lights.info.size // INFO - back
         if any_lane(mine):
             result = blend(mine, own(scene, back, p, u, u2), result)
         return result
 
     return choose
+
+
+def _one_after_another(steps: list):
+    """The kernel that goes through steps; by halves, as compilers cannot follow long chains."""
+    if len(steps) == 1:
+        return steps[0]
+    half = len(steps) // 2
+    first, second = _one_after_another(steps[:half]), _one_after_another(steps[half:])
+
+    @kernel
+    def both(scene, index, p, u, u2, result):
+        return second(scene, index, p, u, u2, first(scene, index, p, u, u2, result))
+
+    return both
 
 
 def _by_kind(names: tuple[str, ...]):
@@ -385,11 +410,11 @@ def environments_of(program) -> tuple[str, ...]:
 
 
 def _sum_of(parts: tuple):
-    """``(scene, p, d)``: the sum of kernels ``(scene, p, d)``, at least one."""
-    first = parts[0]
+    """``(scene, p, d)``: the sum of kernels ``(scene, p, d)``, at least one; by halves."""
     if len(parts) == 1:
-        return first
-    others = _sum_of(parts[1:])
+        return parts[0]
+    half = len(parts) // 2
+    first, others = _sum_of(parts[:half]), _sum_of(parts[half:])
 
     @kernel
     def added(scene, p, d):
