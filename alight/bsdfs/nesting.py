@@ -139,7 +139,8 @@ def count_levels(spec: Bsdf | str, counts: Mapping[str, int] | None = None) -> i
 def levels_problem(spec: Bsdf, counts: Mapping[str, int] | None = None) -> str | None:
     """Say so if a material is nested too deep."""
     count = count_levels(spec, counts)
-    return f"must be at most {MOST_LEVELS} levels deep, got {count}" if count > MOST_LEVELS else None
+    text = f"must be at most {MOST_LEVELS} levels deep, got {count}"
+    return text if count > MOST_LEVELS else None
 
 
 def find_transmissive(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> Bsdf | None:

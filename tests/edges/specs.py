@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from alight.core.errors import SceneError
-from alight.core.spec import Interval, NumberOrTexture, Numbers, Spec
+from alight.core.spec import LARGEST, Interval, NumberOrTexture, Numbers, Spec
 from alight.textures.checkerboard import Checkerboard
 
-#: What stands for an end that is not given: larger than anything reasonable, smaller than 1e15.
-FAR = 1e4
+#: What stands for an end that is not given: descriptions take no larger number.
+FAR = LARGEST
 #: Distance from a bound that is excluded, relative to 1.
 INSIDE = 1e-6
 

@@ -64,7 +64,9 @@ def test_scattering_is_finite_and_not_negative(model):
 
 
 @pytest.mark.proofs
-@pytest.mark.parametrize("model", [m for m in MODELS if type_name_of(m) in TABLED], ids=type_name_of)
+@pytest.mark.parametrize(
+    "model", [m for m in MODELS if type_name_of(m) in TABLED], ids=type_name_of
+)
 def test_scattering_with_tables_is_finite_and_not_negative(model):
     check(specs_of(model, model.EXAMPLES))
 
@@ -92,7 +94,7 @@ KERNELS = {
 
 @pytest.mark.parametrize("name", KERNELS)
 def test_models_read_rows_of_their_own_kind_only(name):
-    """A row of another kind says other things: what starts a table to one is a colour to another."""
+    """What is a colour in a row of one kind may start a table in a row of another."""
     material, n = Material(*EXAMPLES), 512
     kinds = material.scene.materials.info.array[::2]
     numbers, asked = defaultdict(set), set()

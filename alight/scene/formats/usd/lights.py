@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.errors import show_value
 from alight.scene.formats.reach import OutOfReachError
 from alight.scene.formats.usd.modules import UsdLux
 from alight.scene.formats.usd.stage import Stage
@@ -72,8 +71,8 @@ def _radiance(stage: Stage, prim: Any) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         result = color * intensity * np.exp2(exposure)
     if not np.isfinite(result).all():
-        product = f"color * intensity * 2^{exposure:g}"
-        stage.problem(prim, f"its light {product} must be finite, got {show_value(result.tolist())}")
+        text = f"color * intensity * 2^{exposure:g} must be finite, got {result.tolist()}"
+        stage.problem(prim, text)
         return np.zeros(3)
     if (result < 0.0).any():
         stage.report.approximate(f"{prim.GetPath()}: a light cannot take light away; cut to 0")
