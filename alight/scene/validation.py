@@ -283,7 +283,7 @@ class _Checker:
         for name in order:
             levels[name] = 1 + max((levels[used] for used in uses[name]), default=0)
             if levels[name] == MOST_INSTANCED + 1:
-                text = f"is instanced in instances deeper than {MOST_INSTANCED} levels"
+                text = f"holds instances within instances, deeper than {MOST_INSTANCED} levels"
                 self.report(join_path("prototypes", name), text)
         if max(levels.values(), default=0) > MOST_INSTANCED:
             return
