@@ -81,6 +81,7 @@ def test_principled_is_finite_where_a_lobe_has_nothing():
             Principled(specular=0.0, **glass),
             Principled(metallic=1.0, ior=5.0, **glass),
             Principled(specular_color=0.0, base_color=0.0, **glass),
+            Principled(anisotropy=0.5, anisotropy_rotation=1e15),
         ]
     )
 
