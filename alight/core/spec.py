@@ -273,15 +273,7 @@ class Spec(BaseModel):
 
 
 class Bsdf(Spec):
-    """Base class of scattering models.
-
-    Attributes
-    ----------
-    transmissive : bool
-        Whether it has two sides already.
-    shares : tuple of str
-        Fields whose reflectances share the light: together at most 1 in each channel.
-    """
+    """Base class of scattering models; the reflectances `shares` are together at most 1."""
 
     family: ClassVar[str] = "bsdfs"
     kind: ClassVar[str] = "bsdf"

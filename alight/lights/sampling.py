@@ -26,6 +26,7 @@ from alight.core.simd import (
 from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.area import pdf as area_pdf
 from alight.lights.emission import emitted_color
+from alight.lights.halves import one_after_another, sum_of
 from alight.lights.moving import moving_pdf, moving_sample
 from alight.lights.tables import INFO, STRIDE, LightSample, row_of
 from alight.lights.tree import choose_by_tree, plain_probability
@@ -82,7 +83,7 @@ def _by_row(names: tuple[str, ...], others):
     """A kernel that runs `sample` of each of several environments where it was chosen."""
     if not names:
         return others
-    chosen = _one_after_another(
+    chosen = one_after_another(
         [_if_chosen(LIGHTS[name].sample, back) for back, name in enumerate(names[::-1], 1)]
     )
 
@@ -104,20 +105,6 @@ def _if_chosen(own, back: int):
         return result
 
     return choose
-
-
-def _one_after_another(steps: list):
-    """The kernel that goes through steps; by halves, as compilers cannot follow long chains."""
-    if len(steps) == 1:
-        return steps[0]
-    half = len(steps) // 2
-    first, second = _one_after_another(steps[:half]), _one_after_another(steps[half:])
-
-    @kernel
-    def both(scene, index, p, u, u2, result):
-        return second(scene, index, p, u, u2, first(scene, index, p, u, u2, result))
-
-    return both
 
 
 def _by_kind(names: tuple[str, ...]):
@@ -409,20 +396,6 @@ def environments_of(program) -> tuple[str, ...]:
     return tuple(name for name in program.lights if name in LIGHTS and _is_around(name))
 
 
-def _sum_of(parts: tuple):
-    """``(scene, p, d)``: the sum of kernels ``(scene, p, d)``, at least one; by halves."""
-    if len(parts) == 1:
-        return parts[0]
-    half = len(parts) // 2
-    first, others = _sum_of(parts[:half]), _sum_of(parts[half:])
-
-    @kernel
-    def added(scene, p, d):
-        return first(scene, p, d) + others(scene, p, d)
-
-    return added
-
-
 def _radiance_of(name: str, back: int):
     radiance = LIGHTS[name].radiance
 
@@ -456,7 +429,7 @@ def environment_radiance(program):
             return lanes_vec3(0.0)
 
         return black
-    total = _sum_of(parts)
+    total = sum_of(parts)
 
     @kernel
     def from_anywhere(scene, d):
@@ -479,7 +452,7 @@ def environment_pdf(program):
             return lanes(0.0)
 
         return impossible
-    return _sum_of(tuple(_density_of(name, back) for back, name in names))
+    return sum_of(tuple(_density_of(name, back) for back, name in names))
 
 
 @specialised

@@ -46,7 +46,7 @@ EDGES = (
     ),
     Mutant(
         "surroundings chosen one inside of the other",
-        "lights/sampling.py",
+        "lights/halves.py",
         (("half = len(parts) // 2", "half = 1"),),
         "tests/edges/test_depths.py::test_as_many_surroundings_as_allowed_can_be_written",
     ),
