@@ -1,5 +1,6 @@
 """All planted bugs, in the order in which they are tried."""
 
+from tests.mutants.edges import EDGES
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.known_error import KNOWN_ERROR
@@ -26,4 +27,5 @@ MUTANTS = (
     + MEDIA
     + KNOWN_ERROR
     + LABORATORY
+    + EDGES
 )
