@@ -1,0 +1,80 @@
+"""Materials of any registered model, for what they are needed for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.nesting import find_transmissive, leaves
+from alight.core.registry import Models as Registry
+from alight.core.spec import Bsdf, Interval
+from alight.lab.random_scenes.chance import Chance
+from alight.lab.random_scenes.descriptions import any_texture, of_model
+from alight.lab.random_scenes.pictures import normals
+from alight.textures.bitmap import Bitmap
+
+UNIT = Interval(0.0, 1.0)
+
+
+def any_material(chance: Chance) -> Bsdf:
+    """Any model, nested ones too."""
+    return _bent(chance, of_model(chance, chance.choose(list(Registry("bsdfs").values()))))
+
+
+def solid(chance: Chance) -> Bsdf:
+    """A material that light does not pass."""
+    for _ in range(20):
+        found = any_material(chance)
+        if find_transmissive(found, {}) is None:
+            return found
+    return Diffuse()
+
+
+def wall(chance: Chance) -> Bsdf:
+    """Mostly matt paint; a quarter are any other solid material."""
+    if chance.happens(0.25):
+        return solid(chance)
+    texture = any_texture(chance, UNIT) if chance.happens(0.2) else None
+    return Diffuse(reflectance=texture or chance.color(0.2, 0.85))
+
+
+def clear(chance: Chance) -> Bsdf:
+    """A material that light passes, of a model that takes an index of refraction."""
+    models = [
+        module
+        for module in Registry("bsdfs").values()
+        if hasattr(module.EXAMPLES[0], "int_ior") and _passes(module.EXAMPLES[0])
+    ]
+    return of_model(chance, chance.choose(models))
+
+
+def glossy(chance: Chance) -> Bsdf:
+    """A solid material of a model that has a roughness or an exponent."""
+    for _ in range(20):
+        found = solid(chance)
+        fields = {name for leaf in leaves(found) for name in type(leaf.bsdf).model_fields}
+        if fields & {"alpha", "roughness", "exponent", "coat_alpha"}:
+            return found
+    return solid(chance)
+
+
+def textured(chance: Chance) -> Bsdf:
+    """A matt material, or any other solid one, with a texture for its first colour."""
+    base = Diffuse() if chance.happens(0.5) else solid(chance)
+    texture = any_texture(chance, UNIT)
+    name = next(
+        (n for n in ("reflectance", "base_color", "diffuse_reflectance") if n in dict(base)), ""
+    )
+    return base.replaced(**{name: texture}) if name and texture else base
+
+
+def _passes(spec: Any) -> bool:
+    return find_transmissive(spec, {}) is not None
+
+
+def _bent(chance: Chance, spec: Any) -> Any:
+    """Normals that are a map where a model bends them by one: a colour bends them all alike."""
+    is_map = getattr(spec, "bends_normals", False) and hasattr(spec, "follow_uv")
+    if not is_map or chance.happens(0.3):
+        return spec
+    return spec.replaced(texture=Bitmap(pixels=normals(chance), color_space="linear"))
