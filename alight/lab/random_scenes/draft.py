@@ -15,7 +15,7 @@ from alight.scene.transform import IDENTITY, Transform, matrix, rotate, scale, t
 from alight.shapes.rectangle import Rectangle
 
 #: Materials that are drawn for what stands around; then they are used again.
-MOST_MATERIALS = 4
+MOST_MATERIALS = 3
 
 
 class Draft:
@@ -62,7 +62,7 @@ class Draft:
         """
         pool = self._pools.setdefault(role, [])
         chance = self.chance.named(f"{role} {len(self.nodes)}")
-        most = MOST_MATERIALS if role == "any_material" else 2
+        most = MOST_MATERIALS if role == "any_material" else 1
         if len(pool) < most and (not pool or chance.happens(0.7)):
             name = f"{role.replace('_', '-')}-{len(pool)}"
             self.bsdfs[name] = getattr(materials, role)(chance)

@@ -13,7 +13,8 @@ from alight.scene.description import FilmSettings, Node
 from alight.scene.transform import look_at
 
 SMALLEST, LARGEST = 32, 256
-#: How much more often a model is drawn that follows light in all ways.
+#: How much more often a model is drawn that follows light in all ways; a quarter of it for one that
+#: also looks for media where there are none.
 PATH_TRACERS = 8
 
 Point = tuple[float, float, float]
@@ -91,7 +92,7 @@ def any_integrator(
     modules = [
         module
         for module in Registry("integrators").values()
-        for _ in range(PATH_TRACERS if hasattr(module.EXAMPLES[0], "russian_roulette") else 1)
+        for _ in range(_weight(module.EXAMPLES[0], media))
         if _shows(module.EXAMPLES[0], media, found_by_chance)
     ]
     module = chance.choose(modules)
@@ -118,3 +119,9 @@ def _shows(spec: Integrator, media: bool, found_by_chance: bool) -> bool:
     if not spec.needs_light:
         return True
     return (spec.sees_media or not media) and (found_by_chance or hasattr(spec, "light_sampling"))
+
+
+def _weight(spec: Integrator, media: bool) -> int:
+    if not hasattr(spec, "russian_roulette"):
+        return 1
+    return PATH_TRACERS if media or not spec.sees_media else PATH_TRACERS // 4
