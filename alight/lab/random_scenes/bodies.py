@@ -1,4 +1,4 @@
-"""Shapes of any registered kind, brought into the unit ball."""
+"""Shapes of any registered kind, brought into the cube from -1 to 1."""
 
 from __future__ import annotations
 
@@ -15,14 +15,18 @@ from alight.scene.transform import Transform, scale, translate
 from alight.shapes.mesh import Mesh
 
 
+#: Solid bodies are seen more often than flat ones.
+_OFTEN = ("sphere", "mesh", "mesh", "cube")
+
+
 def finite_shapes() -> list[str]:
     """Names of the registered shapes that have an end."""
     return [name for name, module in Registry("shapes").items() if type(module.EXAMPLES[0]).finite]
 
 
 def any_body(chance: Chance, names: list[str] | None = None) -> tuple[Shape, Transform]:
-    """A shape, and the transform that brings it into the unit ball around the origin."""
-    name = chance.choose(names or finite_shapes())
+    """A shape, and the transform that brings it into the cube from -1 to 1."""
+    name = chance.choose(names or [*finite_shapes(), *_OFTEN])
     if name == "mesh":
         shape: Any = any_mesh(chance)
     else:
@@ -30,9 +34,10 @@ def any_body(chance: Chance, names: list[str] | None = None) -> tuple[Shape, Tra
     # Inside out only now and then: closed bodies are black then, or filled with the outer medium.
     shape = shape.replaced(flip_normals=chance.happens(0.05))
     low, high = extent(shape)
-    center = 0.5 * (low + high)
-    factor = 1.0 / max(float(np.linalg.norm(high - low)) / 2.0, 1e-12)
-    return shape, scale(float(f"{factor:.6g}")) @ translate(*(float(-c) for c in center))
+    center = [float(f"{-c:.6g}") + 0.0 for c in 0.5 * (low + high)]
+    factor = 2.0 / max(float((high - low).max()), 1e-12)
+    fitted = scale(float(f"{factor:.6g}"))
+    return shape, fitted @ translate(*center) if any(center) else fitted
 
 
 def extent(shape: Shape) -> tuple[np.ndarray, np.ndarray]:

@@ -14,8 +14,9 @@ from alight.scene.keyframes import keyframes
 from alight.scene.transform import IDENTITY, Transform, matrix, rotate, scale, translate
 from alight.shapes.rectangle import Rectangle
 
-#: Materials that are drawn for what stands around; then they are used again.
-MOST_MATERIALS = 3
+#: Materials that are drawn for each purpose; then they are used again. Each model of a scene takes
+#: its time to compile, so these are few; walls are mostly of one model.
+MOST_MATERIALS = {"any_material": 3, "wall": 3}
 
 
 class Draft:
@@ -34,13 +35,16 @@ class Draft:
         What `views.any_integrator` wants to know of the scene.
     moving : float
         Probability that a thing moves.
+    cloudy : bool
+        Whether things may have a medium inside.
     """
 
     def __init__(self, chance: Chance, size: tuple[int, int] | None = None) -> None:
         self.chance = chance
         self.size = size
         self.found_by_chance, self.closed, self.deep = True, False, False
-        self.moving = 0.15 if chance.named("does it move").happens(0.15) else 0.0
+        self.moving = 0.3 if chance.named("does it move").happens(0.15) else 0.0
+        self.cloudy = chance.named("is it cloudy").happens(0.15)
         self.camera: Node | None = None
         self.environment: Light | None = None
         self.medium: Medium | str | None = None
@@ -62,8 +66,7 @@ class Draft:
         """
         pool = self._pools.setdefault(role, [])
         chance = self.chance.named(f"{role} {len(self.nodes)}")
-        most = MOST_MATERIALS if role == "any_material" else 1
-        if len(pool) < most and (not pool or chance.happens(0.7)):
+        if len(pool) < MOST_MATERIALS.get(role, 1) and (not pool or chance.happens(0.7)):
             name = f"{role.replace('_', '-')}-{len(pool)}"
             self.bsdfs[name] = getattr(materials, role)(chance)
             pool.append(name)
@@ -104,30 +107,33 @@ class Draft:
     def thing(
         self, name: str, at: Point, radius: float, role: str = "any_material", **fields: Any
     ) -> None:
-        """Put a body of any shape into a ball, of a material for some purpose."""
+        """Put a body of any shape into a cube, of a material for some purpose."""
         chance = self.chance.named(f"{name} {len(self.nodes)}")
         shape, fitted = bodies.any_body(chance, fields.pop("shapes", None))
-        where = self.placed(chance, at, radius) @ fitted
+        where = self.placed(chance, at, radius, fitted)
         bsdf = self.material(role)
-        if role in ("clear", "any_material") and chance.happens(0.15):
+        if self.cloudy and role in ("clear", "any_material") and chance.happens(0.5):
             fields.setdefault("interior", self.inside(chance, radius))
         self.add(name, shape=shape, bsdf=bsdf, transform=where, **fields)
 
-    def placed(self, chance: Chance, at: Point, radius: float) -> Transform:
-        """From the unit ball into a ball of the scene: turned, stretched, perhaps moving."""
+    def placed(
+        self, chance: Chance, at: Point, radius: float, first: Transform = IDENTITY
+    ) -> Transform:
+        """Bring the cube from -1 to 1 to a place: turned, perhaps moving; after `first`."""
         stretch = [radius] * 3
         if chance.happens(0.3):
-            stretch = [radius * chance.within(0.3, 1.0) for _ in range(3)]
+            stretch = [radius * chance.within(0.5, 1.0) for _ in range(3)]
         if chance.happens(0.1):
             stretch[0] = -stretch[0]
         axis = [chance.within(-1.0, 1.0), chance.within(0.5, 1.0), chance.within(-1.0, 1.0)]
-        turned = rotate(axis, chance.within(-180.0, 180.0)) @ scale(*stretch)
+        # From the right to the left, as files do: so their steps give the same bits.
+        turned = rotate(axis, chance.within(-180.0, 180.0)) @ (scale(*stretch) @ first)
         if not chance.happens(self.moving):
             return translate(*at) @ turned
-        way = [radius * chance.within(-1.5, 1.5) for _ in range(3)]
-        turn = rotate(axis, chance.within(-120.0, 120.0)) if chance.happens(0.5) else IDENTITY
-        end = translate(at[0] + way[0], at[1] + abs(way[1]), at[2] + way[2])
-        return keyframes({0.0: translate(*at) @ turned, 1.0: end @ turn @ turned})
+        x, y, z = (radius * chance.within(-1.5, 1.5) for _ in range(3))
+        end = rotate(axis, chance.within(-120.0, 120.0)) @ turned if chance.happens(0.5) else turned
+        there = translate(at[0] + x, at[1] + abs(y), at[2] + z)
+        return keyframes({0.0: translate(*at) @ turned, 1.0: there @ end})
 
     def inside(self, chance: Chance, radius: float) -> str:
         """The name of a medium for the inside of a body."""

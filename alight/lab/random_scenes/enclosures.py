@@ -58,9 +58,9 @@ def furniture(draft: Draft, room: Measures, count: int) -> None:
     """Put bodies on the floor, in the back two thirds of a room."""
     chance = draft.chance.named("furniture")
     for _ in range(count):
-        radius = chance.within(0.15, 0.25) * room.x
+        radius = chance.within(0.15, 0.3) * room.x
         x = chance.within(-0.7, 0.7) * room.x
-        z = chance.within(-0.75, 0.2) * room.z
+        z = chance.within(-0.75, 0.0) * room.z
         draft.thing("thing", (x, radius, z), radius)
 
 

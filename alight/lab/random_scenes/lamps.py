@@ -91,7 +91,9 @@ def surround(
             spec = spec.replaced(sun_direction=_short(np.array(direction)))
         return spec
     if "pixels" in fields:
-        scale = irradiance / math.pi * np.array(chance.color(0.7, 1.0))
+        # The bright texels are all above: what faces them gets their light from all of the sphere.
+        gain = math.pi * (1.0 + 2.0 * contrast) / (1.0 + contrast)
+        scale = irradiance / gain * np.array(chance.color(0.7, 1.0))
         return spec.replaced(pixels=surroundings(chance, contrast), scale=_short(scale))
     if "radiance" in fields:
         return spec.replaced(

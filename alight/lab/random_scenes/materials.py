@@ -14,6 +14,7 @@ from alight.lab.random_scenes.pictures import normals
 from alight.textures.bitmap import Bitmap
 
 UNIT = Interval(0.0, 1.0)
+_COLORS = ("reflectance", "base_color", "diffuse_reflectance")
 
 
 def any_material(chance: Chance) -> Bsdf:
@@ -31,11 +32,17 @@ def solid(chance: Chance) -> Bsdf:
 
 
 def wall(chance: Chance) -> Bsdf:
-    """Mostly matt paint; a quarter are any other solid material."""
-    if chance.happens(0.25):
-        return solid(chance)
-    texture = any_texture(chance, UNIT) if chance.happens(0.2) else None
-    return Diffuse(reflectance=texture or chance.color(0.2, 0.85))
+    """Mostly matt paint; else any solid model whose colour can be chosen, as a wall is not black."""
+    if chance.happens(0.8):
+        texture = any_texture(chance, UNIT) if chance.happens(0.15) else None
+        bright = texture is not None and max(texture.mean()) > 0.2
+        return Diffuse(reflectance=texture if bright else chance.color(0.3, 0.85))
+    for _ in range(20):
+        base: Any = solid(chance)
+        name = _color_field(base)
+        if name:
+            return base.replaced(**{name: chance.color(0.3, 0.85)})
+    return Diffuse()
 
 
 def clear(chance: Chance) -> Bsdf:
@@ -60,12 +67,14 @@ def glossy(chance: Chance) -> Bsdf:
 
 def textured(chance: Chance) -> Bsdf:
     """A matt material, or any other solid one, with a texture for its first colour."""
-    base = Diffuse() if chance.happens(0.5) else solid(chance)
-    texture = any_texture(chance, UNIT)
-    name = next(
-        (n for n in ("reflectance", "base_color", "diffuse_reflectance") if n in dict(base)), ""
-    )
+    base: Any = Diffuse() if chance.happens(0.5) else solid(chance)
+    texture, name = any_texture(chance, UNIT), _color_field(base)
     return base.replaced(**{name: texture}) if name and texture else base
+
+
+def _color_field(spec: Any) -> str:
+    """The field that holds most of a model's colour; empty where none does by itself."""
+    return next((name for name in _COLORS if name in dict(spec)), "")
 
 
 def _passes(spec: Any) -> bool:

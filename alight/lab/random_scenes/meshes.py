@@ -9,7 +9,7 @@ from alight.shapes.mesh import EXAMPLES, Mesh
 
 
 def any_mesh(chance: Chance) -> Mesh:
-    """A mesh that fits into the unit ball."""
+    """A mesh of about 1 m around the origin."""
     make = chance.choose((_lump, _ring, _crystal, _example))
     return make(chance)
 

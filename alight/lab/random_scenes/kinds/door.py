@@ -28,4 +28,4 @@ def build(draft: Draft) -> None:
     at = (x, 0.98 * h, chance.within(-0.3, 0.3) * room.z)
     light = lamps.glow(chance, radiance, 0.0)
     draft.rectangle("lamp", at, (half, 0, 0), (0, 0, half), light=light)
-    enclosures.furniture(draft, room, chance.whole(2, 4))
+    enclosures.furniture(draft, room, chance.whole(3, 6))

@@ -19,8 +19,8 @@ def build(draft: Draft) -> None:
         draft.medium = fogs.any_medium(chance, chance.scaled(0.3, 2.0), 6.0)
     if not everywhere or chance.happens(0.3):
         _cloud(draft)
-    for _ in range(chance.whole(1, 4)):
-        radius = chance.scaled(0.2, 0.6)
+    for _ in range(chance.whole(2, 5)):
+        radius = chance.scaled(0.3, 0.6)
         at = (chance.within(-1.8, 1.8), radius, chance.within(-2.0, 0.5))
         draft.thing("thing", at, radius)
     for number in range(chance.whole(1, 3)):

@@ -15,7 +15,7 @@ def build(draft: Draft) -> None:
         draft.add("ground", shape=shape, bsdf=draft.material("wall"))
     else:
         draft.ground()
-    irradiance = chance.scaled(1.5, 5.0)
+    irradiance = chance.scaled(1.0, 3.0)
     if chance.happens(0.25):
         draft.environment = lamps.surround(chance, 0.3 * irradiance, 0.0, ["sky", "constant"])
         draft.add("sun", light=lamps.surround(chance.named("sun"), irradiance, 0.0, ["sun"]))
@@ -23,8 +23,8 @@ def build(draft: Draft) -> None:
         contrast = chance.scaled(1.0, 10.0)
         names = ["environment", "environment", "sunsky"]
         draft.environment = lamps.surround(chance, irradiance, contrast, names)
-    for _ in range(chance.whole(3, 7)):
-        radius = chance.scaled(0.2, 0.8)
+    for _ in range(chance.whole(4, 9)):
+        radius = chance.scaled(0.3, 0.9)
         at = (chance.within(-2.0, 2.0), radius, chance.within(-2.5, 1.5))
         draft.thing("thing", at, radius)
     draft.look((chance.within(-2.0, 2.0), chance.within(1.0, 3.0), 7.0), (0.0, 0.5, 0.0), 2.2)

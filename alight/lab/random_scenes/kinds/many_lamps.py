@@ -30,10 +30,10 @@ def build(draft: Draft) -> None:
         else:
             light = lamps.small_lamp(own, 1.0, irradiance, names)
             draft.add("lamp", light=light, transform=lamps.aimed(own, at, (at[0], 0.0, at[2])))
-    for _ in range(chance.whole(2, 5)):
-        half = chance.scaled(0.2, 0.7)
+    for _ in range(chance.whole(3, 7)):
+        half = chance.scaled(0.3, 0.7)
         draft.thing("thing", (chance.within(-2.0, 2.0), half, chance.within(-2.0, 1.0)), half)
-    draft.look((chance.within(-2.0, 2.0), chance.within(1.5, 3.5), 7.0), (0.0, 0.6, 0.0), 2.4)
+    draft.look((chance.within(-2.0, 2.0), chance.within(3.0, 5.0), 7.0), (0.0, 0.4, 0.0), 2.4)
 
 
 def _shining() -> list[str]:

@@ -13,8 +13,8 @@ def build(draft: Draft) -> None:
     chance = draft.chance.named("moving")
     draft.moving = 0.8
     draft.ground()
-    for _ in range(chance.whole(2, 5)):
-        radius = chance.scaled(0.2, 0.6)
+    for _ in range(chance.whole(3, 7)):
+        radius = chance.scaled(0.3, 0.6)
         at = (chance.within(-1.4, 1.4), 1.2 * radius, chance.within(-1.4, 1.0))
         draft.thing("thing", at, radius)
     half = chance.within(0.2, 0.6)

@@ -22,4 +22,4 @@ def build(draft: Draft) -> None:
         radiance = chance.scaled(2.0, 6.0) / count * room.height**2 / (4.0 * half * half)
         light = lamps.glow(chance.named(place), radiance)
         draft.rectangle("lamp", at, (half, 0, 0), (0, 0, half), light=light)
-    enclosures.furniture(draft, room, chance.whole(2, 5))
+    enclosures.furniture(draft, room, chance.whole(3, 6))

@@ -29,8 +29,8 @@ def build(draft: Draft) -> None:
         at = (1.75 * side, chance.within(0.6, 1.6), chance.within(-4.0, 0.5))
         light = lamps.glow(chance, chance.scaled(1.0, 8.0), 0.5)
         draft.rectangle("shop", at, (0, 0, side * 0.4), (0, 0.3, 0), light=light)
-    for _ in range(chance.whole(2, 4)):
-        radius = chance.scaled(0.15, 0.5)
+    for _ in range(chance.whole(3, 7)):
+        radius = chance.scaled(0.2, 0.5)
         draft.thing("thing", (chance.within(-1.2, 1.2), radius, chance.within(-2.5, 1.5)), radius)
     if chance.happens(0.5):
         draft.environment = lamps.surround(chance, chance.scaled(0.01, 0.1), 0.0, ["constant"])

@@ -10,8 +10,8 @@ def build(draft: Draft) -> None:
     """Put a table, glossy bodies, a lamp above them, and some light from all sides."""
     chance = draft.chance.named("tabletop")
     draft.ground("glossy", half=2.5)
-    for _ in range(chance.whole(3, 6)):
-        radius = chance.scaled(0.2, 0.6)
+    for _ in range(chance.whole(4, 8)):
+        radius = chance.scaled(0.25, 0.6)
         at = (chance.within(-1.3, 1.3), radius, chance.within(-1.3, 1.0))
         draft.thing("thing", at, radius, chance.choose(("glossy", "glossy", "any_material")))
     half = chance.within(0.3, 0.8)

@@ -10,7 +10,7 @@ def build(draft: Draft) -> None:
     """Put textured ground and bodies, a lamp with a picture, and light from all sides."""
     chance = draft.chance.named("textures")
     draft.ground("textured")
-    for _ in range(chance.whole(3, 6)):
+    for _ in range(chance.whole(4, 8)):
         radius = chance.scaled(0.3, 0.7)
         at = (chance.within(-1.4, 1.4), radius, chance.within(-1.4, 1.0))
         role = chance.choose(("textured", "textured", "textured", "any_material"))

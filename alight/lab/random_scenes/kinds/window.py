@@ -19,9 +19,9 @@ def build(draft: Draft) -> None:
     enclosures.walls(draft, room, hole)
     enclosures.look_in(draft, room)
     share = half_y * half_z / (room.height * room.z)
-    irradiance = chance.scaled(1.0, 3.0) / share
+    irradiance = chance.scaled(5.0, 15.0) / share
     draft.environment = lamps.surround(chance, irradiance, chance.choose((0.0, 0.0, 1.0)))
     if chance.happens(0.5):
         where = translate(-room.x, y, z) @ rotate("y", -90.0) @ scale(half_z, half_y, 1.0)
         draft.add("portal", light=Portal(), transform=where)
-    enclosures.furniture(draft, room, chance.whole(2, 4))
+    enclosures.furniture(draft, room, chance.whole(3, 6))
