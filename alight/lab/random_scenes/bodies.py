@@ -14,7 +14,6 @@ from alight.lab.random_scenes.meshes import any_mesh
 from alight.scene.transform import Transform, scale, translate
 from alight.shapes.mesh import Mesh
 
-
 #: Solid bodies are seen more often than flat ones.
 _OFTEN = ("sphere", "mesh", "mesh", "cube")
 

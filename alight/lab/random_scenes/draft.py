@@ -31,7 +31,7 @@ class Draft:
 
     Attributes
     ----------
-    found_by_chance, closed, deep : bool
+    found_by_chance, closed, edges : bool, bool and (int, int)
         What `views.any_integrator` wants to know of the scene.
     moving : float
         Probability that a thing moves.
@@ -42,7 +42,7 @@ class Draft:
     def __init__(self, chance: Chance, size: tuple[int, int] | None = None) -> None:
         self.chance = chance
         self.size = size
-        self.found_by_chance, self.closed, self.deep = True, False, False
+        self.found_by_chance, self.closed, self.edges = True, False, (2, 9)
         self.moving = 0.3 if chance.named("does it move").happens(0.15) else 0.0
         self.cloudy = chance.named("is it cloudy").happens(0.15)
         self.camera: Node | None = None
@@ -150,7 +150,7 @@ class Draft:
             media=any(medium is not None for medium in used),
             found_by_chance=self.found_by_chance,
             closed=self.closed,
-            deep=self.deep,
+            edges=self.edges,
         )
         assert self.camera is not None
         return Scene(

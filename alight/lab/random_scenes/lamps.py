@@ -20,6 +20,8 @@ from alight.textures.images import Image
 
 #: Irradiance in W/m^2 at scale 1 on what faces the light of a clear day.
 _DAYLIGHT = {"sun": 140.0, "sky": 30.0, "sunsky": 150.0}
+#: Where the sun stands is said by its direction.
+_NO_DATE = {"time": None, "latitude": None, "longitude": None}
 
 
 def models_at(placement: str) -> list[str]:
@@ -67,7 +69,12 @@ def glow(chance: Chance, radiance: float, textured: float = 0.1) -> Light:
 
 
 def surround(
-    chance: Chance, irradiance: float, contrast: float, names: list[str] | None = None
+    chance: Chance,
+    irradiance: float,
+    contrast: float,
+    names: list[str] | None = None,
+    *,
+    turn: float | None = None,
 ) -> Light:
     """Light from all sides, of some W/m^2 on what faces most of it.
 
@@ -79,27 +86,36 @@ def surround(
         Light of the brightest texels of a map over that of all others.
     names : list of str, optional
         Models to choose from.
+    turn : float, radians, optional
+        About where the brightest part is, from +x towards +z; anywhere by default.
     """
     name = chance.choose(names or models_at("environment"))
     spec = _lit(chance, of_model(chance, Registry("lights")[name]))
     fields = dict(spec)
     if name in _DAYLIGHT:
         spec = spec.replaced(scale=_short(irradiance / _DAYLIGHT[name] * np.ones(3)))
-        if fields.get("sun_direction") is not None:
-            turn, height = chance.within(-math.pi, math.pi), chance.within(0.2, 1.2)
-            direction = (math.cos(turn), math.tan(height), math.sin(turn))
-            spec = spec.replaced(sun_direction=_short(np.array(direction)))
+        if turn is not None or fields["sun_direction"] is not None:
+            spec = spec.replaced(sun_direction=_to_sun(chance, turn), **_NO_DATE)
         return spec
     if "pixels" in fields:
         # The bright texels are all above: what faces them gets their light from all of the sphere.
         gain = math.pi * (1.0 + 2.0 * contrast) / (1.0 + contrast)
         scale = irradiance / gain * np.array(chance.color(0.7, 1.0))
-        return spec.replaced(pixels=surroundings(chance, contrast), scale=_short(scale))
+        pixels = surroundings(chance, contrast, turn)
+        rotate = 0.0 if turn is not None else fields.get("rotate", 0.0)
+        return spec.replaced(pixels=pixels, scale=_short(scale), rotate=rotate)
     if "radiance" in fields:
         return spec.replaced(
             radiance=_short(irradiance / math.pi * np.array(chance.color(0.5, 1.0)))
         )
     return spec
+
+
+def _to_sun(chance: Chance, turn: float | None) -> tuple[float, ...]:
+    """A direction to the sun, 10 to 70 degrees above the horizon; lower where it looks in."""
+    height = chance.within(0.2, 1.2 if turn is None else 0.7)
+    around = chance.within(-math.pi, math.pi) if turn is None else turn + chance.within(-0.5, 0.5)
+    return _short(np.array([math.cos(around), math.tan(height), math.sin(around)]))
 
 
 def _lit(chance: Chance, spec: Any) -> Any:

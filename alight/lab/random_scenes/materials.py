@@ -32,7 +32,7 @@ def solid(chance: Chance) -> Bsdf:
 
 
 def wall(chance: Chance) -> Bsdf:
-    """Mostly matt paint; else any solid model whose colour can be chosen, as a wall is not black."""
+    """Mostly matt paint; else any solid model whose colour can be chosen: walls are not black."""
     if chance.happens(0.8):
         texture = any_texture(chance, UNIT) if chance.happens(0.15) else None
         bright = texture is not None and max(texture.mean()) > 0.2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from alight.lab.random_scenes.chance import Chance
@@ -36,7 +38,7 @@ def normals(chance: Chance) -> np.ndarray:
     return _whole(0.5 + 0.5 * vectors, "uint8")
 
 
-def surroundings(chance: Chance, contrast: float) -> np.ndarray:
+def surroundings(chance: Chance, contrast: float, turn: float | None = None) -> np.ndarray:
     """A latitude-longitude map: a smooth sky over dark ground, with small bright texels in it.
 
     Parameters
@@ -44,6 +46,8 @@ def surroundings(chance: Chance, contrast: float) -> np.ndarray:
     chance : Chance
     contrast : float
         Light of the bright texels together, as a multiple of that of all others.
+    turn : float, radians, optional
+        About where they are, from +x towards +z; anywhere by default.
 
     Returns
     -------
@@ -66,12 +70,20 @@ def surroundings(chance: Chance, contrast: float) -> np.ndarray:
         bright = np.zeros((height, width, 3))
         for _ in range(chance.choose((1, 1, 2, 5))):
             row = chance.whole(1, max(1, height // 2 - 1))
-            bright[row, chance.whole(0, width - 1)] += chance.color(0.5, 1.0)
+            column = chance.whole(0, width - 1) if turn is None else _column(chance, turn, width)
+            bright[row, column] += chance.color(0.5, 1.0)
         texels += contrast * bright / np.average(bright.mean(axis=2), weights=weight)
     texels /= np.average(texels.mean(axis=2), weights=weight)
     return np.array([float(f"{value:.4g}") for value in texels.ravel()], np.float32).reshape(
         texels.shape
     )
+
+
+def _column(chance: Chance, turn: float, width: int) -> int:
+    """The column of a direction: +z is in the middle, -x to its right."""
+    turn += chance.within(-0.5, 0.5)
+    around = math.atan2(-math.cos(turn), math.sin(turn)) / (2.0 * math.pi)
+    return int(width * (0.5 + around)) % width
 
 
 def _whole(texels: np.ndarray, kind: str) -> np.ndarray:

@@ -73,7 +73,7 @@ def any_sampler(chance: Chance) -> Sampler:
 
 
 def any_integrator(
-    chance: Chance, *, media: bool, found_by_chance: bool, closed: bool, deep: bool
+    chance: Chance, *, media: bool, found_by_chance: bool, closed: bool, edges: tuple[int, int]
 ) -> Integrator:
     """An integrator that shows the scene.
 
@@ -86,8 +86,8 @@ def any_integrator(
         Whether paths meet enough of the light without looking for it.
     closed : bool
         Whether no light leaves the scene.
-    deep : bool
-        Whether it takes many edges to see something: glass.
+    edges : (int, int)
+        Between which limits the length of the longest paths is; more where there is glass.
     """
     modules = [
         module
@@ -105,7 +105,7 @@ def any_integrator(
     if "hide_emitters" in fields:
         changes["hide_emitters"] = chance.happens(0.05)
     if "max_depth" in fields:
-        changes["max_depth"] = chance.whole(6, 16) if deep else chance.whole(2, 9)
+        changes["max_depth"] = chance.whole(*edges)
         if "rr_depth" in fields and not closed and chance.happens(0.1):
             changes |= {"max_depth": None, "russian_roulette": "throughput"}
     if "rr_depth" in fields:

@@ -9,7 +9,7 @@ from alight.lab.random_scenes.draft import Draft
 def build(draft: Draft) -> None:
     """Put ground, clear bodies and perhaps a solid one, and a lamp that paths can hit."""
     chance = draft.chance.named("caustic")
-    draft.deep, draft.found_by_chance = True, False
+    draft.edges, draft.found_by_chance = (6, 16), False
     draft.ground(half=3.0)
     for _ in range(chance.whole(1, 3)):
         radius = chance.scaled(0.35, 0.8)

@@ -9,7 +9,7 @@ from alight.lab.random_scenes.draft import Draft
 def build(draft: Draft) -> None:
     """Put a room with a gap, a box with a lamp beyond it, and furniture."""
     chance = draft.chance.named("door")
-    draft.closed, draft.found_by_chance = True, False
+    draft.closed, draft.found_by_chance, draft.edges = True, False, (5, 12)
     room = enclosures.any_measures(chance)
     gap = chance.within(0.08, 0.35) * room.z
     z = chance.within(-0.4, 0.0) * room.z

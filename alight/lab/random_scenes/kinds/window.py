@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from alight.lab.random_scenes import enclosures, lamps
 from alight.lab.random_scenes.draft import Draft
 from alight.lights.portal import Portal
@@ -11,7 +13,7 @@ from alight.scene.transform import rotate, scale, translate
 def build(draft: Draft) -> None:
     """Put a room with a hole, surroundings, perhaps a portal in the hole, and furniture."""
     chance = draft.chance.named("window")
-    draft.closed, draft.found_by_chance = True, False
+    draft.closed, draft.found_by_chance, draft.edges = True, False, (4, 10)
     room = enclosures.any_measures(chance)
     half_y, half_z = chance.within(0.2, 0.35) * room.height, chance.within(0.2, 0.5) * room.z
     y, z = chance.within(0.45, 0.6) * room.height, chance.within(-0.4, 0.1) * room.z
@@ -20,7 +22,10 @@ def build(draft: Draft) -> None:
     enclosures.look_in(draft, room)
     share = half_y * half_z / (room.height * room.z)
     irradiance = chance.scaled(5.0, 15.0) / share
-    draft.environment = lamps.surround(chance, irradiance, chance.choose((0.0, 0.0, 1.0)))
+    # Bright from the left, where the hole is; the sun alone would leave the room to its patch.
+    names = [name for name in lamps.models_at("environment") if name != "sun"]
+    contrast = chance.choose((0.0, 0.0, 1.0))
+    draft.environment = lamps.surround(chance, irradiance, contrast, names, turn=math.pi)
     if chance.happens(0.5):
         where = translate(-room.x, y, z) @ rotate("y", -90.0) @ scale(half_z, half_y, 1.0)
         draft.add("portal", light=Portal(), transform=where)
