@@ -162,7 +162,11 @@ def reverse_bits(u):
 
 def gather(view, index):
     """``view[index]`` in each lane. Every index must be valid, in dead lanes too."""
-    return getattr(view, "array", view)[np.asarray(index).astype(np.int64)]
+    index = np.asarray(index).astype(np.int64)
+    # NumPy itself refuses those that are too large; to it, negative ones count from the end.
+    if (index < 0).any():
+        raise IndexError(f"index {index.min()} is out of bounds: it is negative")
+    return getattr(view, "array", view)[index]
 
 
 def gather_row(view, index, n):

@@ -7,6 +7,7 @@ from tests.mutants.lights import LIGHT
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
 from tests.mutants.principled import PRINCIPLED
+from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.transport import TRANSPORT
@@ -24,4 +25,5 @@ MUTANTS = (
     + PRINCIPLED
     + MEDIA
     + KNOWN_ERROR
+    + RANDOM_SCENES
 )
