@@ -43,7 +43,8 @@ def scenes():
 
 @pytest.fixture(scope="module")
 def texts(scenes):
-    return {place: dumps(scene) for place, scene in scenes.items()}
+    """Of a third of them: reading takes its time."""
+    return {place: dumps(scene) for place, scene in scenes.items() if place[0] < 8}
 
 
 def used(value):
@@ -64,18 +65,15 @@ def test_a_scene_depends_on_its_seed_and_kind_only(scenes):
     """Not on what was drawn before, on the order of sets, or on the source of random numbers."""
     for place, scene in list(scenes.items())[:: len(KINDS) + 1]:
         assert random_scene(*place) == scene
-    texts = [
-        subprocess.run(
-            [sys.executable, "-c", DIGEST],
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for seed in ("1", "2")
-    ]
-    assert texts[0] == texts[1]
-    assert texts[0].split() == [content_hash(flatten(random_scene(seed))) for seed in range(8)]
+    # This process has another order of sets: pytest takes no seed for hashes.
+    elsewhere = subprocess.run(
+        [sys.executable, "-c", DIGEST],
+        env={**os.environ, "PYTHONHASHSEED": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert elsewhere.split() == [content_hash(flatten(random_scene(seed))) for seed in range(8)]
 
 
 def test_no_two_scenes_are_alike(texts):

@@ -52,7 +52,11 @@ def clear(chance: Chance) -> Bsdf:
         for module in Registry("bsdfs").values()
         if hasattr(module.EXAMPLES[0], "int_ior") and _passes(module.EXAMPLES[0])
     ]
-    return of_model(chance, chance.choose(models))
+    found = of_model(chance, chance.choose(models))
+    ratio = found.int_ior / found.ext_ior
+    # The same index on both sides would be nothing to be seen.
+    is_seen = max(ratio, 1.0 / ratio) > 1.1 or chance.happens(0.1)
+    return found if is_seen else found.replaced(int_ior=chance.within(1.3, 2.0), ext_ior=1.0)
 
 
 def glossy(chance: Chance) -> Bsdf:

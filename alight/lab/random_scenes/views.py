@@ -27,7 +27,7 @@ def any_film(chance: Chance, size: tuple[int, int] | None) -> FilmSettings:
     drawn = (width, min(max(height, SMALLEST), LARGEST))
     # A wide filter blurs everything: these are for pictures, not for the edges of ranges.
     spec = any_model(chance, "filters")
-    changes = {name: min(value, 3.0) for name, value in spec if name in ("radius", "stddev")}
+    changes = {name: min(value, 2.0) for name, value in spec if name in ("radius", "stddev")}
     return FilmSettings(size=size or drawn, filter=spec.replaced(**changes))
 
 

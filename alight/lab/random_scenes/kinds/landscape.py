@@ -15,7 +15,7 @@ def build(draft: Draft) -> None:
         draft.add("ground", shape=shape, bsdf=draft.material("wall"))
     else:
         draft.ground()
-    irradiance = chance.scaled(1.0, 3.0)
+    irradiance = chance.scaled(1.5, 4.0)
     if chance.happens(0.25):
         draft.environment = lamps.surround(chance, 0.3 * irradiance, 0.0, ["sky", "constant"])
         draft.add("sun", light=lamps.surround(chance.named("sun"), irradiance, 0.0, ["sun"]))

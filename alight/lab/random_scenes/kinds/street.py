@@ -21,7 +21,7 @@ def build(draft: Draft) -> None:
     for number in range(chance.whole(2, 6)):
         own = chance.named(number)
         at = (own.within(-1.8, 1.8), own.within(1.5, 2.8), own.within(-3.0, 2.0))
-        light = lamps.small_lamp(own, 2.0, own.scaled(1.0, 5.0))
+        light = lamps.small_lamp(own, 2.0, own.scaled(3.0, 12.0))
         foot = (0.7 * at[0] + own.within(-0.5, 0.5), 0.0, at[2] + own.within(-0.5, 0.5))
         draft.add("lamp", light=light, transform=lamps.aimed(own, at, foot))
     for _ in range(chance.whole(0, 3)):

@@ -21,10 +21,10 @@ def build(draft: Draft) -> None:
     enclosures.walls(draft, room, hole)
     enclosures.look_in(draft, room)
     share = half_y * half_z / (room.height * room.z)
-    irradiance = chance.scaled(5.0, 15.0) / share
+    irradiance = chance.scaled(3.0, 8.0) / share
     # Bright from the left, where the hole is; the sun alone would leave the room to its patch.
     names = [name for name in lamps.models_at("environment") if name != "sun"]
-    contrast = chance.choose((0.0, 0.0, 1.0))
+    contrast = chance.choose((0.0, 0.0, 0.5))
     draft.environment = lamps.surround(chance, irradiance, contrast, names, turn=math.pi)
     if chance.happens(0.5):
         where = translate(-room.x, y, z) @ rotate("y", -90.0) @ scale(half_z, half_y, 1.0)
