@@ -7,7 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from alight.bsdfs.nesting import leaves
+from alight.bsdfs.null import Null
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.core.registry import specs
 from alight.films import fixed_point
 from alight.integrators.walk import make_settings
 from alight.laws.scene import check_scene
@@ -50,9 +53,13 @@ def modes(scene: Scene, seed: int, spp: int) -> list[str]:
 
 
 def integrators(scene: Scene, seed: int, spp: int) -> list[str]:
-    """`volpath` gives the picture of `path` where there are no media: from the same numbers."""
+    """`volpath` gives the picture of `path` where both see all there is: from the same numbers."""
     own = scene.integrator
     if not hasattr(own, "russian_roulette") or next(scene.used_media(), None):
+        return []
+    parts = (leaf.bsdf for bsdf in flatten(scene).bsdfs for leaf in leaves(bsdf))
+    if any(isinstance(part, Null) for part in parts):
+        # Only one of them counts holes and invisible surfaces as vertices.
         return []
     fields = {name: value for name, value in own if name not in ("type", "heuristic")}
     # `volpath` knows the balance heuristic only.
@@ -111,8 +118,6 @@ def picture(
 
 
 def _with_integrator(scene: Scene, fields: dict) -> Scene:
-    from alight.core.registry import specs
-
     name = fields.pop("type")
     return scene.replaced(integrator=specs("integrators")[name](**fields))
 

@@ -1,7 +1,7 @@
 """Random scenes, as many as wanted, against what must hold of every scene, in one command.
 
 python benchmarks/campaign/run.py [--seeds 0-99] [--parts robustness,laws,...] [--kinds room,...]
-    [--side 16] [--spp 4] [--save FILE]
+    [--side 16] [--spp 4] [--edge 0.02] [--save FILE]
 
 ``robustness``: the scene is valid, comes back from its text, and is rendered without an exception
 or a warning, with every gather inside of its table and every sample finite. ``laws``: materials,
@@ -12,7 +12,8 @@ and both together give one picture, with and without roulette (compiles five ker
 
 Constants and repairs are tried on even seeds; verdicts are on odd ones, drawn afterwards. Both are
 printed. Each problem is a line that begins with the seed and the kind, by which
-``alight scene random`` makes the scene again.
+``alight scene random`` makes the scene again; ``--edge`` is the probability that a parameter is at an
+end of its range, which that command does not know.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from typing import Any
 from parts import PARTS
 
 from alight.core.errors import AlightError
-from alight.lab.random_scenes import KINDS, random_scene
+from alight.lab.random_scenes import KINDS, descriptions, random_scene
 
 
 def numbers(text: str) -> range:
@@ -69,8 +70,10 @@ def main() -> int:
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--side", type=int, default=16)
     parser.add_argument("--spp", type=int, default=4)
+    parser.add_argument("--edge", type=float, default=descriptions.EDGE)
     parser.add_argument("--save", type=Path)
     options = parser.parse_args()
+    descriptions.EDGE = options.edge
     faulthandler.enable()
     # NumPy's warnings would stand between a user's lines: they are defects, too.
     warnings.simplefilter("error")
