@@ -12,8 +12,8 @@ and both together give one picture, with and without roulette (compiles five ker
 
 Constants and repairs are tried on even seeds; verdicts are on odd ones, drawn afterwards. Both are
 printed. Each problem is a line that begins with the seed and the kind, by which
-``alight scene random`` makes the scene again; ``--edge`` is the probability that a parameter is at an
-end of its range, which that command does not know.
+``alight scene random`` makes the scene again. ``--edge`` is the probability that a parameter is at
+an end of its range; that command knows only the usual one.
 """
 
 from __future__ import annotations

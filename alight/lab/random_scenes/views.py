@@ -16,6 +16,8 @@ SMALLEST, LARGEST = 32, 256
 #: How much more often a model is drawn that follows light in all ways; a quarter of it for one that
 #: also looks for media where there are none.
 PATH_TRACERS = 8
+#: Scenes that ask for so many edges show little by direct light.
+INDIRECT = 4
 
 Point = tuple[float, float, float]
 
@@ -93,7 +95,7 @@ def any_integrator(
         module
         for module in Registry("integrators").values()
         for _ in range(_weight(module.EXAMPLES[0], media))
-        if _shows(module.EXAMPLES[0], media, found_by_chance)
+        if _shows(module.EXAMPLES[0], media, found_by_chance, edges[0])
     ]
     module = chance.choose(modules)
     spec = varied(chance, chance.choose(module.EXAMPLES), keep=("hide_emitters",), share=0.3)
@@ -115,9 +117,12 @@ def any_integrator(
     return spec.replaced(**changes)
 
 
-def _shows(spec: Integrator, media: bool, found_by_chance: bool) -> bool:
+def _shows(spec: Integrator, media: bool, found_by_chance: bool, fewest: int) -> bool:
     if not spec.needs_light:
         return True
+    # Without a length to choose, paths may be short ones: direct light only.
+    if fewest >= INDIRECT and not hasattr(spec, "max_depth"):
+        return False
     return (spec.sees_media or not media) and (found_by_chance or hasattr(spec, "light_sampling"))
 
 

@@ -9,7 +9,7 @@ from alight.lab.random_scenes.draft import Draft
 def build(draft: Draft) -> None:
     """Put a room, one to three lamps under its ceiling, and furniture."""
     chance = draft.chance.named("room")
-    draft.closed, draft.edges = True, (3, 9)
+    draft.closed, draft.found_by_chance, draft.edges = True, False, (3, 9)
     room = enclosures.any_measures(chance)
     enclosures.walls(draft, room)
     enclosures.look_in(draft, room)

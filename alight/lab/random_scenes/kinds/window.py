@@ -21,7 +21,7 @@ def build(draft: Draft) -> None:
     enclosures.walls(draft, room, hole)
     enclosures.look_in(draft, room)
     share = half_y * half_z / (room.height * room.z)
-    irradiance = chance.scaled(3.0, 8.0) / share
+    irradiance = chance.scaled(1.5, 4.0) / share
     # Bright from the left, where the hole is; the sun alone would leave the room to its patch.
     names = [name for name in lamps.models_at("environment") if name != "sun"]
     contrast = chance.choose((0.0, 0.0, 0.5))
