@@ -9,6 +9,7 @@ from tests.mutants.lights import LIGHT
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
 from tests.mutants.principled import PRINCIPLED
+from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.transport import TRANSPORT
@@ -28,4 +29,5 @@ MUTANTS = (
     + KNOWN_ERROR
     + LABORATORY
     + EDGES
+    + RANDOM_SCENES
 )
