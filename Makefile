@@ -3,6 +3,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
+SEEDS ?= 0-1
 BIN := $(VENV)/bin
 # --require-hashes: only the very files that were locked; --only-binary: never start a compiler.
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
@@ -12,12 +13,13 @@ PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-ch
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-dev demo test proofs lint format types docs figures peers lock clean
+.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock clean
 
 help:
 	@echo "make demo     set up, then render the built-in Cornell box to cornell.png"
 	@echo "make test     set up, then run the test suite (at most 10 minutes on 2 cores)"
 	@echo "make proofs   long statistics, planted bugs and the 8-lane build (at most 30 minutes)"
+	@echo "make campaign random scenes against what must hold of every one (SEEDS=0-1)"
 	@echo "make lint     style and direction of imports      make format   let ruff mend the style"
 	@echo "make types    static types                        make docs     build the pages in site/"
 	@echo "make figures  render the pictures of docs/        make peers    install Mitsuba and Embree"
@@ -62,6 +64,9 @@ test: setup-dev
 proofs: setup-dev
 	ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS) --ignore tests/static # which runs no kernel
 	$(BIN)/python -m pytest -n $(JOBS) -m proofs
+
+campaign: setup-dev
+	$(BIN)/python benchmarks/campaign/run.py --seeds $(SEEDS)
 
 lint: setup-dev
 	$(BIN)/ruff check .

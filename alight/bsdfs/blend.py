@@ -11,13 +11,11 @@ the plug-in ``blendbsdf`` of Mitsuba 3 (https://mitsuba.readthedocs.io).
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Self
-
-from pydantic import model_validator
+from typing import ClassVar, Literal
 
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.mirror import Mirror
-from alight.bsdfs.nesting import Nested, Part, check_leaves
+from alight.bsdfs.nesting import Nested, Part
 from alight.core.spec import NestedBsdfs, UnitTexture
 
 
@@ -37,11 +35,6 @@ class Blend(Nested):
     type: Literal["blend"] = "blend"
     weight: UnitTexture = 0.5
     bsdfs: NestedBsdfs = (Diffuse(), Mirror())
-
-    @model_validator(mode="after")
-    def _has_few_leaves(self) -> Self:
-        check_leaves(self)
-        return self
 
     @property
     def parts(self) -> tuple[Part, ...]:

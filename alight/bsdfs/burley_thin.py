@@ -8,8 +8,11 @@ r"""Burley's thin sheet as Mitsuba has it: paper, leaves, panes and cloth that l
 
 with the glass t, the part d of the rest that goes through, and the lobes of `burley`; what passes
 is mirrored to the other side, by facets whose roughness is multiplied by 0.65 eta - 0.35. Both
-sides are alike. Reciprocal; sheen comes in addition, so bright sheets may send out more than they
-get.
+sides are alike. Reciprocal.
+
+**It makes light**, as `burley` does: of base colour 1 and roughness 1 it sends out 1.04, 1.03,
+1.03, 1.06, 1.19 and 1.40 times what it gets at 0, 30, 45, 60, 75 and 85 degrees, with sheen up to
+1.61 times.
 
 Source: Burley 2015, Extending the Disney BRDF to a BSDF; the plug-in ``principledthin`` of
 Mitsuba 3 (https://mitsuba.readthedocs.io).
@@ -40,6 +43,9 @@ from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.vec import Vec3, dot, lerp, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar, textured_scalar
+
+#: What a white sheet sends out at most of the light that it gets, measured.
+MOST_SENT_OUT = 1.61
 
 
 class BurleyThin(Bsdf):
@@ -87,7 +93,7 @@ EXAMPLES = (
 
 
 def is_lossless(spec: BurleyThin) -> bool:
-    """Light between facets is lost."""
+    """Light between facets is lost, and towards the rim more is sent out than comes in."""
     return False
 
 

@@ -12,12 +12,10 @@ Source: the plug-in ``mask`` of Mitsuba 3 (https://mitsuba.readthedocs.io).
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Self
-
-from pydantic import model_validator
+from typing import ClassVar, Literal
 
 from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.nesting import Nested, Part, check_leaves
+from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.null import Null
 from alight.core.spec import NestedBsdf, UnitTexture
 
@@ -38,11 +36,6 @@ class Mask(Nested):
     type: Literal["mask"] = "mask"
     opacity: UnitTexture = 0.5
     bsdf: NestedBsdf = Diffuse()
-
-    @model_validator(mode="after")
-    def _has_few_leaves(self) -> Self:
-        check_leaves(self)
-        return self
 
     @property
     def parts(self) -> tuple[Part, ...]:

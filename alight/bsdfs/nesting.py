@@ -8,12 +8,16 @@ the list of the leaves; see `alight.bsdfs.dispatch`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Self
+
+from pydantic import model_validator
 
 from alight.core.spec import Bsdf, invalid
 
 #: A material has at most so many leaves: kernels visit them one after the other.
 MOST_LEAVES = 32
+#: And at most so many levels: what goes through them calls itself.
+MOST_LEVELS = 64
 
 
 class Part(NamedTuple):
@@ -47,6 +51,13 @@ class Nested(Bsdf):
     bends_normals: ClassVar[bool] = False
     makes_two_sided: ClassVar[bool] = False
     weight_field: ClassVar[str] = ""
+
+    @model_validator(mode="after")
+    def _is_small(self) -> Self:
+        problem = levels_problem(self) or leaves_problem(self)
+        if problem:
+            raise invalid(problem)
+        return self
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -116,11 +127,20 @@ def leaves_problem(spec: Bsdf, counts: Mapping[str, int] | None = None) -> str |
     )
 
 
-def check_leaves(spec: Bsdf) -> None:
-    """Refuse a material with too many leaves, in a validator of its class."""
-    problem = leaves_problem(spec)
-    if problem:
-        raise invalid(problem)
+def count_levels(spec: Bsdf | str, counts: Mapping[str, int] | None = None) -> int:
+    """How deep a material is nested: 1 for a model; names count as `counts` says, others as one."""
+    if isinstance(spec, str):
+        return (counts or {}).get(spec, 1)
+    if not isinstance(spec, Nested):
+        return 1
+    return 1 + max(count_levels(part.bsdf, counts) for part in spec.parts)
+
+
+def levels_problem(spec: Bsdf, counts: Mapping[str, int] | None = None) -> str | None:
+    """Say so if a material is nested too deep."""
+    count = count_levels(spec, counts)
+    text = f"must be at most {MOST_LEVELS} levels deep, got {count}"
+    return text if count > MOST_LEVELS else None
 
 
 def find_transmissive(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> Bsdf | None:

@@ -15,7 +15,7 @@ rendering, report CW 197, K.U. Leuven (1994).
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
 
@@ -44,6 +44,7 @@ class Phong(Bsdf):
         Sharpness n of the lobe; 0 is the widest.
     """
 
+    shares: ClassVar[tuple[str, ...]] = ("diffuse", "specular")
     type: Literal["phong"] = "phong"
     diffuse: ColorTexture = (0.5, 0.5, 0.5)
     specular: ColorTexture = (0.3, 0.3, 0.3)
@@ -51,7 +52,7 @@ class Phong(Bsdf):
 
     @model_validator(mode="after")
     def _conserves_energy(self) -> Self:
-        problem = energy_problem(diffuse=self.diffuse, specular=self.specular)
+        problem = energy_problem(**{name: getattr(self, name) for name in self.shares})
         if problem:
             raise invalid(problem)
         return self

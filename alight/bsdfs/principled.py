@@ -34,6 +34,7 @@ Kelemen and Szirmay-Kalos 2001 for the diffuse part; Walter et al. 2007 for refr
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from alight.bsdfs.absorption import (
@@ -101,6 +102,9 @@ RARELY_TEXTURED = (
 )  # fmt: skip
 #: Index of glass at least: the facet that refracts is found from it.
 LEAST_IOR = 1.001
+
+#: Larger angles of textures, in radians, are taken for this one: kernels do not know them.
+MOST_TURNED = 1e5
 
 _Any = Interval()
 Angle = Annotated[float | Texture | str, NumberOrTexture(_Any, other=(str, Texture))]
@@ -246,6 +250,10 @@ def pack(spec: Principled, packer) -> None:
         "iridescence_thickness",
     ):  # fmt: skip
         packer.scalar(name, getattr(spec, name))
+    if isinstance(spec.anisotropy_rotation, float):
+        # Kernels know no angles of many turns.
+        turn = math.remainder(spec.anisotropy_rotation, 2.0 * math.pi)
+        packer.numbers("anisotropy_rotation", turn)
     packer.numbers("iridescence_ior", spec.iridescence_ior)
     refracts = spec.transmissive and not spec.thin
     eta = max(spec.ior, LEAST_IOR) if refracts else spec.ior
@@ -358,7 +366,8 @@ def _facets(program):
     @kernel
     def anisotropic(scene, base, surface, alpha):
         a = _unit(_rare(scene, base + ANISOTROPY, surface))
-        s, c = sincos(_rare(scene, base + ROTATION, surface))
+        angle = _rare(scene, base + ROTATION, surface)
+        s, c = sincos(minimum(maximum(angle, -MOST_TURNED), MOST_TURNED))
         return Facets(alpha_along(alpha, a), alpha, lanes(0.0)), Turn(s, c, a)
 
     return anisotropic

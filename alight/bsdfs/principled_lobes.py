@@ -56,9 +56,16 @@ def _facet_terms(params, view, cosine):
     """(metal, dielectric, F): Fresnel's terms at a facet, and the dielectric's plain one."""
     plain, _ = fresnel_dielectric(cosine, view.eta)
     dielectric = view.a + view.b * plain
+    # At the normal a black tint leaves only the rounding of a + b F, at the rim F is 1.
+    dielectric = Vec3(_unit(dielectric.x), _unit(dielectric.y), _unit(dielectric.z))
     metal = schlick(cosine, params.base)
     share, film = film_reflectance(params, view.inside, view.a, view.b, cosine)
     return mixed(share, metal, film), mixed(share, dielectric, film), plain
+
+
+@kernel
+def _unit(x):
+    return minimum(maximum(x, 0.0), 1.0)
 
 
 @specialised
@@ -257,14 +264,16 @@ def _facet_direction(program):
     def direction(params, view, wm, u, coat):
         cos_o = minimum(maximum(dot(view.wo, wm), 0.0), 1.0)
         metal, dielectric, _ = _facet_terms(params, view, cos_o)
-        passes = (u >= _share_reflected(params, view, metal, dielectric)) & ~coat
         _, cos_t = fresnel_dielectric(cos_o, view.eta)
+        # Nothing is bent at total reflection, not even where metal leaves glass no share.
+        open_ = (params.thin | (cos_t > 0.0)) & ~coat
+        passes = (u >= _share_reflected(params, view, metal, dielectric)) & open_
         mirrored = reflect(view.wo, wm)
         refracted = (cos_o / view.eta - cos_t) * wm - view.wo / view.eta
         through = where(params.thin, mirrored_if(params.thin, mirrored), refracted)
         wi = renormalize(where(passes, through, mirrored))
         above = wi.z > 0.0
-        right = (above & ~passes) | (~above & passes)
+        right = ((above & ~passes) | (~above & passes)) & (cos_o > 0.0)
         # In the surface it has neither density nor weight.
         return where(right, wi, Vec3(1.0, 0.0, 0.0)), passes
 

@@ -17,12 +17,16 @@ from alight.core.maths import exp
 from alight.core.registry import Models, Numbers, modules
 from alight.core.simd import (
     any_lane,
+    as_int,
+    as_uint,
     gather,
+    horizontal_max,
     lanes,
     lanes_mask,
     lanes_u32,
     lanes_vec3,
     maximum,
+    to_float,
     where,
 )
 from alight.core.vec import Vec3
@@ -82,6 +86,17 @@ def models_of(program) -> list[Used]:
 @kernel
 def _kind(scene, row):
     return gather(scene.materials.info, 2 * row)
+
+
+@kernel
+def _own_rows(mine, row):
+    """Rows of one kind in every lane, those of `mine` in their places.
+
+    Rows of other kinds hold other numbers, and what means the start of a table to one model would
+    lead another one out of all tables.
+    """
+    some = as_uint(as_int(horizontal_max(where(mine, to_float(row), 0.0))))
+    return where(mine, row, some)
 
 
 @kernel
@@ -182,7 +197,8 @@ def _evaluate_switch(models):
     def step(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
         mine = active & (kind == number)
         if any_lane(mine):
-            f_cos_new, pdf_new = evaluate(scene, surface, row, wo, wi, mine)
+            own = _own_rows(mine, row)
+            f_cos_new, pdf_new = evaluate(scene, surface, own, wo, wi, mine)
             f_cos, pdf = where(mine, f_cos_new, f_cos), where(mine, pdf_new, pdf)
         return rest(scene, surface, row, kind, wo, wi, active, f_cos, pdf)
 
@@ -252,7 +268,8 @@ def _sample_switch(models):
     def step(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags):
         mine = active & (kind == number)
         if any_lane(mine):
-            wi_new, weight_new, pdf_new, flags_new = sample(scene, surface, row, wo, u, u2, mine)
+            own = _own_rows(mine, row)
+            wi_new, weight_new, pdf_new, flags_new = sample(scene, surface, own, wo, u, u2, mine)
             wi, weight = where(mine, wi_new, wi), where(mine, weight_new, weight)
             pdf, flags = where(mine, pdf_new, pdf), where(mine, flags_new, flags)
         return rest(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags)
@@ -384,7 +401,8 @@ def _albedo_switch(models):
     def step(scene, surface, row, kind, active, value):
         mine = active & (kind == number)
         if any_lane(mine):
-            value = where(mine, albedo(load(scene, row * stride, surface)), value)
+            params = load(scene, _own_rows(mine, row) * stride, surface)
+            value = where(mine, albedo(params), value)
         return rest(scene, surface, row, kind, active, value)
 
     return step

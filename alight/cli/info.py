@@ -45,6 +45,8 @@ def info(
     show_remarks(description)
     for note in flat.notes:
         typer.echo(f"approximated: {note}", err=True)
+    for note in energy_notes(flat):
+        typer.echo(f"note: {note}", err=True)
 
 
 def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
@@ -73,6 +75,20 @@ def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
         ("lights", _counted(lights)),
         ("meshes", f"{len(flat.geometries)} of {_megabytes(mesh_bytes(flat))}"),
         *moving_facts(flat),
+    ]
+
+
+def energy_notes(flat: FlatScene) -> list[str]:
+    """Say which models send out more light than they get, whatever they are part of."""
+    from alight.bsdfs.nesting import leaves
+    from alight.core.registry import Models
+
+    names = {leaf.bsdf.type_name() for bsdf in flat.bsdfs for leaf in leaves(bsdf)}
+    most = {name: getattr(Models("bsdfs")[name], "MOST_SENT_OUT", 1.0) for name in sorted(names)}
+    return [
+        f"{name} makes light: a white one sends out up to {factor:g} times what it gets"
+        for name, factor in most.items()
+        if factor > 1.0
     ]
 
 

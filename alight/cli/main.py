@@ -21,6 +21,7 @@ from alight.cli.reference import reference
 from alight.cli.render import render
 from alight.cli.reporting import reporting_errors
 from alight.cli.resume import resume
+from alight.cli.scene import random
 from alight.cli.scenes import scenes
 from alight.cli.sheet import sheet
 from alight.cli.study import study
@@ -54,6 +55,10 @@ for command in (
 ):
     app.command()(reporting_errors(command))
 app.command(cls=MutantCommand)(reporting_errors(check))
+
+scene = typer.Typer(name="scene", help="Make up scenes.", no_args_is_help=True)
+scene.command()(reporting_errors(random))
+app.add_typer(scene)
 
 
 def _show_version(asked: bool) -> None:

@@ -161,8 +161,15 @@ def reverse_bits(u):
 
 
 def gather(view, index):
-    """``view[index]`` in each lane. Every index must be valid, in dead lanes too."""
-    return getattr(view, "array", view)[np.asarray(index).astype(np.int64)]
+    """``view[index]`` in each lane. Every index must be valid, in dead lanes too.
+
+    Machine code does not check it; here an index out of bounds is an error.
+    """
+    array, index = getattr(view, "array", view), np.asarray(index).astype(np.int64)
+    # NumPy counts negative ones from the end.
+    if index.size and index.min() < 0:
+        raise IndexError(f"index {index.min()} is out of bounds of a table of {len(array)} numbers")
+    return array[index]
 
 
 def gather_row(view, index, n):

@@ -273,11 +273,12 @@ class Spec(BaseModel):
 
 
 class Bsdf(Spec):
-    """Base class of scattering models."""
+    """Base class of scattering models; the reflectances `shares` are together at most 1."""
 
     family: ClassVar[str] = "bsdfs"
     kind: ClassVar[str] = "bsdf"
     transmissive: ClassVar[bool] = False
+    shares: ClassVar[tuple[str, ...]] = ()
 
 
 def _is_color(marker: object) -> bool:

@@ -40,10 +40,18 @@ class View:
         return self.array.dtype
 
     def __getitem__(self, index):
-        return self.array[index]
+        """Read a number; as machine code, without counting from the end."""
+        return self.array[_checked(index)]
 
     def __setitem__(self, index, value):
-        self.array[index] = value
+        """Write a number."""
+        self.array[_checked(index)] = value
 
     def __reduce__(self):
         return View, (self.shaped,)
+
+
+def _checked(index):
+    if isinstance(index, int | np.integer) and index < 0:
+        raise IndexError(f"index {index} is out of bounds: it must not be negative")
+    return index

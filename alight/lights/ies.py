@@ -33,7 +33,8 @@ from alight.core.simd import (
     where,
 )
 from alight.core.spec import Color, Light, Triple, invalid
-from alight.core.vec import Vec3, dot, gather_vec3, length_squared
+from alight.core.vec import Vec3, dot, gather_vec3
+from alight.lights.at_point import way_to
 from alight.lights.photometry import (
     HORIZONTAL_STEP,
     VERTICAL_STEP,
@@ -168,7 +169,9 @@ def power(luminance: float, area: float, radius: float) -> float:
 def cone(spec: Ies) -> tuple[float, float]:
     """Half angle of the directions that it faces; dark beyond."""
     lit = np.flatnonzero(grid(profile(spec)).max(axis=1) > 0.0)
-    return min(PI, float(np.radians((lit[-1] + 2) * VERTICAL_STEP))), 0.0
+    # A dark lamp, or one whose light falls between the steps of the grid, has none.
+    last = lit[-1] if lit.size else 0
+    return min(PI, float(np.radians((last + 2) * VERTICAL_STEP))), 0.0
 
 
 @kernel
@@ -198,18 +201,14 @@ def intensity(scene, index, w):
 def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""
     data, k = scene.lights.data, index * STRIDE
-    to_light = gather_vec3(data, k + 4) - p
-    # At the light itself there is no direction; the square must not underflow to 1 / 0.
-    squared = maximum(length_squared(to_light), 1e-30)
-    distance = sqrt(squared)
-    wi = to_light * (1.0 / distance)
+    wi, distance, falling = way_to(gather_vec3(data, k + 4) - p)
     x, y, z = gather_vec3(data, k + 7), gather_vec3(data, k + 10), gather_vec3(data, k + 13)
     away = Vec3(-dot(x, wi), -dot(y, wi), -dot(z, wi))
     one = lanes(1.0)
     return LightSample(
         wi,
         distance,
-        lanes_vec3(1.0) * (intensity(scene, index, away) / squared),
+        lanes_vec3(1.0) * (intensity(scene, index, away) * falling),
         one,
         lanes_mask(True),
         one,

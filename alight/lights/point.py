@@ -15,9 +15,10 @@ import numpy as np
 
 from alight.core.constants import PI
 from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask, lanes_vec3, maximum, sqrt
+from alight.core.simd import lanes, lanes_mask, lanes_vec3
 from alight.core.spec import Color, Light, Triple
-from alight.core.vec import gather_vec3, length_squared
+from alight.core.vec import gather_vec3
+from alight.lights.at_point import way_to
 from alight.lights.tables import STRIDE, LightSample
 
 
@@ -59,15 +60,12 @@ def cone(spec: Point) -> tuple[float, float]:
 @kernel
 def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""
-    to_light = gather_vec3(scene.lights.data, index * STRIDE + 4) - p
-    # At the light itself there is no direction; the square must not underflow to 1 / 0.
-    squared = maximum(length_squared(to_light), 1e-30)
-    distance = sqrt(squared)
+    wi, distance, falling = way_to(gather_vec3(scene.lights.data, index * STRIDE + 4) - p)
     one = lanes(1.0)
     return LightSample(
-        to_light * (1.0 / distance),
+        wi,
         distance,
-        lanes_vec3(1.0) * (1.0 / squared),
+        lanes_vec3(1.0) * falling,
         one,
         lanes_mask(True),
         one,

@@ -35,7 +35,8 @@ from alight.core.simd import (
     where,
 )
 from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
-from alight.core.vec import dot, gather_vec3, length_squared
+from alight.core.vec import dot, gather_vec3
+from alight.lights.at_point import way_to
 from alight.lights.ies import axes_of
 from alight.lights.tables import INFO, STRIDE, LightSample
 from alight.textures.images import Image, Pixels, source_problem
@@ -216,11 +217,7 @@ def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""
     data, cdf, k = scene.lights.data, scene.lights.cdf, index * STRIDE
     start = gather(scene.lights.info, index * INFO + 3)
-    to_light = gather_vec3(data, k + 4) - p
-    # At the light itself there is no direction; the square must not underflow to 1 / 0.
-    squared = maximum(length_squared(to_light), 1e-30)
-    distance = sqrt(squared)
-    wi = to_light * (1.0 / distance)
+    wi, distance, falling = way_to(gather_vec3(data, k + 4) - p)
     z = maximum(-dot(gather_vec3(data, k + 13), wi), 1e-9)
     x, y = -dot(gather_vec3(data, k + 7), wi) / z, -dot(gather_vec3(data, k + 10), wi) / z
     there = (x >= -1.0) & (x <= 1.0) & (y >= -1.0) & (y <= 1.0) & (z > 1e-6)
@@ -229,7 +226,7 @@ def sample(scene, index, p, u, u2):
     falloff = minimum(maximum((cutoff - theta) * fade, 0.0), 1.0)
     u, v = where(there, 0.5 - 0.5 * x, 0.5), where(there, 0.5 - 0.5 * y, 0.5)
     spread = where(gather(cdf, start + SCREEN) > 0.0, z * z * z, 1.0)
-    bright = where(there, falloff / (spread * squared), 0.0)
+    bright = where(there, falloff * falling / spread, 0.0)
     one = lanes(1.0)
     return LightSample(
         wi,

@@ -26,6 +26,7 @@ from alight.core.simd import (
 from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.area import pdf as area_pdf
 from alight.lights.emission import emitted_color
+from alight.lights.halves import one_after_another, sum_of
 from alight.lights.moving import moving_pdf, moving_sample
 from alight.lights.tables import INFO, STRIDE, LightSample, row_of
 from alight.lights.tree import choose_by_tree, plain_probability
@@ -82,11 +83,22 @@ def _by_row(names: tuple[str, ...], others):
     """A kernel that runs `sample` of each of several environments where it was chosen."""
     if not names:
         return others
-    own, back, after = LIGHTS[names[0]].sample, len(names), _by_row(names[1:], others)
+    chosen = one_after_another(
+        [_if_chosen(LIGHTS[name].sample, back) for back, name in enumerate(names[::-1], 1)]
+    )
 
     @kernel
     def choose(scene, index, p, u, u2):
-        result = after(scene, index, p, u, u2)
+        return chosen(scene, index, p, u, u2, others(scene, index, p, u, u2))
+
+    return choose
+
+
+def _if_chosen(own, back: int):
+    """A kernel that puts the sample of one environment into the lanes that chose it."""
+
+    @kernel
+    def choose(scene, index, p, u, u2, result):
         mine = lanes_u32(0) + index == scene.lights.info.size // INFO - back
         if any_lane(mine):
             result = blend(mine, own(scene, back, p, u, u2), result)
@@ -384,20 +396,6 @@ def environments_of(program) -> tuple[str, ...]:
     return tuple(name for name in program.lights if name in LIGHTS and _is_around(name))
 
 
-def _sum_of(parts: tuple):
-    """``(scene, p, d)``: the sum of kernels ``(scene, p, d)``, at least one."""
-    first = parts[0]
-    if len(parts) == 1:
-        return first
-    others = _sum_of(parts[1:])
-
-    @kernel
-    def added(scene, p, d):
-        return first(scene, p, d) + others(scene, p, d)
-
-    return added
-
-
 def _radiance_of(name: str, back: int):
     radiance = LIGHTS[name].radiance
 
@@ -431,7 +429,7 @@ def environment_radiance(program):
             return lanes_vec3(0.0)
 
         return black
-    total = _sum_of(parts)
+    total = sum_of(parts)
 
     @kernel
     def from_anywhere(scene, d):
@@ -454,7 +452,7 @@ def environment_pdf(program):
             return lanes(0.0)
 
         return impossible
-    return _sum_of(tuple(_density_of(name, back) for back, name in names))
+    return sum_of(tuple(_density_of(name, back) for back, name in names))
 
 
 @specialised

@@ -35,6 +35,7 @@ from alight.core.maths import arctan2
 from alight.core.simd import gather, lanes, lanes_mask, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Color, Interval, Light, Triple, invalid
 from alight.core.vec import cross, dot, gather_vec3, length_squared
+from alight.lights.at_point import way_to
 from alight.lights.tables import STRIDE, LightSample
 
 CutoffAngle = Annotated[float, Interval(0.001, 180.0)]
@@ -153,11 +154,7 @@ def cone(spec: Spot) -> tuple[float, float]:
 def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""
     data, k = scene.lights.data, index * STRIDE
-    to_light = gather_vec3(data, k + 4) - p
-    # At the light itself there is no direction; the square must not underflow to 1 / 0.
-    squared = maximum(length_squared(to_light), 1e-30)
-    distance = sqrt(squared)
-    wi = to_light * (1.0 / distance)
+    wi, distance, falling = way_to(gather_vec3(data, k + 4) - p)
     # By its tangent, because the cosine of a small angle does not tell it.
     axis = gather_vec3(data, k + 7)
     theta = arctan2(sqrt(length_squared(cross(axis, wi))), -dot(axis, wi))
@@ -180,7 +177,7 @@ def sample(scene, index, p, u, u2):
     return LightSample(
         wi,
         distance,
-        lanes_vec3(1.0) * (falloff / squared),
+        lanes_vec3(1.0) * (falloff * falling),
         one,
         lanes_mask(True),
         one,

@@ -138,10 +138,8 @@ def plan_of(pilot: Pilot, replicates: int) -> Plan:
     # Times the pilot's samples that independent samples would need.
     gap = math.log(pilot.need) if pilot.need > 1.0 else math.log(_gap(pilot))
     needs = [spp * math.exp(gap / s) for s in slope]
-    if gap < 0.0:
-        # A steeper slope leads to more samples on the way back.
-        needs = [needs[0], needs[2], needs[1]]
     middle = needs[0] * math.sqrt(GROWTH)
+    # On the way back, where the promise is kept already, a steeper slope leads to more samples.
     low = _look_after(min(needs) * (1.0 - _RULE_DOUBT), replicates)
     high = next_look(_look_after(max(needs) * (1.0 + _RULE_DOUBT), replicates) - 1, replicates)
     estimate = Estimate(min(max(middle, low), high), float(low), float(high))

@@ -22,7 +22,7 @@ from alight.scene.dump import dump_scene
 from alight.scene.formats import mitsuba, native, pbrt, ply
 from alight.scene.formats.models import PARSERS, read_model
 from alight.scene.formats.parsed import Parsed
-from alight.scene.formats.reach import OutOfReachError, Reach
+from alight.scene.formats.reach import OutOfReachError, Reach, is_file
 from alight.scene.formats.triangles import MeshArrays
 from alight.scene.made_up import fitted
 from alight.scene.manager import SceneManager
@@ -93,7 +93,7 @@ def load(
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
     else:
         path = Path(name)
-        if path.suffix.lower() in PARSERS and path.is_file():
+        if path.suffix.lower() in PARSERS and is_file(path):
             _refuse_definitions(definitions or {}, name)
             parsed = read_model(path, name, _reach(path.parent, root, name))
             framed = parsed.framed
@@ -236,7 +236,7 @@ def _with_camera_path(scene: Scene, assignment: str) -> str:
 
 def _read(path: Path) -> str:
     name = str(path)
-    if not path.is_file():
+    if not is_file(path):
         raise SceneError([Issue("", _missing(path), name)])
     if path.suffix.lower() not in SUFFIXES + FOREIGN:
         kinds = ", ".join(SUFFIXES + FOREIGN)
@@ -259,7 +259,8 @@ def _read(path: Path) -> str:
 
 def _missing(path: Path) -> str:
     built_in = builtin_names()
-    if path.is_dir():
+    # Of names that no file can have the module says False, the path raises an error.
+    if os.path.isdir(path):  # noqa: PTH112
         return "is a folder, not a scene file"
     candidates = {str(path.with_name(f.name)): f for f in _files_beside(path)}
     near = nearest(str(path), [*built_in, *candidates])

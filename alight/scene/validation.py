@@ -8,7 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from alight.bsdfs.nesting import count_leaves, find_transmissive, leaves_problem, names_in
+from alight.bsdfs.nesting import (
+    count_leaves,
+    count_levels,
+    find_transmissive,
+    leaves_problem,
+    levels_problem,
+    names_in,
+)
 from alight.bsdfs.two_sided import TwoSided
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
 from alight.core.registry import specs
@@ -25,6 +32,10 @@ from alight.textures import nesting as textures
 
 MOST_PLACED = 4_000_000
 MOST_LEVELS = 24
+#: Prototypes in prototypes at most.
+MOST_INSTANCED = 64
+#: Lights that surround a scene, portals too: each is compiled by itself.
+MOST_SURROUNDINGS = 64
 
 
 def find_problems(
@@ -179,15 +190,20 @@ class _Checker:
             self.report(join_path("bsdfs", cycle[0]), text)
             return
         counts: dict[str, int] = {}
+        levels: dict[str, int] = {}
         problems = {}
         for name in order:
-            problem = leaves_problem(known[name], counts)
+            spec = known[name]
+            problem = levels_problem(spec, levels) or leaves_problem(spec, counts)
             if problem:
                 problems[join_path("bsdfs", name)] = problem
             # One that is too large is reported once, not again with all that use it.
-            counts[name] = 0 if problem else count_leaves(known[name], counts)
+            counts[name] = 0 if problem else count_leaves(spec, counts)
+            levels[name] = 0 if problem else count_levels(spec, levels)
         for path, node in all_nodes(self.scene):
-            problem = leaves_problem(node.bsdf, counts) if isinstance(node.bsdf, Bsdf) else None
+            if not isinstance(node.bsdf, Bsdf):
+                continue
+            problem = levels_problem(node.bsdf, levels) or leaves_problem(node.bsdf, counts)
             if problem:
                 problems[f"{path}.bsdf"] = problem
         for path, problem in problems.items():
@@ -233,9 +249,9 @@ class _Checker:
                     self.check_nested(bsdf, nested, f"{here}[{i}]")
         resolved = self.check_textured(bsdf, path)
         # Named textures and files count for the checks inside a model only once they are known.
-        if {"diffuse", "specular"} & set(resolved):
-            names = ("diffuse", "specular")
-            problem = energy_problem(**{n: resolved.get(n, getattr(bsdf, n)) for n in names})
+        if not resolved.keys().isdisjoint(bsdf.shares):
+            shares = {name: resolved.get(name, getattr(bsdf, name)) for name in bsdf.shares}
+            problem = energy_problem(**shares)
             if problem:
                 self.report(path, problem)
 
@@ -258,10 +274,18 @@ class _Checker:
                 if node.camera is not None:
                     self.report(f"{path}.camera", "a camera must not stand in a prototype")
         uses = {name: instances_in(node, known) for name, node in known.items()}
-        cycle, _ = sort_by_use(uses)
+        cycle, order = sort_by_use(uses)
         if cycle:
             chain = " -> ".join(cycle)
             self.report(join_path("prototypes", cycle[0]), f"contains itself: {chain}")
+            return
+        levels: dict[str, int] = {}
+        for name in order:
+            levels[name] = 1 + max((levels[used] for used in uses[name]), default=0)
+            if levels[name] == MOST_INSTANCED + 1:
+                text = f"holds instances within instances, deeper than {MOST_INSTANCED} levels"
+                self.report(join_path("prototypes", name), text)
+        if max(levels.values(), default=0) > MOST_INSTANCED:
             return
         counts = count_shapes(self.scene)
         if counts > MOST_PLACED:
@@ -282,6 +306,12 @@ class _Checker:
             self.check_light(node, path, to_world)
             if isinstance(node.shape, Mesh):
                 self.check_mesh(node, path, to_world)
+        lights = (node.light for _, _, node in self.scene.walk())
+        around = sum(light is not None and light.placement == "environment" for light in lights)
+        around += self.scene.environment is not None
+        if around > MOST_SURROUNDINGS:
+            text = f"must hold at most {MOST_SURROUNDINGS} lights that surround the scene"
+            self.report("nodes", f"{text}, portals too, got {around}")
 
     def check_light(self, node: Node, path: str, to_world: Matrix) -> None:
         light = node.light

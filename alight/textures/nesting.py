@@ -105,7 +105,10 @@ def depth_of(part: Value) -> int:
     """How deep a stack a texture needs; names count as one step."""
     if not isinstance(part, Composed):
         return 1
-    return max(i + depth_of(inner) for i, inner in enumerate(part.ordered))
+    depths = [depth_of(inner) for inner in part.parts]
+    if part.commutes:
+        depths.sort(reverse=True)
+    return max(i + depth for i, depth in enumerate(depths))
 
 
 def steps_problem(spec: Texture, counts: Mapping[str, int] | None = None) -> str | None:

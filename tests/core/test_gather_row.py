@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, gather_row, load_lanes, store_lanes
+from alight.core.simd import LANES, gather, gather_row, load_lanes, store_lanes
 from alight.core.view import View
 
 
@@ -35,3 +35,16 @@ def test_rows_are_the_neighbours_in_order(n, kind):
     instantiate(_root_of(n))(View(table), View(index), out, count)
     expected = np.stack([table[index + k] for k in range(n)])
     np.testing.assert_array_equal(out.shaped.reshape(n, count), expected)
+
+
+@pytest.mark.parametrize("index", [-1, 5])
+def test_the_twin_refuses_indices_outside_of_a_table(index):
+    """In machine code they would be reads out of bounds, which nothing tells."""
+    table, lanes = View(np.arange(5, dtype=np.float32)), np.zeros(int(LANES), np.int32)
+    assert (gather(table, lanes) == 0.0).all()
+    lanes[3] = index
+    try:
+        told = str(gather(table, lanes))
+    except IndexError as error:
+        told = str(error)
+    assert "out of bounds" in told

@@ -13,7 +13,8 @@ from tests.scene.usd_stage import SQUARE, stage_text
 
 # fmt: off
 WORDS = (
-    "0", "-1", "1e30", "1e-30", "nan", "inf", "-inf", "1e999", "99999999999", "true", "None", "",
+    "0", "-1", "1e30", "1e-30", "1e300", "2000", "nan", "inf", "-inf", "1e999", "99999999999",
+    "true", "None", "", "double inputs:exposure = 1e5", "double inputs:radius = 1e200", "\udcff",
     "[]", "()", "{}", "[1, 2]", "(0, 0, 0)", "((1, 0), (0, 1))", '"x"', "</m>", "</p/one>", "<>",
     "@p.png@", "@../x.usda@", "@/etc/passwd@", "int", "float", "token", "point3f[]", "uniform",
     "def", "over", "class", "Mesh", "Sphere", "Xform", "Material", "Camera", "#", "=",
@@ -138,7 +139,8 @@ def usd_files(seed: int, n: int) -> Iterator[Mutation]:
             change = rng.choice((_swap_word, _swap_word, _swap_word, *TEXT_MUTATIONS))
             text = change(text, rng)
         name = f"broken-{i}.usda"
-        yield Mutation(name, name, text.encode("utf-8", "replace"))
+        # Lone surrogates stand for bytes that are no text.
+        yield Mutation(name, name, text.encode("utf-8", "surrogateescape"))
 
 
 def _swap_word(text: str, rng: random.Random) -> str:

@@ -7,6 +7,7 @@ import pytest
 from scipy import special, stats
 
 from alight.metrics.statistics import (
+    f_quantile,
     holm,
     incomplete_beta,
     normal_from_tail,
@@ -58,6 +59,36 @@ def test_quantiles_of_student_t(dof, p):
 def test_impossible_quantiles_are_refused(p, dof):
     with pytest.raises(ValueError, match="must lie in"):
         student_t_quantile(p, dof)
+    for dofs in ((dof, 3.0), (3.0, dof)) if p == 0.5 else ((3.0, 3.0),):
+        with pytest.raises(ValueError, match="must lie in"):
+            f_quantile(p, *dofs)
+
+
+@pytest.mark.parametrize("p", [1e-4, 0.025, 0.3, 0.5, 0.975, 0.9999])
+def test_quantiles_of_fisher_are_scipys_and_have_two_sides(p):
+    for dof1, dof2 in [(1.0, 3.0), (3.0, 1.0), (7.5, 31.0), (49.0, 1e4), (12.0, 12.0)]:
+        found = f_quantile(p, dof1, dof2)
+        assert found == pytest.approx(stats.f.ppf(p, dof1, dof2), rel=1e-9)
+        # The ratio turned over.
+        assert found == pytest.approx(1.0 / f_quantile(1.0 - p, dof2, dof1), rel=1e-9)
+    # Many degrees of freedom: a formula.
+    for dof1, dof2 in [(51.0, 51.0), (60.0, 180.0), (51.0, 5000.0), (5000.0, 51.0)]:
+        tolerance = 3e-4 if 1e-3 < p < 0.999 else 6e-3
+        expected = stats.f.ppf(p, dof1, dof2)
+        assert f_quantile(p, dof1, dof2) == pytest.approx(expected, rel=tolerance)
+
+
+def test_incomplete_beta_has_two_sides_and_a_closed_form_for_whole_numbers():
+    """I_x(a, b) is the probability of a successes or more in a + b - 1 trials."""
+    for a, b, x in [(2.0, 5.0, 0.2), (5.0, 2.0, 0.2), (1.0, 1.0, 0.7), (9.0, 3.0, 0.9)]:
+        found = float(incomplete_beta(a, b, x, 1.0 - x))
+        assert found == pytest.approx(stats.binom.sf(a - 1, a + b - 1, x), rel=1e-12)
+        assert found == pytest.approx(1.0 - float(incomplete_beta(b, a, 1.0 - x, x)), rel=1e-9)
+    # Even the longest fractions are summed to their end.
+    for a, b in [(1e5, 0.5), (0.5, 1e5), (3e3, 4e3)]:
+        for x in (a / (a + b)) * np.array([0.9, 0.999, 1.0]):
+            found = float(incomplete_beta(a, b, x, 1.0 - x))
+            assert found == pytest.approx(special.betainc(a, b, x), rel=1e-8, abs=1e-250)
 
 
 def test_z_has_the_tail_of_t():
@@ -109,6 +140,29 @@ def test_welch_against_an_exact_value_is_the_one_sample_test():
 def test_variances_too_small_to_be_squared_still_count():
     _, dof = welch(np.array(1e-160), np.array(1e-200), 8, np.array(0.0), np.array(1e-200), 8)
     assert float(dof) == pytest.approx(14)
+
+
+@pytest.mark.parametrize("sizes", [(3, 3), (4, 20), (20, 4)])
+def test_welch_keeps_its_level_and_has_the_power_of_t(sizes):
+    """The side of few observations is the noisy one, or the quiet one."""
+    rng, level = np.random.default_rng(5), 0.05
+    for deviations in ((1.0, 3.0), (3.0, 1.0)):
+        a, b = (s * rng.standard_normal((n, 4000)) for n, s in zip(sizes, deviations, strict=True))
+        t, dof = welch(a.mean(0), a.var(0, ddof=1), sizes[0], b.mean(0), b.var(0, ddof=1), sizes[1])
+        alarms = (student_t_tail(t, dof) < level).mean()
+        # Welch's approximation is good to about a percent even for three observations.
+        assert abs(alarms - level) < 0.012 + 4.0 * math.sqrt(level * (1.0 - level) / 4000)
+
+
+def test_welch_has_the_power_of_t():
+    rng, count, trials = np.random.default_rng(6), 10, 4000
+    a, b = rng.standard_normal((2, count, trials))
+    t, dof = welch(a.mean(0) + 1.0, a.var(0, ddof=1), count, b.mean(0), b.var(0, ddof=1), count)
+    dof_of_equals = 2 * (count - 1)
+    shift, limit = 1.0 / math.sqrt(2.0 / count), stats.t.ppf(0.975, dof_of_equals)
+    power = stats.nct.sf(limit, dof_of_equals, shift) + stats.nct.cdf(-limit, dof_of_equals, shift)
+    # Welch pays a little for not knowing that both vary alike.
+    assert (student_t_tail(t, dof) < 0.05).mean() == pytest.approx(power - 0.005, abs=0.035)
 
 
 def test_holm_steps_down():

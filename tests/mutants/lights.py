@@ -106,7 +106,7 @@ LIGHT = (
     ),
     Mutant(
         "point light that does not fall with the square of the distance",
-        "lights/point.py",
+        "lights/at_point.py",
         (("1.0 / squared", "1.0 / sqrt(squared)"),),
         f"{LIGHTS}::test_point_light",
     ),

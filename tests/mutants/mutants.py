@@ -1,12 +1,15 @@
 """All planted bugs, in the order in which they are tried."""
 
+from tests.mutants.edges import EDGES
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.known_error import KNOWN_ERROR
+from tests.mutants.laboratory import LABORATORY
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
 from tests.mutants.principled import PRINCIPLED
+from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.transport import TRANSPORT
@@ -24,4 +27,7 @@ MUTANTS = (
     + PRINCIPLED
     + MEDIA
     + KNOWN_ERROR
+    + LABORATORY
+    + EDGES
+    + RANDOM_SCENES
 )

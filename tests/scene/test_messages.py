@@ -80,6 +80,15 @@ SCENES = {
     "phong-makes-energy-by-name": CAMERA
     + "textures: {t: {type: constant, color: 0.9}}\n"
     + "bsdfs: {p: {type: phong, diffuse: t, specular: 0.3}}\n",
+    "too-many-levels-by-name": CAMERA
+    + "bsdfs:\n  b0: {type: diffuse}\n"
+    + "".join(f"  b{i}: {{type: normal_map, bsdf: b{i - 1}}}\n" for i in range(1, 66)),
+    "too-many-instances-of-instances": CAMERA
+    + "nodes: {a: {instance: p65}}\nprototypes:\n  p0: {shape: sphere}\n"
+    + "".join(f"  p{i}: {{instance: p{i - 1}}}\n" for i in range(1, 66)),
+    "too-many-surroundings": CAMERA
+    + "nodes:\n"
+    + "".join(f"  p{i}: {{light: {{type: portal}}}}\n" for i in range(65)),
     "two-sided-glass": CAMERA + "bsdfs: {g: {type: two_sided, bsdf: {type: dielectric}}}\n",
     "two-sided-glass-by-name": CAMERA
     + "bsdfs: {g: {type: dielectric}, t: {type: two_sided, bsdf: g}}\n",

@@ -112,6 +112,14 @@ MISTAKES = {
         ),
         "/p the transform of instance 0 must hold numbers of at most 1e+15 in size",
     ),
+    "exposure": (
+        'def SphereLight "l" { float inputs:exposure = 1e5 }',
+        "/l color * intensity * 2^100000 must be finite, got [inf, inf, inf]",
+    ),
+    "radius": (
+        'def DiskLight "l" { double inputs:radius = 1e200; bool inputs:normalize = 1 }',
+        "must be between 1e-15 and 1e+15 in size, got 1e+200",
+    ),
     "prototype": (
         'def PointInstancer "p" { int[] protoIndices = [3]; point3f[] positions = [(0, 0, 0)] }',
         "/p protoIndices must be in",
@@ -138,6 +146,25 @@ def test_files_that_are_no_stage_are_refused(suffix, data, tmp_path):
     (tmp_path / f"a{suffix}").write_bytes(data)
     with pytest.raises(SceneError, match="is no OpenUSD stage: "):
         alight.load(tmp_path / f"a{suffix}")
+
+
+@pytest.mark.parametrize("inside", [b'def "\xff" { }', b'string a = "\xff"', b"# \xff\n@\xff@"])
+def test_bytes_that_are_no_text_are_refused(inside, tmp_path):
+    """OpenUSD quotes them in its message, which then is no text either."""
+    (tmp_path / "a.usda").write_bytes(stage_text("HERE").encode().replace(b"HERE", inside))
+    with pytest.raises(SceneError, match="is no OpenUSD stage: "):
+        alight.load(tmp_path / "a.usda")
+
+
+def test_names_in_binary_files_must_be_text(tmp_path):
+    (tmp_path / "a.usda").write_text(stage_text('def Sphere "abcdefghijkl" { }'))
+    Sdf = pytest.importorskip("pxr.Sdf")
+    Sdf.Layer.FindOrOpen(str(tmp_path / "a.usda")).Export(str(tmp_path / "b.usdc"))
+    data = (tmp_path / "b.usdc").read_bytes()
+    assert data.count(b"abcdefghijkl") == 1
+    (tmp_path / "c.usdc").write_bytes(data.replace(b"abcdefghijkl", b"\xffbcdefghijkl"))
+    with pytest.raises(SceneError, match=r"text must be in UTF-8|is no OpenUSD stage"):
+        alight.load(tmp_path / "c.usdc")
 
 
 @pytest.mark.parametrize("unit", ["inf", "nan", "0", "-1"])

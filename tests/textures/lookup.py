@@ -31,6 +31,7 @@ def look_up(texture, u, v):
     scene, program = scene_of(texture)
     kernel = instantiate(fetch.color, program, compiled=False)
     zeros = np.zeros(len(u), np.uint32)
+    black = Vec3(*np.zeros((3, len(u)), np.float32))
     with np.errstate(all="ignore"):
-        found = kernel(scene, zeros, Surface(u, v, zeros, None, Vec3(u, v, np.zeros_like(u))))
+        found = kernel(scene, zeros, Surface(u, v, zeros, black, Vec3(u, v, np.zeros_like(u))))
     return np.stack([np.broadcast_to(c, len(u)) for c in (found.x, found.y, found.z)], axis=1)

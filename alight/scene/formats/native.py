@@ -63,6 +63,9 @@ class _Reader:
             raise self.fail(f"is not YAML: {error.problem or error.context}", mark) from None
         except yaml.YAMLError as error:
             raise self.fail(f"is not YAML: {_first_line(error)}", None) from None
+        except UnicodeEncodeError as error:
+            wrong = error.object[error.start]
+            raise self.fail(f"must be text, got half of a character, {wrong!r}", None) from None
         return self.root
 
     def handle(self, event: yaml.Event) -> None:

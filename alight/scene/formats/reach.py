@@ -82,7 +82,7 @@ class Reach:
             except OutOfReachError as error:
                 refused.append(error)
                 continue
-            if candidates[-1].is_file():
+            if is_file(candidates[-1]):
                 return candidates[-1]
         raise refused[0] if refused else OutOfReachError(_missing(candidates[0], name))
 
@@ -96,7 +96,7 @@ class Reach:
                 path = self.inside(self.name_of(path))
             except (OSError, OutOfReachError):
                 continue
-            if path.is_file():
+            if is_file(path):
                 return path
         return None
 
@@ -221,6 +221,14 @@ def _alike(folder: Path, name: str) -> str:
     """The name of an entry of a folder that is a name but for upper and lower case."""
     entries = [entry.name for entry in folder.iterdir() if entry.name.lower() == name.lower()]
     return entries[0] if len(entries) == 1 and name not in entries else name
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file; names that no file can have are none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _missing(path: Path, name: str) -> str:

@@ -47,6 +47,11 @@ class Attributes:
 
     def append(self, directive: Directive) -> None:
         """Translate, Scale, Rotate, LookAt or ConcatTransform."""
+        # What becomes too large is refused below.
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._append(directive)
+
+    def _append(self, directive: Directive) -> None:
         numbers, name = directive.numbers, directive.name
         matrix: np.ndarray | None
         if name == "Translate":

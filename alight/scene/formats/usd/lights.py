@@ -60,7 +60,7 @@ def read_light(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
 
 
 def _radiance(stage: Stage, prim: Any) -> np.ndarray:
-    """color * intensity * 2^exposure, before any normalisation; (3,) float64."""
+    """color * intensity * 2^exposure, before any normalisation; (3,) float64, finite."""
     light = UsdLux.LightAPI(prim)
     color = np.array(stage.value(light.GetColorAttr(), (1.0, 1.0, 1.0)), np.float64)
     if stage.value(light.GetEnableColorTemperatureAttr(), False):
@@ -68,7 +68,12 @@ def _radiance(stage: Stage, prim: Any) -> np.ndarray:
         color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
     intensity = float(stage.value(light.GetIntensityAttr(), 1.0))
     exposure = float(stage.value(light.GetExposureAttr(), 0.0))
-    result = color * intensity * 2.0**exposure
+    with np.errstate(over="ignore", invalid="ignore"):
+        result = color * intensity * np.exp2(exposure)
+    if not np.isfinite(result).all():
+        text = f"color * intensity * 2^{exposure:g} must be finite, got {result.tolist()}"
+        stage.problem(prim, text)
+        return np.zeros(3)
     if (result < 0.0).any():
         stage.report.approximate(f"{prim.GetPath()}: a light cannot take light away; cut to 0")
     return np.maximum(result, 0.0)
@@ -80,6 +85,11 @@ def _is_normalised(stage: Stage, prim: Any) -> bool:
 
 def _scale_of(world: np.ndarray) -> np.ndarray:
     return np.linalg.norm(world[:3, :3], axis=0)
+
+
+def _squared(length: float) -> float:
+    """What is too large to be squared becomes infinite: ``**`` would raise an error."""
+    return length * length
 
 
 def _area_light(
@@ -114,10 +124,10 @@ def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     cone = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr(), 90.0))
     is_point = bool(stage.value(light.GetTreatAsPointAttr(), False)) or radius <= 0.0
     if not is_point and cone >= 90.0:
-        area = 4.0 * math.pi * (radius * scale) ** 2
+        area = 4.0 * math.pi * _squared(radius * scale)
         return _area_light(stage, prim, {"type": "sphere", "radius": radius}, [], area, world)
     # Intensity of a sphere seen from far away: radiance times its disk.
-    disk = math.pi * (max(radius, 1e-6) * scale) ** 2
+    disk = math.pi * _squared(max(radius, 1e-6) * scale)
     intensity = _radiance(stage, prim) * (0.25 if _is_normalised(stage, prim) else disk)
     if cone >= 90.0:
         return Placed({"light": {"type": "point", "intensity": intensity.tolist()}})
@@ -145,7 +155,7 @@ def _disk(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     radius = float(stage.value(UsdLux.DiskLight(prim).GetRadiusAttr(), 0.5))
     scale = _scale_of(world)
     steps = [{"scale": [radius, radius, 1.0]}, _TURNED]
-    area = math.pi * radius**2 * scale[0] * scale[1]
+    area = math.pi * _squared(radius) * scale[0] * scale[1]
     return _area_light(stage, prim, {"type": "disk"}, steps, area, world)
 
 

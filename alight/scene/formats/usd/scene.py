@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from alight.core.errors import Issue, SceneError
+from alight.core.errors import Issue, SceneError, show_value
 from alight.scene.build import FORMAT_VERSION
 from alight.scene.formats.names import free_name
 from alight.scene.formats.parsed import Parsed
@@ -39,13 +39,16 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         If the file is no scene at all.
     """
     report = Report()
-    stage = open_stage(name, reach or Reach(), report)
-    steps = to_world(stage)
-    graph = Graph(stage, world_matrix(steps))
     try:
+        stage = open_stage(name, reach or Reach(), report)
+        steps = to_world(stage)
+        graph = Graph(stage, world_matrix(steps))
         graph.build(steps)
     except Tf.ErrorException as error:
         issue = Issue("", f"OpenUSD: {first_line(error)}", name)
+        raise SceneError([*report.issues, issue]) from None
+    except UnicodeDecodeError as error:
+        issue = Issue("", f"text must be in UTF-8, got {show_value(error.object)}", name)
         raise SceneError([*report.issues, issue]) from None
     if report.issues:
         raise SceneError(report.issues)

@@ -41,7 +41,12 @@ class Stage:
 
     def value(self, attribute: Any, default: Any = None) -> Any:
         """Value of an attribute; the default if there is none, or one of another type."""
-        found = attribute.Get(self.time) if attribute else None
+        try:
+            found = attribute.Get(self.time) if attribute else None
+        except UnicodeDecodeError as error:
+            text = f"{attribute.GetName()} must be text in UTF-8, got {show_value(error.object)}"
+            self.problem(attribute.GetPrim(), text)
+            return default
         if found is None:
             return default
         # Files may declare an attribute of a schema anew; then its value is of any type.
@@ -277,7 +282,11 @@ def world_matrix(steps: list[dict[str, Any]]) -> np.ndarray:
 
 def first_line(error: object) -> str:
     """The first of OpenUSD's complaints, without where in its own source it was noticed."""
-    text = " ".join(str(error).split())
+    try:
+        text = " ".join(str(error).split())
+    except UnicodeDecodeError as wrong:
+        # It quotes what the file holds, which need not be text.
+        text = " ".join(wrong.object.decode("utf-8", "backslashreplace").split())
     found = re.search(r"in file \S+ : '(.*?)'(?: Error in |$)", text)
     text = found[1] if found else text
     return text[:300] + ("..." if len(text) > 300 else "")

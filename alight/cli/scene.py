@@ -1,0 +1,55 @@
+"""``alight scene random``: a scene that nobody made, from a number."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from alight.cli import arguments
+
+#: What `--kind` takes to show the kinds.
+LIST = "list"
+
+
+def random(
+    seed: Annotated[int, typer.Option(help="Any whole number; each is another scene.")] = 0,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KIND|list", help="What sort of scene; list shows them.", show_default="drawn"
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            help="File to write, .yaml, .yml or .json; large meshes and pictures beside it.",
+            show_default="printed",
+        ),
+    ] = None,
+    size: arguments.Size = None,
+) -> None:
+    """Make up a scene that can be rendered, of any registered shapes, materials and lights."""
+    from alight.cli.options import parse_size
+    from alight.core.errors import OutputError
+    from alight.lab.random_scenes import random_scene
+    from alight.lab.random_scenes.kinds import KINDS, summary
+    from alight.scene import dumps, save
+
+    if kind == LIST:
+        width = max(map(len, KINDS))
+        for name in KINDS:
+            typer.echo(f"{name:<{width}}  {summary(name)}")
+        return
+    scene = random_scene(seed, kind, parse_size(size) if size else None)
+    if output is None:
+        typer.echo(dumps(scene), nl=False)
+        return
+    try:
+        save(scene, output)
+    except OSError as error:
+        raise OutputError(f"cannot write {output}: {error.strerror or error}") from None
+    typer.echo(f"scene: {output}")

@@ -1,0 +1,262 @@
+"""Laws of shares of pixels, of unseen light and of looks: closed forms, units and sizes."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from alight.core.errors import OptionError
+from alight.rendering.stopping import (
+    Promise,
+    Unseen,
+    cell_sum,
+    first_look,
+    next_look,
+    share_within,
+    spread_over_pixels,
+    unseen_error,
+)
+
+#: Signs of four replicates around their mean: a variance of 4/3 times the square of the step.
+SIGNS = np.array([1.0, 1.0, -1.0, -1.0])[:, None]
+
+
+def stepping(mean, step, counts=4):
+    """Replicates that differ from the mean by exactly `step`: no chance is in them."""
+    means = (mean[..., None] + step[..., None] * SIGNS[:, 0])[..., None] * np.ones(3)
+    return means, np.full(means.shape[:3], counts)
+
+
+def parts_of_share(means, counts, error):
+    """The expected share and its margin, from the picture and four copies of it."""
+    height, width = counts.shape[:2]
+    assert height % 8 == width % 8 == 0
+    one = share_within(means, counts, error)
+    four = share_within(np.tile(means, (2, 2, 1, 1)), np.tile(counts, (2, 2, 1)), error)
+    # Four times the pixels, half the margin.
+    return 2.0 * four - one, 2.0 * (four - one)
+
+
+# ---------------------------------------------------------------------------- share of the pixels
+
+
+@pytest.mark.parametrize("error", [0.02, 0.06, 0.1, 0.25])
+def test_the_share_is_students_and_its_margin_the_binomial_one(error):
+    """All pixels equally noisy: SE^2 = 4/3 step^2 / 4 with 3 + 5 degrees of freedom."""
+    means, counts = stepping(np.full((16, 24), 2.0), np.full((16, 24), 0.2))
+    share, margin = parts_of_share(means, counts, error)
+    standard_error = 0.2 / math.sqrt(3.0) / 2.0
+    expected = 1.0 - 2.0 * stats.t.sf(error / standard_error, 8)
+    assert share == pytest.approx(expected, rel=1e-6)
+    # Two-sided 99 %; pixels are independent, their channels are not.
+    normal = stats.norm.ppf(0.995) * math.sqrt(expected * (1.0 - expected) / (16 * 24))
+    assert margin == pytest.approx(normal, rel=1e-3, abs=1e-9)
+
+
+def test_units_do_not_matter_and_samples_count_by_their_root():
+    rng = np.random.default_rng(1)
+    means = 1.0 + 0.2 * rng.standard_normal((16, 16, 4, 3))
+    counts = np.full((16, 16, 4), 4)
+    share = share_within(means, counts, 0.1)
+    assert share_within(2.0 * means, counts, 0.1) == pytest.approx(share, rel=1e-9)
+    assert share_within(means[..., ::-1], counts, 0.1) == pytest.approx(share, rel=1e-9)
+    assert share_within(means[:, :, ::-1], counts, 0.1) == pytest.approx(share, rel=1e-9)
+    turned = share_within(means.transpose(1, 0, 2, 3), counts, 0.1)
+    assert turned == pytest.approx(share, rel=1e-9)
+    # Half the deviations are within half the error.
+    mean = means.mean(axis=2, keepdims=True)
+    calmer = share_within(mean + 0.5 * (means - mean), counts, 0.05)
+    assert calmer == pytest.approx(share, rel=1e-9)
+    # A sample counts the same in every replicate, however many there are.
+    assert share_within(means, 7 * counts, 0.1) == pytest.approx(share, rel=1e-9)
+
+
+def test_a_pixel_has_its_own_spread_as_3_of_8_and_that_of_its_cell_as_5():
+    """In the first cell half of the pixels are quiet; the second cell is quiet altogether."""
+    step = np.zeros((8, 16))
+    step[::2, :8] = 0.2
+    means, counts = stepping(np.ones((8, 16)), step)
+    share, _ = parts_of_share(means, counts, 0.08)
+    variance = 0.04 / 3.0
+    inside = [
+        1.0 - 2.0 * stats.t.sf(0.08 / math.sqrt(part * variance), 8)
+        for part in ((3.0 + 5.0 * 0.5) / 8.0, 5.0 * 0.5 / 8.0)
+    ]
+    assert share == pytest.approx(0.25 * sum(inside) + 0.5, rel=1e-6)
+
+
+def test_dark_pixels_are_allowed_a_tenth_of_the_mean():
+    """Half of the picture at 0.01, of mean about 1: its error is one over 0.1."""
+    mean = np.where(np.arange(16) < 8, 0.01, 1.99)[None, :] * np.ones((8, 1))
+    means, counts = stepping(mean, np.full((8, 16), 0.03))
+    share, _ = parts_of_share(means, counts, 0.15)
+    inside = [
+        1.0 - 2.0 * stats.t.sf(0.15 * scale / (0.03 / math.sqrt(3.0)), 8) for scale in (0.1, 1.99)
+    ]
+    assert share == pytest.approx(np.mean(inside), rel=1e-6)
+
+
+def test_replicates_count_by_their_samples():
+    rng = np.random.default_rng(2)
+    means = 1.0 + 0.1 * rng.standard_normal((8, 8, 4, 3))
+    counts = rng.integers(1, 9, (8, 8, 4))
+    n = counts.sum(axis=2)[..., None]
+    mean = (means * counts[..., None]).sum(axis=2) / n
+    squares = (counts[..., None] * (means - mean[:, :, None]) ** 2).sum(axis=2) / 3.0 / n
+    relative = squares / np.maximum(mean, 0.1 * mean.mean()) ** 2
+    joined = (3.0 * relative + 5.0 * relative.mean(axis=(0, 1))) / 8.0
+    expected = (1.0 - 2.0 * stats.t.sf(0.08 / np.sqrt(joined), 8)).mean()
+    assert parts_of_share(means, counts, 0.08)[0] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("replicates", [2, 4, 8])
+def test_the_lower_bound_is_below_the_share_that_is_expected_and_no_farther_than_it_must_be(
+    replicates,
+):
+    """Grey noise of known size: the bound is on the safe side, by the margin and some percent."""
+    rng, bounds = np.random.default_rng(3), []
+    error, sigma = 0.1, 0.1
+    expected = 1.0 - 2.0 * stats.norm.sf(error / sigma)
+    for _ in range(60):
+        noise = sigma * math.sqrt(replicates) * rng.standard_normal((24, 24, replicates, 1))
+        means = 1.0 + noise * np.ones(3)
+        bounds.append(share_within(means, np.full(means.shape[:3], 4), error))
+    assert sum(bound <= expected for bound in bounds) >= 58
+    margin = stats.norm.ppf(0.995) * math.sqrt(expected * (1.0 - expected)) / 24
+    assert expected - margin - 0.06 < np.mean(bounds) < expected - 0.7 * margin
+
+
+def test_a_noiseless_picture_is_within_every_error():
+    means, counts = stepping(np.ones((9, 11)), np.zeros((9, 11)))
+    assert share_within(means, counts, 1e-6) == 1.0
+
+
+# ---------------------------------------------------------------------------- unseen light
+
+
+def plain_unseen(means, counts, error, largest):
+    """The definition, cell by cell."""
+    height, width = counts.shape[:2]
+    n = counts.sum(axis=2)
+    mean = (means * counts[..., None]).sum(axis=2) / n[..., None]
+    epsilon = (0.1 * mean.mean()) ** 2
+    sums = dict.fromkeys(("seen", "possible", "doubtful"), 0.0)
+    for y in range(0, height, 8):
+        for x in range(0, width, 8):
+            cell = slice(y, y + 8), slice(x, x + 8)
+            others = (n[cell][..., None] - counts[cell])[..., None]
+            # What a replicate's sum has more than the others say.
+            rest = (
+                mean[cell][:, :, None] * n[cell][..., None, None]
+                - means[cell] * counts[cell][..., None]
+            ) / others
+            excess = np.maximum((means[cell] - rest) * counts[cell][..., None], 0.0)
+            share = n[cell].size / n.size
+            scale = mean[cell].mean(axis=(0, 1)) ** 2 + epsilon
+            seen, possible = (
+                (((3.0 * brightest / n[cell].sum()) ** 2) / scale).mean()
+                for brightest in (excess.max(axis=(0, 1, 2)), largest)
+            )
+            sums["seen"] += share * seen
+            sums["possible"] += share * possible
+            sums["doubtful"] += share * (min(seen, possible) > error**2)
+    return Unseen(math.sqrt(sums["seen"]), math.sqrt(sums["possible"]), sums["doubtful"])
+
+
+def spiky(rng, height, width):
+    means = rng.gamma(0.5, size=(height, width, 4, 3)) * np.array([1.0, 0.5, 0.2])
+    return means * (1.0 + np.arange(width)[:, None, None] / width), rng.integers(
+        1, 9, (height, width, 4)
+    )
+
+
+@pytest.mark.parametrize("size", [(16, 16), (20, 37), (5, 8)])
+def test_unseen_light_is_its_definition_also_in_cells_that_are_cut(size):
+    means, counts = spiky(np.random.default_rng(4), *size)
+    for largest in (2.0, 20.0, 60.0):
+        for error in (0.03, 0.1, 0.3):
+            found = unseen_error(means, counts, error, largest)
+            expected = plain_unseen(means, counts, error, largest)
+            assert found == pytest.approx(expected, rel=1e-4)
+            assert found.figure == min(found.indicator, found.bound)
+    unknown = unseen_error(means, counts, 0.05)
+    assert math.isnan(unknown.bound)
+    assert unknown.figure == unknown.indicator == pytest.approx(expected.indicator, rel=1e-4)
+    assert unknown.doubtful == pytest.approx(
+        plain_unseen(means, counts, 0.05, 1e9).doubtful, rel=1e-6
+    )
+
+
+def test_units_order_and_samples_of_unseen_light():
+    means, counts = spiky(np.random.default_rng(5), 24, 16)
+    one = unseen_error(means, counts, 0.1, 30.0)
+    same = [
+        unseen_error(8.0 * means, counts, 0.1, 240.0),
+        unseen_error(means[..., ::-1], counts, 0.1, 30.0),
+        unseen_error(means[:, :, [2, 0, 3, 1]], counts[:, :, [2, 0, 3, 1]], 0.1, 30.0),
+        unseen_error(means.transpose(1, 0, 2, 3), counts.transpose(1, 0, 2), 0.1, 30.0),
+        unseen_error(np.tile(means, (2, 2, 1, 1)), np.tile(counts, (2, 2, 1)), 0.1, 30.0),
+    ]
+    for other in same:
+        assert other == pytest.approx(one, rel=1e-5)
+    # The bound falls with the samples, not with their root.
+    assert unseen_error(means, 4 * counts, 0.1, 30.0).bound == pytest.approx(one.bound / 4.0)
+
+
+def test_three_over_n_is_the_rule_for_95_percent():
+    """An event of probability 3 / N is missed by N samples in one case of twenty."""
+    means, counts = np.ones((8, 8, 4, 3)), np.full((8, 8, 4), 16)
+    samples, brightest = counts.sum(), 50.0
+    bound = unseen_error(means, counts, 0.1, brightest).bound * math.sqrt(1.01)
+    probability = bound / brightest
+    assert (1.0 - probability) ** samples == pytest.approx(0.05, abs=0.001)
+
+
+def test_cells_at_the_edge_are_smaller():
+    plane = np.random.default_rng(6).random((19, 10))
+    sums = cell_sum(plane)
+    expected = [[plane[y : y + 8, x : x + 8].sum() for x in (0, 8)] for y in (0, 8, 16)]
+    assert sums == pytest.approx(np.array(expected))
+    spread = spread_over_pixels(sums, 19, 10)
+    assert all(spread[y, x] == sums[y // 8, x // 8] for y in range(19) for x in range(10))
+
+
+# ---------------------------------------------------------------------------- promises and looks
+
+
+@pytest.mark.parametrize("confidence", [0.5, 0.9, 0.95, 0.999])
+def test_the_doubt_of_all_looks_is_that_of_the_promise(confidence):
+    promise = Promise(0.1, confidence)
+    spent = np.cumsum([promise.doubt_at(look) for look in range(1000)])
+    # What is left after k looks is 1 / (k + 1) of it: never all, and all in the end.
+    assert spent == pytest.approx((1.0 - confidence) * (1.0 - 1.0 / np.arange(2, 1002)))
+
+
+def test_the_ranges_of_a_promise():
+    for right in (
+        {"error": 1e-6}, {"error": 10.0}, {"error": 0.1, "share": 0.5},
+        {"error": 1, "confidence": 0.5},
+        {"error": 0.1, "confidence": 0.99999, "metric": "pixel"},
+    ):  # fmt: skip
+        assert Promise(**Promise(**right).state()) == Promise(**right)
+    for wrong in (
+        {"error": math.nan}, {"error": -0.1}, {"error": 10.01}, {"error": 0.1, "share": 0.49},
+        {"error": 0.1, "confidence": 0.49}, {"error": 0.1, "confidence": 1.0},
+    ):  # fmt: skip
+        with pytest.raises(OptionError):
+            Promise(**wrong)
+
+
+@pytest.mark.parametrize("replicates", [1, 2, 3, 4, 5, 8, 9, 16, 32])
+def test_looks_are_whole_rounds_that_grow_by_a_quarter(replicates):
+    spp = first_look(replicates)
+    # A replicate of one sample has no spread of its own: two rounds at least.
+    assert spp % replicates == 0
+    assert spp >= max(16, 2 * replicates)
+    assert spp - replicates < 16 or spp == 2 * replicates
+    for _ in range(40):
+        later = next_look(spp, replicates)
+        assert later % replicates == 0
+        assert 1.25 * spp <= later < 1.25 * spp + replicates
+        spp = later

@@ -1,0 +1,64 @@
+"""Bugs at the edges: rows of other models, ends of ranges, many levels."""
+
+from tests.mutants.mutant import Mutant
+
+MODELS = "tests/edges/test_materials.py"
+LIGHTS = "tests/edges/test_lights.py"
+
+EDGES = (
+    Mutant(
+        "models that read the rows of other models",
+        "bsdfs/switch.py",
+        (("return where(mine, row, some)", "return row"),),
+        f"{MODELS}::test_models_read_rows_of_their_own_kind_only",
+    ),
+    Mutant(
+        "reflectance that rounding makes negative",
+        "bsdfs/principled_lobes.py",
+        (
+            (
+                "dielectric = Vec3(_unit(dielectric.x), _unit(dielectric.y), _unit(dielectric.z))",
+                "pass",
+            ),
+        ),
+        f"{MODELS}::test_principled_is_finite_where_a_lobe_has_nothing",
+    ),
+    Mutant(
+        "light bent where it is reflected totally",
+        "bsdfs/principled_lobes.py",
+        (("open_ = (params.thin | (cos_t > 0.0)) & ~coat", "open_ = ~coat"),),
+        f"{MODELS}::test_principled_is_finite_where_a_lobe_has_nothing",
+    ),
+    Mutant(
+        "angles of many turns left to the kernels",
+        "bsdfs/principled.py",
+        (
+            ("turn = math.remainder(spec.anisotropy_rotation, 2.0 * math.pi)", "turn = 1e15"),
+            ("sincos(minimum(maximum(angle, -MOST_TURNED), MOST_TURNED))", "sincos(angle)"),
+        ),
+        f"{MODELS}::test_principled_is_finite_where_a_lobe_has_nothing",
+    ),
+    Mutant(
+        "light at the light itself",
+        "lights/at_point.py",
+        (("where(apart, 1.0 / squared, 0.0)", "1.0 / squared"),),
+        f"{LIGHTS}::test_no_light_arrives_at_the_light_itself",
+    ),
+    Mutant(
+        "surroundings chosen one inside of the other",
+        "lights/halves.py",
+        (("half = len(parts) // 2", "half = 1"),),
+        "tests/edges/test_depths.py::test_as_many_surroundings_as_allowed_can_be_written",
+    ),
+    Mutant(
+        "depth of a texture counted anew for each order of its parts",
+        "textures/nesting.py",
+        (
+            (
+                "depths = [depth_of(inner) for inner in part.parts]",
+                "depths = [depth_of(inner) for inner in part.ordered]",
+            ),
+        ),
+        "tests/edges/test_depths.py::test_deep_sums_are_measured_at_once",
+    ),
+)

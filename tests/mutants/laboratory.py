@@ -1,0 +1,72 @@
+"""Bugs of the statistics that pictures and studies are judged by."""
+
+from tests.mutants.mutant import Mutant
+
+INTERVALS = "tests/lab/test_laws_of_intervals.py"
+BLOCKS = "tests/lab/test_laws_of_blocks.py"
+STUDIES = "tests/lab/test_laws_of_studies.py"
+METRICS = "tests/metrics/test_laws_of_metrics.py"
+PROMISES = "tests/known_error/test_laws_of_promises.py"
+SHARES = "tests/known_error/test_laws_of_shares.py"
+BOUNDS = "tests/known_error/test_largest_sample.py"
+
+LABORATORY = (
+    Mutant(
+        "a paired ratio with twice its degrees of freedom",
+        "lab/statistics.py",
+        (("dof = len(upper.pseudo) - 1.0", "dof = 2.0 * (len(upper.pseudo) - 1.0)"),),
+        f"{INTERVALS}::test_ratios_are_the_t_tests_of_scipy",
+    ),
+    Mutant(
+        "a bootstrap-t with its quantiles swapped",
+        "lab/statistics.py",
+        (
+            (
+                "centre - high * width, centre - low * width",
+                "centre + low * width, centre + high * width",
+            ),
+        ),
+        f"{INTERVALS}::test_the_bootstrap_reaches_farther_to_where_the_data_are_skewed",
+    ),
+    Mutant(
+        "blocks of an exact reference with sixteen times their variance",
+        "lab/blocks.py",
+        (("sum(axis=(1, 3)) / block**4", "sum(axis=(1, 3)) / (block / 2) ** 4"),),
+        f"{BLOCKS}::test_without_a_bias_z_is_standard_normal_and_the_level_is_kept",
+    ),
+    Mutant(
+        "the noise of references left out of the speed-up",
+        "lab/evaluate.py",
+        (
+            (
+                "paired=study.paired, extra_variance=_shared_noise(base, base_at, plan, at),",
+                "paired=study.paired,",
+            ),
+        ),
+        f"{STUDIES}::test_the_noise_of_references_is_in_the_speedup",
+    ),
+    Mutant(
+        "FLIP of the reference against the picture",
+        "metrics/flip.py",
+        (("evaluate(ref, x, dynamic_range", "evaluate(x, ref, dynamic_range"),),
+        f"{METRICS}::test_flip_shows_exposures_of_the_reference",
+    ),
+    Mutant(
+        "a share of pixels without its margin",
+        "rendering/stopping.py",
+        (("return share - _Z * math.sqrt", "return share - 0.0 * math.sqrt"),),
+        f"{PROMISES}::test_the_share_is_students_and_its_margin_the_binomial_one",
+    ),
+    Mutant(
+        "adaptive shares that forget the epsilon of dark pixels",
+        "rendering/adaptive.py",
+        (("np.maximum(box(mean) ** 2 + epsilon,", "np.maximum(box(mean) ** 2,"),),
+        f"{SHARES}::test_shares_are_the_root_of_the_relative_variance_and_epsilon_holds_the_dark_back",
+    ),
+    Mutant(
+        "a bound of samples that no light was sampled for",
+        "rendering/largest_sample.py",
+        (("(weight * share if d < depth else 0.0)", "0.0"),),
+        f"{BOUNDS}::test_without_roulette_it_is_a_geometric_series",
+    ),
+)

@@ -1,0 +1,44 @@
+"""Bugs of random scenes, and of the twin that looks at them."""
+
+from tests.mutants.mutant import Mutant
+
+SCENES = "tests/lab/test_random_scenes.py"
+
+RANDOM_SCENES = (
+    Mutant(
+        "one scene for all seeds",
+        "lab/random_scenes/__init__.py",
+        (("Draft(Chance(kind, seed), size)", "Draft(Chance(kind), size)"),),
+        f"{SCENES}::test_no_two_scenes_are_alike",
+    ),
+    Mutant(
+        "a kind that Python's hash decides",
+        "lab/random_scenes/__init__.py",
+        (('Chance("kind", seed)', 'Chance("kind", hash(str(seed)))'),),
+        f"{SCENES}::test_a_scene_depends_on_its_seed_and_kind_only",
+    ),
+    Mutant(
+        "the last model of a family never drawn",
+        "lab/random_scenes/descriptions.py",
+        (("list(Registry(family).values())", "list(Registry(family).values())[:-1]"),),
+        f"{SCENES}::test_every_registered_model_is_drawn[filters]",
+    ),
+    Mutant(
+        "examples as they are",
+        "lab/random_scenes/descriptions.py",
+        (("SHARE = 0.4", "SHARE = 0.0"),),
+        f"{SCENES}::test_a_model_that_is_registered_later_is_drawn_too",
+    ),
+    Mutant(
+        "a texture that is brighter than its field allows",
+        "lab/random_scenes/descriptions.py",
+        ((" and max(found.maximum()) <= interval.high", ""),),
+        f"{SCENES}::test_all_are_valid_and_have_light",
+    ),
+    Mutant(
+        "negative indices counted from the end",
+        "core/simd.py",
+        (("if (index < 0).any():", "if False:"),),
+        "tests/core/test_gather_row.py::test_the_twin_refuses_indices_outside_of_a_table",
+    ),
+)
