@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import FilmError, OptionError
+from alight.core.errors import FilmError
 from alight.core.view import View
 from alight.films import fixed_point, ledger, merging, notebook, readout, statistics, storage
 from alight.films.ledger import Bias
@@ -326,8 +326,6 @@ class Film:
         OptionError
             If `confidence` does not lie in (0, 1).
         """
-        if not 0.0 < confidence < 1.0:
-            raise OptionError(f"confidence: must lie in (0 %, 100 %), got {confidence:.6g}")
         return pixel_bars(*self.replicate_means(), confidence)
 
     @property

@@ -4,8 +4,8 @@ A pixel's squared error is estimated by one half of its replicates, A, and has t
 brightness squared. The other half, B, tells the brightness without a share in that error; but where
 a pixel is mostly noise, B often holds no bright sample at all, and the quotient is off by orders of
 magnitude. Then many pixels have to tell together. Let q be the brightness of the pixels around,
-:math:`\rho = \mu / q` what is sought, and r = s / q^2 the squared error by A. Over a class of pixels
-that look alike to A, with replicates k and l of B,
+:math:`\rho = \mu / q` what is sought, and r = s / q^2 the squared error by A. Over a class of
+pixels that look alike to A, with replicates k and l of B,
 
 .. math:: \frac{\sum r \rho_k}{\sum r} \to \mathrm E_r[\rho], \qquad
     \frac{\sum r \rho_k \rho_l}{\sum r} \to \mathrm E_r[\rho^2]

@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from alight.core.errors import OptionError
 from alight.metrics.own_error import picture_and_variance
 from alight.metrics.statistics import student_t_quantile
 from alight.metrics.surroundings import around, by_cells, neighbours, spread_out
@@ -77,11 +78,18 @@ def pixel_bars(means: np.ndarray, counts: np.ndarray, confidence: float = 0.95) 
     confidence : float, default 0.95
         In (0, 1).
 
+    Raises
+    ------
+    OptionError
+        If `confidence` is out of its range.
+
     Notes
     -----
     Meant for each pixel by itself: of 100 sure pixels about 5 lie outside. Light that no sample of
     the whole neighbourhood has met is in no bar.
     """
+    if not 0.0 < confidence < 1.0:
+        raise OptionError(f"confidence: must lie in (0 %, 100 %), got {confidence:.6g}")
     h, w, replicates, _ = means.shape
     mean, variance = picture_and_variance(means, counts)
     known = counts.min(axis=2) > 0 if replicates > 1 else np.zeros((h, w), bool)
