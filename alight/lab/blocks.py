@@ -18,10 +18,9 @@ import numpy as np
 from alight.lab.decomposition import Moments
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
 from alight.lab.statistics import holm_adjusted, quantile
-from alight.laws.statistics import chi_square_tail
 from alight.metrics.comparison import PictureStatistics, compare_pictures
 from alight.metrics.relmse import Estimate
-from alight.metrics.statistics import welch
+from alight.metrics.statistics import chi_square_tail, welch
 
 #: Blocks of a picture, about.
 _BLOCKS = 64
