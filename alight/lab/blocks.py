@@ -20,7 +20,7 @@ from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
 from alight.lab.statistics import holm_adjusted, quantile
 from alight.metrics.comparison import PictureStatistics, compare_pictures
 from alight.metrics.relmse import Estimate
-from alight.metrics.statistics import chi_square_tail, welch
+from alight.metrics.statistics import sum_of_squares_tails, welch
 
 #: Blocks of a picture, about.
 _BLOCKS = 64
@@ -185,11 +185,13 @@ def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics)
     channel means), times five (Bonferroni). The reference may have smaller blocks than the arm.
     """
     found = compare_pictures(arm, joined_statistics(reference, arm.block))
-    blocks = int(np.isfinite(found.z).sum())
-    p_values = [chi_square_tail(blocks * found.rms**2, blocks), *found.p_values.values()]
-    p = min(1.0, len(p_values) * min(p_values))
+    judged = found.z[np.isfinite(found.z)]
+    blocks = len(judged)
+    # Blocks that agree too well are no bias.
+    p_values = found.p_values | {"rms(z)": sum_of_squares_tails(judged)[1]}
+    p = min(1.0, len(p_values) * min(p_values.values()))
     test = BiasTest(
-        arm.block, blocks, found.rms, max(found.rms_low, 0.0), found.rms_high, found.largest,
+        found.block, blocks, found.rms, max(found.rms_low, 0.0), found.rms_high, found.largest,
         _relative_differences(arm, reference), p, UNBIASED,
     )  # fmt: skip
     return RawTest(test, p)

@@ -6,9 +6,7 @@ pooled to blocks, large enough for sums that are nearly normal, and Student's t 
 two blocks is mapped to a z (`alight.metrics.block_sums` says how skewed noise is dealt with).
 
 Seven hypotheses share one family level by Holm's test: the means of the three channels, the largest
-abs(z) of all blocks and channels, and the root mean square of z of each channel. The sum of z^2
-over B blocks is compared with a gamma distribution of mean B and of the larger variance of 2 B and
-that which the z^2 themselves show.
+abs(z) of all blocks and channels, and the root mean square of z of each channel.
 
 Where the test fails by the pictures' own errors alone, but not if one picture has the noise that
 the other foretells, nothing can be said: either bright samples were missed, or the pictures were
@@ -25,8 +23,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from alight.metrics.block_sums import BlockSums, Measured
-from alight.metrics.statistics import chi_square_tail, holm
+from alight.metrics.block_sums import LARGEST_SKEWNESS, BlockSums, Measured
+from alight.metrics.statistics import holm, sum_of_squares_tails
 
 #: At most so many blocks.
 _MOST_BLOCKS = 1024
@@ -34,9 +32,6 @@ _MOST_BLOCKS = 1024
 #: Degrees of freedom that the errors of a block must have at least, if its pixels are alike. With
 #: fewer, noise that differs by e between the pixels gives far too large z (measured: 6 with 16).
 _FREEDOM_WANTED = 48
-
-#: Largest skewness of a block's difference: above, four blocks become one.
-_LARGEST_SKEWNESS = 0.2
 
 
 @dataclass(frozen=True)
@@ -137,7 +132,7 @@ def _blocks_of(a: Measured, b: Measured) -> BlockSums:
     size = next((n for n in (1, 2, 4) if n * n * freedom >= _FREEDOM_WANTED), 8)
     sums = BlockSums.of(a, b, size)
     while max(sums.count) > 1 and (
-        math.prod(sums.count) > _MOST_BLOCKS or sums.skewness > _LARGEST_SKEWNESS
+        math.prod(sums.count) > _MOST_BLOCKS or sums.skewness > LARGEST_SKEWNESS
     ):
         sums = sums.joined()
     return sums
@@ -153,11 +148,8 @@ def _p_values(z: np.ndarray, whole: np.ndarray) -> dict[str, float]:
     largest = _tail(float(np.abs(z[judged]).max()))
     tests["largest |z|"] = min(1.0, int(judged.sum()) * largest)
     for i, c in enumerate("RGB"):
-        squares = z[..., i][judged[..., i]] ** 2
-        if len(squares) > 1:
-            # With the mean and variance of the sum of squares, but at least chi-square's.
-            scale = max(float(squares.var(ddof=1)), 2.0) / 2.0
-            tests[f"rms z {c}"] = chi_square_tail(squares.sum() / scale, len(squares) / scale)
+        if judged[..., i].any():
+            tests[f"rms z {c}"] = sum_of_squares_tails(z[..., i][judged[..., i]])[1]
     return tests
 
 

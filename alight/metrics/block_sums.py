@@ -47,6 +47,14 @@ _ROUNDING = 1e-6
 #: Standard deviations by which one estimate of a variance must exceed the other to be believed.
 _BELIEVED = 3.0
 
+#: Largest skewness of a block's difference: above, four blocks become one.
+LARGEST_SKEWNESS = 0.2
+
+#: What is summed over blocks, in the order of `_planes`.
+_SUMMED = (
+    "pixels", "size", "difference", "squares", "variance", "exchanged", "fourth", "spread",
+)  # fmt: skip
+
 #: Rows of pixels that are worked on at a time: float64 planes of a whole picture would be large.
 _STRIP = 256
 
@@ -85,8 +93,8 @@ class BlockSums:
         1, abs(a) + abs(b), a - b and its square.
     variance, exchanged : ndarray of float64, shape (rows, columns, C)
         Of the difference: by each picture's own errors, and by the other's (0 if unknown).
-    spread : ndarray of float64, shape (rows, columns, C)
-        v^2 / (R + 1), for the degrees of freedom.
+    fourth, spread : ndarray of float64, shape (rows, columns, C)
+        v^2, and what each picture adds to it over its R + 1, for the degrees of freedom.
     third : ndarray of float64, shape (C,)
         Of the whole picture: abs(K) and one standard error of it.
     """
@@ -98,6 +106,7 @@ class BlockSums:
     squares: np.ndarray
     variance: np.ndarray
     exchanged: np.ndarray
+    fourth: np.ndarray
     spread: np.ndarray
     third: np.ndarray
 
@@ -111,8 +120,7 @@ class BlockSums:
             strips.append([_sum_blocks(plane, block) for plane in planes])
             difference, variance = planes[2], planes[4]
             for i, plane in enumerate((
-                weight, difference * variance, (difference * variance) ** 2,
-                variance * (weight > 0.0),
+                weight, difference * variance, (difference * variance) ** 2, variance,
             )):  # fmt: skip
                 moments[i] += plane.sum(axis=(0, 1))
         sums = [np.concatenate(parts) for parts in zip(*strips, strict=True)]
@@ -123,8 +131,7 @@ class BlockSums:
 
     def joined(self, factor: int = 2) -> BlockSums:
         """The same over blocks of `factor` times `factor` of these."""
-        names = ("pixels", "size", "difference", "squares", "variance", "exchanged", "spread")
-        sums = {name: _sum_blocks(getattr(self, name), factor) for name in names}
+        sums = {name: _sum_blocks(getattr(self, name), factor) for name in _SUMMED}
         return replace(self, block=self.block * factor, **sums)
 
     @property
@@ -174,9 +181,10 @@ class BlockSums:
         n = np.maximum(self.pixels, 1.0)
         # Of one pixel there is no spread.
         among = (self.squares - self.difference**2 / n) * n / np.maximum(n - 1.0, 1.0)
+        chance = self.variance + _BELIEVED * np.sqrt(2.0 * self.fourth)
+        safe = np.where(among > chance, among, self.variance)
         least = (1.0 + _BELIEVED * np.sqrt(2.0 / n)) * self.variance
-        larger = np.maximum(among, self.exchanged)
-        return np.where(larger > least, larger, self.variance)
+        return np.where(self.exchanged > least, np.maximum(safe, self.exchanged), safe)
 
 
 def _planes(a: Measured, b: Measured, rows: slice) -> tuple[list[np.ndarray], np.ndarray]:
@@ -202,7 +210,8 @@ def _planes(a: Measured, b: Measured, rows: slice) -> tuple[list[np.ndarray], np
         if side.error is not None:
             spread += one * one / (side.replicates + 1)
     size = np.where(known, np.abs(means[0]) + np.abs(means[1]), 0.0)
-    return [weight, size, difference, difference**2, variance, exchanged, spread], weight
+    squared = difference**2
+    return [weight, size, difference, squared, variance, exchanged, variance**2, spread], weight
 
 
 def _of_rows(samples: np.ndarray | float, rows: slice) -> np.ndarray | float:

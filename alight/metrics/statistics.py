@@ -173,6 +173,24 @@ def chi_square_tail(statistic: float, dof: float) -> float:
     return upper_gamma(0.5 * dof, 0.5 * statistic)
 
 
+def sum_of_squares_tails(z: np.ndarray) -> tuple[float, float]:
+    """P(X <= x) and P(X >= x) of the sum x of squares of n independent z of mean 0 and variance 1.
+
+    By a gamma distribution with the mean n and the larger variance of chi-square's, 2 n, and of
+    that which the squares show: rare large z, and z of few degrees of freedom, spread more.
+
+    Parameters
+    ----------
+    z : ndarray of float, shape (n,)
+        n >= 1.
+    """
+    squares = np.asarray(z, np.float64) ** 2
+    seen = float(squares.var(ddof=1)) if len(squares) > 1 else 0.0
+    scale = max(seen, 2.0) / 2.0
+    above = chi_square_tail(float(squares.sum()) / scale, len(squares) / scale)
+    return 1.0 - above, above
+
+
 def normal_from_tail(tail: np.ndarray, sign: np.ndarray) -> np.ndarray:
     """Find the z of a two-sided tail probability and a sign."""
     half = np.clip(np.asarray(tail, np.float64), _SMALLEST_TAIL, 1.0) / 2.0

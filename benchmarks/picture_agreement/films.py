@@ -1,8 +1,8 @@
 """Renders the pictures of the campaign, many seeds of each, once; pairs are formed from files.
 
-python benchmarks/picture_agreement/films.py FOLDER [--first 0] [--kinds 2] [--choose 0]
+python benchmarks/picture_agreement/films.py FOLDER [SCENE ...] [--first 0] [--kinds 2]
 
-One file a scene, sampler and number of replicates: means and standard errors of all pictures, and
+One file of pictures a scene, sampler and number of replicates: means and standard errors of all pictures, and
 those of a twin whose albedos are 1 % lower. Files that exist are left as they are.
 """
 
@@ -20,11 +20,8 @@ from alight.rendering import render
 from alight.scene import Scene
 
 #: Pictures of each number of samples, and of the twin; the last stands for a reference.
-SPP = {4: 12, 16: 12, 64: 8, 1024: 4}
-REFERENCES, MOST = 3, 1 << 13
-
-#: Processor seconds that all pictures of a scene may take: others are left out.
-SECONDS = 60.0
+SPP = {4: 12, 16: 12, 64: 8, 1024: 3}
+REFERENCES, MOST = 2, 1 << 12
 SIZES = ((32, 32), (48, 32), (40, 28), (64, 64))
 REPLICATES = (4, 4, 4, 2, 8, 16)
 
@@ -60,16 +57,19 @@ def main() -> None:
     """Render what is missing."""
     parser = argparse.ArgumentParser(description="Pictures for the campaign on agreement.")
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--kinds", type=int, default=2)
+    parser.add_argument("scenes", nargs="*", help="names or files; by default those of scenes.py")
+    parser.add_argument("--first", type=int, default=0, help="number of the first of each kind")
+    parser.add_argument("--kinds", type=int, default=2, help="how many of each kind")
+    parser.add_argument("--seconds", type=float, default=60.0, help="processor time of a scene")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
-    for name in names(options.first, options.kinds):
+    for name in options.scenes or names(options.first, options.kinds):
         rng = np.random.default_rng([options.seed, zlib.crc32(name.encode())])
         sampler, size = str(rng.choice(SAMPLERS)), SIZES[int(rng.integers(len(SIZES)))]
         replicates = int(rng.choice(REPLICATES))
-        path = options.folder / f"{name.replace(':', '-')}-{sampler}-{replicates}.npz"
+        stem = f"{Path(name).stem.replace(':', '-')}-{sampler}-{replicates}"
+        path = options.folder / f"{stem}.npz"
         if path.exists():
             continue
         start = time.perf_counter()
@@ -80,7 +80,7 @@ def main() -> None:
                 scene = load_scene(name, size, sampler, replicates, darker)
                 levels = {s: n for s, n in SPP.items() if s >= replicates}
                 if not twin:
-                    if (cost := seconds(scene, seed, levels)) > SECONDS:
+                    if (cost := seconds(scene, seed, levels)) > options.seconds:
                         raise ValueError(f"would take {cost:.0f} s")
                     spp = reference_spp(scene, seed + 999)
                     levels[spp] = max(levels.get(spp, 0), REFERENCES)
@@ -94,8 +94,11 @@ def main() -> None:
             continue
         np.savez(path, **arrays)
         mean = float(arrays["mean-64"].mean())
-        print(f"{path.stem}: reference {arrays['reference']} spp, mean {mean:.4g}, "
-              f"{time.perf_counter() - start:.1f} s", flush=True)
+        print(
+            f"{path.stem}: reference {arrays['reference']} spp, mean {mean:.4g}, "
+            f"{time.perf_counter() - start:.1f} s",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -151,12 +151,15 @@ def names(first: int, count: int) -> list[str]:
     return [*numbered, *sorted(builtin_names())]
 
 
-def load_scene(name: str, size: tuple[int, int], sampler: str, replicates: int,
-               darker: float = 1.0) -> Scene:
+def load_scene(
+    name: str, size: tuple[int, int], sampler: str, replicates: int, darker: float = 1.0
+) -> Scene:
     """Load a scene by name, with every albedo times `darker`."""
     folder = Path(_folder().name)
     kind, _, number = name.partition(":")
-    if number:
+    if Path(name).suffix == ".yaml":
+        data = yaml.safe_load(Path(name).read_text("utf-8"))
+    elif number:
         seed = [sorted(KINDS).index(kind), int(number)]
         data = KINDS[kind](np.random.default_rng(seed), folder)
     else:

@@ -93,7 +93,7 @@ def test_failures_can_be_looked_at(tmp_path):
     result = compare_pictures(renders(1), renders(2, scale=1.05))
     folder = result.dump(tmp_path / "failed")
     assert {file.name for file in folder.iterdir()} == {"a.npy", "b.npy", "z.npy", "report.txt"}
-    assert "1024 blocks: rms(z)" in (folder / "report.txt").read_text()
+    assert "1024 blocks of 2x2 pixels: rms(z)" in (folder / "report.txt").read_text()
     assert np.load(folder / "a.npy").shape == (64, 64, 3)
 
 
