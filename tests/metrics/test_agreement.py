@@ -166,14 +166,26 @@ def test_without_the_other_pictures_noise_the_darker_one_would_be_called_differe
     assert not compare_measured(*alone).passed
 
 
-@pytest.mark.parametrize("spp", [2, 32])
-def test_two_replicates_that_met_the_same_are_no_proof_that_there_is_no_noise(spp):
-    """With R = 2 both have met one bright sample as often as one has met two."""
+def edges(seed, spp, replicates):
+    """Dark noise, and one pixel in 40 that each sample sees full of light or without, by chance."""
+    rng = np.random.default_rng(seed)
+    each, shape = spp // replicates, (48, 64, 1)
+    lit = np.random.default_rng(7).random(shape) < 1 / 40
+    met = rng.binomial(each, 0.5, (replicates, *shape)) / each
+    plain = 0.1 + 0.01 * rng.standard_normal((replicates, *shape[:2], 3)) / math.sqrt(each)
+    means = plain + 5.0 * lit * met
+    error = means.std(axis=0, ddof=1) / math.sqrt(replicates)
+    return Measured(means.mean(axis=0), error, replicates, float(spp))
+
+
+@pytest.mark.parametrize(("few", "many", "replicates"), [(2, 2, 2), (8, 64, 2), (4, 1024, 4)])
+def test_replicates_that_met_the_same_are_no_proof_that_there_is_no_noise(few, many, replicates):
+    """Of two samples at an edge both meet the light in a quarter of the cases: no spread at all."""
     found = [
-        compare_measured(rendered(2 * s, spp, 2, rate=0.5 / spp), rendered(2 * s + 1, spp, 2,
-                         rate=0.5 / spp))
+        compare_measured(edges(2 * s, few, replicates), edges(2 * s + 1, many, replicates), block=8)
         for s in range(15)
-    ]  # fmt: skip
+    ]
+    # 1 % of 15; three have a probability of 4e-4.
     assert sum(not one.passed for one in found) < 3
 
 
