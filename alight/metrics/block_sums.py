@@ -34,7 +34,6 @@ noise keeps its distribution.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np

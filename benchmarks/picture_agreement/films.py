@@ -2,8 +2,8 @@
 
 python benchmarks/picture_agreement/films.py FOLDER [SCENE ...] [--first 0] [--kinds 2]
 
-One file of pictures a scene, sampler and number of replicates: means and standard errors of all pictures, and
-those of a twin whose albedos are 1 % lower. Files that exist are left as they are.
+One file of pictures a scene, sampler and number of replicates: means and standard errors of all
+pictures, and those of a twin whose albedos are 1 % lower. Files that exist are left as they are.
 """
 
 from __future__ import annotations
