@@ -49,7 +49,7 @@ _BELIEVED = 3.0
 #: Largest skewness of a block's difference: above, four blocks become one.
 LARGEST_SKEWNESS = 0.2
 
-#: What is summed over blocks, in the order of `_planes`.
+#: What is summed over blocks, in this order.
 _SUMMED = (
     "pixels", "size", "difference", "squares", "variance", "exchanged", "fourth", "spread",
 )  # fmt: skip
@@ -113,20 +113,20 @@ class BlockSums:
     def of(cls, a: Measured, b: Measured, block: int) -> BlockSums:
         """Sum up two pictures of one shape, with standard errors of one at least."""
         rows = max(1, _STRIP // block) * block
-        strips, moments = [], np.zeros((4, a.mean.shape[2]))
+        strips, product, square = [], 0.0, 0.0
         for top in range(0, a.mean.shape[0], rows):
-            planes, weight = _planes(a, b, slice(top, top + rows))
+            planes = _planes(a, b, slice(top, top + rows))
             strips.append([_sum_blocks(plane, block) for plane in planes])
-            difference, variance = planes[2], planes[4]
-            for i, plane in enumerate((
-                weight, difference * variance, (difference * variance) ** 2, variance,
-            )):  # fmt: skip
-                moments[i] += plane.sum(axis=(0, 1))
-        sums = [np.concatenate(parts) for parts in zip(*strips, strict=True)]
-        pixels, product, square, total = moments
+            third = planes[_SUMMED.index("difference")] * planes[_SUMMED.index("variance")]
+            product, square = product + third.sum(axis=(0, 1)), square + (third**2).sum(axis=(0, 1))
+        parts = (np.concatenate(part) for part in zip(*strips, strict=True))
+        sums = dict(zip(_SUMMED, parts, strict=True))
+        pixels, difference, variance = (
+            sums[name].sum(axis=(0, 1)) for name in ("pixels", "difference", "variance")
+        )
         # About the mean difference: noise that is the same everywhere has no third cumulant.
-        centred = product - sums[2].sum(axis=(0, 1)) * total / np.maximum(pixels, 1.0)
-        return cls(block, *sums, np.abs(centred) + np.sqrt(square))
+        centred = product - difference * variance / np.maximum(pixels, 1.0)
+        return cls(block=block, **sums, third=np.abs(centred) + np.sqrt(square))
 
     def joined(self, factor: int = 2) -> BlockSums:
         """The same over blocks of `factor` times `factor` of these."""
@@ -186,15 +186,15 @@ class BlockSums:
         return np.where(self.exchanged > least, np.maximum(safe, self.exchanged), safe)
 
 
-def _planes(a: Measured, b: Measured, rows: slice) -> tuple[list[np.ndarray], np.ndarray]:
-    """Give what is summed over blocks, for some rows; the first plane is the weight as well."""
+def _planes(a: Measured, b: Measured, rows: slice) -> list[np.ndarray]:
+    """Give what is summed over blocks, for some rows, in the order of `_SUMMED`."""
     means = [np.asarray(side.mean[rows], np.float64) for side in (a, b)]
     squares = [
         np.zeros_like(means[0]) if side.error is None else np.asarray(side.error[rows], float) ** 2
         for side in (a, b)
     ]
     known = np.isfinite(squares[0] + squares[1]).all(axis=2, keepdims=True)
-    weight = np.broadcast_to(known, means[0].shape).astype(np.float64)
+    pixels = np.broadcast_to(known, means[0].shape).astype(np.float64)
     squares = [np.where(known, one, 0.0) for one in squares]
     difference = np.where(known, means[0] - means[1], 0.0)
     variance = squares[0] + squares[1]
@@ -210,7 +210,7 @@ def _planes(a: Measured, b: Measured, rows: slice) -> tuple[list[np.ndarray], np
             spread += one * one / (side.replicates + 1)
     size = np.where(known, np.abs(means[0]) + np.abs(means[1]), 0.0)
     squared = difference**2
-    return [weight, size, difference, squared, variance, exchanged, variance**2, spread], weight
+    return [pixels, size, difference, squared, variance, exchanged, variance**2, spread]
 
 
 def _of_rows(samples: np.ndarray | float, rows: slice) -> np.ndarray | float:

@@ -96,7 +96,8 @@ def pairs(films: Films, change: str, count: int, rng: np.random.Generator) -> It
         with np.errstate(divide="ignore", invalid="ignore"):
             z = float(np.nanmax(difference / np.sqrt(variance))) if change else 0.0
         sides = films.picture(few, i, twin, light), films.picture(many, j)
-        yield Pair(kind, *(sides if rng.random() < 0.5 else sides[::-1]), z)
+        a, b = sides if rng.random() < 0.5 else sides[::-1]
+        yield Pair(kind, a, b, z)
 
 
 def verdict(pair: Pair) -> Agreement | None:

@@ -161,14 +161,13 @@ def load_scene(
         data = yaml.safe_load(Path(name).read_text("utf-8"))
     elif number:
         seed = [sorted(KINDS).index(kind), int(number)]
-        data = KINDS[kind](np.random.default_rng(seed), folder)
+        data: Any = KINDS[kind](np.random.default_rng(seed), folder)
     else:
         file = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml")
         data = yaml.safe_load(file.read_text("utf-8"))
     data = copy.deepcopy(data) | {"alight": 1}
     _darken(data, darker)
-    film = {"size": list(size), "replicates": replicates}
-    data["film"] = dict(data.get("film", {})) | film
+    data["film"] = data.get("film", {}) | {"size": list(size), "replicates": replicates}
     data["sampler"] = sampler
     path = folder / "scene.yaml"
     path.write_text(yaml.safe_dump(data), "utf-8")
