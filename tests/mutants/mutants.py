@@ -1,5 +1,6 @@
 """All planted bugs, in the order in which they are tried."""
 
+from tests.mutants.agreement import AGREEMENT
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.known_error import KNOWN_ERROR
@@ -24,4 +25,5 @@ MUTANTS = (
     + PRINCIPLED
     + MEDIA
     + KNOWN_ERROR
+    + AGREEMENT
 )
