@@ -161,11 +161,12 @@ class BlockSums:
         Returns
         -------
         ndarray of float64, shape (rows, columns, C)
-            NaN in blocks of unknown error, and where nothing varies and both sides agree.
+            NaN in blocks of unknown error, and where nothing varies but by rounding.
         """
         floor = (_ROUNDING * self.size) ** 2
         variance = (self.variance if own else self._safe_variance()) + floor
-        still = self.variance == 0.0
+        # Less noise than rounding has is none.
+        still = self.variance <= floor
         with np.errstate(divide="ignore", invalid="ignore"):
             dof = np.where(still, np.inf, np.maximum(self.variance**2 / self.spread - 2.0, 1.0))
             t = self.difference / np.sqrt(variance)

@@ -73,3 +73,16 @@ def test_a_block_of_unknown_error_is_not_judged_and_others_are():
     assert np.isnan(z[0, 0]).all()
     assert np.isfinite(z).sum() == z.size - 2
     assert np.abs(BlockSums.of(a, b, 8).whole.z()).max() < 5.0
+
+
+def test_noise_below_rounding_is_none():
+    """A sky of one colour: its z would be 0 and make the others' rms look too small."""
+    a, b = noisy(1), noisy(2)
+    for side, rest in ((a, 0.0), (b, 1e-8)):
+        side.mean[:160] = 1.0 + rest
+        side.error[:160] = 1e-9
+    sums = BlockSums.of(a, b, 4)
+    assert np.isnan(sums.z()[:40]).all()
+    assert np.isfinite(sums.z()[40:]).all()
+    b.mean[:160] += 1e-4
+    assert np.abs(BlockSums.of(a, b, 4).z()[:40]).min() > 10.0
