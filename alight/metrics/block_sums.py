@@ -25,8 +25,8 @@ pictures it often is not: a few bright samples carry it. A block that they have 
 * **Blocks that are large enough.** The third cumulant of a mean over replicates is the covariance
   of the mean and of its squared standard error. So sum of d_i v_i has, for equal pictures, the
   expectation K of the third cumulant of D: no further planes are needed to know how skewed the
-  sums are. Blocks are joined until K / sum V^(3/2) is small. Noise that is equal on both sides
-  cancels in K, as it does in D.
+  sums are. Blocks are joined until K / sum V^(3/2) is small. Noise that is alike on both sides
+  cancels in K, as it does in D: there blocks stay as they are.
 
 V is replaced by the larger estimate only where that is larger than chance allows, so that normal
 noise keeps its distribution.
@@ -44,10 +44,13 @@ from alight.metrics.statistics import t_to_z
 _ROUNDING = 1e-6
 
 #: Standard deviations by which one estimate of a variance must exceed the other to be believed.
-_BELIEVED = 3.0
+_BELIEVED = 4.0
 
 #: Largest skewness of a block's difference: above, four blocks become one.
 LARGEST_SKEWNESS = 0.2
+
+#: Noise of two pictures is alike if the squared errors of most blocks differ by less than this.
+_ALIKE = 2.0
 
 #: What is summed over blocks, in this order.
 _SUMMED = (
@@ -95,7 +98,8 @@ class BlockSums:
     fourth, spread : ndarray of float64, shape (rows, columns, C)
         v^2, and what each picture adds to it over its R + 1, for the degrees of freedom.
     third : ndarray of float64, shape (C,)
-        Of the whole picture: abs(K) and one standard error of it.
+        Of the whole picture: abs(K) and one standard error of it; 0 where the noise of both
+        pictures is alike.
     """
 
     block: int
@@ -113,9 +117,10 @@ class BlockSums:
     def of(cls, a: Measured, b: Measured, block: int) -> BlockSums:
         """Sum up two pictures of one shape, with standard errors of one at least."""
         rows = max(1, _STRIP // block) * block
-        strips, product, square = [], 0.0, 0.0
+        strips, sides, product, square = [], [], 0.0, 0.0
         for top in range(0, a.mean.shape[0], rows):
-            planes = _planes(a, b, slice(top, top + rows))
+            planes, squares = _planes(a, b, slice(top, top + rows))
+            sides.append([_sum_blocks(one, block) for one in squares])
             strips.append([_sum_blocks(plane, block) for plane in planes])
             third = planes[_SUMMED.index("difference")] * planes[_SUMMED.index("variance")]
             product, square = product + third.sum(axis=(0, 1)), square + (third**2).sum(axis=(0, 1))
@@ -126,7 +131,9 @@ class BlockSums:
         )
         # About the mean difference: noise that is the same everywhere has no third cumulant.
         centred = product - difference * variance / np.maximum(pixels, 1.0)
-        return cls(block=block, **sums, third=np.abs(centred) + np.sqrt(square))
+        third = np.abs(centred) + np.sqrt(square)
+        alike = _alike(*(np.concatenate(side) for side in zip(*sides, strict=True)))
+        return cls(block=block, **sums, third=np.where(alike, 0.0, third))
 
     def joined(self, factor: int = 2) -> BlockSums:
         """The same over blocks of `factor` times `factor` of these."""
@@ -187,8 +194,15 @@ class BlockSums:
         return np.where(self.exchanged > least, np.maximum(safe, self.exchanged), safe)
 
 
-def _planes(a: Measured, b: Measured, rows: slice) -> list[np.ndarray]:
-    """Give what is summed over blocks, for some rows, in the order of `_SUMMED`."""
+def _alike(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Whether the squared errors of most blocks are alike on both sides, for each channel."""
+    within = (a <= _ALIKE * b) & (b <= _ALIKE * a)
+    varying = (a > 0.0) | (b > 0.0)
+    return 2 * (within & varying).sum(axis=(0, 1)) > varying.sum(axis=(0, 1))
+
+
+def _planes(a: Measured, b: Measured, rows: slice) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Give what is summed over blocks, for some rows: in the order of `_SUMMED`, and by side."""
     means = [np.asarray(side.mean[rows], np.float64) for side in (a, b)]
     squares = [
         np.zeros_like(means[0]) if side.error is None else np.asarray(side.error[rows], float) ** 2
@@ -211,7 +225,8 @@ def _planes(a: Measured, b: Measured, rows: slice) -> list[np.ndarray]:
             spread += one * one / (side.replicates + 1)
     size = np.where(known, np.abs(means[0]) + np.abs(means[1]), 0.0)
     squared = difference**2
-    return [pixels, size, difference, squared, variance, exchanged, variance**2, spread]
+    planes = [pixels, size, difference, squared, variance, exchanged, variance**2, spread]
+    return planes, squares
 
 
 def _of_rows(samples: np.ndarray | float, rows: slice) -> np.ndarray | float:
