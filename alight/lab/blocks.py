@@ -184,7 +184,7 @@ def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics)
     The p-value is the smallest of five (root mean square and largest of the blocks' z, three
     channel means), times five (Bonferroni). The reference may have smaller blocks than the arm.
     """
-    found = compare_pictures(arm, joined_statistics(reference, arm.block))
+    found = compare_pictures(arm, joined_statistics(reference, arm.block), join=True)
     judged = found.z[np.isfinite(found.z)]
     blocks = len(judged)
     # Blocks that agree too well are no bias.

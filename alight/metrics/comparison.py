@@ -3,9 +3,9 @@
 Per-pixel tests at a fixed number of sigmas are wrong for the skewed noise of path tracing. Here
 each side is rendered with many seeds, 32 or more; the mean luminance of small blocks (2x2 pixels)
 is nearly normal over them. Where it is not, because one side's noise is more skewed than the
-other's, four blocks become one until it is (`alight.metrics.block_sums`). Student's t of each block
-is mapped through its own distribution to a z. Five hypotheses share one family level by Holm's
-test: that
+other's, four blocks can become one until it is (`alight.metrics.block_sums`). Student's t of each
+block is mapped through its own distribution to a z. Five hypotheses share one family level by
+Holm's test: that
 
 * the sum of z^2 is neither too large nor too small: neither bias nor misstated variance;
 * the largest abs(z) is no larger than chance allows;
@@ -157,10 +157,10 @@ class Comparison:
         return folder
 
 
-def blocks_of(a: PictureStatistics, b: PictureStatistics) -> BlockSums:
-    """Sums over the sides' blocks, joined until their differences are hardly skewed."""
+def blocks_of(a: PictureStatistics, b: PictureStatistics, join: bool) -> BlockSums:
+    """Sums over the sides' blocks, if wanted joined until their differences are hardly skewed."""
     sums = BlockSums.of(_luminance(a), _luminance(b), 1)
-    while max(sums.count) > 1 and sums.skewness > LARGEST_SKEWNESS:
+    while join and max(sums.count) > 1 and sums.skewness > LARGEST_SKEWNESS:
         sums = sums.joined()
     return sums
 
@@ -180,6 +180,7 @@ def compare_pictures(
     *,
     block: int = 2,
     level: float = 0.01,
+    join: bool = False,
 ) -> Comparison:
     """Test whether two sides are the same picture.
 
@@ -191,6 +192,9 @@ def compare_pictures(
         For sides given as arrays.
     level : float, default 0.01
         Probability that equal pictures fail any of the tests.
+    join : bool, default False
+        Join blocks until their differences are hardly skewed: for fewer than 32 seeds, or few
+        samples of each, and noise that differs between the sides.
 
     Raises
     ------
@@ -204,7 +208,7 @@ def compare_pictures(
             f"the sides have {a.block_mean.shape} blocks of {a.block} pixels "
             f"and {b.block_mean.shape} of {b.block}"
         )
-    sums = blocks_of(a, b)
+    sums = blocks_of(a, b, join)
     z = sums.z()[..., 0]
     judged = z[np.isfinite(z)]
     if len(judged) == 0:

@@ -79,11 +79,13 @@ def spikes(seed, rate, seeds=12):
 
 def test_noise_that_is_skewed_on_one_side_is_judged_on_larger_blocks():
     """Blocks that no spike of the noisy side hit are too dark and too quiet."""
-    found = [compare_pictures(spikes(2 * i, 0.003), spikes(2 * i + 1, 3.0)) for i in range(10)]
+    found = [
+        compare_pictures(spikes(2 * i, 0.003), spikes(2 * i + 1, 3.0), join=True) for i in range(10)
+    ]
     # 1 % of 10; three have a probability of 1e-4.
     assert sum(not one.passed for one in found) < 3
     assert min(one.block for one in found) > 2
-    assert compare_pictures(spikes(1, 3.0), spikes(2, 3.0)).block == 2
+    assert compare_pictures(spikes(1, 3.0), spikes(2, 3.0), join=True).block == 2
 
 
 def test_stored_statistics_give_the_same_result(tmp_path):
