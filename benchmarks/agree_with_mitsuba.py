@@ -172,7 +172,7 @@ def measure(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
         "spp": arguments.spp * arguments.seeds,
         "blocks": int(np.isfinite(result.z).sum()),
         "rms z": result.rms,
-        "bound": result.rms_high - 1.0,
+        "p(rms)": result.p_values["rms(z)"],
         "largest z": result.largest,
         "p(largest)": result.p_values["largest |z|"],
         "p(mean)": min(result.p_values[f"mean {name}"] for name in "RGB"),

@@ -18,10 +18,9 @@ import numpy as np
 from alight.lab.decomposition import Moments
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
 from alight.lab.statistics import holm_adjusted, quantile
-from alight.laws.statistics import chi_square_tail
 from alight.metrics.comparison import PictureStatistics, compare_pictures
 from alight.metrics.relmse import Estimate
-from alight.metrics.statistics import welch
+from alight.metrics.statistics import sum_of_squares_tails, welch
 
 #: Blocks of a picture, about.
 _BLOCKS = 64
@@ -185,12 +184,14 @@ def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics)
     The p-value is the smallest of five (root mean square and largest of the blocks' z, three
     channel means), times five (Bonferroni). The reference may have smaller blocks than the arm.
     """
-    found = compare_pictures(arm, joined_statistics(reference, arm.block))
-    blocks = int(np.isfinite(found.z).sum())
-    p_values = [chi_square_tail(blocks * found.rms**2, blocks), *found.p_values.values()]
-    p = min(1.0, len(p_values) * min(p_values))
+    found = compare_pictures(arm, joined_statistics(reference, arm.block), join=True)
+    judged = found.z[np.isfinite(found.z)]
+    blocks = len(judged)
+    # Blocks that agree too well are no bias.
+    p_values = found.p_values | {"rms(z)": sum_of_squares_tails(judged)[1]}
+    p = min(1.0, len(p_values) * min(p_values.values()))
     test = BiasTest(
-        arm.block, blocks, found.rms, max(found.rms_low, 0.0), found.rms_high, found.largest,
+        found.block, blocks, found.rms, max(found.rms_low, 0.0), found.rms_high, found.largest,
         _relative_differences(arm, reference), p, UNBIASED,
     )  # fmt: skip
     return RawTest(test, p)

@@ -6,10 +6,11 @@ Sidak's share of it. Seeds are fixed, so a test that passes goes on passing.
 
 from __future__ import annotations
 
-import math
 from statistics import NormalDist
 
 import numpy as np
+
+from alight.metrics.statistics import chi_square_tail, upper_gamma
 
 FAMILY = 0.01
 TESTS = 2000
@@ -19,42 +20,6 @@ LARGEST_Z = -NormalDist().inv_cdf(SIGNIFICANCE / 2.0)
 
 # Cochran's rule of thumb wants 5; below it the statistic is not distributed like chi squared.
 _FEWEST = 10.0
-
-
-def upper_gamma(a: float, x: float) -> float:
-    """Regularised upper incomplete gamma function Q(a, x); relative error below 1e-10.
-
-    Source: NIST Digital Library of Mathematical Functions, 8.11.4 (series, left of the mean) and
-    8.9.2 (continued fraction by Lentz's method, right of it).
-    """
-    if x <= 0.0:
-        return 1.0
-    front = math.exp(a * math.log(x) - x - math.lgamma(a))
-    if x < a + 1.0:
-        term = total = 1.0 / a
-        n = a
-        while abs(term) > 1e-16 * abs(total):
-            n += 1.0
-            term *= x / n
-            total += term
-        return max(0.0, 1.0 - front * total)
-    b = x + 1.0 - a
-    c, d = 1e300, 1.0 / b
-    value = d
-    for i in range(1, 100_000):
-        step = -i * (i - a)
-        b += 2.0
-        d = 1.0 / (step * d + b)
-        c = b + step / c
-        value *= c * d
-        if abs(c * d - 1.0) < 1e-15:
-            break
-    return front * value
-
-
-def chi_square_tail(statistic: float, dof: float) -> float:
-    """P(X >= statistic) of the chi-square distribution."""
-    return upper_gamma(0.5 * dof, 0.5 * statistic)
 
 
 def poisson_tail(count: float, mean: float) -> float:

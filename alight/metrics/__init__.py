@@ -1,6 +1,7 @@
 """Metrics: how far two pictures are apart, and whether that is more than noise."""
 
-from alight.metrics.agreement import Agreement, Measured, compare_measured
+from alight.metrics.agreement import Agreement, compare_measured
+from alight.metrics.block_sums import Measured
 from alight.metrics.comparison import Comparison, PictureStatistics, compare_pictures
 from alight.metrics.mse import mse
 from alight.metrics.own_error import ErrorEstimate

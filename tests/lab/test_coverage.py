@@ -143,6 +143,16 @@ def test_one_block_of_three_sigma_is_no_bias():
     assert raw.p_value == pytest.approx(5 * 0.0027, rel=0.01)
 
 
+def test_blocks_that_agree_too_well_are_no_bias():
+    """A reference of the arm's own seeds: z of 0 says nothing of a bias."""
+    rng = np.random.default_rng(8)
+    rows = [np.concatenate([np.ones(3), 1.0 + 0.1 * rng.standard_normal(64)]) for _ in range(16)]
+    arm = BlockMoments.of(rows, (64, 64)).statistics
+    found = compare_with_reference(arm, replace(arm, block_mean=arm.block_mean + 1e-4))
+    assert found.test.z_rms < 0.1
+    assert judge([found], [False])[0].verdict == UNBIASED
+
+
 def test_verdicts_are_corrected_over_the_arms():
     """Two arms at 0.6 % each: alone both would be called biased at 1 %, together neither is."""
     raw = [_rare_events(np.random.default_rng(seed), 30.0) for seed in (1, 2)]

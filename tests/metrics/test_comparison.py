@@ -70,6 +70,24 @@ def test_faults_that_cancel_in_the_mean_are_found():
     assert any(reason.startswith("rms(z)") for reason in result.reasons)
 
 
+def spikes(seed, rate, seeds=12):
+    """Pictures in which few pixels meet something bright."""
+    rng = np.random.default_rng(seed)
+    met = rng.poisson(rate, (seeds, 64, 64, 1)) / rate
+    return reference_picture() * (0.9 + 0.1 * met + 0.01 * rng.standard_normal(met.shape))
+
+
+def test_noise_that_is_skewed_on_one_side_is_judged_on_larger_blocks():
+    """Blocks that no spike of the noisy side hit are too dark and too quiet."""
+    found = [
+        compare_pictures(spikes(2 * i, 0.003), spikes(2 * i + 1, 3.0), join=True) for i in range(10)
+    ]
+    # 1 % of 10; three have a probability of 1e-4.
+    assert sum(not one.passed for one in found) < 3
+    assert min(one.block for one in found) > 2
+    assert compare_pictures(spikes(1, 3.0), spikes(2, 3.0), join=True).block == 2
+
+
 def test_stored_statistics_give_the_same_result(tmp_path):
     a, b = renders(1), renders(2)
     PictureStatistics.of(a).save(tmp_path / "a.npz")
@@ -93,7 +111,7 @@ def test_failures_can_be_looked_at(tmp_path):
     result = compare_pictures(renders(1), renders(2, scale=1.05))
     folder = result.dump(tmp_path / "failed")
     assert {file.name for file in folder.iterdir()} == {"a.npy", "b.npy", "z.npy", "report.txt"}
-    assert "1024 blocks: rms(z)" in (folder / "report.txt").read_text()
+    assert "1024 blocks of 2x2 pixels: rms(z)" in (folder / "report.txt").read_text()
     assert np.load(folder / "a.npy").shape == (64, 64, 3)
 
 

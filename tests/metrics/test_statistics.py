@@ -13,6 +13,7 @@ from alight.metrics.statistics import (
     normal_from_tail,
     student_t_quantile,
     student_t_tail,
+    sum_of_squares_tails,
     t_to_z,
     welch,
 )
@@ -170,3 +171,22 @@ def test_holm_steps_down():
     assert holm([0.03, 0.01, 0.9, 0.013], 0.04) == [False, True, False, True]
     assert holm([], 0.01) == []
     assert holm([math.nan, 0.5], 0.01)[0]
+
+
+def test_sums_of_squares_of_normal_numbers_are_chi_square():
+    """Up to the spread that the squares show themselves, if that is larger."""
+    z = np.random.default_rng(3).standard_normal(400)
+    scale = max(float((z**2).var(ddof=1)), 2.0) / 2.0
+    below, above = sum_of_squares_tails(z)
+    assert above == pytest.approx(stats.chi2.sf((z**2).sum() / scale, 400 / scale), rel=1e-8)
+    assert below + above == pytest.approx(1.0)
+    # Even squares spread less than normal numbers' do: chi-square it is.
+    assert sum_of_squares_tails(np.full(9, 1.5))[1] == pytest.approx(stats.chi2.sf(9 * 2.25, 9))
+
+
+def test_one_large_number_is_not_many():
+    """100 z of which one is 12: the largest says so, not the sum of squares."""
+    z = np.random.default_rng(4).standard_normal(100)
+    z[7] = 12.0
+    assert stats.chi2.sf((z**2).sum(), 100) < 1e-8
+    assert sum_of_squares_tails(z)[1] > 1e-3

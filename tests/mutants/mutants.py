@@ -1,5 +1,6 @@
 """All planted bugs, in the order in which they are tried."""
 
+from tests.mutants.agreement import AGREEMENT
 from tests.mutants.edges import EDGES
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
@@ -30,4 +31,5 @@ MUTANTS = (
     + LABORATORY
     + EDGES
     + RANDOM_SCENES
+    + AGREEMENT
 )

@@ -25,6 +25,9 @@ LIMITED = ("mse", "rmse", "relmse", "relmse_literature", "smape", "dssim", "flip
 #: Verdicts.
 EQUAL, SAME, DIFFERENT, UNTESTED = "identical", "same within noise", "different", "not tested"
 
+#: Verdict where the pictures differ by their own errors, but not if they were made the same way.
+UNSURE = "cannot tell"
+
 #: Verdict where only one picture's noise is known.
 DIFFERENT_IF_EXACT = "different, if the other is exact"
 
@@ -53,7 +56,7 @@ class PictureComparison:
         What the pictures' own noise adds to `mse`; NaN where unknown.
     agreement : Agreement or None
     verdict : str
-        `EQUAL`, `SAME`, `DIFFERENT`, `DIFFERENT_IF_EXACT` or `UNTESTED`.
+        `EQUAL`, `SAME`, `UNSURE`, `DIFFERENT`, `DIFFERENT_IF_EXACT` or `UNTESTED`.
     notes : list of str
         What the verdict rests on, and what is odd.
     """
@@ -99,8 +102,8 @@ class PictureComparison:
             test = self.agreement
             found["test"] = {
                 "block": test.block, "rms_z": [_known(v) for v in test.rms],
-                "rms_z_bounds": [test.rms_low, test.rms_high], "largest_z": test.largest,
-                "p_values": test.p_values, "reasons": test.reasons,
+                "largest_z": test.largest, "level": test.level,
+                "p_values": test.p_values, "reasons": test.reasons, "doubts": test.doubts,
             }  # fmt: skip
         return found
 
@@ -185,15 +188,24 @@ def _judge(a: Input, b: Input) -> tuple[Agreement | None, str, list[str]]:
         )
     notes = [f"{one.name} is taken as exact: its noise counts as difference"
              for one in (a, b) if one.error is None]  # fmt: skip
-    sides = [Measured(one.image, one.error, one.replicates) for one in (a, b)]
+    sides = [Measured(one.image, one.error, one.replicates, one.samples) for one in (a, b)]
     try:
         agreement = compare_measured(*sides)
     except ValueError as error:
         return None, UNTESTED, [*notes, str(error)]
     notes += [f"{text}: skewed noise, errors too large, or shared random numbers"
               for text in agreement.remarks]  # fmt: skip
-    other = DIFFERENT if len(known) == 2 else DIFFERENT_IF_EXACT
-    return agreement, SAME if agreement.passed else other, [*notes, *agreement.reasons]
+    told = f"{len(agreement.p_values)} tests at a family level of {100.0 * agreement.level:g} %"
+    if agreement.passed and not agreement.doubts:
+        return agreement, SAME, [*notes, f"{told}: none fails"]
+    if agreement.doubts:
+        doubt = (
+            "by the pictures' own errors these fail, but those are too small if bright samples "
+            "were missed and the pictures were made in the same way"
+        )
+        return agreement, UNSURE, [*notes, f"{told}: {doubt}", *agreement.doubts]
+    verdict = DIFFERENT if len(known) == 2 else DIFFERENT_IF_EXACT
+    return agreement, verdict, [*notes, f"{told}: these fail", *agreement.reasons]
 
 
 # ------------------------------------------------------------------------------------- limits

@@ -1,7 +1,8 @@
 """Pictures of any renderer, read for a comparison: linear, three channels, errors if they have any.
 
 OpenEXR files of alight hold the standard error of every pixel in layers ``standard_error.R`` and so
-on, and the number of replicates in their header; no other format does.
+on, the numbers of samples in ``samples``, and the number of replicates in their header; no other
+format does.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ class Input:
         Standard errors, NaN where unknown.
     replicates : int
         R of the standard errors; 0 without.
+    samples : ndarray of uint32, shape (h, w), or None
+        Samples of each pixel, where standard errors are known.
     remarks : list of str
         What was done to make it comparable.
     """
@@ -49,6 +52,7 @@ class Input:
     is_display: bool
     error: np.ndarray | None = None
     replicates: int = 0
+    samples: np.ndarray | None = None
     remarks: list[str] = field(default_factory=list)
 
     @property
@@ -140,7 +144,8 @@ def _read_exr(path: Path, layer: str | None) -> Input:
         error = np.stack([channels[name] for name in errors], axis=-1)
         # Without samples in every replicate nothing is known: no test then.
         if int(replicates) >= 2 and np.isfinite(error).any():
-            return replace(found, error=error, replicates=int(replicates))
+            samples = channels.get("samples")
+            return replace(found, error=error, replicates=int(replicates), samples=samples)
     return found
 
 

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,14 @@ from typer.testing import CliRunner
 
 from alight.cli.main import app
 from alight.lab.compare import Input, compare_inputs
-from alight.lab.compare.figures import DIFFERENT, DIFFERENT_IF_EXACT, EQUAL, SAME, UNTESTED
+from alight.lab.compare.figures import (
+    DIFFERENT,
+    DIFFERENT_IF_EXACT,
+    EQUAL,
+    SAME,
+    UNSURE,
+    UNTESTED,
+)
 from alight.metrics import relmse, smape
 from alight.outputs import read_image
 from tests.lab.compare.test_inputs import film, picture
@@ -54,6 +62,32 @@ def test_verdicts(films):
     assert as_json(*films[:2])["verdict"] == SAME
     assert as_json(films[0], films[2])["verdict"] == DIFFERENT
     assert as_json(films[0], films[0])["verdict"] == EQUAL
+
+
+def test_pictures_that_differ_by_their_own_errors_alone_are_not_called_different():
+    """One of 4 samples that met nothing bright, one of 1 024 that did, here and there."""
+    rng = np.random.default_rng(1)
+    shape = (64, 64, 3)
+    error = np.full(shape, 0.01, np.float32)
+    dark = Input("dark", 0.5 + error * rng.standard_normal(shape, np.float32), False, error, 4)
+    lit = rng.random((64, 64, 1)) < 0.05
+    bright = np.where(lit, 0.6, 0.5).astype(np.float32) + np.zeros(shape, np.float32)
+    seen = np.where(lit, 0.1, 0.0001).astype(np.float32) + np.zeros(shape, np.float32)
+    fine = Input("fine", bright, False, seen, 4)
+    assert compare_inputs(dark, fine, with_flip=False).verdict == DIFFERENT
+    samples = [np.full((64, 64), spp, np.uint32) for spp in (4, 1024)]
+    told = [replace(one, samples=n) for one, n in zip((dark, fine), samples, strict=True)]
+    found = compare_inputs(*told, with_flip=False)
+    assert found.verdict == UNSURE
+    assert any("bright samples were missed" in note for note in found.notes)
+    assert found.to_dict()["test"]["doubts"]
+    # With as many samples on both sides each says what the other's errors are.
+    even = [replace(one, samples=samples[0]) for one in (dark, fine)]
+    assert compare_inputs(*even, with_flip=False).verdict == DIFFERENT
+
+
+def test_the_family_level_is_told(films):
+    assert any("7 tests at a family level of 1 %" in note for note in as_json(*films[:2])["notes"])
 
 
 def test_a_picture_of_unknown_noise_is_taken_as_exact_and_that_is_said(films, tmp_path):

@@ -56,6 +56,7 @@ def test_films_bring_their_standard_errors(tmp_path):
     one = film()
     found = read_input(one.save(tmp_path / "a.exr"))
     assert found.replicates == 4
+    assert np.array_equal(found.samples, one.sample_count)
     assert np.allclose(found.error, one.standard_error, rtol=1e-6)
     layer = read_input(tmp_path / "a.exr", "albedo")
     assert layer.error is None
