@@ -15,7 +15,7 @@ from alight.core.motion import (
 )
 from alight.core.simd import any_lane, gather, gather_row, lanes, lanes_u32, lanes_vec3, where
 from alight.core.uv_sets import UV_SETS, Chart
-from alight.core.vec import normalize
+from alight.core.vec import dot, normalize
 from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
 from alight.shapes.hit import INFO, Geometry, Surface
 from alight.shapes.mesh import corners_of
@@ -185,7 +185,9 @@ def _in_the_world(m, w, surface, moving):
     error = error_in_world(m, w, surface.p, surface.ng, surface.error)
     # Normals by the inverse transpose: they keep their side, mirrored or not.
     ng, ns = normalize(turned(w, surface.ng)), normalize(turned(w, surface.ns))
-    s, t = frame_from_tangent(ns, turned(m, surface.s))
+    # The tangent of the shape itself lies in its surface: s lost what stood along the old ns.
+    tangent = dot(surface.ns, surface.ng) * surface.s - dot(surface.s, surface.ng) * surface.ns
+    s, t = frame_from_tangent(ns, turned(m, tangent))
     return Surface(
         where(moving, p, surface.p),
         where(moving, error, surface.error),
