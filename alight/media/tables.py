@@ -56,8 +56,8 @@ Stream = namedtuple("Stream", "a b first")
 
 #: Sets the streams apart from the numbers that samplers take from the same keys.
 _SALT = 0x5BD1E995
-#: Steps of one stream before it runs into the next one's numbers, and of one segment of it.
-_LENGTH, _SEGMENT = 1 << 16, 1 << 12
+#: Steps of one stream before it runs into the next one's numbers.
+_LENGTH = 1 << 16
 
 #: Distances are cut here, so that an extinction of 0 times a distance is 0.
 FARTHEST = 1e30
@@ -72,8 +72,12 @@ def stream_of(sampler, number):
 
 @kernel
 def segment_of(stream, number):
-    """The part of a stream for the segment with a number (u32) of a shadow ray."""
-    return Stream(stream.a, stream.b, stream.first + number * _SEGMENT)
+    """The stream of the segment with a number (u32) of a shadow ray.
+
+    It has keys of its own: there may be any number of segments, each as long as a whole flight.
+    """
+    a, b = sample_keys(stream.a, stream.b, number)
+    return Stream(a, b, stream.first)
 
 
 @kernel

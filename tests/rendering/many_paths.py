@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from unittest import mock
 
 import numpy as np
@@ -36,8 +37,11 @@ def compiled(text: str, integrator=None) -> CompiledScene:
     return compile_scene(flatten(scene), structure="list")
 
 
-def samples_of(scene: CompiledScene, spp: int = 4, seed: int = 0) -> np.ndarray:
-    """The radiance of each sample, (height, width, spp, 3) float32."""
+def followed(scene: CompiledScene, spp: int, seed: int = 0) -> Iterator[tuple]:
+    """Samples as they are before each step and after the last, `Path` or `VolumePath`.
+
+    Lanes go row by row through the picture, then through the samples of a pixel.
+    """
     width, height = scene.size
     y, x, index = (a.ravel().astype(np.uint32) for a in np.mgrid[:height, :width, :spp])
     settings = make_settings(scene.integrator, seed=seed, replicates=1)
@@ -45,10 +49,18 @@ def samples_of(scene: CompiledScene, spp: int = 4, seed: int = 0) -> np.ndarray:
         np.errstate(all="ignore")(instantiate(root, scene.program, compiled=False))
         for root in (begin, step)
     )
-    # Rays are counted by the bits of a packet, of which there is none here.
-    with mock.patch.object(walk, "mask_bits", lambda mask: 0):
-        path = first(scene.tables, settings, x, y, index, np.zeros_like(x))
-        while np.any(path.active):
+    path = first(scene.tables, settings, x, y, index, np.zeros_like(x))
+    yield path
+    while np.any(path.active):
+        # Rays are counted by the bits of a packet, of which there is none here.
+        with mock.patch.object(walk, "mask_bits", lambda mask: 0):
             path = go_on(scene.tables, settings, path)
-    radiance = np.stack([np.broadcast_to(c, x.shape) for c in (path.L.x, path.L.y, path.L.z)], -1)
-    return radiance.reshape(height, width, spp, 3)
+        yield path
+
+
+def samples_of(scene: CompiledScene, spp: int = 4, seed: int = 0) -> np.ndarray:
+    """The radiance of each sample, (height, width, spp, 3) float32."""
+    width, height = scene.size
+    *_, last = followed(scene, spp, seed)
+    rows = [np.broadcast_to(c, width * height * spp) for c in (last.L.x, last.L.y, last.L.z)]
+    return np.stack(rows, -1).reshape(height, width, spp, 3)
