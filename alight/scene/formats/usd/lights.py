@@ -18,6 +18,8 @@ from alight.scene.formats.reach import OutOfReachError
 from alight.scene.formats.usd.modules import UsdLux
 from alight.scene.formats.usd.stage import Stage
 from alight.scene.formats.usd.textures import picture_of
+from alight.shapes.cylinder import mantle_area
+from alight.shapes.sphere import ellipsoid_area
 
 Data = dict[str, Any]
 _BLACK: Data = {"type": "diffuse", "reflectance": 0.0}
@@ -87,9 +89,18 @@ def _scale_of(world: np.ndarray) -> np.ndarray:
     return np.linalg.norm(world[:3, :3], axis=0)
 
 
-def _squared(length: float) -> float:
-    """What is too large to be squared becomes infinite: ``**`` would raise an error."""
-    return length * length
+def _area_across(world: np.ndarray) -> float:
+    """Of the image of a square of 1 m in the plane z = 0."""
+    return float(np.linalg.norm(np.cross(world[:3, 0], world[:3, 1])))
+
+
+def _area_of_ball(world: np.ndarray, radius: float) -> float:
+    """Of the ellipsoid that a transform makes of a sphere; never of nothing."""
+    sizes = np.linalg.svd(world[:3, :3], compute_uv=False)
+    size = radius * float(sizes[0])
+    form = np.maximum(sizes / max(sizes[0], 1e-30), 1e-6)
+    # What is too large to be squared becomes infinite: ``**`` would raise an error.
+    return size * size * ellipsoid_area(np.diag(form))
 
 
 def _area_light(
@@ -120,15 +131,13 @@ def _say_shaping(stage: Stage, prim: Any) -> None:
 def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     light = UsdLux.SphereLight(prim)
     radius = float(stage.value(light.GetRadiusAttr(), 0.5))
-    scale = float(np.cbrt(np.prod(_scale_of(world))))
+    area = _area_of_ball(world, max(radius, 1e-6))
     cone = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr(), 90.0))
     is_point = bool(stage.value(light.GetTreatAsPointAttr(), False)) or radius <= 0.0
     if not is_point and cone >= 90.0:
-        area = 4.0 * math.pi * _squared(radius * scale)
         return _area_light(stage, prim, {"type": "sphere", "radius": radius}, [], area, world)
-    # Intensity of a sphere seen from far away: radiance times its disk.
-    disk = math.pi * _squared(max(radius, 1e-6) * scale)
-    intensity = _radiance(stage, prim) * (0.25 if _is_normalised(stage, prim) else disk)
+    # Intensity of a sphere seen from far away: radiance times its disk, a quarter of its area.
+    intensity = _radiance(stage, prim) * 0.25 * (1.0 if _is_normalised(stage, prim) else area)
     if cone >= 90.0:
         return Placed({"light": {"type": "point", "intensity": intensity.tolist()}})
     stage.report.approximate(f"{prim.GetPath()}: a sphere with a cone became a spot")
@@ -145,17 +154,15 @@ def _rectangle(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     height = float(stage.value(light.GetHeightAttr(), 1.0))
     if stage.value(light.GetTextureFileAttr()) is not None:
         stage.report.approximate(f"{prim.GetPath()}: its picture is left out")
-    scale = _scale_of(world)
     steps = [{"scale": [0.5 * width, 0.5 * height, 1.0]}, _TURNED]
-    area = width * height * scale[0] * scale[1]
+    area = width * height * _area_across(world)
     return _area_light(stage, prim, {"type": "rectangle"}, steps, area, world)
 
 
 def _disk(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     radius = float(stage.value(UsdLux.DiskLight(prim).GetRadiusAttr(), 0.5))
-    scale = _scale_of(world)
     steps = [{"scale": [radius, radius, 1.0]}, _TURNED]
-    area = math.pi * _squared(radius) * scale[0] * scale[1]
+    area = math.pi * radius * radius * _area_across(world)
     return _area_light(stage, prim, {"type": "disk"}, steps, area, world)
 
 
@@ -164,8 +171,8 @@ def _cylinder(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     radius = float(stage.value(light.GetRadiusAttr(), 0.5))
     half = 0.5 * float(stage.value(light.GetLengthAttr(), 1.0))
     shape = {"type": "cylinder", "p0": [-half, 0, 0], "p1": [half, 0, 0], "radius": radius}
-    scale = _scale_of(world)
-    area = 4.0 * math.pi * radius * half * scale[0] * math.sqrt(scale[1] * scale[2])
+    # Across, across and along, in the order that the mantle is measured in.
+    area = 2.0 * radius * half * mantle_area(world[:3, [1, 2, 0]])
     return _area_light(stage, prim, shape, [], area, world)
 
 
