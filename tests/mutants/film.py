@@ -66,4 +66,10 @@ FILM = (
         (("level / (len(p_values) - rank)", "level"),),
         "tests/metrics/test_statistics.py::test_holm_steps_down",
     ),
+    Mutant(
+        "a base of Halton's points that is no prime",
+        "samplers/halton.py",
+        (("109, 113, 127", "109, 115, 127"),),
+        "tests/core/test_tables_of_constants.py::test_the_bases_of_halton_are_the_first_primes",
+    ),
 )

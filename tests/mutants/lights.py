@@ -8,6 +8,10 @@ STRATEGIES = "tests/lights/test_environment_strategies.py"
 LAMPS = "tests/lights/test_spot_and_textured.py"
 TREE = "tests/lights/test_light_tree.py"
 DAYLIGHT = "tests/lights/test_daylight.py"
+POWER = (
+    "tests/scene/test_usd_light_power.py"
+    "::test_the_power_is_pi_times_the_intensity_or_times_the_area"
+)
 
 LIGHT = (
     Mutant(
@@ -192,5 +196,28 @@ LIGHT = (
         "lights/photometry.py",
         (("first[2] * rest[4] * rest[5]", "first[2] * rest[5]"),),
         "tests/lights/test_profiles.py::test_a_file_is_read_with_its_factors",
+    ),
+    Mutant(
+        "radiance of the sun by the square of its diameter",
+        "lights/sun.py",
+        (("solid_angle(DIAMETER) / solid_angle(diameter)", "(DIAMETER / diameter) ** 2"),),
+        "tests/lights/test_sun_of_any_size.py",
+    ),
+    Mutant(
+        "power of a sphere of OpenUSD normalised by its area before it is placed",
+        "scene/formats/usd/lights.py",
+        (("_area_of_ball(world, max(", "_area_of_ball(np.eye(4), max("),),
+        f"{POWER}[sphere-larger-1]",
+    ),
+    Mutant(
+        "area of a slanted rectangle by the lengths of its edges",
+        "scene/formats/usd/lights.py",
+        (
+            (
+                "np.linalg.norm(np.cross(world[:3, 0], world[:3, 1]))",
+                "np.prod(np.linalg.norm(world[:3, :2], axis=0))",
+            ),
+        ),
+        f"{POWER}[rectangle-slanted-1]",
     ),
 )

@@ -5,6 +5,8 @@ from tests.mutants.mutant import Mutant
 FORMS = "tests/media/test_closed_forms.py"
 FLIGHTS = "tests/media/test_flights.py"
 PHASES = "tests/media/test_phases.py"
+BORDERS = "tests/media/test_light_at_borders.py"
+NUMBERS = "tests/rendering/test_random_dimensions.py"
 
 MEDIA = (
     Mutant(
@@ -90,5 +92,40 @@ MEDIA = (
         "media/sampling.py",
         (("length_squared(wi - d)", "length_squared(wi + d)"),),
         f"{FORMS}::test_light_scattered_once_is_the_integral_along_the_ray",
+    ),
+    Mutant(
+        "light looked for in the medium that the path came through",
+        "integrators/volpath.py",
+        (
+            (
+                "medium = medium_beyond(scene, surface, light.wi, path.medium)",
+                "medium = path.medium",
+            ),
+        ),
+        f"{BORDERS}::test_a_point_light_is_dimmed_by_the_media_on_its_side[a body in haze-behind]",
+    ),
+    Mutant(
+        "albedo of a grid looked up half-way",
+        "media/grid.py",
+        (("ALBEDOS, way.o + t * way.d)", "ALBEDOS, way.o + 0.5 * t * way.d)"),),
+        "tests/media/test_values_on_grids.py",
+    ),
+    Mutant(
+        "channel and time drawn from one number",
+        "integrators/volume_walk.py",
+        (("CHANNEL = 5", "CHANNEL = 4"),),
+        f"{NUMBERS}::test_no_number_is_used_for_two_purposes[volpath-1]",
+    ),
+    Mutant(
+        "shadow rays through many borders run into the numbers of the next flight",
+        "media/tables.py",
+        (
+            ("    a, b = sample_keys(stream.a, stream.b, number)\n", ""),
+            (
+                "Stream(a, b, stream.first)",
+                "Stream(stream.a, stream.b, stream.first + number * 4096)",
+            ),
+        ),
+        f"{NUMBERS}::test_no_number_is_used_for_two_purposes[volpath-1]",
     ),
 )

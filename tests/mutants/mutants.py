@@ -14,6 +14,7 @@ from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.transport import TRANSPORT
+from tests.mutants.turned import TURNED
 
 MUTANTS = (
     SCATTERING
@@ -27,6 +28,7 @@ MUTANTS = (
     + COATED
     + PRINCIPLED
     + MEDIA
+    + TURNED
     + KNOWN_ERROR
     + LABORATORY
     + EDGES

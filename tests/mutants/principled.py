@@ -5,6 +5,7 @@ from tests.mutants.mutant import Mutant
 PHYSICS = "tests/physics/test_principled.py"
 BENT = "tests/physics/test_bent_normals.py"
 VALUES = "tests/scene/mitsuba/test_values.py"
+TINTS = "tests/physics/test_what_passes_is_tinted.py"
 
 PRINCIPLED = (
     Mutant(
@@ -70,5 +71,38 @@ PRINCIPLED = (
             ),
         ),
         "tests/estimators/test_absorption.py::test_light_through_a_body_falls_exponentially",
+    ),
+    Mutant(
+        "thin sheets let everything pass untinted",
+        "bsdfs/principled_lobes.py",
+        (
+            (
+                "view.glass * params.base * ((1.0",
+                "view.glass * where(params.thin, lanes_vec3(1.0), params.base) * ((1.0",
+            ),
+        ),
+        f"{TINTS}::test_what_passes_has_the_tint[sheet-0.8]",
+    ),
+    Mutant(
+        "film of glass seen from inside",
+        "bsdfs/principled_view.py",
+        (
+            (
+                "return where(inside, 0.0, params.film.share), found",
+                "return params.film.share, found",
+            ),
+        ),
+        f"{TINTS}::test_from_inside_of_glass_nothing_of_its_outer_side_is_seen[film-0.0]",
+    ),
+    Mutant(
+        "coat of glass seen from inside",
+        "bsdfs/principled_view.py",
+        (
+            (
+                "return where(inside, 0.0, params.coat.strength), found",
+                "return params.coat.strength, found",
+            ),
+        ),
+        f"{TINTS}::test_from_inside_of_glass_nothing_of_its_outer_side_is_seen[coat-0.0]",
     ),
 )

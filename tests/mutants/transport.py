@@ -68,4 +68,11 @@ TRANSPORT = (
         (("CAMERA_DIMENSIONS + (depth - 1) * VERTEX_DIMENSIONS", "CAMERA_DIMENSIONS + 0 * depth"),),
         f"{TWIN}::test_no_random_number_is_used_for_two_purposes",
     ),
+    Mutant(
+        "a light behind a hole as near as the hole",
+        "integrators/path.py",
+        (("distance = length(surface.p - path.p)", "distance = hit.t"),),
+        "tests/estimators/test_nothing_in_between.py"
+        "::test_surfaces_that_are_not_there_change_no_sample[nothing/nothing-path]",
+    ),
 )

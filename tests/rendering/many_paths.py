@@ -16,7 +16,7 @@ from alight.integrators import walk
 from alight.integrators.moments import at_times_of
 from alight.integrators.walk import FILTER, LENS, empty_paths, make_settings, start_paths, step
 from alight.samplers.sampling import get_2d, sampler_state
-from alight.scene import flatten, loads
+from alight.scene import Scene, flatten, loads
 
 
 @kernel
@@ -34,6 +34,11 @@ def compiled(text: str, integrator=None) -> CompiledScene:
     scene = loads(text, "scene.yaml")
     if integrator is not None:
         scene = scene.replaced(integrator=integrator)
+    return prepared(scene)
+
+
+def prepared(scene: Scene) -> CompiledScene:
+    """A scene without a tree, which would have to be looked for lane by lane."""
     return compile_scene(flatten(scene), structure="list")
 
 

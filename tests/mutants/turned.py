@@ -1,0 +1,85 @@
+"""Bugs of what is turned, mirrored or moved."""
+
+from tests.mutants.mutant import Mutant
+
+BRUSHED = "tests/sampling/test_turned_materials.py"
+AT_REST = "tests/motion/test_as_at_rest.py"
+BOUNDS = "tests/shapes/test_bounds.py"
+TANGENTS = "tests/shapes/test_tangents.py"
+
+TURNED = (
+    Mutant(
+        "samples of brushed facets turned the wrong way back",
+        "bsdfs/principled_view.py",
+        (
+            (
+                "turn.cosine * w.x - turn.sine * w.y, turn.cosine * w.y + turn.sine * w.x",
+                "turn.cosine * w.x + turn.sine * w.y, turn.cosine * w.y - turn.sine * w.x",
+            ),
+        ),
+        f"{BRUSHED}::test_samples_turn_with_the_brush[0.5-metal]",
+    ),
+    Mutant(
+        "brushed the other way round",
+        "bsdfs/principled.py",
+        (("Turn(s, c, a)", "Turn(-s, c, a)"),),
+        f"{BRUSHED}::test_values_turn_with_the_brush[0.5-metal]",
+    ),
+    Mutant(
+        "roughness along the tangent for that across it",
+        "bsdfs/facets.py",
+        (
+            (
+                "            return self.alpha_u, self.alpha_v",
+                "            return self.alpha_u, self.alpha_u",
+            ),
+        ),
+        f"{BRUSHED}::test_roughness_along_and_across_change_places_by_a_right_angle",
+    ),
+    Mutant(
+        "density of a moving light asked with the world's direction",
+        "lights/moving.py",
+        (("            wi = where(moving, direction_at_rest(w, wi), wi)\n", ""),),
+        f"{AT_REST}::test_lights_and_their_densities_are_those_of_what_rests_there[power]",
+    ),
+    Mutant(
+        "shading normals moved as if they were directions",
+        "shapes/surfaces.py",
+        (("normalize(turned(w, surface.ns))", "normalize(turned(m, surface.ns))"),),
+        f"{AT_REST}::test_surfaces_are_those_of_what_rests_there",
+    ),
+    Mutant(
+        "tangents moved without what the shading normal took of them",
+        "shapes/surfaces.py",
+        (
+            (
+                "frame_from_tangent(ns, turned(m, tangent))",
+                "frame_from_tangent(ns, turned(m, surface.s))",
+            ),
+        ),
+        f"{AT_REST}::test_surfaces_are_those_of_what_rests_there",
+    ),
+    Mutant(
+        "box of a disk by its axes alone",
+        "shapes/disk.py",
+        (
+            (
+                "np.hypot(row[16:19], row[20:23])",
+                "np.maximum(np.abs(row[16:19]), np.abs(row[20:23]))",
+            ),
+        ),
+        f"{BOUNDS}::test_the_box_is_that_of_the_points_farthest_out",
+    ),
+    Mutant(
+        "box of a cylinder without the other end",
+        "shapes/cylinder.py",
+        (("high = c + np.maximum(axis, 0.0) + half", "high = c + half"),),
+        f"{BOUNDS}::test_the_box_is_that_of_the_points_farthest_out",
+    ),
+    Mutant(
+        "tangents against u on mirrored charts",
+        "shapes/mesh.py",
+        (("        turned = where(determinant < 0.0, -turned, turned)\n", ""),),
+        f"{TANGENTS}::test_the_tangent_is_the_way_that_u_grows",
+    ),
+)
