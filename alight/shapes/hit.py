@@ -45,8 +45,9 @@ _GAMMA_24 = gamma(24)
 
 
 def needs_uv(program) -> bool:
-    """True if anything in the program reads texture coordinates."""
-    return "uv" in program.aovs or any(name != "constant" for name in program.textures)
+    """True if anything in the program reads texture coordinates; the axes of a map do."""
+    bent = "bent" in program.bsdfs
+    return bent or "uv" in program.aovs or any(name != "constant" for name in program.textures)
 
 
 @kernel(strict=True)
