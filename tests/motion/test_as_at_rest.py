@@ -9,6 +9,7 @@ import pytest
 from alight.accel import intersect_closest
 from alight.core.vec import Vec3
 from alight.lights.sampling import light_pdf, sample_light
+from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import Hit
 from alight.shapes.surfaces import make_surface
 from tests.motion.moving import compiled
@@ -64,7 +65,11 @@ CHANGING = """
   still: {shape: rectangle, bsdf: brushed, transform: [{scale: 5}, {translate: [0, 0, -4]}]}
 environment: {type: constant}
 """
-BRUSHED = "bsdfs: {brushed: {type: rough_conductor, alpha_u: 0.1, alpha_v: 0.4}}\nnodes:\n"
+BRUSHED = """
+bsdfs: {brushed: {type: rough_conductor, alpha_u: 0.1, alpha_v: 0.4,
+                  specular_reflectance: {type: checkerboard}}}
+nodes:
+"""
 #: Lamps that keep their form while they move, as they must; but it may be any form.
 LAMPS = """nodes:
   wheel:
@@ -114,6 +119,11 @@ def surfaces_of(scene, at, o, d):
     return finite, met, twin_of(make_surface, scene)(at, finite, Vec3(*o), Vec3(*d), met)
 
 
+def derivatives_of(scene, at, surface):
+    """dp/du and dp/dv, each (3, N)."""
+    return [columns(v) for v in twin_of(uv_derivatives, scene)(at, surface)]
+
+
 def test_surfaces_are_those_of_what_rests_there():
     o, d, _ = rays(N, seed=2)
     (_, moving), *still = scenes(BRUSHED + CHANGING)
@@ -133,6 +143,10 @@ def test_surfaces_are_those_of_what_rests_there():
         for name in ("u", "v"):
             off = np.abs(np.asarray(getattr(found, name), float) - getattr(expected, name))[same]
             assert np.quantile(np.minimum(off, 1.0 - off), 0.99) < 2e-3, (time, name)
+        ways = derivatives_of(moving, seen(moving, np.full(N, time)), found)
+        for a, b in zip(ways, derivatives_of(scene, scene.tables, expected), strict=True):
+            off = np.linalg.norm(a - b, axis=0)[same] / np.linalg.norm(b, axis=0)[same]
+            assert np.quantile(off, 0.99) < 4e-3, (time, np.quantile(off, 0.99))
     assert len(shapes) == 12
 
 

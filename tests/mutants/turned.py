@@ -5,6 +5,7 @@ from tests.mutants.mutant import Mutant
 BRUSHED = "tests/sampling/test_turned_materials.py"
 AT_REST = "tests/motion/test_as_at_rest.py"
 BOUNDS = "tests/shapes/test_bounds.py"
+MAPS = "tests/physics/test_maps_on_charts.py"
 TANGENTS = "tests/shapes/test_tangents.py"
 
 TURNED = (
@@ -81,5 +82,28 @@ TURNED = (
         "shapes/mesh.py",
         (("        turned = where(determinant < 0.0, -turned, turned)\n", ""),),
         f"{TANGENTS}::test_the_tangent_is_the_way_that_u_grows",
+    ),
+    Mutant(
+        "second axis of a normal map by the right hand on mirrored charts too",
+        "bsdfs/relief.py",
+        (("where(turned & follows, -y, y)", "where(turned & ~turned, -y, y)"),),
+        f"{MAPS}::test_the_normal_leans_along_u_and_v",
+    ),
+    Mutant(
+        "no coordinates for the axes of a map of one colour",
+        "shapes/hit.py",
+        (("return bent or ", "return "),),
+        f"{MAPS}::test_the_normal_leans_along_u_and_v",
+    ),
+    Mutant(
+        "axes of pictures stay where they were while their surface moves",
+        "shapes/derivatives.py",
+        (
+            (
+                "along = where(moving, turned(m, along), along)",
+                "along = where(moving, along, along)",
+            ),
+        ),
+        f"{AT_REST}::test_surfaces_are_those_of_what_rests_there",
     ),
 )
