@@ -5,8 +5,8 @@ r"""Thin dielectric: a pane of glass so thin that light passes straight on.
     R' = R + \frac{R (1 - R)^2}{1 - R^2} = \frac{2 R}{1 + R}, \qquad T' = 1 - R'
 
 Two parallel interfaces: the second one turns light back to its old direction, and the reflections
-between both add up to a geometric series. Two Dirac lobes; the one that passes carries the flag
-NULL. The medium is the same on both sides, so radiance is not scaled, and both sides look alike.
+between both add up to a geometric series. Two Dirac lobes. The medium is the same on both sides, so
+radiance is not scaled, and both sides look alike.
 
 Source: PBR4 section 9.5.1; Stokes 1862, On the intensity of the light reflected
 from or transmitted through a pile of plates.
@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.bsdfs.dirac import evaluate as evaluate
-from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
+from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.bsdfs.interface import SLOTS as SLOTS
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
@@ -59,6 +59,11 @@ def is_reciprocal(spec: ThinDielectric) -> bool:
     return True
 
 
+def relative_ior(spec: ThinDielectric) -> float:
+    """Index beyond the pane over that before it."""
+    return 1.0
+
+
 # ---------------------------------------------------------------- scattering
 
 
@@ -72,5 +77,6 @@ def sample(params, wo, u, u2):
     pmf = where(reflects, reflectance, 1.0 - reflectance)
     # The lobe's factor is also its probability, so it cancels.
     weight = where(reflects, params.reflectance, params.transmittance)
-    passes = lanes_u32(TRANSMISSION | DELTA | NULL)
+    # Not NULL: nothing is there that shadow rays could see through.
+    passes = lanes_u32(TRANSMISSION | DELTA)
     return wi, weight, pmf, where(reflects, lanes_u32(REFLECTION | DELTA), passes)

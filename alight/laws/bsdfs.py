@@ -12,7 +12,7 @@ from functools import cache, wraps
 
 import numpy as np
 
-from alight.bsdfs.flags import DELTA
+from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.nesting import Nested
 from alight.laws.materials import (
     COSINES,
@@ -153,6 +153,16 @@ def pure_delta_models_have_no_value(material: Material, cosine: float) -> None:
         demand(~f_cos.any() & ~pdf.any(), "evaluate is not 0")
 
 
+def holes_are_as_likely_as_they_are_open(material: Material, cosine: float) -> None:
+    """Samples pass as if nothing was there as often as shadow rays are let through."""
+    n, wo = 4096, direction(cosine)
+    wi, weight, pdf, flags = material.sample(wo, unit_interval(n))
+    hole = ((flags & NULL) != 0) & (pdf > 0.0)
+    demand_close(hole.mean(), material.open_share(), "share of holes", atol=1.5 / n)
+    demand(wi[:, hole] == -(wo + 0.0 * wi)[:, hole], "light turns in a hole")
+    demand(weight[:, hole] == 1.0, "light is dimmed by a hole")
+
+
 # ---------------------------------------------------------------- physics
 
 
@@ -269,6 +279,7 @@ SAMPLING_LAWS = (
     weight_is_value_over_density,
     mean_weight_is_the_integral,
     delta_lobes_are_as_likely_as_they_say,
+    holes_are_as_likely_as_they_are_open,
     pure_delta_models_have_no_value,
 )
 PHYSICS_LAWS = (

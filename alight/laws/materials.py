@@ -6,7 +6,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
+from alight.bsdfs.dispatch import evaluate_bsdf, open_share, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
 from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
@@ -79,6 +79,11 @@ class Material:
             np.broadcast_to(pdf, n),
             np.broadcast_to(flags, n),
         )
+
+    def open_share(self):
+        """What part of light goes on as if nothing was there."""
+        kernel = instantiate(open_share, self.program, compiled=False)
+        return float(np.ravel(kernel(self.scene, self.surface(1), np.ones(1, bool)))[0])
 
     def is_delta(self, wo):
         """All of the scattering is in single directions."""
