@@ -75,4 +75,10 @@ TRANSPORT = (
         "tests/estimators/test_nothing_in_between.py"
         "::test_surfaces_that_are_not_there_change_no_sample[nothing/nothing-path]",
     ),
+    Mutant(
+        "panes taken for holes, which shadow rays do not see",
+        "bsdfs/thin_dielectric.py",
+        (("lanes_u32(TRANSMISSION | DELTA)", "lanes_u32(TRANSMISSION | DELTA | 8)"),),
+        "tests/sampling/test_holes_of_materials.py",
+    ),
 )
