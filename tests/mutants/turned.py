@@ -106,4 +106,21 @@ TURNED = (
         ),
         f"{AT_REST}::test_surfaces_are_those_of_what_rests_there",
     ),
+    Mutant(
+        "spots shine along the rows of their node's matrix",
+        "lights/spot.py",
+        (("axis = to_world[:3, 2] /", "axis = to_world[2, :3] /"),),
+        "tests/rendering/test_turned_worlds.py",
+    ),
+    Mutant(
+        "light lost in glass given back where a coat is in the scene",
+        "bsdfs/principled_view.py",
+        (
+            (
+                "    if GLASS not in program.bsdfs:\n        return _no_glass",
+                "    if COAT not in program.bsdfs:\n        return _no_glass",
+            ),
+        ),
+        "tests/rendering/test_unseen_neighbours.py",
+    ),
 )

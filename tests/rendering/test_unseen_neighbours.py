@@ -16,7 +16,7 @@ from tests.rendering.many_paths import prepared, samples_of
 
 STAGE = """
 alight: 1
-camera: {type: pinhole, fov: 50, transform: {look_at: {origin: [0, 1, 4], target: [0, 0.7, 0]}}}
+camera: {type: pinhole, fov: 30, transform: {look_at: {origin: [0, 1, 4], target: [0, 0.7, 0]}}}
 film: {size: [8, 8]}
 sampler: independent
 nodes:
@@ -56,12 +56,23 @@ nodes:
                  bsdf: {type: diffuse, reflectance: {type: checkerboard, uv_set: 1}}}
 """
 MODELS = modules("bsdfs")
-#: One of each kind is seen, another one is not.
+
+
+def is_for_proofs(number, spec):
+    """One of each kind is seen in every run, and all of the one whose parts are compiled alone."""
+    return number > 0 and spec.type_name() != "principled"
+
+
 SEEN = [
-    pytest.param(spec, id=f"{spec.type_name()}-{i}", marks=pytest.mark.proofs if i else ())
+    pytest.param(
+        spec,
+        id=f"{spec.type_name()}-{i}",
+        marks=pytest.mark.proofs if is_for_proofs(i, spec) else (),
+    )
     for model in MODELS
     for i, spec in enumerate(model.EXAMPLES)
 ]
+#: Another one of each.
 UNSEEN = [model.EXAMPLES[-1] for model in MODELS]
 INTEGRATORS = (Path(max_depth=4, rr_depth=2, heuristic="balance"), VolPath(max_depth=4, rr_depth=2))
 
@@ -97,6 +108,6 @@ def test_what_nobody_sees_changes_no_sample(bsdf):
         scene = stage(bsdf, integrator)
         alone = samples_of(prepared(scene), 2)
         beside = samples_of(prepared(with_neighbours(scene)), 2)
-        assert (alone.max(axis=-1) > 0.0).mean() > 0.2
+        assert (alone.max(axis=-1) > 0.0).mean() > 0.04
         same = np.isclose(beside, alone, rtol=2e-3, atol=1e-4).all(axis=-1)
-        assert same.mean() > 0.98, (integrator.type, same.mean())
+        assert same.mean() > 0.99, (integrator.type, same.mean())
