@@ -8,6 +8,7 @@ brushed: without such a surface directions are chosen in other frames, and sampl
 import numpy as np
 import pytest
 
+from alight.bsdfs import principled
 from alight.core.registry import modules
 from alight.integrators.path import Path
 from alight.integrators.volpath import VolPath
@@ -72,8 +73,8 @@ SEEN = [
     for model in MODELS
     for i, spec in enumerate(model.EXAMPLES)
 ]
-#: Another one of each.
-UNSEEN = [model.EXAMPLES[-1] for model in MODELS]
+#: Another one of each, and all parts of the one that has parts.
+UNSEEN = [model.EXAMPLES[-1] for model in MODELS] + list(principled.EXAMPLES)
 INTEGRATORS = (Path(max_depth=4, rr_depth=2, heuristic="balance"), VolPath(max_depth=4, rr_depth=2))
 
 
