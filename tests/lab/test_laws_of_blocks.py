@@ -186,7 +186,7 @@ def test_the_p_value_is_five_times_the_smallest_of_five():
         assert math.log(raw.p_value) == pytest.approx(math.log(expected), rel=0.3, abs=0.2)
 
 
-@pytest.mark.parametrize("z", [0.7, 1.2, 1.6])
+@pytest.mark.parametrize("z", [0.7, 1.2, 1.4])
 def test_many_small_biases_are_found_by_their_chi_square(z):
     """Blocks by turns too bright and too dark: no block is far off, and no channel."""
     block, sigma = block_size((WIDTH, HEIGHT)), 0.1
@@ -229,7 +229,8 @@ def test_blocks_of_the_arm_may_be_larger_than_the_references():
     arm = BlockMoments.of(rows, (WIDTH, HEIGHT)).statistics
     larger = joined_statistics(arm, 2 * arm.block)
     raw = compare_with_reference(larger, reference)
-    assert (raw.test.block, raw.test.blocks) == (2 * arm.block, 12)
+    # So few blocks do not tell how skewed they are: four become one.
+    assert (raw.test.block, raw.test.blocks) == (4 * arm.block, 4)
     assert 0.5 < raw.test.z_rms < 1.5
 
 

@@ -38,7 +38,7 @@ RANDOM_SCENES = (
     Mutant(
         "negative indices counted from the end",
         "core/simd.py",
-        (("if (index < 0).any():", "if False:"),),
+        (("if index.size and index.min() < 0:", "if False:"),),
         "tests/core/test_gather_row.py::test_the_twin_refuses_indices_outside_of_a_table",
     ),
 )
