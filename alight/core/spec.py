@@ -225,6 +225,15 @@ class Models(Model):
         return f"must be a list of {self.count} {self.kind}s, got {show_value(value)}"
 
 
+@dataclass(frozen=True)
+class NoiseOnly:
+    """That a field changes the noise of a picture, never its mean; metadata of a field type.
+
+    Whoever compares techniques may set such a field freely. Fields that do not say so decide what
+    is computed, those of a user's own models too.
+    """
+
+
 Truth = Annotated[bool, Strict()]
 
 
@@ -266,6 +275,12 @@ class Spec(BaseModel):
         """Name in scene files, or the class name where there is no choice of type."""
         field = cls.model_fields.get("type")
         return field.default if field else cls.__name__.lower()
+
+    @classmethod
+    def noise_only(cls) -> tuple[str, ...]:
+        """Fields that change the noise of a picture, never its mean."""
+        fields = cls.model_fields.items()
+        return tuple(name for name, field in fields if NoiseOnly() in field.metadata)
 
     def replaced(self, **changes: Any) -> Self:
         """Make a checked copy with some fields changed."""
@@ -372,6 +387,11 @@ class Sampler(Spec):
 
     family: ClassVar[str] = "samplers"
     kind: ClassVar[str] = "sampler"
+
+    @property
+    def block(self) -> int:
+        """Samples that are one whole: it is made for this number, doubled any number of times."""
+        return 1
 
 
 class Filter(Spec):

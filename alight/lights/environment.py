@@ -27,7 +27,7 @@ of the texels as in Mitsuba 3's ``envmap``, found by experiment.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -49,7 +49,7 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.spec import Color, Degrees, Light, Triple, Truth, invalid
+from alight.core.spec import Color, Degrees, Light, NoiseOnly, Triple, Truth, invalid
 from alight.core.vec import Vec3, dot, row_vec3
 from alight.lights.environment_map import (
     BAND,
@@ -94,8 +94,8 @@ class Environment(Light):
     pixels: Pixels | None = None
     scale: Color = (1.0, 1.0, 1.0)
     rotate: Degrees = 0.0
-    sampling: Literal["importance", "uniform"] = "importance"
-    compensation: Truth = True
+    sampling: Annotated[Literal["importance", "uniform"], NoiseOnly()] = "importance"
+    compensation: Annotated[Truth, NoiseOnly()] = True
 
     @model_validator(mode="after")
     def _has_one_source(self) -> Self:

@@ -54,10 +54,9 @@ def test_the_noise_of_references_widens_the_interval():
     rng = np.random.default_rng(1)
     a, b = (SimpleNamespace(variance=rng.random((8, 8, 3)), seeds=16) for _ in range(2))
     spread_a, spread_b = (reference_spread(one.variance, 16) for one in (a, b))
-    noisy, quiet = {"mse": np.array([3.0, 5.0])}, {"mse": np.array([1.0, 3.0])}
-    plan_a, plan_b = SimpleNamespace(reference=a), SimpleNamespace(reference=b)
-    shared = _shared_noise(plan_a, noisy, plan_a, quiet)
+    # Of arms whose MSE is 4 and 2.
+    shared = _shared_noise(a, 1 / 4, a, 1 / 2)
     assert shared == pytest.approx(spread_a * (1 / 4 - 1 / 2) ** 2)
-    assert _shared_noise(plan_a, noisy, plan_a, noisy) == 0.0
-    apart = _shared_noise(plan_a, noisy, plan_b, quiet)
+    assert _shared_noise(a, 1 / 4, a, 1 / 4) == 0.0
+    apart = _shared_noise(a, 1 / 4, b, 1 / 2)
     assert apart == pytest.approx(spread_a / 16 + spread_b / 4)
