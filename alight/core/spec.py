@@ -225,15 +225,6 @@ class Models(Model):
         return f"must be a list of {self.count} {self.kind}s, got {show_value(value)}"
 
 
-@dataclass(frozen=True)
-class NoiseOnly:
-    """That a field changes the noise of a picture, never its mean; metadata of a field type.
-
-    Whoever compares techniques may set such a field freely. Fields that do not say so decide what
-    is computed, those of a user's own models too.
-    """
-
-
 Truth = Annotated[bool, Strict()]
 
 
@@ -275,12 +266,6 @@ class Spec(BaseModel):
         """Name in scene files, or the class name where there is no choice of type."""
         field = cls.model_fields.get("type")
         return field.default if field else cls.__name__.lower()
-
-    @classmethod
-    def noise_only(cls) -> tuple[str, ...]:
-        """Fields that change the noise of a picture, never its mean."""
-        fields = cls.model_fields.items()
-        return tuple(name for name, field in fields if NoiseOnly() in field.metadata)
 
     def replaced(self, **changes: Any) -> Self:
         """Make a checked copy with some fields changed."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from alight.core.jit import kernel
-from alight.core.spec import NoiseOnly
+from alight.core.noise_only import NoiseOnly
 from alight.integrators import path
 from alight.integrators.options import LightSampling
 from alight.integrators.walk import Settings

@@ -6,7 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import model_validator
 
-from alight.core.spec import Depth, Integrator, NoiseOnly, Truth, invalid
+from alight.core.noise_only import NoiseOnly
+from alight.core.spec import Depth, Integrator, Truth, invalid
 
 
 class LightSampling(Integrator):

@@ -20,8 +20,8 @@ from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, tran
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
+from alight.core.noise_only import NoiseOnly
 from alight.core.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
-from alight.core.spec import NoiseOnly
 from alight.core.vec import length, max_component
 from alight.integrators.options import PathTracing
 from alight.integrators.shadow_rays import come_through_holes

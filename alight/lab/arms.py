@@ -13,6 +13,7 @@ from typing import Any
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import SceneError, show_value, unknown_name
 from alight.core.machine import fingerprint
+from alight.core.noise_only import noise_only_fields
 from alight.core.spec import Sampler, Spec
 from alight.lab.measure import Rung, compiled_kernels, render_ladder
 from alight.lab.steering import is_steered, problem_of, steered_ladder
@@ -193,7 +194,7 @@ def _check_same_picture(study: Study, scene: SceneSpec, loaded: Mapping[str, Sce
 
 
 def _what_differs(arm: ArmSpec, baseline: ArmSpec, scene: Scene) -> str:
-    free = {"sampler", "replicates", SCHEDULE, *ACCELERATION, *scene.integrator.noise_only()}
+    free = {"sampler", "replicates", SCHEDULE, *ACCELERATION, *noise_only_fields(scene.integrator)}
     names = [
         name
         for name in {**arm.options, **baseline.options}
@@ -208,26 +209,26 @@ def _window(scene: Scene) -> tuple:
 
 def same_picture_hash(scene: Scene) -> str:
     """Content hash without all that changes the noise only."""
-    plain = _without_choices(scene).model_copy(
+    plain = without_choices(scene).model_copy(
         update={"sampler": Sobol(), "film": scene.film.model_copy(update={"replicates": 1})}
     )
     return content_hash(plain)
 
 
-def _without_choices(value: Any) -> Any:
+def without_choices(value: Any) -> Any:
     """The same descriptions with what changes their noise only at the defaults."""
     if isinstance(value, dict):
-        changed = {name: _without_choices(item) for name, item in value.items()}
+        changed = {name: without_choices(item) for name, item in value.items()}
         return changed if any(changed[n] is not value[n] for n in value) else value
     if isinstance(value, tuple):
-        items = tuple(map(_without_choices, value))
+        items = tuple(map(without_choices, value))
         return items if any(a is not b for a, b in zip(items, value, strict=True)) else value
     if not isinstance(value, Spec):
         return value
-    changes, free = {}, value.noise_only()
+    changes, free = {}, noise_only_fields(value)
     for name, item in value:
         default = type(value).model_fields[name].default
-        new = default if name in free else _without_choices(item)
+        new = default if name in free else without_choices(item)
         if new is not item:
             changes[name] = new
     return value.model_copy(update=changes) if changes else value

@@ -75,6 +75,11 @@ def natural_counts(sampler: Sampler, replicates: int) -> Iterator[int]:
         whole *= 2
 
 
+def powers_of_two(low: int, high: int) -> set[int]:
+    """Those in [low, high]."""
+    return {1 << k for k in range(high.bit_length()) if low <= 1 << k <= high}
+
+
 def is_natural(spp: int, sampler: Sampler, replicates: int) -> bool:
     """Whether a sampler is made for a number of samples per pixel."""
     return next(n for n in natural_counts(sampler, replicates) if n >= spp) == spp

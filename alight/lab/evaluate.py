@@ -13,7 +13,7 @@ from alight.lab.agreement import MOST_VOTERS, Vote, vote
 from alight.lab.arms import Arm, seed_of
 from alight.lab.blocks import LEVEL, BlockMoments, RawTest, compare_with_reference, judge
 from alight.lab.decomposition import Moments, Parts, decompose, reference_spread
-from alight.lab.equal_time import AtTime, Bracket, compared, product
+from alight.lab.equal_time import AtTime, Bracket, compared, powers_of_two, product
 from alight.lab.references import Reference, demand_quiet
 from alight.lab.results import UNKNOWN, ArmImages, ArmResult, BiasTest, Point, Speedup
 from alight.lab.statistics import (
@@ -25,7 +25,7 @@ from alight.lab.statistics import (
     mean_interval,
     positive_interval,
 )
-from alight.lab.steering import is_biased
+from alight.lab.steering import is_biased, is_steered
 from alight.lab.store import Replicate, Store
 from alight.lab.study import SCHEDULE, Study, StudyError
 from alight.metrics.relmse import Estimate
@@ -59,7 +59,11 @@ class Plan:
     def ladder(self) -> tuple[int, ...]:
         """All steps, rising."""
         around = {spp for step in self.times for spp in (step.low, step.high)}
-        return tuple(sorted({*self.samples, *around}))
+        steps = {*self.samples, *around}
+        if self.times and not is_steered(self.arm.spec.options.get(SCHEDULE)):
+            # Each stop costs some time: with these all arms make about the same.
+            steps |= powers_of_two(min(self.samples) // 2, max(steps))
+        return tuple(sorted(steps))
 
     @property
     def tops(self) -> tuple[int, ...]:

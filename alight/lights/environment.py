@@ -36,6 +36,7 @@ from alight.core.constants import INV_PI, INV_TWO_PI, PI
 from alight.core.distributions import bilinear, pmf_cell, sample_bilinear, sample_cell
 from alight.core.jit import kernel, specialised
 from alight.core.maths import arctan2, sincos_2pi
+from alight.core.noise_only import NoiseOnly
 from alight.core.simd import (
     absolute,
     as_float,
@@ -49,7 +50,7 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.spec import Color, Degrees, Light, NoiseOnly, Triple, Truth, invalid
+from alight.core.spec import Color, Degrees, Light, Triple, Truth, invalid
 from alight.core.vec import Vec3, dot, row_vec3
 from alight.lights.environment_map import (
     BAND,
