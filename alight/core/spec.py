@@ -368,15 +368,11 @@ class Camera(Spec):
 
 
 class Sampler(Spec):
-    """Base class of samplers."""
+    """Base class of samplers; made for `block` samples, doubled any number of times."""
 
     family: ClassVar[str] = "samplers"
     kind: ClassVar[str] = "sampler"
-
-    @property
-    def block(self) -> int:
-        """Samples that are one whole: it is made for this number, doubled any number of times."""
-        return 1
+    block: ClassVar[int] = 1
 
 
 class Filter(Spec):

@@ -40,6 +40,9 @@ QUICK_REPLICATES, QUICK_SPP = 8, 16
 #: differs from one replicate to the next.
 _FLIPS = 2
 
+#: Processor seconds of a reference from which a way out is told.
+_LONG = 600.0
+
 #: Slope of the MSE that a pilot is extrapolated with, to the steps of equal time: between
 #: independent samples and nets.
 _PILOT_SLOPE = 1.5
@@ -187,7 +190,8 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
         own = arm.spec.own_reference
         mine = reference
         if own:
-            mine = _render_reference(session, arm, _own_spp(setup, name))
+            spp = _own_spp(setup, name)
+            mine = _render_reference(session, arm, spp, spp * setup.pilots[name].seconds)
         key = digest(
             arm.key, study.seed, scene_name(scene), study.paired, name, setup.ladder, times[name],
             mine.info.key,
@@ -298,7 +302,7 @@ def _reference(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) -
         least = min(setup.least_error(name) for name in pilots)
         spp = max(spec.spp or pilots[chosen].spp_for(WANTED_SHARE * least), SEEDS)
         session.store.keep(key, spp)
-    return _render_reference(session, arm, spp)
+    return _render_reference(session, arm, spp, spp * pilots[chosen].seconds)
 
 
 def _own_spp(setup: _Setup, name: str) -> int:
@@ -306,8 +310,10 @@ def _own_spp(setup: _Setup, name: str) -> int:
     return max(SEEDS, setup.pilots[name].spp_for(WANTED_SHARE * setup.least_error(name)))
 
 
-def _render_reference(session: Session, arm: Arm, spp: int) -> Reference:
+def _render_reference(session: Session, arm: Arm, spp: int, seconds: float) -> Reference:
     text = f"reference: {spp} spp of {arm.spec.name}"
+    if seconds > _LONG:
+        text += f", {seconds:.0f} s (a more efficient arm? name it by reference.arm)"
     session.progress(StudyProgress(text, 0.0, 1.0))
     reference = rendered_reference(
         arm, spp, session.study.seed, session.threads,

@@ -33,7 +33,7 @@ class Multijittered(Sampler):
     strata: Strata = 4
 
     @property
-    def block(self) -> int:
+    def block(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Samples that are one whole."""
         return self.strata**2
 

@@ -32,7 +32,7 @@ class Stratified(Sampler):
     strata: Strata = 4
 
     @property
-    def block(self) -> int:
+    def block(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Samples that are one whole."""
         return self.strata**2
 
