@@ -28,6 +28,10 @@ from alight.lab.statistics import Statistic, log_mean
 #: A number is not left for the next larger ones, at twice the cost, if it is this close.
 _NEAR = 1.05
 
+#: A time may lie beyond the two that were measured by this factor, and between the two must be
+#: this one at least: there is nothing to interpolate over else.
+_BEYOND, _GROWTH = 1.5, 1.1
+
 #: Observations of the replicates, and the power to which their mean is taken.
 Powers = list[tuple[np.ndarray, float]]
 
@@ -132,10 +136,17 @@ class AtTime:
     def of(
         cls, figures: Mapping[int, Mapping[str, np.ndarray]], where: Bracket, seconds: float
     ) -> AtTime:
-        """In a time, or at a single number of samples."""
-        if where.low == where.high:
-            seconds = float(figures[where.low]["seconds"].mean())
-        return cls(figures, where, seconds)
+        """In a time, or at a single number of samples.
+
+        An arm whose time hardly grows with its samples (it may end when it likes), or that takes
+        quite another time than its pilot, has the nearer end as its single number.
+        """
+        low, high = (float(figures[n]["seconds"].mean()) for n in (where.low, where.high))
+        grows = where.low != where.high and high >= _GROWTH * low
+        if grows and low / _BEYOND <= seconds <= _BEYOND * high:
+            return cls(figures, where, seconds)
+        near, own = (where.low, low) if seconds < low else (where.high, high)
+        return cls(figures, Bracket.at(near), own)
 
     @property
     def is_single(self) -> bool:

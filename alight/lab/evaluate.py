@@ -219,6 +219,9 @@ def _check(
         demand_quiet(study, f"{scene_path}.reference", reference, name, errors[name])
     for plan in plans:
         name = plan.arm.spec.name
+        if not all(measured[name].clock(spp).min() > 0.0 for spp in plan.ladder):
+            message = "its time cannot be told from 0: render more samples, or larger pictures"
+            raise study.fail(f"arms.{name}", message)
         try:
             for spp in (plan.judged.low, plan.judged.high):
                 product([(measured[name].figures[spp]["mse"], 1.0)])

@@ -128,6 +128,28 @@ def test_without_a_time_between_efficiencies_are_compared():
     assert found == pytest.approx(0.1 * 0.02 / (0.05 * 0.03))
 
 
+@pytest.mark.parametrize(
+    ("times", "seconds", "expected"),
+    [
+        ({32: 1.0, 64: 2.0}, 1.4, (32, 64)),
+        # A little beyond.
+        ({32: 1.0, 64: 2.0}, 2.2, (32, 64)),
+        ({32: 1.0, 64: 2.0}, 0.9, (32, 64)),
+        # The pilot was wrong.
+        ({32: 1.0, 64: 2.0}, 3.5, (64, 64)),
+        ({32: 1.0, 64: 2.0}, 0.5, (32, 32)),
+        # An arm that has enough long before.
+        ({32: 1.0, 64: 1.01}, 1.2, (64, 64)),
+        ({32: 1.0, 64: 0.99}, 0.9, (32, 32)),
+    ],
+)
+def test_where_there_is_nothing_to_interpolate_over(times, seconds, expected):
+    figures = {n: {"seconds": np.full(COUNT, t), "mse": np.ones(COUNT)} for n, t in times.items()}
+    found = AtTime.of(figures, Bracket(32, 64, 64), seconds)
+    assert (found.bracket.low, found.bracket.high) == expected
+    assert found.seconds == (times[expected[0]] if found.is_single else seconds)
+
+
 def _sobol(n):
     """The error of a sequence that is worse by half between powers of two."""
     return n**-1.5 * (1.0 if n & (n - 1) == 0 else 1.5)
