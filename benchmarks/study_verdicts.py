@@ -93,6 +93,8 @@ def facts_of(arm: ArmResult) -> dict[str, Any]:
         "verdict": arm.bias.verdict, "p_bias": arm.bias.p_value,
         "mean": [100.0 * one.value for one in arm.bias.difference],
         "spp": [point.spp for point in arm.times],
+        "mse": [point.mse.value for point in arm.samples],
+        "seconds": [point.seconds.value for point in arm.samples],
     }  # fmt: skip
     if arm.speedup:
         one = arm.speedup
