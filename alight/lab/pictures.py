@@ -361,13 +361,13 @@ def _run_replicate(
 ) -> None:
     study, name = session.study, plan.arm.spec.name
     seed = seed_of("arm", study.seed, scene_name(scene), "" if study.paired else name, number)
-    rungs, pictures = {}, {}
+    rungs, pictures, looked_at = {}, {}, {}
     example, blocks, invalid = None, np.zeros(0), 0
     for rung in plan.arm.render(seed, plan.ladder, session.threads):
         begin = time.process_time()
-        around = rung.spp in (plan.judged.low, plan.judged.high)
-        found = figures.of(rung.picture, with_flip=around and number < _FLIPS)
-        rungs[rung.spp] = {"seconds": rung.seconds, **found}
+        rungs[rung.spp] = {"seconds": rung.seconds, **figures.of(rung.picture)}
+        if rung.spp in (plan.judged.low, plan.judged.high) and number < _FLIPS:
+            looked_at[rung.spp] = rung.picture
         if rung.spp in plan.tops:
             pictures[rung.spp] = rung.picture
         if rung.spp == plan.shown and number == 0:
@@ -377,5 +377,8 @@ def _run_replicate(
             session.seconds["render"] += rung.seconds
         session.seconds["statistics"] += time.process_time() - begin
     begin = time.process_time()
+    # Between the steps it would leave the caches cold for some of the arms.
+    for spp, picture in looked_at.items():
+        rungs[spp] |= figures.of(picture, with_flip=True)
     session.store.add(plan.key, Replicate(number, seed, invalid, rungs, blocks), pictures, example)
     session.seconds["statistics"] += time.process_time() - begin

@@ -7,7 +7,24 @@ TIME = "tests/lab/test_equal_time.py"
 NOISE = "tests/lab/test_noise_only.py"
 REFERENCES = "tests/lab/test_references.py"
 
+MEASURE = "tests/lab/test_measure.py"
+
 STUDIES = (
+    Mutant(
+        "the time of the whole program",
+        "lab/measure.py",
+        (
+            (
+                "        begin = time.thread_time()\n        parts",
+                "        begin = time.process_time()\n        parts",
+            ),
+            (
+                "seconds += time.thread_time() - begin\n        done",
+                "seconds += time.process_time() - begin\n        done",
+            ),
+        ),
+        f"{MEASURE}::test_other_threads_of_the_program_cost_nothing",
+    ),
     Mutant(
         "a reference by another arm than the baseline",
         "lab/references.py",
