@@ -159,7 +159,7 @@ def report(args: argparse.Namespace, results: list[dict[str, Any]]) -> None:
 
 def main() -> None:
     """Read the command line, run the studies, print the sums."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("what", choices=("same", "dark"))
     parser.add_argument("--seeds", default="1:21:2", help="first:end:step")
     parser.add_argument("--size", type=int, default=64)
