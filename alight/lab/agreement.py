@@ -10,6 +10,9 @@ Gabriel, On closed testing procedures with special reference to ordered analysis
 Biometrika 63, 1976). Within a set of arms the p-values of all pairs are corrected by Bonferroni.
 
 Two arms have no majority but both: that they differ is found, which of them is wrong is not.
+
+Where no majority passes, the right one has failed, with a probability of at most the level; so what
+is said then costs no level. An arm is named by the majorities that pass at the level squared.
 """
 
 from __future__ import annotations
@@ -35,8 +38,8 @@ class Vote:
     p_values : dict of str to float
         By arm: of "it agrees with a majority", over all comparisons.
     verdicts : dict of str to str
-        `BIASED` for arms that no agreeing majority has, `DISPUTED` for arms that disagree where no
-        majority decides, else `UNBIASED`.
+        `BIASED` for arms that no agreeing majority has, `DISPUTED` for others that disagree where
+        no majority decides between them, else `UNBIASED`.
     """
 
     p_values: dict[str, float]
@@ -80,24 +83,22 @@ def counted(names: Sequence[str], pairs: Mapping[tuple[str, str], float], level:
     level : float
     """
     sets = _majorities(names, pairs)
+    p_values = {name: max(p for members, p in sets if name in members) for name in names}
     agreeing = [members for members, p in sets if p >= level]
-    # The largest sets that agree: who is in all of them is beyond dispute.
-    most = max((len(members) for members in agreeing), default=0)
-    settled = frozenset(names)
-    for members in agreeing:
-        if len(members) == most:
-            settled &= members
-    p_values, verdicts = {}, {}
-    for name in names:
-        p_values[name] = max(p for members, p in sets if name in members)
-        if p_values[name] < level and agreeing:
-            verdicts[name] = BIASED
-        elif agreeing:
-            verdicts[name] = UNBIASED if name in settled else DISPUTED
-        else:
-            differs = any(name in pair and p * len(pairs) < level for pair, p in pairs.items())
-            verdicts[name] = DISPUTED if differs else UNBIASED
-    return Vote(p_values, verdicts)
+    bar = level if agreeing else level**2
+    # Where even the best majority lies below the bar, nobody is right enough to name another.
+    named = {n for n, p in p_values.items() if p < bar <= max(p_values.values())}
+    if agreeing:
+        # The largest sets that agree: who is in all of them is beyond dispute.
+        most = max(map(len, agreeing))
+        settled = frozenset.intersection(*(one for one in agreeing if len(one) == most))
+    else:
+        differ = (pair for pair, p in pairs.items() if p * len(pairs) < level)
+        settled = {*names}.difference(*(pair for pair in differ if not named.intersection(pair)))
+    return Vote(
+        p_values,
+        {n: BIASED if n in named else UNBIASED if n in settled else DISPUTED for n in names},
+    )
 
 
 def _majorities(

@@ -51,6 +51,13 @@ def test_who_is_named(names, broken, expected):
     assert _verdicts(names, broken) == expected
 
 
+def test_a_wrong_arm_is_named_where_chance_divides_the_right_ones():
+    """No majority passes at 1 %, one does at 0.01 %: whoever is not in it is wrong by far."""
+    pairs = {**_pairs("abcd", ["ad", "bd", "cd"], 1e-9), ("a", "b"): 1e-3}
+    found = counted("abcd", pairs, LEVEL).verdicts
+    assert found == {"a": DISPUTED, "b": DISPUTED, "c": UNBIASED, "d": BIASED}
+
+
 def test_an_arm_that_its_own_reference_contradicts_is_named():
     pairs = {**_pairs("abc", []), ("b", "b"): 1e-6}
     assert counted("abc", pairs, LEVEL).verdicts == {"a": UNBIASED, "b": BIASED, "c": UNBIASED}
