@@ -21,11 +21,12 @@ Source: Lambert, Photometria (1760); PBR4 section 9.2 and appendix A.5.3.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import Annotated, Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
 from alight.core.jit import kernel, specialised
+from alight.core.noise_only import NoiseOnly
 from alight.core.simd import any_lane, lanes, lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture
 from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
@@ -45,7 +46,7 @@ class Diffuse(Bsdf):
 
     type: Literal["diffuse"] = "diffuse"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
-    sampling: Literal["cosine", "uniform"] = "cosine"
+    sampling: Annotated[Literal["cosine", "uniform"], NoiseOnly()] = "cosine"
 
 
 EXAMPLES = (

@@ -368,10 +368,11 @@ class Camera(Spec):
 
 
 class Sampler(Spec):
-    """Base class of samplers."""
+    """Base class of samplers; made for `block` samples, doubled any number of times."""
 
     family: ClassVar[str] = "samplers"
     kind: ClassVar[str] = "sampler"
+    block: ClassVar[int] = 1
 
 
 class Filter(Spec):

@@ -5,9 +5,10 @@ Source: PBR4 section 13.2 (direct lighting); Veach and Guibas 1995 for the combi
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from alight.core.jit import kernel
+from alight.core.noise_only import NoiseOnly
 from alight.integrators import path
 from alight.integrators.options import LightSampling
 from alight.integrators.walk import Settings
@@ -26,7 +27,7 @@ class Direct(LightSampling):
     """
 
     type: Literal["direct"] = "direct"
-    heuristic: Literal["power", "balance"] = "power"
+    heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
 
 
 EXAMPLES = (

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import model_validator
 
+from alight.core.noise_only import NoiseOnly
 from alight.core.spec import Depth, Integrator, Truth, invalid
 
 
@@ -25,8 +26,8 @@ class LightSampling(Integrator):
         light the scene as ever.
     """
 
-    light_sampling: Literal["mis", "bsdf", "emitter"] = "mis"
-    light_choice: Literal["auto", "power", "uniform", "tree"] = "auto"
+    light_sampling: Annotated[Literal["mis", "bsdf", "emitter"], NoiseOnly()] = "mis"
+    light_choice: Annotated[Literal["auto", "power", "uniform", "tree"], NoiseOnly()] = "auto"
     hide_emitters: Truth = False
 
 
@@ -44,8 +45,8 @@ class PathTracing(LightSampling):
         Unlimited by default, which needs roulette.
     """
 
-    russian_roulette: Literal["throughput", "none"] = "throughput"
-    rr_depth: Depth = 5
+    russian_roulette: Annotated[Literal["throughput", "none"], NoiseOnly()] = "throughput"
+    rr_depth: Annotated[Depth, NoiseOnly()] = 5
     max_depth: Depth | None = None
 
     @model_validator(mode="after")

@@ -11,7 +11,7 @@ sampling techniques, SIGGRAPH 1995; Arvo and Kirk, Particle transport and image 
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import Annotated, Literal
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
@@ -20,6 +20,7 @@ from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, tran
 from alight.core.constants import INFINITY
 from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
+from alight.core.noise_only import NoiseOnly
 from alight.core.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 from alight.core.vec import length, max_component
 from alight.integrators.options import PathTracing
@@ -75,7 +76,7 @@ class Path(PathTracing):
     """
 
     type: Literal["path"] = "path"
-    heuristic: Literal["power", "balance"] = "power"
+    heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
 
 
 EXAMPLES = (

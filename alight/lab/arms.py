@@ -13,7 +13,8 @@ from typing import Any
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import SceneError, show_value, unknown_name
 from alight.core.machine import fingerprint
-from alight.core.spec import Spec
+from alight.core.noise_only import noise_only_fields
+from alight.core.spec import Sampler, Spec
 from alight.lab.measure import Rung, compiled_kernels, render_ladder
 from alight.lab.steering import is_steered, problem_of, steered_ladder
 from alight.lab.study import (
@@ -30,18 +31,6 @@ from alight.samplers.sobol import Sobol
 from alight.scene import Scene, content_hash, flatten, load
 from alight.scene.files import builtin_names
 
-#: Fields of integrators that change the noise, not the picture.
-_FREE_OF_INTEGRATORS = (
-    "light_sampling",
-    "heuristic",
-    "russian_roulette",
-    "rr_depth",
-    "light_choice",
-)
-
-#: Fields of materials and lights that do likewise.
-_FREE_OF_MODELS = ("sampling", "compensation")
-
 #: Longest side of pictures under ``--quick``.
 QUICK_SIZE = 128
 
@@ -55,6 +44,7 @@ class Arm:
     spec : ArmSpec
     compiled : CompiledScene
     kernels : Kernels
+    sampler : Sampler
     replicates : int
         R of the film.
     key : str
@@ -65,6 +55,7 @@ class Arm:
     spec: ArmSpec
     compiled: CompiledScene
     kernels: Kernels
+    sampler: Sampler
     replicates: int
     key: str
     load_seconds: float
@@ -194,7 +185,7 @@ def _check_same_picture(study: Study, scene: SceneSpec, loaded: Mapping[str, Sce
         elif not arm.declares_different and same_picture_hash(mine) != truth:
             text = (
                 f'computes another picture than the baseline "{baseline.name}" '
-                f"({_what_differs(arm, baseline)}); if that is meant, "
+                f"({_what_differs(arm, baseline, mine)}); if that is meant, "
                 "say declares_different: true"
             )
             issues.append(study.issue(f"arms.{arm.name}", text))
@@ -202,8 +193,8 @@ def _check_same_picture(study: Study, scene: SceneSpec, loaded: Mapping[str, Sce
         raise StudyError(issues)
 
 
-def _what_differs(arm: ArmSpec, baseline: ArmSpec) -> str:
-    free = {"sampler", "replicates", SCHEDULE, *_FREE_OF_INTEGRATORS, *ACCELERATION}
+def _what_differs(arm: ArmSpec, baseline: ArmSpec, scene: Scene) -> str:
+    free = {"sampler", "replicates", SCHEDULE, *ACCELERATION, *noise_only_fields(scene.integrator)}
     names = [
         name
         for name in {**arm.options, **baseline.options}
@@ -218,35 +209,26 @@ def _window(scene: Scene) -> tuple:
 
 def same_picture_hash(scene: Scene) -> str:
     """Content hash without all that changes the noise only."""
-    fields = dict(scene.integrator)
-    integrator = scene.integrator.model_copy(
-        update={
-            name: type(scene.integrator).model_fields[name].default
-            for name in _FREE_OF_INTEGRATORS
-            if name in fields
-        }
-    )
-    plain = _without_choices(scene).model_copy(
-        update={
-            "sampler": Sobol(),
-            "integrator": integrator,
-            "film": scene.film.model_copy(update={"replicates": 1}),
-        }
+    plain = without_choices(scene).model_copy(
+        update={"sampler": Sobol(), "film": scene.film.model_copy(update={"replicates": 1})}
     )
     return content_hash(plain)
 
 
-def _without_choices(value: Any) -> Any:
-    """The same descriptions with the sampling choices of their models at the defaults."""
+def without_choices(value: Any) -> Any:
+    """The same descriptions with what changes their noise only at the defaults."""
     if isinstance(value, dict):
-        changed = {name: _without_choices(item) for name, item in value.items()}
+        changed = {name: without_choices(item) for name, item in value.items()}
         return changed if any(changed[n] is not value[n] for n in value) else value
+    if isinstance(value, tuple):
+        items = tuple(map(without_choices, value))
+        return items if any(a is not b for a, b in zip(items, value, strict=True)) else value
     if not isinstance(value, Spec):
         return value
-    changes = {}
+    changes, free = {}, noise_only_fields(value)
     for name, item in value:
-        free = name in _FREE_OF_MODELS and value.family in ("bsdfs", "lights")
-        new = type(value).model_fields[name].default if free else _without_choices(item)
+        default = type(value).model_fields[name].default
+        new = default if name in free else without_choices(item)
         if new is not item:
             changes[name] = new
     return value.model_copy(update=changes) if changes else value
@@ -267,7 +249,9 @@ def compile_arm(spec: ArmSpec, scene: Scene, threads: int) -> Arm:
     schedule = spec.options.get(SCHEDULE)
     steered = [json.dumps(schedule, sort_keys=True)] if is_steered(schedule) else []
     key = digest(content, structure, builder, replicates, fingerprint(), *steered)
-    return Arm(spec, compiled, kernels, replicates, key, loaded - begin, done - loaded)
+    return Arm(
+        spec, compiled, kernels, flat.sampler, replicates, key, loaded - begin, done - loaded
+    )
 
 
 def digest(*parts: object) -> str:

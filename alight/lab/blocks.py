@@ -182,9 +182,11 @@ def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics)
     """Block t-tests of an arm against the reference, and one p-value for all of them.
 
     The p-value is the smallest of five (root mean square and largest of the blocks' z, three
-    channel means), times five (Bonferroni). The reference may have smaller blocks than the arm.
+    channel means), times five (Bonferroni). The smaller blocks of either side are joined.
     """
-    found = compare_pictures(arm, joined_statistics(reference, arm.block), join=True)
+    block = max(arm.block, reference.block)
+    sides = joined_statistics(arm, block), joined_statistics(reference, block)
+    found = compare_pictures(*sides, join=True)
     judged = found.z[np.isfinite(found.z)]
     blocks = len(judged)
     # Blocks that agree too well are no bias.
@@ -214,13 +216,13 @@ def _relative_differences(arm: PictureStatistics, ref: PictureStatistics) -> lis
     return result
 
 
-def judge(raw: list[RawTest], declared: list[bool]) -> list[BiasTest]:
+def judge(raw: list[RawTest], declared: list[bool], level: float = LEVEL) -> list[BiasTest]:
     """Correct the p-values over the arms of a scene (Holm) and say what each arm is."""
     result = []
     adjusted = holm_adjusted([one.p_value for one in raw])
     for one, p, different in zip(raw, adjusted, declared, strict=True):
-        verdict = BIASED if p < LEVEL else UNBIASED
-        if different and p < LEVEL:
+        verdict = BIASED if p < level else UNBIASED
+        if different and p < level:
             verdict = DIFFERENT
         values = {**vars(one.test), "p_value": p, "verdict": verdict}
         result.append(BiasTest(**values))

@@ -4,29 +4,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
 
+from alight.lab.agreement import MOST_VOTERS, Vote, vote
 from alight.lab.arms import Arm, seed_of
-from alight.lab.blocks import BlockMoments, RawTest, compare_with_reference, judge
+from alight.lab.blocks import LEVEL, BlockMoments, RawTest, compare_with_reference, judge
 from alight.lab.decomposition import Moments, Parts, decompose, reference_spread
+from alight.lab.equal_time import AtTime, Bracket, compared, powers_of_two, product
 from alight.lab.references import Reference, demand_quiet
 from alight.lab.results import UNKNOWN, ArmImages, ArmResult, BiasTest, Point, Speedup
 from alight.lab.statistics import (
-    Statistic,
     bootstrap_ratio,
     exponential,
     holm_adjusted,
-    log_mean,
     log_ratio,
     log_slope,
     mean_interval,
     positive_interval,
 )
+from alight.lab.steering import is_biased, is_steered
 from alight.lab.store import Replicate, Store
-from alight.lab.study import Study, StudyError
+from alight.lab.study import SCHEDULE, Study, StudyError
 from alight.metrics.relmse import Estimate
 
 
@@ -39,8 +40,10 @@ class Plan:
     arm : Arm
     key : str
         Of its replicates in the store.
-    samples, times : tuple of int
-        Samples per pixel of both ladders.
+    samples : tuple of int
+        Samples per pixel at which arms are compared.
+    times : tuple of Bracket
+        Where the arm takes the time that the baseline takes at each of them; may be empty.
     reference : Reference
     own_reference : bool
     """
@@ -48,24 +51,44 @@ class Plan:
     arm: Arm
     key: str
     samples: tuple[int, ...]
-    times: tuple[int, ...]
+    times: tuple[Bracket, ...]
     reference: Reference
     own_reference: bool
 
     @property
     def ladder(self) -> tuple[int, ...]:
         """All steps, rising."""
-        return tuple(sorted({*self.samples, *self.times}))
+        around = {spp for step in self.times for spp in (step.low, step.high)}
+        steps = {*self.samples, *around}
+        if self.times and not is_steered(self.arm.spec.options.get(SCHEDULE)):
+            # Each stop costs some time: with these all arms make about the same.
+            steps |= powers_of_two(min(self.samples) // 2, max(steps))
+        return tuple(sorted(steps))
 
     @property
     def tops(self) -> tuple[int, ...]:
-        """The last steps of both ladders: whose pictures are added up."""
-        return tuple(sorted({self.samples[-1], (self.times or self.samples)[-1]}))
+        """The steps whose pictures are added up."""
+        return tuple(sorted({self.samples[-1], self.shown}))
 
     @property
-    def judged(self) -> int:
-        """The step at which arms are compared: the last one of equal time, if there is one."""
-        return (self.times or self.samples)[-1]
+    def judged(self) -> Bracket:
+        """Where arms are compared: the last step of equal time, if there is one."""
+        return self.times[-1] if self.times else Bracket.at(self.samples[-1])
+
+    @property
+    def shown(self) -> int:
+        """The step nearest to where arms are compared: whose pictures are shown."""
+        return self.judged.shown
+
+    @property
+    def votes(self) -> bool:
+        """Whether the arm means to compute what the others do."""
+        return not (self.arm.spec.declares_different or self.decides_by_kept_samples)
+
+    @property
+    def decides_by_kept_samples(self) -> bool:
+        """Whether it is biased by its rule."""
+        return is_biased(self.arm.spec.options.get(SCHEDULE))
 
 
 @dataclass(frozen=True)
@@ -108,10 +131,13 @@ class Measured:
         seeds, invalid = [row.seed for row in rows], sum(row.invalid for row in rows)
         return cls(figures, blocks, seeds, invalid)
 
-    def cost(self, spp: int) -> Statistic:
-        """Logarithm of MSE times seconds; ValueError where the MSE is not positive."""
-        at = self.figures[spp]
-        return log_mean(at["mse"]) + log_mean(at["seconds"])
+    def clock(self, spp: int) -> np.ndarray:
+        """Seconds of the replicates up to a step."""
+        return self.figures[spp]["seconds"]
+
+    def at(self, where: Bracket, seconds: float) -> AtTime:
+        """The errors in a time."""
+        return AtTime.of(self.figures, where, seconds)
 
 
 def _number(value: float | None) -> float:
@@ -119,7 +145,13 @@ def _number(value: float | None) -> float:
 
 
 def evaluate_arms(
-    study: Study, scene_path: str, baseline: str, plans: Sequence[Plan], store: Store, count: int
+    study: Study,
+    scene_path: str,
+    baseline: str,
+    plans: Sequence[Plan],
+    store: Store,
+    count: int,
+    reference_is_named: bool,
 ) -> list[ArmResult]:
     """Everything about the arms of a scene.
 
@@ -135,6 +167,8 @@ def evaluate_arms(
         With at least `count` replicates of each.
     count : int
         S.
+    reference_is_named : bool
+        Whether the study says what the reference is: then arms are judged by it, not by a vote.
 
     Raises
     ------
@@ -151,9 +185,13 @@ def evaluate_arms(
     }
     _check(study, scene_path, plans, measured, moments)
     speedups = _speedups(study, baseline, plans, measured)
-    tests = _bias_tests(plans, measured)
+    by_vote = not reference_is_named and sum(plan.votes for plan in plans) <= MOST_VOTERS
+    tests = _bias_tests(plans, measured, by_vote)
+    # Times are those of the baseline at its steps of equal samples.
+    base = next(plan for plan in plans if plan.arm.spec.name == baseline)
+    clocks = [measured[baseline].clock(spp) for spp in base.samples]
     return [
-        _arm_result(plan, measured[plan.arm.spec.name], moments[plan.arm.spec.name],
+        _arm_result(plan, measured[plan.arm.spec.name], moments[plan.arm.spec.name], clocks,
                     speedups.get(plan.arm.spec.name), test, baseline, store)
         for plan, test in zip(plans, tests, strict=True)
     ]  # fmt: skip
@@ -169,20 +207,24 @@ def _check(
     """Refuse what has no noise, and references with too much of it."""
     for plan in plans:
         name = plan.arm.spec.name
-        if float(moments[name][plan.judged].variance.max()) == 0.0:
+        if float(moments[name][plan.shown].variance.max()) == 0.0:
             raise no_noise(study, name)
     for reference in {id(plan.reference): plan.reference for plan in plans}.values():
         errors = {}
         for plan in plans:
             if plan.reference is reference:
                 name = plan.arm.spec.name
-                errors[name] = float(measured[name].figures[plan.judged]["mse"].mean())
+                errors[name] = float(measured[name].figures[plan.shown]["mse"].mean())
         name = min(errors, key=lambda name: errors[name])
         demand_quiet(study, f"{scene_path}.reference", reference, name, errors[name])
     for plan in plans:
         name = plan.arm.spec.name
+        if not all(measured[name].clock(spp).min() > 0.0 for spp in plan.ladder):
+            message = "its time cannot be told from 0: render more samples, or larger pictures"
+            raise study.fail(f"arms.{name}", message)
         try:
-            measured[name].cost(plan.judged)
+            for spp in (plan.judged.low, plan.judged.high):
+                product([(measured[name].figures[spp]["mse"], 1.0)])
         except ValueError:
             message = (
                 "its error cannot be told from 0 in every replicate: render more replicates or "
@@ -205,21 +247,23 @@ def _speedups(
     """Efficiency of every arm over the baseline's, corrected over the arms."""
     base = next(plan for plan in plans if plan.arm.spec.name == baseline)
     others = [plan for plan in plans if plan is not base]
-    base_at = measured[baseline].figures[base.judged]
+    clock = measured[baseline].clock(base.samples[-1])
+    base_at = measured[baseline].at(base.judged, float(clock.mean()))
     ratios, intervals = [], []
     for plan in others:
-        mine = measured[plan.arm.spec.name]
-        at = mine.figures[plan.judged]
+        at = measured[plan.arm.spec.name].at(plan.judged, float(clock.mean()))
+        above, below = compared(base_at, clock, at)
+        shared = _shared_noise(base.reference, base_at.sensitivity, plan.reference, at.sensitivity)
         ratios.append(
-            log_ratio(
-                measured[baseline].cost(base.judged), mine.cost(plan.judged),
-                paired=study.paired, extra_variance=_shared_noise(base, base_at, plan, at),
-            )
-        )  # fmt: skip
+            log_ratio(product(above), product(below), paired=study.paired, extra_variance=shared)
+        )
+        (upper, upper_powers), (lower, lower_powers) = (
+            zip(*side, strict=True) for side in (above, below)
+        )
         intervals.append(
             bootstrap_ratio(
-                [base_at["mse"], base_at["seconds"]], [at["mse"], at["seconds"]],
-                seed_of("bootstrap", plan.key), paired=study.paired,
+                upper, lower, seed_of("bootstrap", plan.key), paired=study.paired,
+                powers=(upper_powers, lower_powers),
             )
         )  # fmt: skip
     adjusted = holm_adjusted([ratio.p_value for ratio in ratios])
@@ -229,31 +273,68 @@ def _speedups(
     }
 
 
-def _shared_noise(
-    a: Plan, at_a: Mapping[str, np.ndarray], b: Plan, at_b: Mapping[str, np.ndarray]
-) -> float:
-    """Variance of the log ratio from the noise of the references."""
-    inverse_a, inverse_b = 1.0 / float(at_a["mse"].mean()), 1.0 / float(at_b["mse"].mean())
-    spread_a = reference_spread(a.reference.variance, a.reference.seeds)
-    if a.reference is b.reference:
+def _shared_noise(a: Reference, effect_a: float, b: Reference, effect_b: float) -> float:
+    """Variance of the log ratio from the noise of the references.
+
+    Parameters
+    ----------
+    a, b : Reference
+        Of both sides.
+    effect_a, effect_b : float
+        Relative change of each side when all its squared errors grow by 1.
+    """
+    spread_a = reference_spread(a.variance, a.seeds)
+    if a is b:
         # The same error on both sides cancels where the arms are equally noisy.
-        return spread_a * (inverse_a - inverse_b) ** 2
-    spread_b = reference_spread(b.reference.variance, b.reference.seeds)
-    return spread_a * inverse_a**2 + spread_b * inverse_b**2
+        return spread_a * (effect_a - effect_b) ** 2
+    return spread_a * effect_a**2 + reference_spread(b.variance, b.seeds) * effect_b**2
 
 
-def _bias_tests(plans: Sequence[Plan], measured: Mapping[str, Measured]) -> list[BiasTest]:
+def _bias_tests(
+    plans: Sequence[Plan], measured: Mapping[str, Measured], by_vote: bool
+) -> list[BiasTest]:
+    """What each arm is, at one family level over all arms of the scene."""
     raw: list[RawTest] = []
     for plan in plans:
         statistics = measured[plan.arm.spec.name].blocks.statistics
         raw.append(compare_with_reference(statistics, plan.reference.statistics))
-    return judge(raw, [plan.arm.spec.declares_different for plan in plans])
+    declared = [plan.arm.spec.declares_different for plan in plans]
+    if not by_vote:
+        return judge(raw, declared)
+    voters = [i for i, plan in enumerate(plans) if plan.votes]
+    others = [i for i, plan in enumerate(plans) if not plan.votes]
+    # Those without a vote are judged by the reference, and take half of the level.
+    share = 0.5 if others else 1.0
+    outcome = _vote_of([plans[i] for i in voters], measured, share * LEVEL)
+    tests = judge([raw[i] for i in others], [declared[i] for i in others], share * LEVEL)
+    found = dict(zip(others, tests, strict=True))
+    for i in voters:
+        name = plans[i].arm.spec.name
+        p, verdict = outcome.p_values[name], outcome.verdicts[name]
+        found[i] = replace(raw[i].test, p_value=p, verdict=verdict)
+    return [
+        replace(found[i], p_value=min(1.0, found[i].p_value / share)) for i in range(len(plans))
+    ]
+
+
+def _vote_of(voters: Sequence[Plan], measured: Mapping[str, Measured], level: float) -> Vote:
+    """The voters' comparison with each other."""
+    statistics = {
+        plan.arm.spec.name: measured[plan.arm.spec.name].blocks.statistics for plan in voters
+    }
+    references = {}
+    for plan in voters:
+        name = plan.arm.spec.name
+        if plan.reference.info.arm == name:
+            references[name] = plan.reference.statistics
+    return vote(statistics, references, level)
 
 
 def _arm_result(
     plan: Plan,
     measured: Measured,
     moments: Mapping[int, Moments],
+    clocks: Sequence[np.ndarray],
     speedup: Speedup | None,
     test: BiasTest,
     baseline: str,
@@ -263,9 +344,16 @@ def _arm_result(
     parts = {
         spp: decompose(one, reference.image, reference.variance) for spp, one in moments.items()
     }
-    cost = measured.cost(plan.judged).interval()
-    per_sample = 1e6 / (plan.judged * plan.arm.size[0] * plan.arm.size[1])
-    seconds = positive_interval(measured.figures[plan.judged]["seconds"])
+    last = plan.ladder[-1]
+    per_sample = 1e6 / (last * plan.arm.size[0] * plan.arm.size[1])
+    seconds = positive_interval(measured.clock(last))
+    single = [(measured.at(Bracket.at(spp), 0.0), measured.clock(spp)) for spp in plan.samples]
+    times = []
+    # There are none where the study has no equal times.
+    for where, clock in zip(plan.times, clocks, strict=False):
+        at = measured.at(where, float(clock.mean()))
+        times.append((at, measured.clock(where.low) if at.is_single else clock))
+    judged, _ = (times or single)[-1]
     return ArmResult(
         name=spec.name,
         label=spec.label or spec.name,
@@ -274,9 +362,9 @@ def _arm_result(
         declares_different=spec.declares_different,
         replicates=len(measured.seeds),
         seeds=measured.seeds,
-        samples=[_point(spp, measured.figures[spp], parts) for spp in plan.samples],
-        times=[_point(spp, measured.figures[spp], parts) for spp in plan.times],
-        efficiency=exponential(Estimate(-cost.value, -cost.high, -cost.low)),
+        samples=[_point(at, clock, parts) for at, clock in single],
+        times=[_point(at, clock, parts) for at, clock in times],
+        efficiency=_efficiency(judged),
         speedup=speedup,
         slope_spp=_slope(plan.samples, measured, against_time=False),
         slope_time=_slope(plan.samples, measured, against_time=True),
@@ -287,32 +375,49 @@ def _arm_result(
         load_seconds=plan.arm.load_seconds,
         invalid=measured.invalid,
         own_reference=reference.info if plan.own_reference else None,
-        images=_images(plan, moments[plan.judged], store),
+        images=_images(plan, moments[plan.shown], store),
     )
 
 
-def _point(spp: int, figures: Mapping[str, np.ndarray], parts: Mapping[int, Parts]) -> Point:
-    mse = positive_interval(figures["mse"])
+def _point(at: AtTime, clock: np.ndarray, parts: Mapping[int, Parts]) -> Point:
+    """The errors in a time, whose interval comes from the times of some replicates."""
+    mse = _positive(at, "mse")
     # The mean of a picture does not depend on the number of samples, nor does its bias: steps
     # whose pictures were not added up have that of the deepest one.
-    bias2 = parts[spp if spp in parts else max(parts)].bias2
+    bias2 = parts[at.spp if at.spp in parts else max(parts)].bias2
     variance = mse.value - bias2.value
     low, high = mse.value - mse.low, mse.high - mse.value
     width = bias2.high - bias2.value
-    seen = figures["flip"][np.isfinite(figures["flip"])]
+    flip = at.linear("flip")
+    seen = flip[np.isfinite(flip)]
     return Point(
-        spp=spp,
-        seconds=positive_interval(figures["seconds"]),
+        spp=at.spp,
+        seconds=positive_interval(clock),
         mse=mse,
-        relmse=positive_interval(figures["relmse"]),
-        relmse_literature=positive_interval(figures["relmse_literature"]),
-        smape=mean_interval(figures["smape"]),
+        relmse=_positive(at, "relmse"),
+        relmse_literature=_positive(at, "relmse_literature"),
+        smape=mean_interval(at.linear("smape")),
         flip=mean_interval(seen) if len(seen) >= 2 else None,
         bias2=bias2,
         variance=Estimate(
             variance, variance - math.hypot(low, width), variance + math.hypot(high, width)
         ),
     )
+
+
+def _positive(at: AtTime, name: str) -> Estimate:
+    """A figure with an interval that is positive if the data allow it."""
+    try:
+        return exponential(at.statistic(name).interval())
+    except ValueError:
+        return mean_interval(at.linear(name))
+
+
+def _efficiency(at: AtTime) -> Estimate:
+    cost = product(at.powers).interval()
+    # The powers hold T to the power of -s.
+    shift = (1.0 + at.slope) * math.log(at.seconds)
+    return exponential(Estimate(*(-(v + shift) for v in (cost.value, cost.high, cost.low))))
 
 
 def _slope(ladder: Sequence[int], measured: Measured, against_time: bool) -> Estimate:
@@ -333,5 +438,5 @@ def _images(plan: Plan, moments: Moments, store: Store) -> ArmImages:
     return ArmImages(
         example.picture, mean, moments.variance.astype(np.float32),
         mean - plan.reference.image,
-        np.full(mean.shape[:2], plan.judged, np.float32), example.spp, example.seconds,
+        np.full(mean.shape[:2], plan.shown, np.float32), example.spp, example.seconds,
     )  # fmt: skip

@@ -1,7 +1,8 @@
 """Rendering one replicate of an arm: pictures along its ladder, and what each costs.
 
-Time is CPU time of all threads while samples are rendered and added to the film: it does not grow
-because something else runs on the machine, and loading, compiling and statistics are not in it.
+Time is CPU time of the threads that render samples and add them to the film: it does not grow
+because something else runs on the machine, or in other threads of this program (libraries leave
+theirs spinning for a while), and loading, compiling and statistics are not in it.
 """
 
 from __future__ import annotations
@@ -79,10 +80,10 @@ def render_ladder(
     done, seconds = 0, 0.0
 
     for spp in ladder:
-        begin = time.process_time()
+        begin = time.thread_time()
         parts = [(tile, _ranges(tile, done, spp - done)) for tile in tiles]
-        add_tiles(threads, kernels, scene, settings, film, parts)
-        seconds += time.process_time() - begin
+        seconds += add_tiles(threads, kernels, scene, settings, film, parts)
+        seconds += time.thread_time() - begin
         done = spp
         yield Rung(spp, seconds, film.mean[..., :3].astype(np.float32), film.invalid)
 
@@ -94,7 +95,7 @@ def add_tiles(
     settings: Settings,
     film: Film,
     parts: Sequence[tuple[Tile, np.ndarray]],
-) -> None:
+) -> float:
     """Render samples on all threads and add them to a film.
 
     Parameters
@@ -106,16 +107,22 @@ def add_tiles(
     film : Film
     parts : sequence of (Tile, ndarray of int64, shape (cells_y, cells_x, 2))
         (first, count) of the samples of each cell of a tile.
+
+    Returns
+    -------
+    float
+        CPU seconds of these threads; the caller's own are not in it.
     """
 
-    def work(tile: Tile, ranges: np.ndarray) -> None:
+    def work(tile: Tile, ranges: np.ndarray) -> float:
+        begin = time.thread_time()
         partial, _ = render_tile(kernels, scene, settings, tile, ranges, _scratch())
         film.add_tile(partial)
+        return time.thread_time() - begin
 
     futures = [_pool(threads).submit(work, *part) for part in parts]
     try:
-        for future in futures:
-            future.result()
+        return sum(future.result() for future in futures)
     except BaseException:
         # Ctrl-C: what has not begun need not begin.
         for future in futures:

@@ -22,7 +22,8 @@ from alight.lab.arms import Arm, digest, seed_of
 from alight.lab.blocks import BlockMoments, block_row, exact_statistics
 from alight.lab.decomposition import Moments
 from alight.lab.results import ReferenceInfo
-from alight.lab.study import ReferenceSpec, Study, StudyError
+from alight.lab.steering import is_biased
+from alight.lab.study import SCHEDULE, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.comparison import PictureStatistics
 from alight.metrics.relmse import default_epsilon
 from alight.outputs.atomic import replacing
@@ -62,7 +63,11 @@ class Reference:
 
 
 def rendered_reference(
-    arm: Arm, spp: int, threads: int, tick: Callable[[float], None] | None = None
+    arm: Arm,
+    spp: int,
+    study_seed: int,
+    threads: int,
+    tick: Callable[[float], None] | None = None,
 ) -> Reference:
     """Render a reference with an arm, or find it among those that were kept.
 
@@ -72,12 +77,14 @@ def rendered_reference(
         Must be unbiased.
     spp : int
         Samples per pixel in all.
+    study_seed : int
+        From which its seeds follow.
     threads : int
     tick : callable, optional
         Called with the share that is done.
     """
     each = -(-spp // SEEDS)
-    key = digest("reference", arm.key, each, SEEDS)
+    key = digest("reference", arm.key, each, SEEDS, study_seed)
     path = cache_folder() / "references" / f"{key}.npz"
     kept = _kept(path, arm)
     if kept is not None:
@@ -127,6 +134,50 @@ def _reference(arrays: dict[str, np.ndarray], facts: dict) -> Reference:
         facts["seconds"], facts["key"],
     )  # fmt: skip
     return Reference(image, variance, statistics, SEEDS, info)
+
+
+def is_named(scene: SceneSpec) -> bool:
+    """Whether the study says who the reference is."""
+    return bool(scene.reference.file or scene.reference.arm)
+
+
+def fit_arms(study: Study, scene: SceneSpec) -> list[str]:
+    """Arms that may render a reference: they mean to compute what the baseline does."""
+    return [
+        arm.name
+        for arm in study.arms_of(scene)
+        if not (arm.declares_different or is_biased(arm.options.get(SCHEDULE)))
+    ]
+
+
+def reference_arm(study: Study, scene: SceneSpec) -> str:
+    """The arm that the study names for its reference, else the baseline.
+
+    Never the arm that looks best: one that loses light is less noisy.
+
+    Parameters
+    ----------
+    study : Study
+    scene : SceneSpec
+
+    Raises
+    ------
+    StudyError
+        For an arm that does not run in the scene, or is biased by its own words.
+    """
+    name, fit = scene.reference.arm, fit_arms(study, scene)
+    if not name:
+        baseline = study.baseline_of(scene).name
+        return baseline if baseline in fit or not fit else fit[0]
+    path = f"scenes[{list(study.scenes).index(scene)}].reference.arm"
+    found = {arm.name: arm for arm in study.arms_of(scene)}.get(name)
+    if found is None:
+        raise study.fail(path, f'arm "{name}" does not run in this scene')
+    if name not in fit:
+        different = found.declares_different
+        why = "is declared different" if different else "decides by the samples that it keeps"
+        raise study.fail(path, f'arm "{name}" {why}: it is no reference')
+    return name
 
 
 def external_reference(

@@ -21,8 +21,10 @@ from alight.outputs.atomic import replacing
 
 UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
-#: Verdicts of `BiasTest`.
-UNBIASED, BIASED, DIFFERENT = "unbiased", "biased", "different by declaration"
+#: Verdicts of `BiasTest`. An arm is disputed if it disagrees with others, and no majority of the
+#: arms says which of them is wrong.
+UNBIASED, BIASED, DISPUTED = "unbiased", "biased", "disputed"
+DIFFERENT = "different by declaration"
 
 
 @dataclass(frozen=True)
@@ -93,9 +95,10 @@ class BiasTest:
     difference : list of Estimate
         Relative difference of the channel means (R, G, B): arm / reference - 1.
     p_value : float
-        Of "no bias", corrected for the tests of this arm and over the arms of the scene.
+        Of "no bias", corrected for the tests of this arm and over the arms of the scene: against
+        the reference if the study names one, else of "it agrees with a majority of the arms".
     verdict : str
-        `UNBIASED`, `BIASED` or `DIFFERENT`.
+        `UNBIASED`, `BIASED`, `DISPUTED` or `DIFFERENT`.
     """
 
     block: int
@@ -111,7 +114,7 @@ class BiasTest:
 
 @dataclass(frozen=True)
 class ArmImages:
-    """Pictures of an arm at its equal-time point.
+    """Pictures of an arm at the number of samples that is nearest to its equal-time point.
 
     Attributes
     ----------
@@ -153,7 +156,10 @@ class ArmResult:
     samples : list of Point
         Equal-samples ladder, by rising spp.
     times : list of Point
-        Equal-time ladder: the i-th point of every arm takes about the same CPU time.
+        Equal-time ladder: the i-th point of every arm has the errors that it leaves in the
+        baseline's time, interpolated between two numbers of samples that its sampler is made
+        for; `spp` is the number between them that fits. Only where the smallest number takes
+        longer is that the point.
     efficiency : Estimate
         1 / (MSE * seconds) at the last point of `times`.
     speedup : Speedup or None

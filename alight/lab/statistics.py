@@ -168,8 +168,9 @@ def bootstrap_ratio(
     seed: int,
     *,
     paired: bool = False,
+    powers: tuple[Sequence[float], Sequence[float]] | None = None,
 ) -> Estimate:
-    """Bootstrap-t interval of a ratio of products of means.
+    """Bootstrap-t interval of a ratio of products of powers of means.
 
     Parameters
     ----------
@@ -178,6 +179,8 @@ def bootstrap_ratio(
     seed : int
     paired : bool
         Whether replicate i of both is drawn together.
+    powers : (sequence of float, sequence of float), optional
+        Of the means of each factor; 1 by default.
 
     Returns
     -------
@@ -186,11 +189,12 @@ def bootstrap_ratio(
     """
     rng = np.random.default_rng(seed)
     above, below = np.asarray(upper, np.float64), np.asarray(lower, np.float64)
+    exponents = powers or (np.ones(len(above)), np.ones(len(below)))
     index = rng.integers(0, above.shape[1], (RESAMPLES, above.shape[1]))
     other = index if paired else rng.integers(0, below.shape[1], (RESAMPLES, below.shape[1]))
     with np.errstate(invalid="ignore", divide="ignore"):
-        value, error = _log_product(above[:, None, :], below[:, None, :], paired)
-        values, errors = _log_product(above[:, index], below[:, other], paired)
+        value, error = _log_product(above[:, None, :], below[:, None, :], exponents, paired)
+        values, errors = _log_product(above[:, index], below[:, other], exponents, paired)
         t = (values - value) / errors
     if not (np.isfinite(t).all() and np.isfinite(value).all()):
         return Estimate(math.nan, math.nan, math.nan)
@@ -199,16 +203,22 @@ def bootstrap_ratio(
     return exponential(Estimate(centre, centre - high * width, centre - low * width))
 
 
-def _log_product(above: np.ndarray, below: np.ndarray, paired: bool) -> tuple:
-    """Log ratio of products of means and its standard error by linearisation.
+def _log_product(
+    above: np.ndarray,
+    below: np.ndarray,
+    powers: tuple[Sequence[float], Sequence[float]],
+    paired: bool,
+) -> tuple:
+    """Log ratio of products of powers of means and its standard error by linearisation.
 
     Arrays have the shape (factors, resamples, S).
     """
     means_a, means_b = above.mean(axis=2), below.mean(axis=2)
-    value = np.log(means_a).sum(axis=0) - np.log(means_b).sum(axis=0)
+    power_a, power_b = (np.asarray(one, np.float64) for one in powers)
+    value = power_a @ np.log(means_a) - power_b @ np.log(means_b)
     # Influence of each replicate on the logarithm of the product.
-    a = (above / means_a[..., None]).sum(axis=0)
-    b = (below / means_b[..., None]).sum(axis=0)
+    a = np.tensordot(power_a, above / means_a[..., None], 1)
+    b = np.tensordot(power_b, below / means_b[..., None], 1)
     if paired:
         variance = (a - b).var(axis=1, ddof=1) / a.shape[1]
     else:

@@ -91,10 +91,10 @@ def steered_ladder(
         See `problem_of`.
     """
     for spp in ladder:
-        begin = time.process_time()
+        begin = time.thread_time()
         settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
-        film = _picture(scene, kernels, settings, schedule_of(option, spp), threads)
-        seconds = time.process_time() - begin
+        film, seconds = _picture(scene, kernels, settings, schedule_of(option, spp), threads)
+        seconds += time.thread_time() - begin
         yield Rung(spp, seconds, film.mean[..., :3].astype(np.float32), film.invalid)
 
 
@@ -104,14 +104,15 @@ def _picture(
     settings: Settings,
     schedule: Schedule,
     threads: int,
-) -> Film:
-    """Render until the schedule ends it."""
+) -> tuple[Film, float]:
+    """Render until the schedule ends it; the film, and CPU seconds of the threads."""
+    seconds = 0.0
     rounds = [film_for(scene, settings.seed, settings.replicates)]
     tiles = tiles_of(rounds[0].crop)
     while True:
         goal = schedule.next(rounds)
         if isinstance(goal, Verdict):
-            return schedule.picture(rounds)
+            return schedule.picture(rounds), seconds
         if goal.round == len(rounds):
             seed = seed_of_round(settings.seed, goal.round)
             rounds.append(film_for(scene, seed, settings.replicates))
@@ -120,4 +121,4 @@ def _picture(
         samples = work.take(work.left)
         own = settings._replace(seed=film.seed)
         parts = [(tile, ranges_of(tile, samples)) for tile in tiles]
-        add_tiles(threads, kernels, scene, own, film, parts)
+        seconds += add_tiles(threads, kernels, scene, own, film, parts)

@@ -27,7 +27,7 @@ of the texels as in Mitsuba 3's ``envmap``, found by experiment.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -36,6 +36,7 @@ from alight.core.constants import INV_PI, INV_TWO_PI, PI
 from alight.core.distributions import bilinear, pmf_cell, sample_bilinear, sample_cell
 from alight.core.jit import kernel, specialised
 from alight.core.maths import arctan2, sincos_2pi
+from alight.core.noise_only import NoiseOnly
 from alight.core.simd import (
     absolute,
     as_float,
@@ -94,8 +95,8 @@ class Environment(Light):
     pixels: Pixels | None = None
     scale: Color = (1.0, 1.0, 1.0)
     rotate: Degrees = 0.0
-    sampling: Literal["importance", "uniform"] = "importance"
-    compensation: Truth = True
+    sampling: Annotated[Literal["importance", "uniform"], NoiseOnly()] = "importance"
+    compensation: Annotated[Truth, NoiseOnly()] = True
 
     @model_validator(mode="after")
     def _has_one_source(self) -> Self:

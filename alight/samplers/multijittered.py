@@ -32,6 +32,11 @@ class Multijittered(Sampler):
     type: Literal["multijittered"] = "multijittered"
     strata: Strata = 4
 
+    @property
+    def block(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Samples that are one whole."""
+        return self.strata**2
+
 
 EXAMPLES = (Multijittered(), Multijittered(strata=1), Multijittered(strata=7))
 

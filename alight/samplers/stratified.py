@@ -31,6 +31,11 @@ class Stratified(Sampler):
     type: Literal["stratified"] = "stratified"
     strata: Strata = 4
 
+    @property
+    def block(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Samples that are one whole."""
+        return self.strata**2
+
 
 EXAMPLES = (Stratified(), Stratified(strata=1), Stratified(strata=7))
 

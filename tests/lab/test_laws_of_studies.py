@@ -85,7 +85,9 @@ class Truth:
         return log_mean(self.values(key, "mse")) + log_mean(self.values(key, "seconds"))
 
     def results(self):
-        found = evaluate_arms(self.study, "scenes[0]", "base", self.plans, self, self.count)
+        found = evaluate_arms(
+            self.study, "scenes[0]", "base", self.plans, self, self.count, reference_is_named=True
+        )
         return {arm.name: arm for arm in found}
 
 

@@ -1,5 +1,7 @@
-"""What the time of a replicate is: processor time of all threads, of rendering alone."""
+"""What the time of a replicate is: processor time of all threads that render, and of no others."""
 
+import hashlib
+import threading
 import time
 from types import SimpleNamespace
 
@@ -38,7 +40,25 @@ def test_waiting_costs_nothing(scene, monkeypatch):
     assert first <= second < 0.2
 
 
-def test_work_in_other_threads_costs(scene, monkeypatch):
+def test_other_threads_of_the_program_cost_nothing(scene, monkeypatch):
+    """FLIP leaves its threads spinning: two replicates in sixteen would seem a third slower."""
+    data, over = bytes(1 << 20), threading.Event()
+
+    def spin():
+        while not over.is_set():
+            hashlib.sha256(data)
+
+    other = threading.Thread(target=spin)
+    other.start()
+    try:
+        first, second = _seconds(scene, monkeypatch, lambda: time.sleep(0.4))
+    finally:
+        over.set()
+        other.join()
+    assert first <= second < 0.2
+
+
+def test_work_in_all_threads_that_render_costs(scene, monkeypatch):
     def work():
         begin = time.thread_time()
         while time.thread_time() - begin < 0.05:
@@ -54,10 +74,9 @@ def test_the_noise_of_references_widens_the_interval():
     rng = np.random.default_rng(1)
     a, b = (SimpleNamespace(variance=rng.random((8, 8, 3)), seeds=16) for _ in range(2))
     spread_a, spread_b = (reference_spread(one.variance, 16) for one in (a, b))
-    noisy, quiet = {"mse": np.array([3.0, 5.0])}, {"mse": np.array([1.0, 3.0])}
-    plan_a, plan_b = SimpleNamespace(reference=a), SimpleNamespace(reference=b)
-    shared = _shared_noise(plan_a, noisy, plan_a, quiet)
+    # Of arms whose MSE is 4 and 2.
+    shared = _shared_noise(a, 1 / 4, a, 1 / 2)
     assert shared == pytest.approx(spread_a * (1 / 4 - 1 / 2) ** 2)
-    assert _shared_noise(plan_a, noisy, plan_a, noisy) == 0.0
-    apart = _shared_noise(plan_a, noisy, plan_b, quiet)
+    assert _shared_noise(a, 1 / 4, a, 1 / 4) == 0.0
+    apart = _shared_noise(a, 1 / 4, b, 1 / 2)
     assert apart == pytest.approx(spread_a / 16 + spread_b / 4)

@@ -39,8 +39,8 @@ LABORATORY = (
         "lab/evaluate.py",
         (
             (
-                "paired=study.paired, extra_variance=_shared_noise(base, base_at, plan, at),",
-                "paired=study.paired,",
+                "paired=study.paired, extra_variance=shared)",
+                "paired=study.paired)",
             ),
         ),
         f"{STUDIES}::test_the_noise_of_references_is_in_the_speedup",

@@ -13,6 +13,7 @@ from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
+from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
 
@@ -34,4 +35,5 @@ MUTANTS = (
     + EDGES
     + RANDOM_SCENES
     + AGREEMENT
+    + STUDIES
 )

@@ -12,7 +12,7 @@ from alight.lab.report import pictures, tables
 from alight.lab.report.charts import Line, diagram
 from alight.lab.report.numbers import interval, number
 from alight.lab.report.style import Look, looks
-from alight.lab.results import BIASED, ArmResult, SceneResult
+from alight.lab.results import BIASED, DISPUTED, ArmResult, SceneResult
 from alight.metrics.relmse import Estimate, default_epsilon
 from alight.outputs.tone_mapping import LUMINANCE
 
@@ -93,6 +93,14 @@ def sentences(scene: SceneResult) -> list[str]:
     if biased:
         verb = "is" if len(biased) == 1 else "are"
         found.append(f"{_listed(biased)} {verb} biased: more time does not lead to the truth.")
+    disputed = [a.label for a in scene.arms if a.bias.verdict == DISPUTED]
+    if len(disputed) > 1:
+        found.append(
+            f"{_listed(disputed)} disagree, and no majority of the arms says which of them is "
+            f"biased: errors are measured against {scene.reference.arm}."
+        )
+    elif disputed:
+        found.append(f"{disputed[0]} disagrees with its own pictures of more samples.")
     return found
 
 
@@ -226,7 +234,7 @@ def _maps(arms: tables.Ranked, scene: SceneResult) -> list[dict[str, Any]]:
         ),
         (
             "log", "Variance",
-            "Of one picture at equal time, over the squared brightness.",
+            "Of one picture of about equal time, over the squared brightness.",
             [(arm.images.variance @ LUMINANCE) / brightness**2 for arm, _ in arms],
         ),
         ("linear", "Samples", "Of each pixel in one picture.", [a.images.count for a, _ in arms]),

@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from alight.lab.blocks import LEVEL
 from alight.lab.report.numbers import UNKNOWN, Column, number, p_value
 from alight.lab.report.style import Look
 from alight.lab.report.whiskers import Whiskers
-from alight.lab.results import BIASED, DIFFERENT, ArmResult, Point, SceneResult
+from alight.lab.results import BIASED, DIFFERENT, DISPUTED, ArmResult, Point, SceneResult
 from alight.metrics.relmse import Estimate
 
 
@@ -97,8 +98,9 @@ def efficiency_table(arms: Ranked) -> Table:
         rows.append(_row(arm, look, cells, heads))
     caption = (
         "Arms by efficiency, 1 / (MSE · CPU seconds) at the last point of equal time. Speed-up: "
-        "efficiency over the baseline’s. Brackets and whiskers: 95 % intervals. Hollow: arms that "
-        "compute something else, or wrongly."
+        "efficiency over the baseline’s. Errors in a time are interpolated between two numbers of "
+        "samples that the arm’s sampler is made for. Brackets and whiskers: 95 % intervals. "
+        "Hollow: arms that compute something else, or wrongly."
     )
     return Table(caption, heads, rows, ["", whiskers.axis(), "", "", ""])
 
@@ -197,7 +199,8 @@ def truth_table(arms: Ranked) -> Table:
     rows = []
     for (arm, look), row in zip(arms, shares, strict=True):
         bias = arm.bias
-        kind = {BIASED: "warning", DIFFERENT: "muted"}.get(bias.verdict, "word")
+        kind = {BIASED: "warning", DISPUTED: "warning", DIFFERENT: "muted"}
+        kind = kind.get(bias.verdict, "word")
         bounds = f"[{z.text(bias.z_low)}, {z.text(bias.z_high)}]"
         cells = [
             Cell(bias.verdict, "", kind),
@@ -214,7 +217,10 @@ def truth_table(arms: Ranked) -> Table:
         f"Is the mean of the pictures that of the reference? Block t-tests ({blocks}{larger}): "
         "rms of z "
         "with its bounds if there is no bias, the largest |z|, and how far the channel means are "
-        "off (95 % intervals); p is corrected for all tests."
+        "off (95 % intervals). p is corrected for all tests, and the verdicts of a scene are one "
+        f"family: a right arm is called biased with a probability of at most {100.0 * LEVEL:g} %. "
+        "Where the study names no reference, arms are judged by each other, taking for granted "
+        "that most of them are right."
     )
     return Table(caption, heads, rows, [])
 
@@ -244,8 +250,8 @@ def _row(arm: ArmResult, look: Look, cells: list[Cell], heads: list[str]) -> Row
 
 
 def comparable(arm: ArmResult) -> bool:
-    """Whether an arm estimates what the others do: not biased, not different by declaration."""
-    return arm.bias.verdict not in (BIASED, DIFFERENT) and not arm.declares_different
+    """Whether an arm estimates what the others do, as far as is known."""
+    return arm.bias.verdict not in (BIASED, DISPUTED, DIFFERENT) and not arm.declares_different
 
 
 def overview(scenes: Sequence[SceneResult]) -> Table:
@@ -264,7 +270,7 @@ def overview(scenes: Sequence[SceneResult]) -> Table:
         rows.append(Row(label, None, [], cells))
     caption = (
         "Speed-up of every arm in every scene over that scene’s baseline at equal time, with 95 % "
-        "intervals. Grey: biased or different by declaration."
+        "intervals. Grey: biased, disputed or different by declaration."
     )
     return Table(caption, heads, rows, [])
 
@@ -285,6 +291,8 @@ def badges_of(arm: ArmResult) -> list[tuple[str, str]]:
         found.append(("baseline", "plain"))
     if arm.bias.verdict == BIASED:
         found.append(("biased", "bad"))
+    if arm.bias.verdict == DISPUTED:
+        found.append(("disputed", "bad"))
     if arm.declares_different or arm.bias.verdict == DIFFERENT:
         found.append(("different by declaration", "plain"))
     return found
