@@ -51,8 +51,15 @@ def error_line(error: ErrorEstimate) -> str:
         return "estimated error: unknown (too few samples, or a black picture)"
     return (
         f"estimated error: {relative.value:.2%} relRMSE (95 %: {relative.low:.2%} to "
-        f"{relative.high:.2%}), relMSE {error.relmse.value:.3g}"
+        f"{_at_most(relative.high)}), relMSE {error.relmse.value:.3g}"
     )
+
+
+def _at_most(error: float) -> str:
+    """Write an upper end: beyond 1000 % it is none."""
+    from alight.rendering.stopping import LARGEST_TOLD
+
+    return f"{error:.2%}" if error <= LARGEST_TOLD else "more than 1000 %"
 
 
 def unsure_lines(share: float) -> list[str]:

@@ -29,6 +29,12 @@ _RULE_OF_THREE = 3.0
 #: that R = 4 gives Student's distribution with 8.
 _CELL_FREEDOM = 5.0
 
+#: Largest relRMSE that is told: 1000 %.
+LARGEST_TOLD = 10.0
+
+#: Times the samples so far of which no number is told.
+_FAR = 1e4
+
 #: Two-sided 99 % of a normal distribution, for the share of the pixels.
 _Z = 2.576
 
@@ -97,6 +103,11 @@ class Judgement(NamedTuple):
         Whether the estimated error is small enough; and the unseen energy, too.
     factor : float
         Times the samples so far that the promise needs; 1 if it is kept.
+    doubted : bool, default False
+        Whether only the brightness of noisy pixels, of which too little is known, stands between
+        the estimated error and the promise.
+    value : float, default NaN
+        The estimated relRMSE.
     """
 
     achieved: float
@@ -107,6 +118,8 @@ class Judgement(NamedTuple):
     within: bool
     met: bool
     factor: float
+    doubted: bool = False
+    value: float = math.nan
 
 
 def first_look(replicates: int) -> int:
@@ -147,9 +160,11 @@ def judge_means(
     if math.isnan(estimate.figure.value):
         return Judgement(math.nan, math.nan, math.nan, 1.0, math.nan, False, False, math.inf)
     achieved = estimate.relrmse_below(1.0 - promise.doubt_at(look))
-    share = math.nan
+    share, doubted = math.nan, False
     if promise.metric == "relrmse":
         within = achieved <= promise.error
+        sure = estimate.figure._replace(brightness=0.0).quantile(1.0 - promise.doubt_at(look))
+        doubted = not within and sure <= promise.error**2
         factor = (achieved / promise.error) ** 2
     else:
         share = share_within(means, counts, promise.error)
@@ -165,8 +180,9 @@ def judge_means(
     # What is unseen falls with the samples, not with their root.
     factor = 1.0 if met else max(factor, unseen.figure / promise.error, 1.0)
     return Judgement(
-        achieved, share, unseen.figure, unseen.doubtful, unseen.bound, within, met, factor
-    )
+        achieved, share, unseen.figure, unseen.doubtful, unseen.bound, within, met, factor, doubted,
+        math.sqrt(estimate.figure.value),
+    )  # fmt: skip
 
 
 def cell_sum(plane: np.ndarray) -> np.ndarray:
@@ -319,7 +335,10 @@ def line_of(
     asked = f"{100 * promise.error:.4g} %"
     sure = f"{100 * promise.confidence:.4g} % confidence"
     if promise.metric == "relrmse":
-        reached = f"relRMSE at most {100 * judgement.achieved:.3g} %"
+        bounded = judgement.achieved <= LARGEST_TOLD
+        reached = f"relRMSE at most {100 * judgement.achieved:.3g} %" if bounded else (
+            f"relRMSE about {100 * judgement.value:.3g} %, but without a useful bound"
+        )  # fmt: skip
     else:
         reached = f"{100 * judgement.share:.3g} % of the pixels within {asked}"
     if word == "met":
@@ -331,9 +350,16 @@ def line_of(
     if word == "not met":
         more = (judgement.factor - 1.0) * (spp if seconds is None else seconds)
         unit = "spp" if seconds is None else "s"
+        if judgement.factor > _FAR:
+            return f"not met: {reached}, asked {asked}; far more samples are needed"
         return f"not met: {reached}, asked {asked}; about {more:.3g} {unit} more are needed"
     if math.isnan(judgement.achieved):
         return "not certifiable: no light has been seen"
+    if judgement.doubted:
+        return (
+            f"not certifiable: relRMSE about {100 * judgement.value:.3g} %, asked {asked}, but too "
+            "little is known of the brightness of the noisiest pixels"
+        )
     return (
         f"not certifiable: {reached}, but in {100 * judgement.doubtful:.3g} % of the picture rare "
         f"bright samples may hide more than {asked}"
@@ -344,6 +370,6 @@ def word_of(judgement: Judgement) -> str:
     """Name the end of a render whose budget is spent."""
     if judgement.met:
         return "met"
-    if judgement.within or math.isnan(judgement.achieved):
+    if judgement.within or judgement.doubted or math.isnan(judgement.achieved):
         return "not certifiable"
     return "not met"

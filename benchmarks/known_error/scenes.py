@@ -182,21 +182,30 @@ def load_scene(name: str, changes: Sequence[str] = ()) -> Scene:
 
 
 class Runner:
-    """A compiled scene that gives sums of samples for any seed, without a main loop."""
+    """A compiled scene that gives sums of samples for any seed, without a main loop.
 
-    def __init__(self, name: str, changes: Sequence[str] = ()) -> None:
-        flat = flatten(load_scene(name, changes))
+    Parameters
+    ----------
+    scene : Scene or str
+        Or the name of one of the scenes here or of the package, at 64x64 pixels.
+    changes : sequence of str
+        For a named scene, as ``--set`` takes them.
+    """
+
+    def __init__(self, scene: Scene | str, changes: Sequence[str] = ()) -> None:
+        flat = flatten(load_scene(scene, changes) if isinstance(scene, str) else scene)
         self.scene = compile_scene(flat, content_hash(flat), threads=1)
         self.kernels = make_kernels(self.scene)
         self.settings = make_settings(self.scene.integrator, seed=0, replicates=REPLICATES)
-        self.scratch, self.tile = Scratch(), Tile(0, 0, SIDE, SIDE)
+        self.scratch, self.tile = Scratch(), Tile(0, 0, *flat.film.size)
 
     def sums(self, seed: int, first: int | np.ndarray, count: int | np.ndarray) -> np.ndarray:
-        """Sums by replicate, shape (64, 64, R, 3), of samples first to first + count - 1.
+        """Sums by replicate, shape (h, w, R, 3), of samples first to first + count - 1.
 
         `first` and `count` are numbers, or one for each 8x8 cell.
         """
-        ranges = np.zeros((SIDE // 8, SIDE // 8, 2), np.int64)
+        cells = -(-self.tile.y1 // 8), -(-self.tile.x1 // 8)
+        ranges = np.zeros((*cells, 2), np.int64)
         ranges[..., 0], ranges[..., 1] = first, count
         settings = self.settings._replace(seed=seed)
         partial, _ = render_tile(
@@ -216,7 +225,7 @@ class Runner:
         return found
 
     def means(self, seed: int, spp: int) -> np.ndarray:
-        """Means of the replicates, float64, shape (64, 64, R, 3)."""
+        """Means of the replicates, float64, shape (h, w, R, 3)."""
         return self.sums(seed, 0, spp) / (spp / REPLICATES)
 
 

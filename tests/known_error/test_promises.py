@@ -19,9 +19,11 @@ from alight.rendering.stopping import (
     Promise,
     first_look,
     judge_means,
+    line_of,
     next_look,
     share_within,
     unseen_error,
+    word_of,
 )
 
 
@@ -194,6 +196,49 @@ def test_a_promise_ends_with_one_of_three_words():
     schedule = Steered(0, 16, Promise(0.02))
     schedule.next([black])
     assert schedule.next([black]).word == "not certifiable"
+
+
+def spiked(rng, spikes):
+    """A dim picture whose noise comes from a few pixels, each with one bright sample."""
+    means = 1.0 + 0.01 * rng.normal(size=(32, 32, 4, 1)) * np.ones(3)
+    for y, x, r in zip(*rng.integers(0, (32, 32, 4), (spikes, 3)).T, strict=True):
+        means[y, x, r] += 12.0
+    return means.astype(np.float32), np.full((32, 32, 4), 16)
+
+
+def test_an_error_that_hangs_on_unknown_brightness_is_not_certifiable():
+    means, counts = spiked(np.random.default_rng(8), 4)
+    figure = estimate_relmse(means, counts).figure
+    error = math.sqrt(figure._replace(brightness=0.0).quantile(0.99))
+    assert error < 0.9 * math.sqrt(figure.quantile(0.99))
+    judgement = judge_means(means, counts, Promise(error), 0)
+    assert judgement.doubted
+    assert not judgement.within
+    assert word_of(judgement) == "not certifiable"
+    line = line_of("not certifiable", judgement, Promise(error), 64)
+    assert "too little is known of the brightness" in line
+    # With the same noise everywhere it is only not met.
+    _, means, counts = noisy(np.random.default_rng(9), 64)
+    figure = estimate_relmse(means.astype(np.float32), counts).figure
+    asked = Promise(0.9 * math.sqrt(figure.value))
+    judgement = judge_means(means.astype(np.float32), counts, asked, 0)
+    assert not judgement.doubted
+    assert word_of(judgement) == "not met"
+
+
+def test_no_absurd_number_is_told():
+    _, means, counts = noisy(np.random.default_rng(10), 64)
+    judgement = judge_means(means.astype(np.float32), counts, Promise(0.02), 0)
+    for achieved, factor in ((11.0, 3e5), (4.63e151, 1e304), (math.inf, math.inf)):
+        line = line_of(
+            "not met", judgement._replace(achieved=achieved, factor=factor), Promise(0.15), 64
+        )
+        assert "e+" not in line
+        assert "inf" not in line
+        assert "without a useful bound" in line
+        assert "far more samples" in line
+    told = line_of("not met", judgement._replace(achieved=0.5, factor=3.0), Promise(0.15), 64)
+    assert told == "not met: relRMSE at most 50 %, asked 15 %; about 128 spp more are needed"
 
 
 def test_cycles_rule_is_its_formula():

@@ -1,0 +1,197 @@
+"""Error bars on random scenes: of pictures, of pixels, and promises, in one command.
+
+python benchmarks/known_error/random_scenes.py --seeds 1-99 --save FILE [--kinds room,...]
+    [--renders 24] [--truth 8192] [--sides 32,48,64]
+python benchmarks/known_error/random_scenes.py --show FILE
+
+For each scene: how often the 95 % interval of the picture's relMSE held the true one at 4, 16, 64
+and 256 spp, the mean estimate over the mean truth, the share of the pixels (but the unsure ones)
+inside their 95 % bars, and what became of promises to the error that the mean picture reaches at a
+number of samples between 30 and 200. Lines are added to FILE as they come, so that a campaign can
+be stopped and continued. Constants are chosen on even seeds; odd ones give the verdict.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import json
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scenes import REPLICATES, Runner, Truth
+
+from alight.core.errors import AlightError
+from alight.lab.random_scenes import KINDS, random_scene
+from alight.metrics.own_error import estimate_relmse
+from alight.metrics.pixel_bars import pixel_bars
+from alight.rendering.stopping import Promise, first_look, judge_means, next_look, word_of
+
+#: Samples per pixel at which intervals are compared with the truth.
+CHECKED = (4, 16, 64, 256)
+
+#: Between these the oracle, who knows the truth, would stop; and the largest budget over its own.
+ORACLE, BUDGET = (30.0, 200.0), 6.0
+
+
+def looks(most: float) -> list[int]:
+    """Samples per pixel at the looks up to a budget."""
+    result = [first_look(REPLICATES)]
+    while next_look(result[-1], REPLICATES) <= most:
+        result.append(next_look(result[-1], REPLICATES))
+    return result
+
+
+def measure(seed: int, kind: str, side: int, renders: int, truth_spp: int) -> dict[str, Any]:
+    """Render one scene again and again, and compare it with the truth."""
+    runner = Runner(random_scene(seed, kind, (side, side)))
+    truth = Truth(runner, truth_spp)
+    row: dict[str, Any] = {"seed": seed, "kind": kind, "side": side, "spp": {}, "promises": []}
+    curve: dict[int, list[float]] = collections.defaultdict(list)
+    checks: dict[int, list[list[float]]] = collections.defaultdict(list)
+    for render in range(renders):
+        sums, first = 0.0, 0
+        for spp in CHECKED:
+            sums, first = sums + runner.sums(1000 + render, first, spp - first), spp
+            means = (sums / (spp / REPLICATES)).astype(np.float32)
+            checks[spp].append(_check(means, spp, truth))
+            curve[spp].append(checks[spp][-1][0])
+    for spp, found in checks.items():
+        true, value, low, high, inside, unsure = np.array(found).T
+        row["spp"][spp] = {
+            "held": float(np.mean((low <= true) & (true <= high))),
+            "below": float(np.mean(true < low)),
+            "ratio": float(value.mean() / true.mean()) if true.mean() > 0.0 else math.nan,
+            "width": float(np.median(np.log(np.maximum(high, 1e-30) / np.maximum(low, 1e-30)))),
+            "pixels": float(np.nanmean(inside)) if np.isfinite(inside).any() else math.nan,
+            "unsure": float(unsure.mean()),
+        }
+    errors = [math.sqrt(max(float(np.mean(curve[spp])), 1e-12)) for spp in CHECKED]
+    for render in range(max(renders // 4, 1)):
+        row["promises"].append(_promise(runner, truth, errors, seed, 5000 + render))
+    return row
+
+
+def _check(means: np.ndarray, spp: int, truth: Truth) -> list[float]:
+    counts = np.full(means.shape[:3], spp // REPLICATES)
+    interval = estimate_relmse(means, counts, literature=False).relmse
+    bars = pixel_bars(means, counts)
+    # The truth is not exact either.
+    play = 1.96 * np.sqrt(truth.variance) + 1e-6 * truth.mean
+    inside = (bars.low - play <= truth.mean) & (truth.mean <= bars.high + play)
+    sure = ~bars.unsure
+    return [
+        truth.relmse(means.mean(axis=2, dtype=np.float64)), *interval,
+        float(inside[sure].mean()) if sure.any() else math.nan, bars.unsure_share,
+    ]  # fmt: skip
+
+
+def _promise(
+    runner: Runner, truth: Truth, errors: list[float], seed: int, render: int
+) -> dict[str, Any]:
+    """Ask for an error, and look until it is said to be met or the budget is spent."""
+    rng = np.random.default_rng((seed, render))
+    oracle = float(np.exp(rng.uniform(*np.log(ORACLE))))
+    logs = np.interp(math.log(oracle), np.log(CHECKED), np.log(errors))
+    asked = min(max(float(np.exp(logs)), 1e-4), 10.0)
+    sums, first = 0.0, 0
+    for look, spp in enumerate(looks(BUDGET * oracle)):
+        sums, first = sums + runner.sums(render, first, spp - first), spp
+        means = (sums / (spp / REPLICATES)).astype(np.float32)
+        counts = np.full(means.shape[:3], spp // REPLICATES)
+        judgement = judge_means(means, counts, Promise(asked), look)
+        if judgement.met:
+            break
+    true = truth.relrmse(means.mean(axis=2, dtype=np.float64))
+    return {
+        "asked": asked, "oracle": oracle, "word": word_of(judgement), "spp": spp, "true": true,
+    }  # fmt: skip
+
+
+def show(rows: Iterable[dict[str, Any]]) -> None:
+    """Print the tables of both halves of the seeds."""
+    rows = list(rows)
+    for name, parity in (("even seeds (to choose by)", 0), ("odd seeds (the verdict)", 1)):
+        own = [row for row in rows if row["seed"] % 2 == parity]
+        if not own:
+            continue
+        print(f"\n{name}: {len(own)} scenes, seeds {own[0]['seed']} to {own[-1]['seed']}")
+        for kind in (*sorted({row["kind"] for row in own}), "all"):
+            some = [row for row in own if kind in ("all", row["kind"])]
+            print(_line(kind, some))
+
+
+def _line(kind: str, rows: list[dict[str, Any]]) -> str:
+    """One kind: coverage, estimate over truth and width at each spp; pixels; promises."""
+    parts = []
+    for spp in map(str, CHECKED):
+        held, ratio, width = (
+            [row["spp"][spp][key] for row in rows] for key in ("held", "ratio", "width")
+        )
+        parts.append(f"{np.mean(held):6.1%} {np.nanmedian(ratio):5.2f} {np.median(width):4.2f}")
+    cells = [cell for row in rows for cell in row["spp"].values()]
+    held = np.mean([cell["held"] for cell in cells])
+    pixels = np.nanmean([cell["pixels"] for cell in cells])
+    unsure = np.mean([cell["unsure"] for cell in cells])
+    promises = [promise for row in rows for promise in row["promises"]]
+    met = [p for p in promises if p["word"] == "met"]
+    kept = sum(p["true"] <= p["asked"] for p in met)
+    cost = np.median([p["spp"] / p["oracle"] for p in met]) if met else math.nan
+    doubts = sum(p["word"] == "not certifiable" for p in promises)
+    return (
+        f"{kind:11s} {len(rows):3d} scenes, held {held:6.1%} | " + " | ".join(parts) + f" | pixels "
+        f"{pixels:.1%} (unsure {unsure:.0%}) | met {len(met)} of {len(promises)}, kept {kept}, "
+        f"{cost:.2f} x oracle, not certifiable {doubts}"
+    )
+
+
+def numbers(text: str) -> range:
+    """Seeds as ``7`` or ``0-99``, both ends included."""
+    first, _, last = text.partition("-")
+    return range(int(first), int(last or first) + 1)
+
+
+def main() -> None:
+    """Measure, or show what was measured."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=numbers, default=numbers("0-1"))
+    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--sides", default="32,48,64")
+    parser.add_argument("--renders", type=int, default=24)
+    parser.add_argument("--truth", type=int, default=8192)
+    parser.add_argument("--save", type=Path)
+    parser.add_argument("--show", type=Path)
+    options = parser.parse_args()
+    if options.show:
+        show(map(json.loads, options.show.read_text("utf-8").splitlines()))
+        return
+    done: list[dict[str, Any]] = []
+    if options.save and options.save.exists():
+        done = [json.loads(line) for line in options.save.read_text("utf-8").splitlines()]
+    known = {(row["seed"], row["kind"]) for row in done}
+    sides, kinds = [int(side) for side in options.sides.split(",")], options.kinds.split(",")
+    for seed in options.seeds:
+        for number, kind in enumerate(kinds):
+            if (seed, kind) in known:
+                continue
+            side = sides[(seed // 2 + number) % len(sides)]
+            try:
+                row = measure(seed, kind, side, options.renders, options.truth)
+            except AlightError as error:
+                print(f"{seed} {kind}: refused: {error}", flush=True)
+                continue
+            # As written and read again: numbers of samples are text.
+            done.append(json.loads(json.dumps(row)))
+            held = [cell["held"] for cell in row["spp"].values()]
+            print(f"{seed} {kind} {side}x{side}: held {held}", flush=True)
+            if options.save:
+                with options.save.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+    show(done)
+
+
+if __name__ == "__main__":
+    main()
