@@ -38,7 +38,8 @@ def around(mean: np.ndarray, variance: np.ndarray, epsilon: float) -> np.ndarray
     brightness = wide / wide_pixels
     noise = neighbours(by_cells(variance)) / wide_pixels
     # Pixels that a window needs, the channel that needs most.
-    needed = (noise / (_ENOUGH**2 * (brightness * brightness + epsilon))).max(axis=0)
+    enough = _ENOUGH**2 * (brightness * brightness + epsilon)
+    needed = (noise / np.maximum(enough, np.float32(1e-30))).max(axis=0)
     few, some = spread_out(needed <= 8.0, h, w), spread_out(needed <= pixels[0], h, w)
     result = spread_out(wide, h, w) - mean
     result /= np.maximum(spread_out(wide_pixels, h, w) - 1.0, 1.0)

@@ -137,8 +137,8 @@ def test_log_normal_pixels_weigh_the_mean_of_their_inverse_squares():
 
 
 def test_the_doubt_about_classes_is_that_of_their_noise():
-    # Eight times the noise of rho, eight times the deviation of log(weight).
-    r, logs = np.ones(1600), {0.05: [], 0.4: []}
+    # Twenty times the noise of rho, twenty times the deviation of log(weight) and more.
+    r, logs = np.ones(1600), {0.05: [], 1.0: []}
     for noise, found in logs.items():
         for seed in range(60):
             found.append(gathered(np.ones(1600), 4, r, seed=seed, noise=noise))

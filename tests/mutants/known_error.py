@@ -4,8 +4,58 @@ from tests.mutants.mutant import Mutant
 
 PROMISES = "tests/known_error/test_promises.py"
 BIASES = "tests/known_error/test_biases.py"
+NOISY = "tests/metrics/test_noisy_pixels.py"
+BARS = "tests/metrics/test_pixel_bars.py"
 
 KNOWN_ERROR = (
+    Mutant(
+        "noisy pixels as bright as the half that tells their error",
+        "metrics/own_error.py",
+        (("bright = b.brightness.ravel()", "bright = a.brightness.ravel()"),),
+        f"{NOISY}::test_the_interval_holds_the_error_of_noisy_pictures",
+    ),
+    Mutant(
+        "no bright sample seen, so no brightness believed",
+        "metrics/noisy_pixels.py",
+        (("mean = (seen + prior) / (expected + prior)", "mean = first / total"),),
+        f"{NOISY}::test_without_a_sample_pixels_are_as_bright_as_their_surroundings",
+    ),
+    Mutant(
+        "a jackknife divided as a mean",
+        "metrics/noisy_pixels.py",
+        (("(GROUPS - 1) / GROUPS * float", "1.0 / GROUPS * float"),),
+        f"{NOISY}::test_the_doubt_about_classes_is_that_of_their_noise",
+    ),
+    Mutant(
+        "a pixel in its own surroundings",
+        "metrics/surroundings.py",
+        (("near = neighbours(mean) - mean", "near = neighbours(mean)"),),
+        f"{NOISY}::test_a_pixel_has_no_part_in_its_own_surroundings",
+    ),
+    Mutant(
+        "the larger of two doubts for both",
+        "metrics/own_error.py",
+        (("doubt = math.hypot(", "doubt = max("),),
+        f"{NOISY}::test_doubts_about_error_and_brightness_add_up",
+    ),
+    Mutant(
+        "bars without room for what is missing",
+        "metrics/pixel_bars.py",
+        (("    bar += rare * scale\n", ""),),
+        f"{BARS}::test_a_cell_beside_bright_samples_has_longer_bars_than_its_own_noise_says",
+    ),
+    Mutant(
+        "bars by the pixel's own replicates",
+        "metrics/pixel_bars.py",
+        (("_POOLED = 5.0", "_POOLED = 0.0"),),
+        f"{BARS}::test_bars_hold_as_often_as_they_say",
+    ),
+    Mutant(
+        "every promise that is not kept is doubted",
+        "rendering/stopping.py",
+        (("doubted = not within and sure <= promise.error**2", "doubted = not within"),),
+        f"{PROMISES}::test_an_error_that_hangs_on_unknown_brightness_is_not_certifiable",
+    ),
     Mutant(
         "an interval half as wide as the spread says",
         "metrics/own_error.py",

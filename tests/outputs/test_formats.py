@@ -66,7 +66,9 @@ def test_exr_holds_error_aovs_samples_and_provenance(tmp_path):
     assert (channels["samples"] == 8).all()
     assert (channels["depth.Z"] == made.aov("depth")[..., 0]).all()
     assert (channels["albedo.G"] == made.aov("albedo")[..., 1]).all()
-    assert all(channels[c].dtype == np.float32 for c in channels if c != "samples")
+    assert (channels["unsure"] == made.interval().unsure).all()
+    whole = {"samples", "unsure"}
+    assert all(channels[c].dtype == np.float32 for c in channels if c not in whole)
     wanted = {"version": "9.9", "scene_hash": "abc", "seed": "3", "spp": "8.0", "invalid": "0",
               "options": "{'max_depth': 8}", "fingerprint": "f"}  # fmt: skip
     assert wanted.items() <= attributes.items()
