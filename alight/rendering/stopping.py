@@ -352,7 +352,7 @@ def line_of(
         unit = "spp" if seconds is None else "s"
         if judgement.factor > _FAR:
             return f"not met: {reached}, asked {asked}; far more samples are needed"
-        return f"not met: {reached}, asked {asked}; about {more:.3g} {unit} more are needed"
+        return f"not met: {reached}, asked {asked}; about {_told(more)} {unit} more are needed"
     if math.isnan(judgement.achieved):
         return "not certifiable: no light has been seen"
     if judgement.doubted:
@@ -364,6 +364,11 @@ def line_of(
         f"not certifiable: {reached}, but in {100 * judgement.doubtful:.3g} % of the picture rare "
         f"bright samples may hide more than {asked}"
     )
+
+
+def _told(number: float) -> str:
+    """Three digits, never as a power of ten."""
+    return f"{number:.3g}" if number < 100.0 else f"{float(f'{number:.3g}'):,.0f}"
 
 
 def word_of(judgement: Judgement) -> str:

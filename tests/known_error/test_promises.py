@@ -237,8 +237,11 @@ def test_no_absurd_number_is_told():
         assert "inf" not in line
         assert "without a useful bound" in line
         assert "far more samples" in line
-    told = line_of("not met", judgement._replace(achieved=0.5, factor=3.0), Promise(0.15), 64)
-    assert told == "not met: relRMSE at most 50 %, asked 15 %; about 128 spp more are needed"
+    for factor, more in ((1.2, "12.8"), (3.0, "128"), (9000.0, "576,000")):
+        told = judgement._replace(achieved=0.5, factor=factor)
+        assert line_of("not met", told, Promise(0.15), 64) == (
+            f"not met: relRMSE at most 50 %, asked 15 %; about {more} spp more are needed"
+        )
 
 
 def test_cycles_rule_is_its_formula():
