@@ -202,26 +202,24 @@ def _figure(
     halvings = list(_halvings(replicates))
     if known.size > _LARGE:
         del halvings[1:]
-    sums, precise = noisy_pixels.no_sums(), 0.0
-    looks: list[tuple[slice, list[tuple[_Half, _Half, _Weights, _Weights]]]] = []
-    groups = _groups(h, w)
+    sums, precise, groups = noisy_pixels.no_sums(), 0.0, _groups(h, w)
+    weights: list[tuple[_Weights, _Weights]] = []
     for rows, m, k in _bands(means, counts):
         here = _Band(known[rows], q[:, rows], groups[rows], np.float32(epsilon))
-        looks.append((rows, []))
-        for first, second in halvings:
-            a, b = _half(m, k, first), _half(m, k, second)
-            weights = _weigh(here, a, b, sums), _weigh(here, b, a, sums)
-            precise += sum(weight.value for weight in weights)
-            looks[-1][1].append((a, b, *weights))
+        for a, b in _halves(m, k, halvings):
+            weights.append((_weigh(here, a, b, sums), _weigh(here, b, a, sums)))
+            precise += sum(weight.value for weight in weights[-1])
     size = len(halvings[0][0])
     believed = noisy_pixels.believe(sums, 3 * len(halvings), size, size, replicates)
     # Both halves of each way are estimates of the same.
     value = (precise + believed.value) / (2 * len(halvings))
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
-    spread = 0.0
-    for rows, ways in looks:
-        for a, b, by_a, by_b in ways:
+    spread, kept = 0.0, iter(weights)
+    for rows, m, k in _bands(means, counts):
+        # Worked out twice: kept, the halves of a large picture would take as much memory as a film.
+        for a, b in _halves(m, k, halvings):
+            by_a, by_b = next(kept)
             spread += _spread(known[rows], a, b, by_a.full(believed), by_b.full(believed))
     spread /= len(halvings)
     if replicates < 4:
@@ -333,6 +331,14 @@ def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:
     yield everything[::2], everything[1::2]
     inner = everything[size // 2 : size // 2 + size]
     yield inner, [r for r in everything if r not in inner]
+
+
+def _halves(
+    m: np.ndarray, k: np.ndarray, halvings: list[tuple[list[int], list[int]]]
+) -> Iterator[tuple[_Half, _Half]]:
+    """Look at both halves of the replicates, for each way to share them out."""
+    for first, second in halvings:
+        yield _half(m, k, first), _half(m, k, second)
 
 
 def _half(m: np.ndarray, k: np.ndarray, half: list[int]) -> _Half:
