@@ -67,6 +67,7 @@ proofs: setup-dev
 
 campaign: setup-dev
 	$(BIN)/python benchmarks/campaign/run.py --seeds $(SEEDS)
+	$(BIN)/python benchmarks/known_error/random_scenes.py --seeds $(SEEDS) --save campaign.jsonl
 
 lint: setup-dev
 	$(BIN)/ruff check .
