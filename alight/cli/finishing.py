@@ -137,14 +137,17 @@ def _finish(film: Film, results: Results, seconds: float) -> None:
 
     denoiser = write_outputs(film, results)
     error = film.relmse_estimate(literature=results.stats is not None)
+    told = results.stats is not None or not results.quiet
+    unsure = film.interval().unsure_share if told else 0.0
     found = warnings_of(film)
     for warning in found:
         warn(warning)
     if results.stats is not None:
         warnings = [*results.warnings, *found]
-        write_json(results.stats, statistics_of(film, error, results.outputs, warnings, denoiser))
+        statistics = statistics_of(film, error, unsure, results.outputs, warnings, denoiser)
+        write_json(results.stats, statistics)
     if not results.quiet:
-        for line in summary_lines(film, error, seconds, denoiser):
+        for line in summary_lines(film, error, unsure, seconds, denoiser):
             typer.echo(line)
         if results.display.exposure == "auto" and any(map(_is_display, results.outputs)):
             typer.echo(f"exposure: {results.display.developed(film.image).exposure:+.2f} stops")

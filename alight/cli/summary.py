@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 
 def summary_lines(
-    film: Film, error: ErrorEstimate, seconds: float, further: Sequence[Bias] = ()
+    film: Film, error: ErrorEstimate, unsure: float, seconds: float, further: Sequence[Bias] = ()
 ) -> list[str]:
-    """Say size, samples, time, rate and error in words."""
+    """Say size, samples, time, rate, error and the share of unsure pixels in words."""
     _, _, w, h = film.crop
     rate, rendering = film.stats["msamples_per_s"], film.stats["seconds"]["render"]
     speed = f"{film.spp:g} spp in {rendering:.2f} s, {rate:.2f} Msamples/s"
     lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
     known = not math.isnan(error.relmse.value)
-    doubts = unsure_lines(film.interval().unsure_share) if known else []
+    doubts = unsure_lines(unsure) if known else []
     return [*lines, error_line(error), *doubts, *bias_lines(film, further), *verdict_lines(film)]
 
 
@@ -84,6 +84,7 @@ def warnings_of(film: Film) -> list[str]:
 def statistics_of(
     film: Film,
     error: ErrorEstimate,
+    unsure: float,
     outputs: list[Path],
     warnings: list[str],
     further: Sequence[Bias] = (),
@@ -98,7 +99,7 @@ def statistics_of(
         "relmse": {"epsilon": error.epsilon, **_estimate(error.relmse)},
         "relmse_literature": {"epsilon": 0.01, **literature},
         "relrmse": _estimate(error.relrmse),
-        "unsure_pixels": film.interval().unsure_share,
+        "unsure_pixels": unsure,
         "unseen": {
             "indicator": unseen.indicator,
             "bound": unseen.bound,
