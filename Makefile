@@ -4,6 +4,8 @@ PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 SEEDS ?= 0-1
+SEED ?= 1
+COUNT ?= 500
 BIN := $(VENV)/bin
 # --require-hashes: only the very files that were locked; --only-binary: never start a compiler.
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
@@ -13,13 +15,14 @@ PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-ch
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock clean
+.PHONY: help setup setup-dev demo test proofs campaign mutants lint format types docs figures peers lock clean
 
 help:
 	@echo "make demo     set up, then render the built-in Cornell box to cornell.png"
 	@echo "make test     set up, then run the test suite (at most 10 minutes on 2 cores)"
 	@echo "make proofs   long statistics, planted bugs and the 8-lane build (at most 30 minutes)"
 	@echo "make campaign random scenes against what must hold of every one (SEEDS=0-1)"
+	@echo "make mutants  random slips in the code against the tests (SEED=1 COUNT=500)"
 	@echo "make lint     style and direction of imports      make format   let ruff mend the style"
 	@echo "make types    static types                        make docs     build the pages in site/"
 	@echo "make figures  render the pictures of docs/        make peers    install Mitsuba and Embree"
@@ -68,6 +71,9 @@ proofs: setup-dev
 campaign: setup-dev
 	$(BIN)/python benchmarks/campaign/run.py --seeds $(SEEDS)
 	$(BIN)/python benchmarks/known_error/random_scenes.py --seeds $(SEEDS) --save campaign.jsonl
+
+mutants: setup-dev
+	$(BIN)/python -m tests.mutants.campaign --seed $(SEED) --count $(COUNT) --save mutants.jsonl
 
 lint: setup-dev
 	$(BIN)/ruff check .
