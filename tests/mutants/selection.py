@@ -77,3 +77,19 @@ def _imports(root: Path, path: Path) -> frozenset[str]:
                 if shared.is_file() and shared != path:
                     found |= _imports(root, shared)
     return frozenset(found)
+
+
+@cache
+def models_of(root: Path, file: str) -> frozenset[str]:
+    """First words of the names of a file and of those in its folder that build on it."""
+    folder = root / "alight" / Path(file).parent
+    names = {path: _imports(root, path) for path in folder.glob("*.py")}
+    found = {root / "alight" / file}
+    while True:
+        modules = {".".join(path.relative_to(root).with_suffix("").parts) for path in found}
+        wider = found | {path for path, imported in names.items() if imported & modules}
+        if wider == found:
+            # Tables of all models build on everything.
+            stems = {path.stem for path in found} - {"__init__", "dispatch", "switch"}
+            return frozenset(stem.partition("_")[0] for stem in stems)
+        found = wider

@@ -122,7 +122,7 @@ def serve(
             campaign(Trial(folder, session))
             return True
 
-    options = ["-qq", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    options = ["-qq", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:faulthandler"]
     options += ["--capture=no", "--tb=short", "-o", "timeout=0", "-W", "ignore:.*fork"]
     options += [f"--ignore=tests/{name}" for name in left_out]
     pytest.main([*options, "tests"], plugins=[Server()])
