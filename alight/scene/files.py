@@ -15,15 +15,16 @@ import numpy as np
 
 from alight.core.errors import Issue, SceneError, is_at_or_below, nearest, quote
 from alight.media.volumes import holds_volume
+from alight.meshes import ply
+from alight.meshes.triangles import MeshArrays
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Recipe, Scene, Source
 from alight.scene.dump import dump_scene
-from alight.scene.formats import mitsuba, native, pbrt, ply
+from alight.scene.formats import mitsuba, native, pbrt
 from alight.scene.formats.models import PARSERS, read_model
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.reach import OutOfReachError, Reach, is_file
-from alight.scene.formats.triangles import MeshArrays
 from alight.scene.made_up import fitted
 from alight.scene.manager import SceneManager
 from alight.scene.validation import find_problems

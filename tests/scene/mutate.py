@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from alight.meshes.ply import NAMES
 from alight.scene import builtin_names
-from alight.scene.formats.ply import NAMES
 
 # fmt: off
 WORDS = (

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from alight.cameras.basis import perspective_half_extents, project_points
+from alight.meshes import ply
+from alight.meshes.triangles import MeshArrays
 from alight.scene import flatten, load
-from alight.scene.formats import ply
 from alight.scene.formats.surroundings import FOV, MARGIN, NEAREST, Bounds
-from alight.scene.formats.triangles import MeshArrays
 
 # Two triangles for each side of a box; windings do not matter here.
 CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))

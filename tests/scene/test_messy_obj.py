@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 from alight.core.errors import SceneError
+from alight.meshes import obj
 from alight.scene import load
-from alight.scene.formats import obj
 from alight.scene.formats.obj_scene import parse
 
 HEAD = "mtllib a.mtl\n"

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
+from alight.meshes import ply, stl
+from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
 from alight.scene.build import FORMAT_VERSION
-from alight.scene.formats import ply, stl
 from alight.scene.formats.obj_scene import COLORED, GREY
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.reach import Reach
 from alight.scene.formats.report import Report
 from alight.scene.formats.surroundings import Bounds, add_camera, add_light
-from alight.scene.formats.triangles import MeshArrays
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 

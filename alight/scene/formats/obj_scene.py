@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
+from alight.meshes import obj
+from alight.meshes.normals import vertex_normals
 from alight.scene.build import FORMAT_VERSION
-from alight.scene.formats import mtl, obj
+from alight.scene.formats import mtl
 from alight.scene.formats.glow import Glow
 from alight.scene.formats.names import free_name
-from alight.scene.formats.normals import vertex_normals
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.reach import OutOfReachError, Reach
 from alight.scene.formats.report import Report

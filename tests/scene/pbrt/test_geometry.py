@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.lights.environment import Environment
-from alight.scene.formats.loop import NotManifoldError, subdivide
+from alight.meshes.loop import NotManifoldError, subdivide
 from alight.scene.formats.pbrt.octahedral import to_latitude_longitude, to_sphere, to_square
 from alight.shapes.mesh import Mesh
 from tests.scene.pbrt.reading import messages, node, read, read_old

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
+from alight.meshes.ply import save
+from alight.meshes.triangles import MeshArrays
 from alight.scene.formats.pbrt.walks import Coat, base_of_walk
-from alight.scene.formats.ply import save
-from alight.scene.formats.triangles import MeshArrays
 from alight.shapes.mesh import Mesh
 from tests.scene.pbrt.reading import (
     messages,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import SceneError
+from alight.meshes.triangles import MeshArrays, joined_sets
 from alight.scene.formats.gltf.accessors import COMPRESSED, read_accessor
 from alight.scene.formats.gltf.container import Document
 from alight.scene.formats.gltf.skins import skinned
@@ -20,7 +21,6 @@ from alight.scene.formats.gltf.vertex_colors import (
     opacity_coordinates,
     vertex_colors,
 )
-from alight.scene.formats.triangles import MeshArrays, joined_sets
 from alight.scene.meshes import mesh_problem
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6

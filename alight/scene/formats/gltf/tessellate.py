@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from alight.core.spec import Shape
-from alight.scene.formats.surfaces import grid
-from alight.scene.formats.triangles import MeshArrays
+from alight.meshes.surfaces import grid
+from alight.meshes.triangles import MeshArrays
 from alight.shapes import cylinder, sphere
 
 Array = np.ndarray

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.spec import Light
+from alight.meshes.triangles import MeshArrays
 from alight.outputs.atomic import replacing
 from alight.scene.flatten import FlatScene, PlacedShape, at_opening
 from alight.scene.formats.gltf.places import fits_node, is_skewed, unscaled, unskewed
@@ -23,7 +24,6 @@ from alight.scene.formats.gltf.store import Json, Store
 from alight.scene.formats.gltf.tessellate import EXACT, flipped, tessellated
 from alight.scene.formats.gltf.write_materials import MaterialWriter
 from alight.scene.formats.gltf.write_meshes import moved, with_coordinates, with_unit_normals
-from alight.scene.formats.triangles import MeshArrays
 
 _TURNED = np.diag([1.0, -1.0, -1.0, 1.0])
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])

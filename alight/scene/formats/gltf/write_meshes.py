@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.scene.formats.triangles import MeshArrays
+from alight.meshes.triangles import MeshArrays
 
 
 def with_unit_normals(mesh: MeshArrays) -> MeshArrays:

@@ -9,11 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.scene.formats import obj, ply, serialized
+from alight.meshes import obj, ply, serialized
+from alight.meshes.normals import vertex_normals
+from alight.meshes.serialized import SerializedMesh
 from alight.scene.formats.mitsuba.draft import Draft
-from alight.scene.formats.normals import vertex_normals
 from alight.scene.formats.reach import OutOfReachError
-from alight.scene.formats.serialized import SerializedMesh
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.scene.formats import surfaces
+from alight.meshes import surfaces
+from alight.meshes.triangles import MeshArrays
 from alight.scene.formats.pbrt.context import Context, Data
 from alight.scene.formats.pbrt.parameters import Parameters
-from alight.scene.formats.triangles import MeshArrays
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 

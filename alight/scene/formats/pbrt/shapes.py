@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.scene.formats import ply, surfaces
-from alight.scene.formats.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldError, subdivide
+from alight.meshes import ply, surfaces
+from alight.meshes.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldError, subdivide
 from alight.scene.formats.packed import content_of
 from alight.scene.formats.pbrt.context import Data
 from alight.scene.formats.pbrt.parameters import Parameters

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from alight.scene.formats import surfaces
+from alight.meshes import surfaces
 from alight.scene.formats.pbrt.parameters import Parameters
 from alight.scene.formats.pbrt.placed import Placed, angle_of, cut, mesh_of
 from alight.shapes.mesh import Mesh

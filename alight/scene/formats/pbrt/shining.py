@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from alight.scene.formats.normals import vertex_normals
+from alight.meshes.normals import vertex_normals
 from alight.scene.formats.pbrt.context import Data
 from alight.scene.formats.pbrt.transforms import steps, translation
 from alight.shapes.mesh import Mesh

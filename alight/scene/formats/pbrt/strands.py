@@ -18,10 +18,10 @@ from itertools import pairwise
 import numpy as np
 
 from alight.core.errors import quote
+from alight.meshes.surfaces import joined
 from alight.scene.formats.pbrt.context import Data
 from alight.scene.formats.pbrt.directives import Directive
 from alight.scene.formats.pbrt.placed import Placed, mesh_of
-from alight.scene.formats.surfaces import joined
 from alight.shapes.mesh import Mesh
 
 Array = np.ndarray

@@ -9,11 +9,11 @@ import numpy as np
 
 from alight.core.errors import SceneError
 from alight.core.spec import LARGEST
+from alight.meshes.polygons import Triangles
+from alight.meshes.triangles import MeshArrays
 from alight.scene.formats.glow import Glow
 from alight.scene.formats.names import free_name
-from alight.scene.formats.polygons import Triangles
 from alight.scene.formats.surroundings import Bounds
-from alight.scene.formats.triangles import MeshArrays
 from alight.scene.formats.usd.cameras import read_camera
 from alight.scene.formats.usd.lights import is_light, read_light
 from alight.scene.formats.usd.materials import Material, plain_material, read_material

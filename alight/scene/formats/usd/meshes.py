@@ -9,14 +9,8 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import unknown_name
-from alight.scene.formats.polygons import (
-    Polygons,
-    Triangles,
-    subdivided,
-    triangulated,
-    vertex_normals,
-)
-from alight.scene.formats.triangles import joined_sets
+from alight.meshes.polygons import Polygons, Triangles, subdivided, triangulated, vertex_normals
+from alight.meshes.triangles import joined_sets
 from alight.scene.formats.usd.modules import UsdGeom
 from alight.scene.formats.usd.stage import Stage
 from alight.shapes.mesh import Mesh

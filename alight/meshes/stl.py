@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import quote
-from alight.scene.formats.triangles import MeshArrays, broken
+from alight.meshes.triangles import MeshArrays, broken
 
 #: A binary file: 80 bytes of anything, a count, and a facet: normal, three corners, two bytes.
 _HEADER, _FIRST = 80, 84

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import alight
-from alight.scene.formats import obj, ply
-from alight.scene.formats.concave import MOST_EARS, cut_polygons
+from alight.meshes import obj, ply
+from alight.meshes.concave import MOST_EARS, cut_polygons
 
 #: An L whose first corner does not see its last arm, counter-clockwise.
 ELL = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]]
@@ -97,7 +97,7 @@ def test_polygons_that_make_no_sense_end_soon_with_as_many_triangles():
 
 
 def test_the_work_for_a_file_is_bounded(monkeypatch):
-    monkeypatch.setattr("alight.scene.formats.concave.MOST_EARS", 2 * len(COMB))
+    monkeypatch.setattr("alight.meshes.concave.MOST_EARS", 2 * len(COMB))
     assert MOST_EARS > 1000
     points = np.concatenate([somewhere(COMB, seed) for seed in range(3)])
     triangles, polygon = cut_polygons(points, np.full(3, len(COMB)))

@@ -3,12 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.scene.formats.polygons import (
-    Polygons,
-    subdivided,
-    triangulated,
-    vertex_normals,
-)
+from alight.meshes.polygons import Polygons, subdivided, triangulated, vertex_normals
 
 CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 SIDES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]

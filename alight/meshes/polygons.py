@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.scene.formats.concave import cut_polygons
+from alight.meshes.concave import cut_polygons
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

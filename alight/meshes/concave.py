@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.scene.formats.triangles import fan
+from alight.meshes.triangles import fan
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.scene.formats.triangles import MeshArrays, broken
+from alight.meshes.triangles import MeshArrays, broken
 
 MAGIC = 0x041C
 VERSIONS = (3, 4)

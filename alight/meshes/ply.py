@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from alight.core.errors import quote, unknown_name
 from alight.core.uv_sets import MOST_SETS
-from alight.scene.formats.concave import cut_polygons
-from alight.scene.formats.triangles import MeshArrays, broken, fan, srgb_to_linear
+from alight.meshes.concave import cut_polygons
+from alight.meshes.triangles import MeshArrays, broken, fan, srgb_to_linear
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",

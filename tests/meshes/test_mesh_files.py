@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from alight.scene.formats import obj, ply, stl
-from alight.scene.formats.triangles import MeshArrays, fan, srgb_to_linear
+from alight.meshes import obj, ply, stl
+from alight.meshes.triangles import MeshArrays, fan, srgb_to_linear
 from tests.scene.mutate import STL, binary_stl
 
 SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]

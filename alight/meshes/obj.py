@@ -1,8 +1,8 @@
 """Wavefront OBJ meshes: positions, texture coordinates, normals, vertex colours, polygons.
 
-As a mesh of a scene it has no materials: the scene gives it one BSDF. Opened by itself it is read
-by `alight.scene.formats.obj_scene`. A vertex that appears with different texture coordinates or
-normals is stored once for each, because kernels index all arrays alike.
+As a mesh of a scene it has no materials: the scene gives it one BSDF. A vertex that appears with
+different texture coordinates or normals is stored once for each, because kernels index all arrays
+alike.
 
 Source: Wavefront Technologies, Object files (.obj), appendix B1 of the Advanced Visualizer manual.
 """
@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import quote
-from alight.scene.formats.concave import cut_polygons
-from alight.scene.formats.triangles import MeshArrays, broken, srgb_to_linear
+from alight.meshes.concave import cut_polygons
+from alight.meshes.triangles import MeshArrays, broken, srgb_to_linear
 
 LARGEST_INDEX = 2**31 - 1
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
