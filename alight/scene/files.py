@@ -17,11 +17,12 @@ from alight.core.errors import Issue, SceneError, is_at_or_below, nearest, quote
 from alight.media.volumes import holds_volume
 from alight.meshes import ply
 from alight.meshes.triangles import MeshArrays
+from alight.scene import plain_yaml
 from alight.scene.build import Builder
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Recipe, Scene, Source
 from alight.scene.dump import dump_scene
-from alight.scene.formats import mitsuba, native, pbrt
+from alight.scene.formats import mitsuba, pbrt
 from alight.scene.formats.models import PARSERS, read_model
 from alight.scene.formats.parsed import Parsed
 from alight.scene.formats.reach import OutOfReachError, Reach, is_file
@@ -191,7 +192,7 @@ def _parse(
     if name.lower().endswith(pbrt.SUFFIX):
         parsed = pbrt.parse(text, name, reach, lenient)
         return parsed.data, parsed.issues, Source(name, reach.folder, parsed.places, parsed.remarks)
-    data, places, issues = native.parse(text, name)
+    data, places, issues = plain_yaml.parse(text, name)
     source = Source(name, reach.folder, places)
     refused = reach.keep_inside(data) if isinstance(data, dict) else {}
     if refused:
@@ -244,8 +245,8 @@ def _read(path: Path) -> str:
         raise SceneError([Issue("", f"must be a scene file ({kinds}), got {quote(name)}", name)])
     try:
         size = path.stat().st_size
-        if size > native.MOST_BYTES:
-            limit = native.MOST_BYTES // 2**20
+        if size > plain_yaml.MOST_BYTES:
+            limit = plain_yaml.MOST_BYTES // 2**20
             text = (
                 f"must be at most {limit} MB, got {size / 2**20:.0f} MB: put meshes into PLY files"
             )
@@ -283,7 +284,7 @@ def dumps(scene: Scene) -> str:
 
     `loads` gives an equal scene back, bit for bit.
     """
-    return native.write(dump_scene(scene))
+    return plain_yaml.write(dump_scene(scene))
 
 
 def save(scene: Scene, path: str | os.PathLike[str]) -> None:
@@ -310,7 +311,7 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
         kinds = ", ".join(SUFFIXES)
         raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])
     writer = _FileWriter(target, scene.source.folder)
-    text = native.write(dump_scene(scene, writer))
+    text = plain_yaml.write(dump_scene(scene, writer))
     # A reader never sees half a file: write beside, then rename.
     partial = target.with_name(target.name + ".partial")
     try:

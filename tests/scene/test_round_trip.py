@@ -25,7 +25,7 @@ from alight.scene import (
     scale,
     translate,
 )
-from alight.scene.formats.native import parse_value, resolve, write
+from alight.scene.plain_yaml import parse_value, resolve, write
 from alight.shapes.mesh import Mesh
 from alight.shapes.sphere import Sphere
 

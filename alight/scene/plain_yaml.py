@@ -1,4 +1,4 @@
-"""The native format: YAML text -> plain data with the place of every value, and back.
+"""YAML text -> plain data with the place of every value, and back: the text of the native format.
 
 Only the plain part of YAML is read: mappings, lists and scalars. Anchors, aliases, tags and
 several documents are refused, because a file of a few lines can stand for billions of values with
