@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from alight.meshes import obj, ply, stl
 from alight.meshes.triangles import MeshArrays, fan, srgb_to_linear
-from tests.scene.mutate import STL, binary_stl
+from tests.formats.mutate import STL, binary_stl
 
 SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
 UVS = [[0, 0], [0.25, 0], [0.25, 0.5], [0, 0.5]]

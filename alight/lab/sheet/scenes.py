@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from alight.core.errors import OptionError
-from alight.scene.files import FOREIGN, SUFFIXES, builtin_names
+from alight.formats.loading import FOREIGN, SUFFIXES, builtin_names
 
 
 def find_scenes(wanted: Sequence[str]) -> tuple[list[str], list[Path]]:
