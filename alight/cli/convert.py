@@ -57,7 +57,7 @@ def check_suffix(output: Path) -> None:
         With the endings that there are.
     """
     from alight.core.errors import OutputError, unknown_name
-    from alight.formats.loading import SUFFIXES
+    from alight.formats.native import SUFFIXES
 
     if output.suffix.lower() not in (*SUFFIXES, ".glb"):
         text = unknown_name("suffix", output.suffix, (*SUFFIXES, ".glb"))

@@ -5,6 +5,7 @@ The usual names are exported here::
     from alight.formats import load, save
 """
 
-from alight.formats.loading import builtin_names, dumps, load, loads, save
+from alight.formats.loading import builtin_names, load, loads
+from alight.formats.native import dumps, save
 
 __all__ = ["builtin_names", "dumps", "load", "loads", "save"]
