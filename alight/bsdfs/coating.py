@@ -5,7 +5,7 @@ scatters again. With the internal reflectance R (for diffuse light) the sum over
 
 .. math:: \rho' = \rho\,(1 + \rho R + \rho^2 R^2 + \dots) = \frac{\rho}{1 - \rho R},
 
-where each round colours the light anew. The linear version keeps the colour of one round:
+where each round colours the light again. The linear version keeps the colour of one round:
 rho / (1 - R).
 
 For a rough coat the part T(mu) that enters at the cosine mu, and
@@ -124,7 +124,7 @@ def share_of_coat(reflected, specular, matte):
 
 @kernel
 def load_coat(scene, slot, alpha):
-    """The `Rows` of a coat, whose start and last row stand in two slots."""
+    """The `Rows` of a coat, whose start and last row are in two slots."""
     return rows_at(load_table(scene, slot), sqrt(alpha), ROW)
 
 

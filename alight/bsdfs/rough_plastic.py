@@ -147,7 +147,7 @@ def _share(params, through):
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
     above = (wo.z > 0.0) & (wi.z > 0.0)
-    # Below the surface, the overhead direction stands in: nothing there is used.
+    # Below the surface, the overhead direction replaces it; the result is not used.
     up = Vec3(0.0, 0.0, 1.0)
     wo, wi = where(above, wo, up), where(above, wi, up)
     # The coat. The density D (wo . wm) / sigma of normals, over the Jacobian 4 (wo . wm).

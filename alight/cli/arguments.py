@@ -93,7 +93,7 @@ Checkpoint = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Keep the state there: alight resume FILE goes on after a stop or a crash.",
+        help="Save the state there: alight resume FILE continues after a stop or a crash.",
         rich_help_panel=_SAMPLING,
     ),
 ]

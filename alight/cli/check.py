@@ -16,12 +16,12 @@ from alight.cli.render import DEFAULT_SCENE
 if TYPE_CHECKING:
     from alight.laws.scene import Verdict
 
-#: What ``--mutant`` without a name stands for.
+#: The value of ``--mutant`` without a name.
 LIST = "list"
 
 
 class MutantCommand(TyperCommand):
-    """Lets ``--mutant`` stand without a name, to hear which there are."""
+    """Lets ``--mutant`` come without a name, to list them."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Add the name `LIST` where there is none."""

@@ -1,4 +1,4 @@
-"""Options of ``alight render`` that stand for keys of the scene file."""
+"""Options of ``alight render`` that set keys of the scene file."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def _run(path: Path) -> None:
         raise OptionError(f"--plugin: {path} is no Python file (.py)")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    # As for a script: modules beside it can be imported.
+    # As for a script: modules next to it can be imported.
     sys.path.insert(0, str(path.resolve().parent))
     try:
         spec.loader.exec_module(module)

@@ -1,4 +1,4 @@
-"""``alight resume``: a render goes on from its checkpoint, to the same bits."""
+"""``alight resume``: continues a render from its checkpoint, to the same bits."""
 
 from __future__ import annotations
 

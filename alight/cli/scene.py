@@ -26,7 +26,7 @@ def random(
         typer.Option(
             "-o",
             "--output",
-            help="File to write, .yaml, .yml or .json; large meshes and pictures beside it.",
+            help="File to write, .yaml, .yml or .json; large meshes and pictures next to it.",
             show_default="printed",
         ),
     ] = None,

@@ -52,7 +52,7 @@ def study(
         try:
             result = run_study(description, folder, quick=quick, threads=threads, progress=bar)
         except KeyboardInterrupt:
-            typer.echo("stopped; the same command goes on from here", err=True)
+            typer.echo("stopped; the same command continues from here", err=True)
             raise typer.Exit(INTERRUPTED) from None
     begin = time.process_time()
     page = write_report(result, folder)

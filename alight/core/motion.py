@@ -41,7 +41,7 @@ BEFORE, SEGMENTS = 0, 12
 BEGIN, RATE, ANGLE, SHIFT, TRAVEL, TURN, ASIDE, STRETCH, CHANGE = 0, 1, 2, 3, 6, 9, 13, 17, 23
 SEGMENT = 32
 
-#: Name in `Program.motion` beside what moves: all motions only shift and turn.
+#: Name in `Program.motion` next to what moves: all motions only shift and turn.
 RIGID = "rigid"
 
 _GAMMA_48 = gamma(48)

@@ -137,7 +137,7 @@ def _joined(arrays: Mapping[str, np.ndarray], name: str, like: np.ndarray) -> np
 
 def _shaped(array: np.ndarray, like: np.ndarray) -> np.ndarray:
     if array.shape != like.shape:
-        raise ValueError(f"shape {array.shape} in the place of {like.shape}")
+        raise ValueError(f"shape {array.shape} instead of {like.shape}")
     return array
 
 

@@ -58,7 +58,7 @@ def vote(
     arms : mapping of str to PictureStatistics
         Of the replicates of each arm.
     references : mapping of str to PictureStatistics
-        Of references that some of the arms rendered: they stand for these arms, who must agree
+        Of references that some of the arms rendered: they represent these arms, which must agree
         with them too.
     level : float
         Largest probability that a right arm is called biased.

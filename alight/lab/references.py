@@ -1,7 +1,7 @@
 """Reference pictures that know their own noise.
 
 A reference is rendered with 16 independent seeds; their spread gives the variance of every pixel,
-which the statistics subtract. References are kept beside the compiled kernels, under the content
+which the statistics subtract. References are kept next to the compiled kernels, under the content
 hash of everything that decides them, so that the next study finds them.
 """
 

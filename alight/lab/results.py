@@ -1,6 +1,6 @@
 """What a study found, as plain data: everything that a report, a table or a test needs.
 
-`save` writes one JSON file with the numbers and one npz file with the arrays beside it; `load`
+`save` writes one JSON file with the numbers and one npz file with the arrays next to it; `load`
 gives equal results back. NaN means unknown.
 """
 

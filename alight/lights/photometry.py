@@ -198,7 +198,7 @@ def grid(profile: Profile) -> NDArray[np.float64]:
 
 
 def folded(around: NDArray[np.float64], horizontal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles in [0, 360] degrees as those of a file stand for them by symmetry."""
+    """Angles in [0, 360] degrees, mapped to those of a file by symmetry."""
     first, last = horizontal[0], horizontal[-1]
     if first == 90.0:
         turned = (around - 90.0) % 360.0

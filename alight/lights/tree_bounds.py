@@ -18,8 +18,8 @@ dark behind the planes of its lights, not behind a sphere around them, and the b
 square root.
 
 Source: Conty Estevez and Kulla, Importance sampling of many lights with adaptive tree splitting,
-Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018, whose measure this is but for h and for r / d
-in the place of the sphere's angle.
+Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018, whose measure this is, except for h and for
+r / d instead of the sphere's angle.
 """
 
 from __future__ import annotations

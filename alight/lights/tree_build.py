@@ -44,7 +44,7 @@ from alight.lights.tree_bounds import (
     unpack,
 )
 
-#: Radians: lights of which the directions differ by less face much the same way.
+#: Radians: lights whose directions differ by less face much the same way.
 SAME_WAY = 0.5
 
 BINS = 12

@@ -190,7 +190,7 @@ def decoded(data: bytes) -> str:
 
 
 def _whole_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Numbers and contents of lines; those that end in a backslash go on in the next one."""
+    """Numbers and contents of lines; those that end in a backslash continue on the next one."""
     if b"\\" not in data:
         yield from enumerate(data.splitlines(), 1)
         return

@@ -16,7 +16,7 @@ import numpy as np
 
 _NORMAL = NormalDist()
 
-#: Smallest tail that is told apart: |z| stops at 37.
+#: Smallest tail that is resolved: |z| stops at 37.
 _SMALLEST_TAIL = 1e-300
 
 

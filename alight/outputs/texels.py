@@ -1,6 +1,6 @@
 """Reading pictures as they are stored: whole numbers stay encoded, one grey channel stays one.
 
-The kind of a file is told by its first bytes, not by its name.
+The first bytes of a file determine its format, not its name.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ def recorded_tables(scene: CompiledScene, log: Log) -> RecordedTables | Recorded
     return kind(*scene.tables, log)
 
 
-#: Room in a log for so many contributions a sample at first; a tile that needs more runs again.
+#: Contributions per sample that a log has room for at first; a tile that needs more runs again.
 _ROOM = 6
 
 

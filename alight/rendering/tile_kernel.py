@@ -82,7 +82,7 @@ def next_sample(settings, cursor):
 def next_pixel(settings, tile, ranges, cursor):
     """The first sample of the next pixel: along the rows of a cell, then cell by cell.
 
-    A cursor with x < 0 stands before the first pixel of its cell.
+    A cursor with x < 0 is before the first pixel of its cell.
     """
     x, y, cell = cursor.x, cursor.y, cursor.cell
     columns, cells = count_cells(tile)

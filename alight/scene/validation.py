@@ -111,7 +111,7 @@ class _Checker:
             elif self.wrong_textures.isdisjoint(uses[name]) and self.check_image(known[name], path):
                 self.check_textured(known[name], path)
                 self.steps[name] = textures.count_steps(known[name], self.steps)
-            # What is wrong is said once, and what uses it is not looked at any further.
+            # Each mistake is reported once; whatever uses it is not checked any further.
             if len(self.issues) > before or name not in self.steps:
                 self.wrong_textures.add(name)
 
@@ -233,7 +233,7 @@ class _Checker:
             return True
         text = unknown_name(kind, name, known)
         if kind in ("bsdf", "texture") and name in specs(f"{kind}s"):
-            # A single word is the name of an entry; types stand in braces.
+            # A single word is the name of an entry; types are in braces.
             before, gap, after = text.partition("  (")
             text = f"{before}; for one of that type write {{type: {name}}}{gap}{after}"
         self.report(path, text)

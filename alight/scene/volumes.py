@@ -79,7 +79,7 @@ def read_volume(path: Path, name: str = "") -> Volume:
     path : Path
         The file.
     name : str, optional
-        How messages call it; ``builtin:cloud`` stands for a computed one.
+        How messages call it; ``builtin:cloud`` is a computed one.
 
     Raises
     ------

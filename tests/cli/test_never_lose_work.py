@@ -60,7 +60,7 @@ def test_a_signal_says_what_there_is_and_the_command_to_go_on(
     assert stopped.exit_code == code
     assert stopped.stderr == (
         "stopped at 6 spp; what there is is in out.partial.exr\n"
-        "to go on: alight resume 'a b.alight'\n"
+        "to continue: alight resume 'a b.alight'\n"
     )
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")

@@ -53,7 +53,7 @@ TECHNIQUES = {
 
 
 class Part(NamedTuple):
-    """Contributions of one kind; None stands for all.
+    """Contributions of one kind; None means all.
 
     Attributes
     ----------
@@ -223,7 +223,7 @@ class _Divider:
         """One batch: its contributions, and the sums (h, w, REPLICATES, 3) that they make."""
         means = sums / self.spp
         deviation = means - means.mean(axis=2, keepdims=True)
-        # Variance of one sample: that of a mean of so many, times their number.
+        # Variance of one sample: that of the mean of N, times N.
         scale = self.spp / (REPLICATES - 1)
         factor = (deviation * self.weights[:, :, None] * scale).reshape(-1, REPLICATES, 3)
         found = contributions

@@ -135,14 +135,14 @@ def try_alternatives(
     limit : float, seconds, default 60
         No alternative is begun after so long.
     progress : callable, optional
-        Is told in words what runs next.
+        Called with a description of what runs next.
 
     Returns
     -------
     tuple of Trial
         The most efficient first.
     tuple of str
-        Changes for which there was no time.
+        Changes that there was no time for.
     """
     begin = time.perf_counter()
     progress("the scene as it is")
