@@ -124,7 +124,7 @@ def _save_partial(film: Film | None, results: Results) -> None:
         target = results.outputs[0]
         try:
             path = film.save(target.with_name(f"{target.stem}.partial.exr"))
-            typer.echo(f"stopped at {film.spp:.3g} spp; what there is is in {path}", err=True)
+            typer.echo(f"stopped at {film.spp:.3g} spp; the samples so far are in {path}", err=True)
         except OutputError as error:
             typer.echo(f"stopped at {film.spp:.3g} spp; {error}", err=True)
     if results.checkpoint is not None and results.checkpoint.exists():

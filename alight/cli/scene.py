@@ -14,7 +14,7 @@ LIST = "list"
 
 
 def random(
-    seed: Annotated[int, typer.Option(help="Any whole number; each is another scene.")] = 0,
+    seed: Annotated[int, typer.Option(help="Any whole number; each gives another scene.")] = 0,
     kind: Annotated[
         str | None,
         typer.Option(
@@ -32,7 +32,7 @@ def random(
     ] = None,
     size: arguments.Size = None,
 ) -> None:
-    """Make up a scene that can be rendered, of any registered shapes, materials and lights."""
+    """Generate a random scene from all registered shapes, materials and lights."""
     from alight.cli.options import parse_size
     from alight.core.errors import OutputError
     from alight.formats import dumps, save

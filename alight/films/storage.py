@@ -107,7 +107,7 @@ def unpack_films(make: type[Film], path: str | os.PathLike[str], archive: Archiv
             for number, described in enumerate(archive.content["films"])
         ]
     except (KeyError, TypeError, ValueError) as error:
-        raise FilmError(f"{os.fspath(path)} holds no film that can be understood") from error
+        raise FilmError(f"{os.fspath(path)} holds no readable film") from error
 
 
 def _unpack(

@@ -226,7 +226,7 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
 def _notes(results: Sequence) -> list[str]:
     notes = []
     if all(point.flip is None for arm in results for point in arm.times or arm.samples):
-        notes.append("FLIP is left out: the package flip-evaluator is not installed")
+        notes.append("FLIP is skipped: the package flip-evaluator is not installed")
     return notes + [
         f"{arm.label}: {arm.invalid} samples were NaN or infinite, counted as 0"
         for arm in results

@@ -176,7 +176,7 @@ def reference_arm(study: Study, scene: SceneSpec) -> str:
     if name not in fit:
         different = found.declares_different
         why = "is declared different" if different else "decides by the samples that it keeps"
-        raise study.fail(path, f'arm "{name}" {why}: it is no reference')
+        raise study.fail(path, f'arm "{name}" {why}: it cannot be a reference')
     return name
 
 

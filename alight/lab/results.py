@@ -401,7 +401,7 @@ def load(path: str | Path) -> StudyResult:
     Raises
     ------
     AlightError
-        If it is no result of a study.
+        If it is not a result of a study.
     """
     path = Path(path)
     try:
@@ -410,7 +410,7 @@ def load(path: str | Path) -> StudyResult:
             arrays = {name: stored[name] for name in stored.files}
         return _restored(StudyResult, data, arrays)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise AlightError(f"{path}: is no result of a study: {error}") from error
+        raise AlightError(f"{path}: is not a result of a study: {error}") from error
 
 
 def _plain(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:

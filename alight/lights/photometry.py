@@ -114,7 +114,7 @@ def parse_profile(text: str) -> Profile:
     """
     found = re.search(r"^[ \t]*TILT[ \t]*=[ \t]*(.*?)[ \t]*$", text, re.MULTILINE)
     if found is None:
-        raise ValueError("is no file of LM-63: a line TILT= is missing")
+        raise ValueError("is not an LM-63 file: a line TILT= is missing")
     numbers = _Numbers(text[found.end() :])
     tilt = found[1].upper()
     if tilt == "INCLUDE":

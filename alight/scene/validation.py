@@ -272,7 +272,7 @@ class _Checker:
         for name, prototype in known.items():
             for _, path, node in prototype.walk(name, join_path("prototypes", name)):
                 if node.camera is not None:
-                    self.report(f"{path}.camera", "a camera must not stand in a prototype")
+                    self.report(f"{path}.camera", "a camera must not be in a prototype")
         uses = {name: instances_in(node, known) for name, node in known.items()}
         cycle, order = sort_by_use(uses)
         if cycle:

@@ -231,7 +231,7 @@ def parse_limits(texts: list[str]) -> dict[str, float]:
             limits[name] = math.nan
         if not limits[name] >= 0.0:
             raise OptionError(
-                f"--fail-above: must be FIGURE=NUMBER as relmse=0.01, got {quote(text)}"
+                f"--fail-above: must be FIGURE=NUMBER such as relmse=0.01, got {quote(text)}"
             )
     return limits
 

@@ -195,7 +195,7 @@ def _check(scene: Scene, size: int, spp: int) -> None:
     kind = scene.integrator.type_name()
     if not can_record(kind):
         raise OptionError(
-            f"the integrator {kind} does not say where its light comes from; "
+            f"the integrator {kind} does not record where its light comes from; "
             "path, direct and random_walk do"
         )
     if not 8 <= size <= 1024:
