@@ -8,8 +8,9 @@ For each scene: how often the 95 % interval of the picture's relMSE held the tru
 and 256 spp, the mean estimate over the mean truth, the share of the pixels (but the unsure ones)
 inside their 95 % bars, and what became of promises to the error that the mean picture reaches at a
 number of samples between 30 and 200. Where the truth's own error is not small beside the picture's
-(a handful of rare bright samples), nothing can be compared, and the case is not counted. Lines are added to FILE as they come, so that a campaign can
-be stopped and continued. Constants are chosen on even seeds; odd ones give the verdict.
+(a handful of rare bright samples), nothing can be compared, and the case is not counted. Lines are
+added to FILE as they come, so that a campaign can be stopped and continued. Constants are chosen on
+even seeds; odd ones give the verdict.
 """
 
 from __future__ import annotations
