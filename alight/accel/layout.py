@@ -1,4 +1,4 @@
-"""How the bounding volume hierarchy lies in memory.
+"""The memory layout of the bounding volume hierarchy.
 
 A *node* is 112 words of 4 bytes (448 bytes, seven cache lines), one column a child:
 

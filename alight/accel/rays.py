@@ -1,4 +1,4 @@
-"""The rays of a packet in memory, so that each can be taken up alone."""
+"""The rays of a packet in memory, so that each can continue alone."""
 
 from __future__ import annotations
 

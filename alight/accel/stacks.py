@@ -1,4 +1,4 @@
-"""What waits for a ray: opening a node onto its stack."""
+"""The traversal stack of a ray: opening a node onto it."""
 
 from __future__ import annotations
 

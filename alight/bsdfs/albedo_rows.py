@@ -1,4 +1,4 @@
-r"""How much light facets send back or let through after one bounce, in tables over the cosine.
+r"""How much light facets reflect or transmit after one bounce, in tables over the cosine.
 
 Single scattering reflects and transmits the parts W (of white facets), R and T of the light, and of
 the part V there is a refracted direction (`alight.bsdfs.visible_facets`). What W and R + T lack to

@@ -1,4 +1,4 @@
-r"""Matte stuff under a clear coat: what `plastic` and `rough_plastic` share.
+r"""A matte base under a clear coat: what `plastic` and `rough_plastic` share.
 
 Light that enters the coat scatters at the base, is partly thrown back by the coat from inside, and
 scatters again. With the internal reflectance R (for diffuse light) the sum over all rounds is
@@ -101,7 +101,7 @@ def coat_table(distribution: str, alpha: float | None, eta: float) -> NDArray[np
 
 @kernel
 def base_reflectance(reflectance, internal, nonlinear):
-    """Reflectance of the base with all rounds inside of the coat, as if seen from there."""
+    """Reflectance of the base with all rounds inside the coat, as if seen from there."""
     colored = where(nonlinear > 0.0, reflectance, 1.0)
     return reflectance / (lanes_vec3(1.0) - colored * internal)
 

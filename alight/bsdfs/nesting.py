@@ -1,4 +1,4 @@
-"""Materials made of other materials: what they are made of, down to models that scatter light.
+"""Materials made of other materials, resolved down to the models that scatter light.
 
 A blend is a sum w_0 f_0 + w_1 f_1 + ..., and a blend of blends is one too: each model at the bottom
 (a leaf) has a share that is a product of weights and of complements 1 - weight. Kernels only see

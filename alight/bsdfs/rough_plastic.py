@@ -5,7 +5,7 @@ r"""Rough plastic: a matte base under a clear coat of tiny facets.
         G_1(\omega_o)\, G_1(\omega_i)}{4 \cos\theta_o \cos\theta_i}
         + \frac{T(\cos\theta_o)\, T(\cos\theta_i)}{\eta^2}\, \frac{\rho'}{\pi}
 
-with T the part of light that enters the coat, and rho' the base with all rounds inside of it (see
+with T the part of light that enters the coat, and rho' the base with all rounds inside it (see
 `alight.bsdfs.coating`). Light that meets two facets is lost (single scattering). One smooth
 mixture of two lobes; black from behind.
 

@@ -1,4 +1,4 @@
-"""The arguments of ``alight render``: what they are called, and what help says about them."""
+"""The arguments of ``alight render``: names and help texts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``alight convert``: any scene that can be read, in the native format or as far as glTF goes."""
+"""``alight convert``: any readable scene in the native format, or as far as glTF can hold it."""
 
 from __future__ import annotations
 

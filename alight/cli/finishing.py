@@ -74,7 +74,7 @@ class Results:
 
 
 def run_and_finish(render: Callable[..., Film], results: Results, time_limit: float | None) -> None:
-    """Render until the end or a signal, with a progress bar, and write what there is.
+    """Render until the end or a signal, with a progress bar, and write the result.
 
     Parameters
     ----------

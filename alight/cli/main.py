@@ -1,4 +1,4 @@
-"""The program `alight`: its commands, and what all of them share.
+"""The program `alight`: its commands, and what they share.
 
 Heavy modules are imported inside the commands, so that help is there at once.
 """

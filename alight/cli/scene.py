@@ -1,4 +1,4 @@
-"""``alight scene random``: a scene that nobody made, from a number."""
+"""``alight scene random``: a random scene from a seed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``alight why``: the parts of a picture's noise, and what was measured to lower it."""
+"""``alight why``: the parts of a picture's noise, and measured advice to lower it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Whether a light tree pays: what could be gained by choosing lights by the place that they light.
+r"""Whether a light tree pays: the possible gain from choosing lights for each point they light.
 
 Of n lights a point x is lit by :math:`c_i = I_i w_i(x)`, with the intensity I and what distance and
 direction make of it, w. One light chosen by its power, :math:`p_i \propto I_i`, estimates the sum

@@ -1,4 +1,4 @@
-"""Errors that a user can act on: place, value, allowed range, nearest valid name.
+"""Errors that a user can fix: place, value, allowed range, nearest valid name.
 
 All problems of one scene are collected and raised together as one `SceneError`, so that a
 user fixes a file in one go instead of one message per run.

@@ -1,4 +1,4 @@
-r"""What moves while the shutter is open: transforms at the times of rays, and what they do to hits.
+r"""Motion while the shutter is open: transforms at the times of rays, and their effect on hits.
 
 A moving shape is stored as it is *at rest*, before its motion M(t). Rays go to it by the inverse,
 with the direction's length unchanged, so that t means the same; what they find there goes back:

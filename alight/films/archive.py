@@ -1,4 +1,4 @@
-"""A file of arrays and plain JSON that is either what was written or refused.
+"""A file of arrays and plain JSON, read back exactly or refused.
 
 ::
 

@@ -1,4 +1,4 @@
-"""Which arms compute another picture than the others, when nobody knows the true one.
+"""Which arms compute a different picture from the others, when nobody knows the true one.
 
 Arms without a reference from elsewhere can only be compared with each other. The one assumption is
 that *most of them are right*. Then there is a majority whose members all have the same mean

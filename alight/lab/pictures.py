@@ -252,7 +252,7 @@ def _compiled(session: Session, scene: SceneSpec) -> dict[str, Arm]:
 def _pilot(session: Session, arm: Arm, ladder: Sequence[int]) -> Pilot:
     """Cost and noise of an arm, from two pictures at the last step of the ladder.
 
-    Shorter ones would not do: how fast the error of a net falls nobody knows beforehand.
+    Shorter ones would not do: nobody knows in advance how fast the error of a net falls.
     """
     spp, own = ladder[-1], (arm.key, arm.spec.name, session.study.seed)
     key = f"pilot {digest(*own)} {spp}"

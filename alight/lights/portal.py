@@ -1,4 +1,4 @@
-r"""Portal: a window through which the light of the surroundings is looked for.
+r"""Portal: a window through which directions to the surroundings are sampled.
 
 A rectangle without substance, which itself sends nothing. Where a scene has portals, a direction to
 the surroundings is drawn through one of them, uniform in the solid angle :math:`\Omega` that it

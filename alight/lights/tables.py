@@ -1,4 +1,4 @@
-"""What lights look like to kernels: tables and samples."""
+"""Lights as kernels see them: tables and samples."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Light tree: which light a point is lit by, chosen by where the lights are and where they face.
+"""Light tree: chooses a light for a point by the positions and orientations of the lights.
 
 A tree over all lights that have a place; each triangle of a shining mesh is one of them. The root
 has up to four children, which all lanes look at together, others two. From the root a path goes

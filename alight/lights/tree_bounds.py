@@ -1,4 +1,4 @@
-r"""What a light tree knows of a group of lights, packed for kernels, and a guess at its light.
+r"""Bounds of a group of lights in a light tree, packed for kernels, and an estimate of its light.
 
 A group is known by a sphere around its lights, a cone of the directions they face, how far they
 reach behind its middle, and their intensity. To a point p, at the distance d from its middle c, it

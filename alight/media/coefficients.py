@@ -1,4 +1,4 @@
-"""How much a medium extinguishes and scatters: what all media have in common."""
+"""Extinction and scattering coefficients: what all media share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The few distributions and tests that pictures are judged by, without SciPy.
+"""The few distributions and tests that judge pictures, without SciPy.
 
 Student's t by the regularised incomplete beta function (NIST Digital Library of Mathematical
 Functions, 8.17.22: continued fraction, evaluated by Lentz's method); relative error of the tail

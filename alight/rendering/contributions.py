@@ -1,4 +1,4 @@
-"""Every contribution to a picture by itself: how long its path was, and how its light was found."""
+"""Every single contribution to a picture: the length of its path, and how its light was found."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The adaptive rule of Blender's Cycles, to be compared with: its pictures are biased.
+r"""The adaptive rule of Blender's Cycles, for comparison: its pictures are biased.
 
 With I the mean of a pixel's samples and A that of every second one, the pixel's error is
 

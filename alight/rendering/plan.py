@@ -1,4 +1,4 @@
-"""What a promise will cost, predicted from a pilot.
+"""The cost of a promise, predicted from a pilot.
 
 The pilot's relMSE is measured at three numbers of samples, each twice the last. Its slope in
 logarithms (-1 for independent samples, steeper for better ones) is carried on to the error that is

@@ -1,4 +1,4 @@
-"""Going on with a render from its checkpoint, to the same bits as if it had never stopped."""
+"""Resuming a render from its checkpoint, to the same bits as if it had never stopped."""
 
 from __future__ import annotations
 

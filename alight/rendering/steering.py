@@ -1,4 +1,4 @@
-"""The schedules that steer: until an error is reached, and to where samples are worth most."""
+"""Schedules that render until an error is reached, or where samples are worth most."""
 
 from __future__ import annotations
 

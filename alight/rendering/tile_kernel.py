@@ -1,4 +1,4 @@
-"""The main loop inside a tile: start paths, carry them on, add the finished ones to the film.
+"""The main loop inside a tile: start paths, extend them, add the finished ones to the film.
 
 A packet's samples take their first step together. Where some paths end, the others wait in a queue,
 from which the next packet is taken as soon as they fill one; so packets stay full although paths

@@ -1,4 +1,4 @@
-"""What a scene says, key by key, to name what has changed since a picture was begun."""
+"""The content of a scene, key by key, to report what changed since a render began."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""How placed things move while the shutter is open, which is from 0 to 1 here.
+r"""How placed objects move while the shutter is open, from 0 to 1.
 
 What hangs below moving nodes of the scene graph moves by a chain
 

@@ -1,4 +1,4 @@
-r"""Textures made of other textures: what they are made of, and how many steps they take.
+r"""Textures made of other textures: their parts, and the steps to evaluate them.
 
 Kernels do not call each other recursively. A texture made of others is written as a list of steps
 in postfix order (Lukasiewicz): a texture without parts puts its value on a stack, an

@@ -31,7 +31,7 @@ UNSURE = "cannot tell"
 #: Verdict where only one picture's noise is known.
 DIFFERENT_IF_EXACT = "different, if the other is exact"
 
-#: Why there is no FLIP where nobody wants it.
+#: Why FLIP is missing where it was not requested.
 NOT_ASKED = "FLIP was not asked for"
 
 

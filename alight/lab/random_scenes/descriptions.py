@@ -34,7 +34,7 @@ EDGE = 0.02
 SHARE = 0.4
 #: Probability that a field that takes a texture gets one.
 TEXTURED = 0.15
-#: Descriptions inside of descriptions, at most.
+#: Descriptions inside descriptions, at most.
 DEEPEST = 2
 #: Most models of a material of a random scene.
 MOST_LEAVES = 4
@@ -71,7 +71,7 @@ def varied(
     chance : Chance
     base : Spec
     depth : int
-        How many descriptions may be put inside of each other.
+        How many descriptions may be put inside each other.
     keep : tuple of str, optional
         Fields that stay as they are.
     share : float
@@ -134,7 +134,7 @@ def _field(
 
 
 def _markers(spec: type[Spec], name: str) -> list[Any]:
-    """Metadata of a field, those inside of ``X | None`` too."""
+    """Metadata of a field, those inside ``X | None`` too."""
     info = spec.model_fields[name]
     found = [*info.metadata]
     for part in get_args(info.annotation):

@@ -158,7 +158,7 @@ def try_alternatives(
         progress(change)
         here, there = _measured((own, Sums(_arm(other))), weights, seeds)
         variance = log_ratio(here[0], there[0])
-        # Times of one batch are taken one after the other: they share what the machine did then.
+        # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
         both = log_ratio(here[0] + here[1], there[0] + there[1], paired=True)
         found.append((change, variance, seconds, both))
