@@ -20,7 +20,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from lanewise.application import set_application
+
 __version__ = "0.1.0"
+
+set_application("alight", __path__[0])
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {

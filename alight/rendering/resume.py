@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from alight.core.errors import FilmError, SceneError
-from alight.core.machine import describe_machine, fingerprint
 from alight.films import Film
 from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoint_writer import CheckpointWriter
@@ -22,6 +21,7 @@ from alight.rendering.steering import towards
 from alight.rendering.stopping import Promise
 from alight.scene import Scene, content_hash, flatten, load
 from alight.scene.content import describe_content, differences
+from lanewise.machine import describe_machine, fingerprint
 
 #: So many changes are named; more are counted.
 _MOST_NAMED = 8

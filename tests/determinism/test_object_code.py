@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import alight
-from alight.core.jit import instantiate, kernel
-from alight.core.machine_code import C_TYPES, MachineCode, ObjectCode, kind_of, leaves
-from alight.core.simd import as_float
 from alight.core.vec import Vec3
-from alight.core.view import View
+from lanewise.jit import instantiate, kernel
+from lanewise.machine_code import C_TYPES, MachineCode, ObjectCode, kind_of, leaves
+from lanewise.simd import as_float
+from lanewise.view import View
 
 ROOT = Path(alight.__file__).parent.parent
 

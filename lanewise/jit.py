@@ -17,9 +17,9 @@ from collections.abc import Callable, Hashable
 from functools import cache, lru_cache
 from typing import Any
 
-from alight.core.machine_code import MachineCode, ObjectCode
-from alight.core.marks import STRICT, Specialised, is_kernel, kernel, specialised
-from alight.core.source_digest import digest_of
+from lanewise.machine_code import MachineCode, ObjectCode
+from lanewise.marks import STRICT, Specialised, is_kernel, kernel, specialised
+from lanewise.source_digest import digest_of
 
 __all__ = ["FAST_MATH", "Specialised", "instantiate", "is_kernel", "kernel", "specialised"]
 
@@ -55,7 +55,7 @@ def instantiate(
         return load_compiler().object_code(_CompiledBuild(program).get(root), arguments)
 
     text = root.factory if isinstance(root, Specialised) else root
-    # The digest tells a kernel that is not of alight's own from an older one of the same name.
+    # The digest tells a kernel that is in no package from an older one of the same name.
     digest = digest_of({"root": text})
     identity = f"{text.__module__}.{text.__qualname__} {digest} {program!r}"
     return MachineCode(root.__name__, identity, compile_for)
@@ -197,6 +197,6 @@ def _names(code: types.CodeType) -> set[str]:
 @lru_cache(maxsize=1)
 def load_compiler():
     """Import Numba and our compiler."""
-    from alight.core import compiler
+    from lanewise import compiler
 
     return compiler

@@ -1,6 +1,6 @@
 """Numba types of the SPMD text, their operators, and `Vec3` and `View` as kernels see them.
 
-Only `alight.core.compiler` brings this module in. Types:
+Only `lanewise.compiler` brings this module in. Types:
 
 - ``f32xN``, ``u32xN``, ``maskN``: a packet's lanes as one LLVM vector;
 - ``Vec3[f32]``, ``Vec3[f32xN]``: three of them;
@@ -30,9 +30,9 @@ from numba.extending import (
 )
 from numba.np.numpy_support import from_dtype
 
-from alight.core.machine import lanes_of_machine
-from alight.core.vec3 import Vec3
-from alight.core.view import View
+from lanewise.machine import lanes_of_machine
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 N = lanes_of_machine()
 

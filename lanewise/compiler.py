@@ -1,6 +1,6 @@
 """How kernel text becomes machine code: Numba with float32 constants and our primitives.
 
-Only `alight.core.jit.load_compiler` imports this module, at the first compilation.
+Only `lanewise.jit.load_compiler` imports this module, at the first compilation.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ from numba.core.untyped_passes import (
     TranslateByteCode,
 )
 
-from alight.core import simd
-from alight.core.lane_types import N
-from alight.core.machine_code import ObjectCode
-from alight.core.wide_instructions import PRIMITIVES
+from lanewise import simd
+from lanewise.lane_types import N
+from lanewise.machine_code import ObjectCode
+from lanewise.wide_instructions import PRIMITIVES
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class Float32Constants(FunctionPass):
     """Make Python floats in kernel text float32, so that no product becomes a double."""
 
-    _name = "alight_float32_constants"
+    _name = "lanewise_float32_constants"
 
     def __init__(self):
         super().__init__()
@@ -80,7 +80,7 @@ class OptimisedLibrary(JITCodeLibrary):
 class LowerToLibrary(NativeLowering):
     """Lowering to LLVM IR, without an entry point for Python."""
 
-    _name = "alight_lower_to_library"
+    _name = "lanewise_lower_to_library"
 
     def run_pass(self, state):
         """Lower one function."""
@@ -129,7 +129,7 @@ _ANSWERS: dict[tuple, Any] = {}
 class KernelTypeInference(NopythonTypeInference):
     """Type inference that asks each question once."""
 
-    _name = "alight_type_inference"
+    _name = "lanewise_type_inference"
 
     def run_pass(self, state):
         """Infer the types of one function."""
@@ -150,7 +150,7 @@ class KernelCompiler(CompilerBase):
 
     def define_pipelines(self):
         """The passes in order."""
-        pipeline = PassManager("alight")
+        pipeline = PassManager("lanewise")
         for step in (
             TranslateByteCode,
             FixupArgs,

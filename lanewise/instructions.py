@@ -1,4 +1,4 @@
-"""The LLVM instructions that the primitives of `alight.core.simd` compile to.
+"""The LLVM instructions that the primitives of `lanewise.simd` compile to.
 
 Each intrinsic below takes scalars or lanes; `PRIMITIVES` says which primitive it stands for.
 """
@@ -13,8 +13,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from alight.core import simd
-from alight.core.lane_types import (
+from lanewise import simd
+from lanewise.lane_types import (
     FLOATS,
     I1,
     I8,
