@@ -13,7 +13,7 @@ PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-ch
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock clean
+.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock canary clean
 
 help:
 	@echo "make demo     set up, then render the built-in Cornell box to cornell.png"
@@ -23,6 +23,7 @@ help:
 	@echo "make lint     style and direction of imports      make format   let ruff mend the style"
 	@echo "make types    static types                        make docs     build the pages in site/"
 	@echo "make figures  render the pictures of docs/        make peers    install Mitsuba and Embree"
+	@echo "make canary   what of lanewise the newest Numba and NumPy would break"
 	@echo "make lock     write requirements/*.txt anew       make clean    remove what was built"
 
 $(VENV)/.created:
@@ -91,6 +92,9 @@ peers: $(VENV)/.peers
 
 lock:
 	requirements/lock.sh
+
+canary:
+	PYTHON=$(PYTHON) requirements/canary.sh
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .ruff_cache .hypothesis .import_linter_cache

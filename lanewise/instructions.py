@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
 from lanewise import simd
@@ -38,6 +37,7 @@ from lanewise.lane_types import (
     suffix,
     widest,
 )
+from lanewise.numba_adapter import cgutils
 
 PRIMITIVES: dict = {}
 

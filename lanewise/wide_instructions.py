@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
 from lanewise import simd, wide
@@ -27,6 +26,7 @@ from lanewise.lane_types import (
     pointer_of,
     suffix,
 )
+from lanewise.numba_adapter import cgutils
 
 
 def _stands_for(primitive):

@@ -23,7 +23,7 @@ from alight.rendering.tile_kernel import (
     render_step_by_step,
     render_tile_kernel,
 )
-from lanewise.jit import instantiate
+from lanewise.jit import StockKernel, instantiate
 from lanewise.machine_code import MachineCode
 from lanewise.view import View
 
@@ -61,7 +61,7 @@ def make_kernels(
     def make(program: Program) -> Callable:
         kernel = instantiate(root, program, compiled=compiled, observe=observe)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
-        if isinstance(kernel, MachineCode):
+        if isinstance(kernel, MachineCode | StockKernel):
             return kernel.fixed()
         return np.errstate(all="ignore")(kernel)
 
@@ -78,7 +78,7 @@ def make_kernels(
 def compiled_add_rows() -> Callable:
     """`add_rows` as machine code, ready to run: it is the same for all scenes."""
     kernel, nothing = instantiate(add_rows), View(np.zeros(2, np.int64))
-    assert isinstance(kernel, MachineCode)
+    assert isinstance(kernel, MachineCode | StockKernel)
     call = kernel.fixed()
     call(nothing, 0, 0, nothing, 0, 0)
     return call

@@ -51,3 +51,16 @@ def test_the_cache_folder_changes_with_any_callee(callee, tmp_path):
     path = tmp_path / callee
     path.write_text(path.read_text() + "\n#\n")
     assert run(script, tmp_path, PYTHONPATH=str(tmp_path)) != before
+
+
+def test_a_second_process_needs_no_compiler(tmp_path):
+    script = (
+        "import sys, alight\n"
+        "alight.render(alight.load('cornell-box', ['film.size=[8,8]']), spp=1)\n"
+        "print('numba' in sys.modules)\n"
+    )
+    said = [
+        run(script, tmp_path, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
+        for _ in range(2)
+    ]
+    assert said == ["True", "False"]
