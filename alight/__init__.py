@@ -20,9 +20,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from alight.core.version import VERSION as __version__
 from lanewise.application import set_application
-
-__version__ = "0.1.0"
 
 set_application("alight", __path__[0])
 
@@ -43,8 +42,8 @@ _PUBLIC = {
     "SceneError": "alight.core.errors",
     "check_laws": "alight.laws",
     "Film": "alight.films",
-    "load": "alight.scene",
-    "save": "alight.scene",
+    "load": "alight.formats",
+    "save": "alight.formats",
     "Scene": "alight.scene",
     "SceneManager": "alight.scene",
 }
@@ -54,10 +53,11 @@ if TYPE_CHECKING:
     from alight.core.registration import register
     from alight.films import Film
     from alight.films.denoising import denoise
+    from alight.formats import load, save
     from alight.laws import check_laws
     from alight.rendering import Progress, merge, render, resume
     from alight.rendering.trace import Trace, trace
-    from alight.scene import Scene, SceneManager, load, save
+    from alight.scene import Scene, SceneManager
 
 __all__ = [
     "AlightError",

@@ -27,8 +27,9 @@ def convert(
     from alight.cli.loading import load_scene
     from alight.cli.options import changes_of
     from alight.core.errors import OutputError
-    from alight.scene import flatten, save
-    from alight.scene.formats.gltf.write import write
+    from alight.formats import save
+    from alight.formats.gltf.write import write
+    from alight.scene import flatten
 
     check_suffix(output)
     changes = changes_of({"camera": camera}, assignments or [])
@@ -56,7 +57,7 @@ def check_suffix(output: Path) -> None:
         With the endings that there are.
     """
     from alight.core.errors import OutputError, unknown_name
-    from alight.scene.files import SUFFIXES
+    from alight.formats.native import SUFFIXES
 
     if output.suffix.lower() not in (*SUFFIXES, ".glb"):
         text = unknown_name("suffix", output.suffix, (*SUFFIXES, ".glb"))

@@ -32,7 +32,7 @@ def load_scene(
     """
     from alight.cli.options import parse_definitions
     from alight.cli.plugins import load_plugins
-    from alight.scene import load
+    from alight.formats import load
 
     load_plugins(plugin)
     definitions = parse_definitions(define)

@@ -35,9 +35,9 @@ def random(
     """Make up a scene that can be rendered, of any registered shapes, materials and lights."""
     from alight.cli.options import parse_size
     from alight.core.errors import OutputError
+    from alight.formats import dumps, save
     from alight.lab.random_scenes import random_scene
     from alight.lab.random_scenes.kinds import KINDS, summary
-    from alight.scene import dumps, save
 
     if kind == LIST:
         width = max(map(len, KINDS))

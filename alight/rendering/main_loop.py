@@ -19,6 +19,7 @@ from typing import Any
 
 from alight.compiled.scene import compile_scene
 from alight.films import Film
+from alight.formats import load
 from alight.rendering.checkpoint import Origin
 from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.job import Job, Progress
@@ -27,7 +28,7 @@ from alight.rendering.options import check_options, layers_of
 from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule, Uniform
-from alight.scene import Scene, content_hash, flatten, load
+from alight.scene import Scene, content_hash, flatten
 
 #: Seconds between two checkpoints, and between two reports of progress.
 EVERY, REPORT_EVERY = 60.0, 0.1

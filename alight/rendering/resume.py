@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from alight.core.errors import FilmError, SceneError
 from alight.films import Film
+from alight.formats import load
 from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.job import Progress
@@ -19,7 +20,7 @@ from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import restored_schedule
 from alight.rendering.steering import towards
 from alight.rendering.stopping import Promise
-from alight.scene import Scene, content_hash, flatten, load
+from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
 from lanewise.machine import describe_machine, fingerprint
 

@@ -22,6 +22,7 @@ from alight.compiled.scene import compile_scene
 from alight.compiled.shapes import compile_shapes
 from alight.core.errors import OptionError
 from alight.films.fixed_point import carry, to_float
+from alight.formats import load
 from alight.integrators.shadow_rays import come_through
 from alight.integrators.walk import make_settings, step
 from alight.lights.sampling import (
@@ -35,7 +36,7 @@ from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.rendering.observation import Event, Observer
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile, add_finished
-from alight.scene import FlatScene, Scene, flatten, load
+from alight.scene import FlatScene, Scene, flatten
 from alight.shapes.surfaces import make_surface
 
 Triple = tuple[float, float, float]

@@ -12,7 +12,7 @@ from alight.bsdfs.rough_dielectric import RoughDielectric
 from alight.bsdfs.switch import concentration, refracts
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
-from alight.scene import loads
+from alight.formats import loads
 from alight.textures.checkerboard import Checkerboard
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3

@@ -14,10 +14,10 @@ from alight.cli.main import app
 from alight.core.errors import OptionError
 from alight.core.registry import specs
 from alight.films import fixed_point
+from alight.formats import loads
 from alight.laws.integrators import ROOM
 from alight.rendering.observation import closest_of_all, occlude_by_all
 from alight.scene.description import FilmSettings
-from alight.scene.files import loads
 from alight.shapes.hit import Hit
 from lanewise.simd import LANES
 from lanewise.vec3 import Vec3
