@@ -206,7 +206,7 @@ def _names(code: types.CodeType) -> set[str]:
 
 
 def uses_stock_pipeline() -> bool:
-    """Whether the setting PIPELINE asks for Numba's own pipeline ("stock"; else "lean").
+    """Whether ``LANEWISE_PIPELINE`` asks for Numba's own pipeline ("stock"; else "lean").
 
     Raises
     ------

@@ -13,7 +13,7 @@ from lanewise.application import LANEWISE, Application, application, setting, va
 
 @cache
 def lanes_of_machine() -> int:
-    """Packet width: 16 with AVX-512, else 8; the setting LANES overrides.
+    """Packet width: 16 with AVX-512, else 8; ``LANEWISE_LANES`` overrides.
 
     Asked once: what is compiled later has the same width.
 
@@ -76,7 +76,7 @@ def _digest_of_sources(packages: set[Application]) -> str:
 def cache_folder() -> Path:
     """Where compiled kernels are kept: a folder that changes with any source of the packages.
 
-    The setting CACHE moves it.
+    ``LANEWISE_CACHE`` (``ALIGHT_CACHE``) moves it.
     """
     base = setting("CACHE")
     if base is not None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
+from alight.core.constants import LUMINANCE
 from alight.core.spec import RadianceTexture, Triple, UnitTexture
 from alight.core.vec import luminance
 from alight.textures.checkerboard import Checkerboard
@@ -49,7 +50,7 @@ class Mix(Composed):
 
 def _grey(color: Value) -> float:
     red, green, blue = most(color)
-    return 0.212671 * red + 0.715160 * green + 0.072169 * blue
+    return LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue
 
 
 EXAMPLES = (
