@@ -1,4 +1,4 @@
-"""The arguments of ``alight render``: what they are called, and what help says about them."""
+"""The arguments of ``alight render``: names and help texts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Output = Annotated[
     typer.Option(
         "-o",
         "--output",
-        help="File to write; the suffix chooses the format. May be repeated.",
+        help="File to write; the suffix chooses the format. Repeatable.",
         show_default="SCENE.png",
         rich_help_panel=_IMAGE,
     ),
@@ -26,7 +26,7 @@ Layers = Annotated[
     str | None,
     typer.Option(
         metavar="NAMES",
-        help="Further layers (EXR), by commas, as albedo,normal or direct,indirect.",
+        help="Extra layers (EXR), comma-separated, such as albedo,normal or direct,indirect.",
         rich_help_panel=_IMAGE,
     ),
 ]
@@ -40,7 +40,7 @@ WhiteBalance = Annotated[
     str,
     typer.Option(
         metavar="LIGHT",
-        help="Light that looks white: none, auto, a temperature as 3200K, or its colour as R,G,B.",
+        help="Light to show as white: none, auto, a temperature such as 3200K, or a colour R,G,B.",
         rich_help_panel=_IMAGE,
     ),
 ]
@@ -71,29 +71,32 @@ Spp = Annotated[
 ]
 TimeLimit = Annotated[
     float | None,
-    typer.Option("--time", help="Seconds after which no pass starts.", rich_help_panel=_SAMPLING),
+    typer.Option(
+        "--time", help="Start no pass after this many seconds.", rich_help_panel=_SAMPLING
+    ),
 ]
-Seed = Annotated[int, typer.Option(help="Of the random numbers.", rich_help_panel=_SAMPLING)]
+Seed = Annotated[int, typer.Option(help="Seed of the random numbers.", rich_help_panel=_SAMPLING)]
 FirstSample = Annotated[
     int,
     typer.Option(help="Index of the first sample, to extend a film.", rich_help_panel=_SAMPLING),
 ]
 Replicates = Annotated[
     int | None,
-    typer.Option(help="Independent parts for the error bars.", rich_help_panel=_SAMPLING),
+    typer.Option(help="Independent scrambles for the error bars.", rich_help_panel=_SAMPLING),
 ]
 Threads = Annotated[
-    int | None, typer.Option(help="Default: all processors.", rich_help_panel=_SAMPLING)
+    int | None, typer.Option(help="Threads; by default all processors.", rich_help_panel=_SAMPLING)
 ]
 SppPerPass = Annotated[
-    int | None, typer.Option(help="Between two progress reports.", rich_help_panel=_SAMPLING)
+    int | None,
+    typer.Option(help="Samples per pixel between progress reports.", rich_help_panel=_SAMPLING),
 ]
 
 Checkpoint = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Keep the state there: alight resume FILE goes on after a stop or a crash.",
+        help="Save the state there: alight resume FILE continues after a stop or a crash.",
         rich_help_panel=_SAMPLING,
     ),
 ]
@@ -101,7 +104,7 @@ Every = Annotated[
     str,
     typer.Option(
         metavar="TIME",
-        help="Time between two checkpoints, as 60s, 5m or 1h.",
+        help="Time between checkpoints, such as 60s, 5m or 1h.",
         rich_help_panel=_SAMPLING,
     ),
 ]
@@ -116,31 +119,32 @@ CameraName = Annotated[
     typer.Option(
         "--camera",
         metavar="NAME|NUMBER",
-        help="Camera node of the scene: its path, its name, or its place among them from 0.",
+        help="Camera node of the scene: its path, its name, or its number, from 0.",
         rich_help_panel=_SCENE,
     ),
 ]
 IntegratorName = Annotated[
-    str | None, typer.Option(help="Algorithm, as path or direct.", rich_help_panel=_SCENE)
+    str | None, typer.Option(help="Algorithm, such as path or direct.", rich_help_panel=_SCENE)
 ]
 SamplerName = Annotated[
-    str | None, typer.Option(help="Source of random numbers, as sobol.", rich_help_panel=_SCENE)
+    str | None,
+    typer.Option(help="Source of random numbers, such as sobol.", rich_help_panel=_SCENE),
 ]
 FilterName = Annotated[
-    str | None, typer.Option("--filter", help="Pixel filter, as box.", rich_help_panel=_SCENE)
+    str | None, typer.Option("--filter", help="Pixel filter, such as box.", rich_help_panel=_SCENE)
 ]
 MaxDepth = Annotated[
     int | None, typer.Option(help="Longest path, in edges.", rich_help_panel=_SCENE)
 ]
 RrDepth = Annotated[
-    int | None, typer.Option(help="Where Russian roulette begins.", rich_help_panel=_SCENE)
+    int | None, typer.Option(help="Depth at which Russian roulette starts.", rich_help_panel=_SCENE)
 ]
 Assignments = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
         metavar="PATH=VALUE",
-        help="Any key of the scene file. May be repeated.",
+        help="Set any key of the scene file. Repeatable.",
         rich_help_panel=_SCENE,
     ),
 ]
@@ -150,7 +154,7 @@ Plugins = Annotated[
     typer.Option(
         "--plugin",
         metavar="FILE.py",
-        help="Script that registers models for the scene (alight.register). May be repeated.",
+        help="Script that registers models for the scene (alight.register). Repeatable.",
         rich_help_panel=_SCENE,
     ),
 ]
@@ -160,7 +164,7 @@ Root = Annotated[
     typer.Option(
         "--root",
         metavar="FOLDER",
-        help="Files that the scene names may lie in this folder and below; it holds the scene.",
+        help="Folder whose files the scene may read; must contain it.",
         show_default="the scene's own folder",
         rich_help_panel=_SCENE,
     ),
@@ -173,7 +177,7 @@ Definitions = Annotated[
     typer.Option(
         "-D",
         metavar="NAME=VALUE",
-        help="Value of a $NAME in an .xml file. May be repeated.",
+        help="Set $NAME in an .xml file. Repeatable.",
         rich_help_panel=_FOREIGN,
     ),
 ]
@@ -181,7 +185,7 @@ Lenient = Annotated[
     bool,
     typer.Option(
         "--lenient",
-        help="Replace what is not covered (.xml, .pbrt), and list it.",
+        help="Replace unsupported parts (.xml, .pbrt), and list them.",
         rich_help_panel=_FOREIGN,
     ),
 ]

@@ -16,12 +16,12 @@ from alight.cli.render import DEFAULT_SCENE
 if TYPE_CHECKING:
     from alight.laws.scene import Verdict
 
-#: What ``--mutant`` without a name stands for.
+#: The value of ``--mutant`` without a name.
 LIST = "list"
 
 
 class MutantCommand(TyperCommand):
-    """Lets ``--mutant`` stand without a name, to hear which there are."""
+    """Lets ``--mutant`` come without a name, to list them."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Add the name `LIST` where there is none."""
@@ -37,7 +37,7 @@ def check(
     scene: arguments.SceneName = DEFAULT_SCENE,
     output: Annotated[
         Path,
-        typer.Option("-o", "--output", metavar="FOLDER", help="For pictures of what failed."),
+        typer.Option("-o", "--output", metavar="FOLDER", help="Folder for pictures of failures."),
     ] = Path("check-failures"),
     level: Annotated[
         float, typer.Option(help="Probability that a scene without a bug fails.")
@@ -46,15 +46,13 @@ def check(
         str | None,
         typer.Option(
             metavar="NAMES",
-            help="Some of materials, lights, numbers, paths, pictures, accelerators, by commas.",
+            help="Comma-separated: materials, lights, numbers, paths, pictures, accelerators.",
             show_default="all",
         ),
     ] = None,
     mutant: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME", help="Plant a classical bug first; without a name: list them."
-        ),
+        typer.Option(metavar="NAME", help="Plant a classic bug first; without a name, list them."),
     ] = None,
     seed: arguments.Seed = 0,
     assignments: arguments.Assignments = None,
@@ -64,7 +62,7 @@ def check(
     root: arguments.Root = None,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Test a scene: materials, lights, random numbers, and that all ways give one picture.
+    """Test a scene: materials, lights, random numbers, and that all methods give one picture.
 
     Exit code 1 if something fails.
     """

@@ -29,19 +29,21 @@ def compare(
             "--output", "-o", help=".png or .html: side by side; .exr, .npy, .pfm: A - B."
         ),
     ] = None,
-    layer: Annotated[str | None, typer.Option(help="Of EXR files, as albedo.")] = None,
+    layer: Annotated[str | None, typer.Option(help="Layer of EXR files, such as albedo.")] = None,
     exposure: Annotated[float, typer.Option(help="Stops, for what a display shows.")] = 0.0,
     skip_invalid: Annotated[
-        bool, typer.Option("--skip-invalid", help="Leave out pixels that are NaN or infinite.")
+        bool, typer.Option("--skip-invalid", help="Ignore NaN and infinite pixels.")
     ] = False,
-    flip: Annotated[bool, typer.Option(help="Work out FLIP (slow on large pictures).")] = True,
+    flip: Annotated[bool, typer.Option(help="Compute FLIP (slow on large pictures).")] = True,
     fail_above: Annotated[
         list[str] | None,
-        typer.Option(metavar="FIGURE=NUMBER", help="Exit code 1 above it, as relmse=0.01."),
+        typer.Option(
+            metavar="FIGURE=NUMBER", help="Exit with code 1 above this, such as relmse=0.01."
+        ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
 ) -> None:
-    """Compare two pictures: errors, what an eye sees, and whether it is more than noise."""
+    """Compare two pictures: errors, visible differences, and whether they exceed the noise."""
     from alight.lab.compare import compare_inputs, make_comparable, read_input
     from alight.lab.compare.figures import exceeded, parse_limits
     from alight.lab.compare.views import SUFFIXES, write_view

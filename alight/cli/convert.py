@@ -1,4 +1,4 @@
-"""``alight convert``: any scene that can be read, in the native format or as far as glTF goes."""
+"""``alight convert``: any readable scene in the native format, or as far as glTF can hold it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def convert(
     lenient: arguments.Lenient = False,
     root: arguments.Root = None,
 ) -> None:
-    """Write a scene in the native format with its meshes and pictures beside it, or as glTF."""
+    """Write a scene in the native format with its meshes and pictures next to it, or as glTF."""
     from alight.cli.loading import load_scene
     from alight.cli.options import changes_of
     from alight.core.errors import OutputError

@@ -1,4 +1,4 @@
-"""The end of a render on the command line: pictures, the last lines, and ways to go on."""
+"""The end of a render on the command line: pictures, the last lines, and ways to continue."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Results:
 
 
 def run_and_finish(render: Callable[..., Film], results: Results, time_limit: float | None) -> None:
-    """Render until the end or a signal, with a progress bar, and write what there is.
+    """Render until the end or a signal, with a progress bar, and write the result.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def run_and_finish(render: Callable[..., Film], results: Results, time_limit: fl
     typer.Exit
         After a signal.
     OutputError
-        If a picture cannot be written; where the samples are then is said.
+        If a picture cannot be written; the message says where the samples are.
     """
     from alight.cli.progress import ProgressBar
 
@@ -117,18 +117,18 @@ def run_and_finish(render: Callable[..., Film], results: Results, time_limit: fl
 
 
 def _save_partial(film: Film | None, results: Results) -> None:
-    """Write an interrupted picture beside its target, which stays as it is."""
+    """Write an interrupted picture next to its target, which stays as it is."""
     if film is None or not film.sample_count.any():
         typer.echo("stopped before the first samples; nothing was written", err=True)
     else:
         target = results.outputs[0]
         try:
             path = film.save(target.with_name(f"{target.stem}.partial.exr"))
-            typer.echo(f"stopped at {film.spp:.3g} spp; what there is is in {path}", err=True)
+            typer.echo(f"stopped at {film.spp:.3g} spp; the samples so far are in {path}", err=True)
         except OutputError as error:
             typer.echo(f"stopped at {film.spp:.3g} spp; {error}", err=True)
     if results.checkpoint is not None and results.checkpoint.exists():
-        typer.echo(f"to go on: {_command('resume', results.checkpoint)}", err=True)
+        typer.echo(f"to continue: {_command('resume', results.checkpoint)}", err=True)
 
 
 def _finish(film: Film, results: Results, seconds: float) -> None:

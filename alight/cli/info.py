@@ -28,7 +28,7 @@ def info(
     lenient: arguments.Lenient = False,
     root: arguments.Root = None,
 ) -> None:
-    """Show what a scene holds, without rendering it."""
+    """Show a scene's contents without rendering it."""
     from alight.cli.loading import load_scene
     from alight.cli.options import changes_of
     from alight.scene import flatten

@@ -1,4 +1,4 @@
-"""The scene of a command, loaded as the options say that all commands share."""
+"""The scene of a command, loaded by the options that all commands share."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ def merge(
     output: Annotated[
         list[Path],
         typer.Option(
-            "-o", "--output", help="Picture, or film (.alight) to merge again. May be repeated."
+            "-o", "--output", help="Picture, or film (.alight) to merge again. Repeatable."
         ),
     ],
     exposure: arguments.Exposure = "0",
@@ -27,7 +27,7 @@ def merge(
     denoise: arguments.Denoise = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Add films of different samples of the same picture; one film alone is only converted."""
+    """Merge films of different samples of the same picture, or convert a single film."""
     from alight.cli.finishing import Results, write_outputs
     from alight.cli.reporting import warn
     from alight.cli.summary import bias_lines, error_line, warnings_of

@@ -1,4 +1,4 @@
-"""Options of ``alight render`` that stand for keys of the scene file."""
+"""Options of ``alight render`` that set keys of the scene file."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def parse_size(text: str) -> tuple[int, int]:
     """
     found = re.fullmatch(r"(\d{1,9})(?:[x,*](\d{1,9}))?", text.strip().lower())
     if found is None:
-        raise OptionError(f"--size: must be WIDTHxHEIGHT in pixels as 512x512, got {quote(text)}")
+        raise OptionError(f"--size: must be WIDTHxHEIGHT in pixels, as 512x512, got {quote(text)}")
     return int(found[1]), int(found[2] or found[1])
 
 
@@ -127,5 +127,5 @@ def parse_seconds(option: str, text: str) -> float:
     """
     found = re.fullmatch(r"(\d{1,9}(?:\.\d{0,9})?)\s*([smh]?)", text.strip().lower())
     if found is None:
-        raise OptionError(f"{option}: must be a time as 60s, 5m or 1h, got {quote(text)}")
+        raise OptionError(f"{option}: must be a time such as 60s, 5m or 1h, got {quote(text)}")
     return float(found[1]) * {"": 1, "s": 1, "m": 60, "h": 3600}[found[2]]

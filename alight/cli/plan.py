@@ -23,7 +23,7 @@ def plan(
     lenient: arguments.Lenient = False,
     root: arguments.Root = None,
 ) -> None:
-    """Predict samples and time that an error will take, from a short pilot."""
+    """Predict the samples and time needed to reach an error, from a short pilot."""
     from alight.cli.loading import load_scene
     from alight.cli.options import changes_of
     from alight.rendering.plan import make_plan

@@ -21,23 +21,34 @@ Error = Annotated[
         metavar="2%", help="Render until the error is this small.", rich_help_panel=_PANEL
     ),
 ]
-Confidence = Annotated[str, typer.Option(metavar="95%", help="That it is.", rich_help_panel=_PANEL)]
+Confidence = Annotated[
+    str, typer.Option(metavar="95%", help="Confidence in that.", rich_help_panel=_PANEL)
+]
 Metric = Annotated[
     str,
     typer.Option(
-        help="relrmse of the picture, or pixel: most pixels within the error.",
+        help="relrmse of the whole picture, or pixel: a share of the pixels.",
         rich_help_panel=_PANEL,
     ),
 ]
 Share = Annotated[
     str,
-    typer.Option(metavar="95%", help="Of the pixels, for pixel.", rich_help_panel=_PANEL),
+    typer.Option(
+        metavar="95%", help="Share of the pixels, for --metric pixel.", rich_help_panel=_PANEL
+    ),
 ]
 MaxTime = Annotated[
     str | None,
-    typer.Option(metavar="10m", help="Give up then, as 90s, 10m or 2h.", rich_help_panel=_PANEL),
+    typer.Option(
+        metavar="10m",
+        help="Give up after this time, such as 90s, 10m or 2h.",
+        rich_help_panel=_PANEL,
+    ),
 ]
-MaxSpp = Annotated[int | None, typer.Option(help="Give up there.", min=1, rich_help_panel=_PANEL)]
+MaxSpp = Annotated[
+    int | None,
+    typer.Option(help="Give up at this many samples per pixel.", min=1, rich_help_panel=_PANEL),
+]
 Adaptive = Annotated[
     bool,
     typer.Option(
@@ -69,7 +80,7 @@ def parse_share(option: str, text: str) -> float:
     """
     found = re.fullmatch(r"(\d{1,9}(?:\.\d{1,12})?|\.\d{1,12})\s*(%?)", text.strip())
     if found is None:
-        raise OptionError(f"{option}: must be a share as 2% or 0.02, got {quote(text)}")
+        raise OptionError(f"{option}: must be a share such as 2% or 0.02, got {quote(text)}")
     return float(found[1]) / (100.0 if found[2] else 1.0)
 
 

@@ -13,7 +13,7 @@ from alight.cli import arguments
 def reference(
     scene: arguments.SceneName,
     output: Annotated[Path, typer.Option("-o", "--output", help="EXR file to write.")],
-    error: Annotated[str, typer.Option(help="relRMSE wanted, as 0.5%.")] = "1%",
+    error: Annotated[str, typer.Option(help="Requested relRMSE, such as 0.5%.")] = "1%",
     seed: arguments.Seed = 0,
     threads: arguments.Threads = None,
     size: arguments.Size = None,
@@ -21,7 +21,7 @@ def reference(
     root: arguments.Root = None,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Render until the picture's own error is as small as wanted, for comparisons with it."""
+    """Render a reference picture to a given error."""
     from alight.cli.loading import load_scene
     from alight.cli.options import changes_of
     from alight.cli.progress import ProgressBar

@@ -1,4 +1,4 @@
-"""``alight resume``: a render goes on from its checkpoint, to the same bits."""
+"""``alight resume``: continues a render from its checkpoint, to the same bits."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from alight.cli import arguments, promises
 
 
 def resume(
-    checkpoint: Annotated[Path, typer.Argument(help="File that --checkpoint has written.")],
+    checkpoint: Annotated[Path, typer.Argument(help="File written by --checkpoint.")],
     output: Annotated[
         list[Path] | None,
         typer.Option(
             "-o",
             "--output",
-            help="File to write; may be repeated.",
+            help="File to write; repeatable.",
             show_default="as for the first part of the render",
         ),
     ] = None,
@@ -36,7 +36,7 @@ def resume(
         float | None,
         typer.Option(
             "--time",
-            help="Seconds after which no pass starts.",
+            help="Start no pass after this many seconds.",
             show_default="what is left of the first limit",
         ),
     ] = None,
@@ -47,7 +47,7 @@ def resume(
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help="Files that the scene names may lie in this folder and below.",
+            help="Folder whose files the scene may read.",
             show_default="as the render began",
         ),
     ] = None,
@@ -61,7 +61,7 @@ def resume(
     stats: arguments.Stats = None,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Go on with a render that was stopped or killed, or render more samples."""
+    """Resume a stopped or killed render, or add samples to it."""
     from alight.cli.finishing import Results, run_and_finish
     from alight.cli.options import parse_seconds
     from alight.cli.plugins import load_plugins

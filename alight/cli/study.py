@@ -30,10 +30,12 @@ def study(
     ] = False,
     list_ready: Annotated[bool, typer.Option("--list", help="List the ready studies.")] = False,
     root: arguments.Root = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all processors.", min=1)] = None,
+    threads: Annotated[
+        int | None, typer.Option(help="Threads; by default all processors.", min=1)
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")] = False,
 ) -> None:
-    """Compare techniques: how much noise each leaves, at what cost, and how sure that is."""
+    """Compare techniques: how much noise each leaves, at what cost, with what certainty."""
     from alight.core.errors import OptionError
     from alight.lab.study_file import load_study, ready_names
 
@@ -52,7 +54,7 @@ def study(
         try:
             result = run_study(description, folder, quick=quick, threads=threads, progress=bar)
         except KeyboardInterrupt:
-            typer.echo("stopped; the same command goes on from here", err=True)
+            typer.echo("stopped; the same command continues from here", err=True)
             raise typer.Exit(INTERRUPTED) from None
     begin = time.process_time()
     page = write_report(result, folder)

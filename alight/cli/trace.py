@@ -13,7 +13,9 @@ from alight.cli import arguments
 
 def trace(
     scene: arguments.SceneName,
-    pixel: Annotated[str, typer.Option(metavar="X,Y", help="On the film, from the top left.")],
+    pixel: Annotated[
+        str, typer.Option(metavar="X,Y", help="Pixel of the film, from the top left.")
+    ],
     sample: Annotated[int, typer.Option(help="Which sample of the pixel.")] = 0,
     seed: arguments.Seed = 0,
     size: arguments.Size = None,
@@ -29,7 +31,7 @@ def trace(
     define: arguments.Definitions = None,
     lenient: arguments.Lenient = False,
     root: arguments.Root = None,
-    as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
 ) -> None:
     """Follow one sample of a pixel, one path vertex a line; breakpoints in kernels work."""
     from alight.cli.loading import load_scene
@@ -69,5 +71,5 @@ def parse_pixel(text: str) -> tuple[int, int]:
 
     found = re.fullmatch(r"(-?\d{1,9}),(-?\d{1,9})", text.replace(" ", ""))
     if found is None:
-        raise OptionError(f"--pixel: must be X,Y in pixels as 12,7, got {quote(text)}")
+        raise OptionError(f"--pixel: must be X,Y in pixels, such as 12,7, got {quote(text)}")
     return int(found[1]), int(found[2])

@@ -1,4 +1,4 @@
-"""``alight why``: the parts of a picture's noise, and what was measured to lower it."""
+"""``alight why``: the parts of a picture's noise, and measured advice to lower it."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def why(
         bool, typer.Option("--measure/--no-measure", help="Try other options, for advice.")
     ] = True,
     limit: Annotated[
-        float, typer.Option("--time", help="Seconds after which nothing more is tried.")
+        float, typer.Option("--time", help="Start no new trial after this many seconds.")
     ] = 60.0,
-    as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
     seed: arguments.Seed = 0,
     integrator: arguments.IntegratorName = None,
     max_depth: arguments.MaxDepth = None,
@@ -40,7 +40,7 @@ def why(
     root: arguments.Root = None,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Say where a picture's noise comes from: path depth, technique, light, first material."""
+    """Explain a picture's noise by path depth, technique, light and first material."""
     import json
 
     from alight.cli.loading import load_scene

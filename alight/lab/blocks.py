@@ -34,7 +34,7 @@ LEVEL = 0.01
 #: 1 % (without: up to 100 %), and noise that is nearly normal keeps its 64 blocks.
 _LARGEST_SKEWNESS = 0.2
 
-#: Seeds that stand for a variance that is known exactly.
+#: Seeds that represent an exactly known variance.
 _MANY = 1e6
 
 

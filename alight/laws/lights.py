@@ -23,7 +23,7 @@ from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes
 from lanewise.view import View
 
-#: Where the light stands, and how it is turned.
+#: Position and orientation of the light.
 PLACE = (0.3, -0.2, 0.5)
 N = 4096
 CELLS = SphereCells(side=16)

@@ -1,4 +1,4 @@
-"""Tone curves: from scene light without bound to what a display can show.
+"""Tone curves: from unbounded scene light to what a display can show.
 
 ===========  =====================================================================================
 ``none``     clip at 1

@@ -1,4 +1,4 @@
-r"""White balance: the colour of the light that is to look white.
+r"""White balance: the colour of the light that should look white.
 
 The eye takes the colour of the light around it for white; a screen's white is D65. A picture lit by
 a lamp of 2 800 K is therefore adapted: the lamp's white goes to D65 and everything else with it, by
@@ -88,7 +88,7 @@ def black_body_white(temperature: float) -> np.ndarray:
     Returns
     -------
     ndarray of float64, shape (3,)
-        Linear sRGB; a channel is negative where the colour lies outside of sRGB (below 1900 K).
+        Linear sRGB; a channel is negative where the colour lies outside sRGB (below 1900 K).
     """
     t = temperature
     u = (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) / (

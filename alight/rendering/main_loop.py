@@ -79,7 +79,7 @@ def render(
         Decides which samples are rendered, in place of `spp`.
     checkpoint : path, optional
         File to write the state of the render to, at the start, from time to time and at the end,
-        also when it is cancelled or fails: `alight.resume` goes on from there.
+        also when it is cancelled or fails: `alight.resume` continues from there.
     every : float, seconds, default 60
         Time between two checkpoints.
     notes : mapping of str to plain JSON, optional

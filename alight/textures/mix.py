@@ -63,7 +63,7 @@ SLOTS: dict[str, int] = {}
 
 
 def pack(spec: Mix, packer) -> None:
-    """Nothing to pack: the parts stand by themselves."""
+    """Nothing to pack: the parts are packed separately."""
 
 
 @kernel

@@ -278,7 +278,7 @@ def test_numbers_and_maps_from_the_command_line(tmp_path):
     [
         (("--spp", "16"), "spp: must be at least 32, got 16"),
         (("--size", "4"), "size: must be in [8, 1024] pixels, got 4"),
-        (("--integrator", "ambient_occlusion"), "does not say where its light comes from"),
+        (("--integrator", "ambient_occlusion"), "does not record where its light comes from"),
         (("-o", "maps.exr"), "-o: the maps are a .png file, got maps.exr"),
     ],
 )

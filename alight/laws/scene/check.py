@@ -43,7 +43,7 @@ def check_scene(
     only : sequence of str
         Some of `PARTS`, all by default.
     progress : callable, optional
-        Is told in words what runs next.
+        Called with a description of what runs next.
 
     Returns
     -------

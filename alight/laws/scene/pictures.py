@@ -66,7 +66,7 @@ def small(scene: Scene, integrator: Integrator | None = None, size: int = SIZE) 
     shape = tuple(max(BLOCK, BLOCK * round(n * scale / BLOCK)) for n in (width, height))
     film = scene.film.replaced(size=shape, crop=None)
     integrator = integrator or scene.integrator
-    # A copy made by hand: it must go on knowing its folder.
+    # A copy made by hand: it must keep its folder.
     copy = scene.replaced(film=film, sampler=Independent(), integrator=integrator)
     return copy.from_source(scene.source)
 
@@ -158,7 +158,7 @@ def compare_ways(
         Luminance of the brightest thing that BSDF sampling can come upon.
     seed : int
     say : callable
-        Is told in words what runs next.
+        Called with a description of what runs next.
     """
     sides = {}
     for number, (key, sums) in enumerate(ways.items()):
@@ -231,7 +231,7 @@ def block_z(a: Side, b: Side) -> np.ndarray:
 def _welch(
     a: Side, b: Side, means: Callable[[Side], np.ndarray], pixels: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Welch's t of means of so many pixels; no variance is below what rare samples would have."""
+    """Welch's t of means of the given pixels; no variance is below what rare samples would have."""
     values = [means(side) for side in (a, b)]
     average = [v.mean(axis=0) for v in values]
     variance = [v.var(axis=0, ddof=1) for v in values]
