@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from alight.core.errors import FilmError, SceneError
-from alight.core.machine import describe_machine, fingerprint
 from alight.films import Film
 from alight.formats import load
 from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
@@ -23,6 +22,7 @@ from alight.rendering.steering import towards
 from alight.rendering.stopping import Promise
 from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
+from lanewise.machine import describe_machine, fingerprint
 
 #: So many changes are named; more are counted.
 _MOST_NAMED = 8
