@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from alight.cli.info import facts
 from alight.core.errors import SceneError
+from alight.lab.info import facts
 from alight.scene import content_hash, dumps, flatten, keyframes, loads, rotate, scale, translate
 from alight.scene.keyframes import Keyframes, rotation, take_apart
 from alight.scene.transform import matrix
