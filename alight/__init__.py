@@ -20,7 +20,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from alight.core.version import VERSION as __version__
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {
@@ -46,8 +46,8 @@ _PUBLIC = {
     "SceneError": "alight.core.errors",
     "check_laws": "alight.laws",
     "Film": "alight.films",
-    "load": "alight.scene",
-    "save": "alight.scene",
+    "load": "alight.formats",
+    "save": "alight.formats",
     "Scene": "alight.scene",
     "SceneManager": "alight.scene",
 }
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from alight.core.registration import register
     from alight.films import Film
     from alight.films.denoising import denoise
+    from alight.formats import load, save
     from alight.lab.compare import compare
     from alight.lab.info import info
     from alight.lab.report.outcome import study
@@ -67,7 +68,7 @@ if TYPE_CHECKING:
     from alight.rendering import Progress, merge, render, resume
     from alight.rendering.plan import plan
     from alight.rendering.trace import Trace, trace
-    from alight.scene import Scene, SceneManager, load, save
+    from alight.scene import Scene, SceneManager
 
 __all__ = [
     "AlightError",

@@ -23,9 +23,10 @@ def convert(
 ) -> None:
     """Write a scene in the native format with its meshes and pictures beside it, or as glTF."""
     from alight.core.errors import OutputError
+    from alight.formats import save
+    from alight.formats.gltf.write import write
     from alight.rendering.loading import scene_of
-    from alight.scene import flatten, save
-    from alight.scene.formats.gltf.write import write
+    from alight.scene import flatten
 
     check_suffix(output)
     description = scene_of(scene, options)
@@ -52,7 +53,7 @@ def check_suffix(output: Path) -> None:
         With the endings that there are.
     """
     from alight.core.errors import OutputError, unknown_name
-    from alight.scene.files import SUFFIXES
+    from alight.formats.native import SUFFIXES
 
     if output.suffix.lower() not in (*SUFFIXES, ".glb"):
         text = unknown_name("suffix", output.suffix, (*SUFFIXES, ".glb"))

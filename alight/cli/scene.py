@@ -32,10 +32,10 @@ def random(
 ) -> None:
     """Make up a scene that can be rendered, of any registered shapes, materials and lights."""
     from alight.core.errors import OutputError
+    from alight.formats import dumps, save
     from alight.lab.random_scenes import random_scene
     from alight.lab.random_scenes.kinds import KINDS, summary
     from alight.options.scene import SizedOptions
-    from alight.scene import dumps, save
 
     if kind == LIST:
         width = max(map(len, KINDS))

@@ -21,7 +21,7 @@ from typing import Any
 
 from alight.core.errors import Issue, nearest, show_value, unknown_name
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
-from alight.scene.formats import native
+from alight.scene import plain_yaml
 
 _KEYS = {
     "title", "description", "teaches", "kind", "scenes", "arms", "baseline", "spp", "equal_time",
@@ -116,7 +116,7 @@ def parse_study(text: str, name: str = "study.yaml", folder: Path = Path()) -> S
     SceneError
         If it is not YAML.
     """
-    data, places, issues = native.parse(text, name)
+    data, places, issues = plain_yaml.parse(text, name)
     reader = _Reader(Study(Path(name).stem, file=name, places=places))
     reader.issues += issues
     study = reader.study(data, folder)

@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import alight
 from alight.core.errors import AlightError, OptionError, unknown_name
 
 
@@ -171,7 +170,7 @@ def plant(mutant: Mutant, folder: Path) -> None:
     AlightError
         If the package is not made of the source files that the bug was written for.
     """
-    package = Path(alight.__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     shutil.copytree(package, folder / "alight", ignore=shutil.ignore_patterns("__pycache__"))
     for file, old, new in mutant.edits:
         path = folder / "alight" / file

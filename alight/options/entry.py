@@ -18,7 +18,7 @@ P = ParamSpec("P")
 A_contra = TypeVar("A_contra", contravariant=True)
 B_contra = TypeVar("B_contra", contravariant=True)
 R_co = TypeVar("R_co", covariant=True)
-O = TypeVar("O")  # noqa: E741
+O_co = TypeVar("O_co", covariant=True)
 A = TypeVar("A")
 B = TypeVar("B")
 R = TypeVar("R")
@@ -42,16 +42,16 @@ class TwoSubjects(Protocol[A_contra, B_contra, P, R_co]):
     def __call__(self, a: A_contra, b: B_contra, options: Options, /) -> R_co: ...
 
 
-class Takes(Protocol[P, O]):
+class Takes(Protocol[P, O_co]):
     """What `takes` gives: makes functions of options out of functions of a table."""
 
     @overload
-    def __call__(self, function: Callable[[A, O], R]) -> OneSubject[A, P, R]: ...
+    def __call__(self, function: Callable[[A, O_co], R]) -> OneSubject[A, P, R]: ...
     @overload
-    def __call__(self, function: Callable[[A, B, O], R]) -> TwoSubjects[A, B, P, R]: ...
+    def __call__(self, function: Callable[[A, B, O_co], R]) -> TwoSubjects[A, B, P, R]: ...
 
 
-def takes(cls: Callable[P, O]) -> Takes[P, O]:
+def takes(cls: Callable[P, O_co]) -> Takes[P, O_co]:
     """Let a function take the options of a table as keywords.
 
     Parameters

@@ -425,5 +425,14 @@ class Definitions(Kind):
         return [f"{name}={one}" for name, one in value.items()]
 
 
+@dataclass(frozen=True)
 class Anything(Kind):
-    """An object that only Python can give: a callable, an event, a schedule."""
+    """An object that only Python can give.
+
+    Parameters
+    ----------
+    type : str
+        What it is, for the documentation: its class may stand above this package.
+    """
+
+    type: str = ""

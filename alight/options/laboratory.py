@@ -25,7 +25,6 @@ from alight.options.table import PROMISE, SAMPLING, SCENE, Options, option, tabl
 
 if TYPE_CHECKING:
     from alight.films import Film
-    from alight.lab.pictures import StudyProgress
 
 #: What a check looks at, in this order.
 PARTS = ("materials", "lights", "numbers", "paths", "pictures", "accelerators")
@@ -143,8 +142,11 @@ class StudyOptions(Options):
     threads: int | None = option(
         Whole(1, 1024), "To render with.", shown="all processors", default=None
     )
-    progress: Callable[[StudyProgress], None] | None = option(
-        Anything(), "Called with a `StudyProgress` from time to time.", flag="", default=None
+    progress: Callable[[Any], None] | None = option(
+        Anything("callable"),
+        "Called with a `StudyProgress` from time to time.",
+        flag="",
+        default=None,
     )
 
 

@@ -26,8 +26,6 @@ from alight.options.table import PICTURE, PROMISE, SAMPLING, Options, option, ta
 
 if TYPE_CHECKING:
     from alight.outputs.display import Display
-    from alight.rendering.job import Progress
-    from alight.rendering.schedule import Schedule
 
 #: What an error may be that of, and the rules of adaptive sampling.
 METRICS, CRITERIA = ("relrmse", "pixel"), ("pilot", "cycles")
@@ -196,15 +194,19 @@ class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions,
     filter: str | None = scene.filter()
     max_depth: int | None = scene.max_depth()
     rr_depth: int | None = scene.rr_depth()
-    schedule: Schedule | None = option(
-        Anything(), "Decides which samples are rendered, in place of the number of samples.",
-        flag="", default=None
+    schedule: Any = option(
+        Anything("Schedule"),
+        "Decides which samples are rendered, in place of the number of samples.",
+        default=None, flag="",
     )  # fmt: skip
     notes: Mapping[str, Any] = option(
-        Anything(), "Plain JSON that checkpoints keep, for whoever resumes.", default={}, flag=""
+        Anything("mapping of str to plain JSON"),
+        "Plain JSON that checkpoints keep, for whoever resumes.",
+        default={},
+        flag="",
     )
-    progress: Callable[[Progress], None] | None = option(
-        Anything(),
+    progress: Callable[[Any], None] | None = option(
+        Anything("callable"),
         "Called with a `Progress` from time to time, in the calling thread.",
         flag="",
         default=None,

@@ -5,16 +5,13 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from alight.options.kinds import Anything, File, Files, Seconds, Text, Whole
 from alight.options.render import EVERY, MOST_SAMPLES, PromiseOptions, check_end
 from alight.options.table import PROMISE, option, table
 
 if TYPE_CHECKING:
-    from alight.rendering.job import Progress
-    from alight.rendering.schedule import Schedule
-    from alight.rendering.stopping import Promise
     from alight.scene import Scene
 
 
@@ -69,12 +66,15 @@ class ResumeOptions(PromiseOptions):
         flag="",
         default=None,
     )
-    promise: Promise | None = option(Anything(), "Go on until it is kept.", flag="", default=None)
-    schedule: Schedule | None = option(
-        Anything(), "Another rule instead of the one in the checkpoint.", flag="", default=None
+    promise: Any = option(Anything("Promise"), "Go on until it is kept.", flag="", default=None)
+    schedule: Any = option(
+        Anything("Schedule"),
+        "Another rule instead of the one in the checkpoint.",
+        flag="",
+        default=None,
     )
-    progress: Callable[[Progress], None] | None = option(
-        Anything(),
+    progress: Callable[[Any], None] | None = option(
+        Anything("callable"),
         "Called with a `Progress` from time to time, in the calling thread.",
         flag="",
         default=None,

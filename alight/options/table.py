@@ -249,7 +249,7 @@ def documented(cls: type[Options]) -> str:
     """Write the options as a numpydoc section."""
     lines = ["Parameters", "----------"]
     for one in cls.options().values():
-        kind = one.type
+        kind = getattr(one.kind, "type", "") or one.type
         for text, words in _TYPES.items():
             kind = kind.replace(text, words)
         optional = one.default in (None, {}, ())

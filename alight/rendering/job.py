@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import alight
 from alight.compiled.scene import CompiledScene
 from alight.core.machine import fingerprint
+from alight.core.version import VERSION
 from alight.films import Film
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
@@ -146,7 +146,7 @@ class Job:
             seed=seed_of_round(self.seed, round),
             options=dict(scene.integrator),
             fingerprint=fingerprint(),
-            version=alight.__version__,
+            version=VERSION,
         )
         film.recorded = depth_cap.unmeasured(scene.integrator)
         film.largest_sample = self.largest_sample

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
+from alight.formats import load
+from alight.formats.loading import changed
 from alight.options.scene import SceneOptions
 from alight.rendering.plugins import load_plugins
-from alight.scene import Scene, load
-from alight.scene.files import changed
+from alight.scene import Scene
 
 
 def scene_of(scene: Scene | str | os.PathLike[str], options: SceneOptions) -> Scene:

@@ -67,7 +67,7 @@ class Pilot(Schedule):
         now, film = time.process_time(), rounds[0]
         if self.begin is not None:
             self.passes.append(now - self.begin)
-            self.need = judge(film, self.promise, 8).factor
+            self.need = judge(film, self.promise).factor
             self.looks.append(time.process_time() - now)
             figure = film.relmse_estimate(literature=False).figure
             spread = math.log(math.sqrt(figure.quantile(0.841) / figure.value)) if (

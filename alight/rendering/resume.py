@@ -11,6 +11,7 @@ from pathlib import Path
 from alight.core.errors import FilmError, SceneError
 from alight.core.machine import describe_machine, fingerprint
 from alight.films import Film
+from alight.formats import load
 from alight.options.entry import takes
 from alight.options.kinds import Files
 from alight.options.resume import ResumeOptions
@@ -22,7 +23,7 @@ from alight.rendering.plugins import load_plugins
 from alight.rendering.schedules import promise_of, restored_schedule
 from alight.rendering.steering import towards
 from alight.rendering.writing import Targets, finish
-from alight.scene import Scene, content_hash, flatten, load
+from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
 
 #: So many changes are named; more are counted.

@@ -98,11 +98,11 @@ def _promise(
     logs = np.interp(math.log(oracle), np.log(CHECKED), np.log(errors))
     asked = min(max(float(np.exp(logs)), 1e-4), 10.0)
     sums, first = 0.0, 0
-    for look, spp in enumerate(looks(BUDGET * oracle)):
+    for spp in looks(BUDGET * oracle):
         sums, first = sums + runner.sums(render, first, spp - first), spp
         means = (sums / (spp / REPLICATES)).astype(np.float32)
         counts = np.full(means.shape[:3], spp // REPLICATES)
-        judgement = judge_means(means, counts, Promise(asked), look)
+        judgement = judge_means(means, counts, Promise(asked))
         if judgement.met:
             break
     true = truth.relrmse(means.mean(axis=2, dtype=np.float64))

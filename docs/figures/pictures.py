@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 import alight
+from alight.formats import loads
 from alight.outputs import write_image
-from alight.scene import loads
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 SPP = 256

@@ -11,8 +11,8 @@ from alight import __version__
 from alight.cli import doctor
 from alight.cli.main import app
 from alight.cli.progress import ProgressBar
+from alight.formats import builtin_names
 from alight.rendering import Progress
-from alight.scene import builtin_names
 
 
 def run(*arguments):

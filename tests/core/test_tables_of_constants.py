@@ -6,13 +6,13 @@ import pytest
 from alight.bsdfs import conductor, thin_film
 from alight.core import rng, vec
 from alight.core.vec3 import Vec3
+from alight.formats import cie, metals, spectra
+from alight.formats.pbrt import amounts, colors
 from alight.lights import atmosphere
 from alight.metrics import comparison
 from alight.outputs import tone_mapping, white_balance
 from alight.samplers.halton import PRIMES
 from alight.samplers.sobol import _second_dimension
-from alight.scene.formats import cie, metals, spectra
-from alight.scene.formats.pbrt import amounts, colors
 from alight.textures import mix
 
 # ---------------------------------------------------------------- random numbers

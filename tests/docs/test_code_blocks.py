@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from alight.core.vec import Vec3
+from alight.formats import loads
 from alight.samplers.state import sampler_state
-from alight.scene import loads
 from tests.docs.pages import PAGES, ROOT, blocks, name_of
 
 EXTENDING = ROOT / "docs" / "extending.md"

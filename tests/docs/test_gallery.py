@@ -4,7 +4,7 @@ import re
 
 from PIL import Image
 
-from alight.scene import builtin_names
+from alight.formats import builtin_names
 from tests.docs.pages import ROOT
 
 GALLERY = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")

@@ -12,8 +12,9 @@ from alight.bsdfs.normal_map import NormalMap
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.core.jit import instantiate
+from alight.formats import load, loads
 from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
-from alight.scene import flatten, load, loads
+from alight.scene import flatten
 from alight.scene.validation import MOST_INSTANCED, MOST_SURROUNDINGS
 from alight.textures.add import Add
 from alight.textures.checkerboard import Checkerboard

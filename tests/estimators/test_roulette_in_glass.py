@@ -14,7 +14,7 @@ from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.core.jit import instantiate
 from alight.core.vec3 import Vec3
-from alight.scene import loads
+from alight.formats import loads
 from alight.textures.checkerboard import Checkerboard
 from tests.sampling.materials import Scene, Shapes, Surface
 

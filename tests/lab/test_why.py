@@ -13,6 +13,7 @@ import alight
 from alight.cli.main import app
 from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import carry, to_float
+from alight.formats import loads
 from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, can_record
 from alight.integrators.walk import make_settings
 from alight.lab.statistics import holm_adjusted, log_mean, log_ratio
@@ -33,7 +34,6 @@ from alight.rendering.contributions import Contributions, Recorder
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
-from alight.scene.files import loads
 from tests.laws.test_scene_check import SCENE
 
 CAMERA = """alight: 1

@@ -7,12 +7,13 @@ import alight
 from alight.compiled.program import Program
 from alight.core.errors import SceneError
 from alight.core.jit import instantiate
+from alight.formats import loads
 from alight.lights.constant import Constant
 from alight.lights.environment import Environment
 from alight.lights.portal import Portal
 from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
 from alight.lights.sun import Sun
-from alight.scene import flatten, loads
+from alight.scene import flatten
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, scale, translate
 from tests.lights.test_environment import sky

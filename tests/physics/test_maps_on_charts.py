@@ -9,7 +9,8 @@ from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.bsdfs.normal_map import NormalMap
 from alight.core.jit import instantiate
 from alight.core.vec import Vec3
-from alight.scene import loads, matrix
+from alight.formats import loads
+from alight.scene import matrix
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.surfaces import make_surface
 from tests.rendering.many_paths import prepared

@@ -8,6 +8,7 @@ import pytest
 from alight.compiled.scene import compile_scene
 from alight.core.jit import instantiate
 from alight.core.view import View
+from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import TileFilm
 from alight.rendering.tile_kernel import (
@@ -17,7 +18,6 @@ from alight.rendering.tile_kernel import (
     render_step_by_step,
 )
 from alight.scene import flatten
-from alight.scene.files import loads
 
 #: A ball above a disk in the open: rays leave the scene at every depth.
 SCENE = """alight: 1

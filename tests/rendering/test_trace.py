@@ -17,10 +17,10 @@ from alight.core.simd import LANES
 from alight.core.vec3 import Vec3
 from alight.core.view import View
 from alight.films import fixed_point
+from alight.formats import loads
 from alight.laws.integrators import ROOM
 from alight.rendering.observation import closest_of_all, occlude_by_all
 from alight.scene.description import FilmSettings
-from alight.scene.files import loads
 from alight.shapes.hit import Hit
 from tests.docs.pages import ROOT
 from tests.media.scenes import bodies

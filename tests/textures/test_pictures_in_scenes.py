@@ -14,13 +14,14 @@ from alight.compiled.scene import compile_scene
 from alight.compiled.textures import pack_bytes
 from alight.core.errors import SceneError
 from alight.films import fixed_point
+from alight.formats import dumps, load, loads, save
 from alight.integrators.walk import make_settings
 from alight.outputs import write_image
 from alight.outputs.png import encode_png
 from alight.outputs.texels import STRIP, decode_texels, reusing_memory
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
-from alight.scene import content_hash, dumps, flatten, load, loads, save
+from alight.scene import content_hash, flatten
 from alight.scene.images import ImageStore, read_image
 from alight.textures.bitmap import Bitmap
 

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from alight.core.errors import OptionError
-from alight.scene.files import FOREIGN, SUFFIXES, builtin_names
+from alight.formats import builtin_names
+from alight.formats.loading import FOREIGN
+from alight.formats.native import SUFFIXES
 
 
 def find_scenes(wanted: Sequence[str]) -> tuple[list[str], list[Path]]:

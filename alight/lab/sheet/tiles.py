@@ -11,9 +11,10 @@ import numpy as np
 
 from alight.core.errors import AlightError
 from alight.films import Film
+from alight.formats import load
 from alight.outputs.display import Display
 from alight.rendering import render
-from alight.scene import Scene, load
+from alight.scene import Scene
 
 #: Relative errors above this are no figures: a few pixels decide on all of the picture.
 _LARGEST = 10.0
