@@ -60,7 +60,7 @@ class Whole(Kind):
     def parse(self, text: Any) -> int:
         """Read digits."""
         found = re.fullmatch(r"[+-]?\d{1,18}", text.strip())
-        return self.check(int(text) if found else text)
+        return self.check(int(text) if found else _number_or_text(text))
 
     def check(self, value: Any) -> int:
         """Refuse truth values and fractions, too."""
@@ -172,10 +172,7 @@ class Number(Kind):
 
     def parse(self, text: Any) -> float:
         """Read a decimal number."""
-        try:
-            return self.check(float(text))
-        except ValueError:
-            return self.check(text)
+        return self.check(_number_or_text(text))
 
     def check(self, value: Any) -> float:
         """Refuse what is no number."""
@@ -196,6 +193,13 @@ class Number(Kind):
         return f"in [{ends[0]}, {ends[1]}]" if self.is_closed else f"between {' and '.join(ends)}"
 
 
+def _number_or_text(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def _plain(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else show_value(value)
 
@@ -204,7 +208,8 @@ def _plain(value: Any) -> str:
 Known = Sequence[str] | Callable[[], Iterable[str]]
 
 
-def _listed(known: Known) -> list[str]:
+def listed(known: Known) -> list[str]:
+    """List the names."""
     return list(known() if callable(known) else known)
 
 
@@ -218,14 +223,14 @@ class Choice(Kind):
 
     def check(self, value: Any) -> str:
         """Name the nearest one."""
-        if value not in (known := _listed(self.known)):
+        if value not in (known := listed(self.known)):
             raise ValueError(unknown_name(self.word, str(value), known))
         return value
 
     @property
     def range(self) -> str:
         """The names."""
-        return f"one of {', '.join(_listed(self.known))}"
+        return f"one of {', '.join(listed(self.known))}"
 
 
 @dataclass(frozen=True)
@@ -245,8 +250,10 @@ class Names(Kind):
     def check(self, value: Any) -> tuple[str, ...]:
         """Name the nearest one of each that there is not."""
         texts = value.split(",") if isinstance(value, str) else value
+        if not isinstance(texts, Sequence) or not all(isinstance(text, str) for text in texts):
+            raise ValueError(f"must be names, got {show_value(value)}")
         names = tuple(name.strip() for name in texts if name.strip())
-        known = _listed(self.known)
+        known = listed(self.known)
         for name in names:
             if name not in known:
                 raise ValueError(unknown_name(self.word, name, known))
@@ -364,8 +371,8 @@ class Files(Kind):
 
     def check(self, value: Any) -> tuple[Path, ...]:
         """Make paths of texts."""
-        single = isinstance(value, str | os.PathLike)
-        return tuple(File().check(path) for path in ([value] if single else value))
+        several = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+        return tuple(File().check(path) for path in several)
 
     def write(self, value: Any) -> list[str]:
         """Each for itself."""
@@ -381,11 +388,11 @@ class Texts(Kind):
 
     def check(self, value: Any) -> tuple[str, ...]:
         """Refuse what is no text."""
-        texts = (value,) if isinstance(value, str) else tuple(value)
-        for text in texts:
+        several = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+        for text in several:
             if not isinstance(text, str):
                 raise ValueError(f"must be texts as {self.metavar}, got {show_value(text)}")
-        return texts
+        return tuple(several)
 
     def write(self, value: Any) -> list[str]:
         """Each for itself."""

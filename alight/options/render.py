@@ -50,7 +50,7 @@ class ThreadOptions(Options):
     seed: int = option(Whole(0, 2**32 - 1), "Of the random numbers.", default=0, panel=SAMPLING)
     threads: int | None = option(
         Whole(1, 1024),
-        "Does not change the picture.",
+        "To render with; their number does not change the picture.",
         shown="all processors",
         panel=SAMPLING,
         default=None,
@@ -66,7 +66,7 @@ class PromiseOptions(Options):
         metavar="2%", panel=PROMISE, default=None
     )  # fmt: skip
     confidence: float | str = option(
-        Share(0.5, 1.0, most_is_open=True), "That it is.",
+        Share(0.5, 1.0, most_is_open=True), "With which the error is that small.",
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
     metric: str = option(
@@ -75,7 +75,8 @@ class PromiseOptions(Options):
         default="relrmse", panel=PROMISE,
     )  # fmt: skip
     share: float | str = option(
-        Share(0.5, 1.0, most_is_open=True), "Of the pixels, for pixel.",
+        Share(0.5, 1.0, most_is_open=True),
+        "Of the pixels that are within the error, for the metric pixel.",
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
 
@@ -95,7 +96,7 @@ class DisplayOptions(Options):
     tone_map: str = option(
         Text("NAME"), "none, reinhard, aces, hable or agx.", default="none", panel=PICTURE
     )
-    bits: int = option(Whole(1, 64), "8, or 16 (PNG).", default=8, panel=PICTURE)
+    bits: int = option(Whole(8, 16), "8, or 16 (PNG).", default=8, panel=PICTURE)
     denoise: bool = option(
         Switch(), "Denoise the picture; EXR keeps the noisy one too. Needs the extra denoise.",
         default=False, panel=PICTURE,
@@ -120,10 +121,17 @@ class LimitOptions(Options):
     """When a render gives up, and where its samples go."""
 
     max_time: float | str | None = option(
-        Seconds(), "Give up then, as 90s, 10m or 2h.", metavar="10m", panel=PROMISE, default=None
+        Seconds(),
+        "Give up after this time, as 90s, 10m or 2h.",
+        metavar="10m",
+        panel=PROMISE,
+        default=None,
     )
     max_spp: int | None = option(
-        Whole(1, MOST_SAMPLES), "Give up there.", panel=PROMISE, default=None
+        Whole(1, MOST_SAMPLES),
+        "Give up at this number of samples per pixel.",
+        panel=PROMISE,
+        default=None,
     )
     adaptive: bool = option(
         Switch(), "More samples where there is more noise.", default=False, panel=PROMISE

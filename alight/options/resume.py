@@ -30,7 +30,10 @@ class ResumeOptions(PromiseOptions):
         default=None,
     )
     max_spp: int | None = option(
-        Whole(1, MOST_SAMPLES), "Give up there.", panel=PROMISE, default=None
+        Whole(1, MOST_SAMPLES),
+        "Give up at this number of samples per pixel.",
+        panel=PROMISE,
+        default=None,
     )
     time_limit: float | str | None = option(
         Seconds(), "Seconds after which no pass starts.", flag="--time",
@@ -50,7 +53,10 @@ class ResumeOptions(PromiseOptions):
         Seconds(can_be_zero=True), "Time between two checkpoints, as 60s, 5m or 1h.", default=EVERY
     )
     threads: int | None = option(
-        Whole(1, 1024), "Does not change the picture.", shown="all processors", default=None
+        Whole(1, 1024),
+        "To render with; their number does not change the picture.",
+        shown="all processors",
+        default=None,
     )
     plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
         Files("FILE.py"),

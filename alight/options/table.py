@@ -260,12 +260,12 @@ def documented(cls: type[Options]) -> str:
 
 
 def help_in_python(one: Option) -> str:
-    """What an option does, what is allowed, and how a command line spells it."""
+    """What an option does, what is allowed, and how a command line spells it, if in its own way."""
     parts = [one.help.rstrip(".")]
-    if one.kind.range and not isinstance(one.kind, Switch):
-        parts.append(f"{one.kind.range[0].upper()}{one.kind.range[1:]}")
+    if one.kind.range:
+        parts.append(f"Must be {one.kind.range}")
     if one.shown:
         parts.append(f"By default {one.shown}")
-    if one.flags:
+    if one.flags and one.spelling != f"--{one.name.replace('_', '-')}":
         parts.append(f"On the command line ``{one.spelling}``")
     return ". ".join(parts) + "."

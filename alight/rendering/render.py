@@ -71,7 +71,7 @@ def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Pr
     layers = options.aovs
     if options.denoise:
         layers = tuple(dict.fromkeys([*layers, *FEATURES.values()]))
-    notes = {**targets.notes(options.plugins), **options.notes} if options.checkpoint else {}
+    notes = options.notes or targets.notes(options.plugins)
     return Prepared(description, options.changed(aovs=layers, notes=notes), targets, useless)
 
 
