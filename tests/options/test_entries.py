@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -211,8 +212,11 @@ def test_info_prints_and_shows_the_same(named):
     page = Page.of(found)
     assert "<b>ball" in page.text
     assert dict(found.facts)["shapes"] in page.text
-    warned = run("info", named, "--set", "environment=null", "--set", "nodes.'<b>lamp'=null")
-    assert warned.stderr
+    dark = NAMED.format(name="white").split('  "<b>lamp"')[0].replace("environment", "#")
+    Path("dark.yaml").write_text(dark, encoding="utf-8")
+    found = alight.info("dark.yaml")
+    assert found.remarks() == run("info", "dark.yaml").stderr.splitlines()
+    assert "warning: the scene has no light" in Page.of(found).text
 
 
 def test_plan_prints_and_shows_the_same(folder, monkeypatch):
