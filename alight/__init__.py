@@ -6,7 +6,7 @@ Examples
 >>> film = alight.render("cornell-box", spp=16)  # doctest: +SKIP
 >>> film.save("cornell.png")  # doctest: +SKIP
 
-Everything that a user can mend is an `AlightError`, with the place and the remedy:
+Every mistake that a user can fix is an `AlightError`, with its place and remedy:
 
 >>> try:
 ...     alight.load("cornell-bx")

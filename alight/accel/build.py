@@ -50,7 +50,7 @@ TOGETHER = 8
 
 METHODS = {"sah": SAH, "median": MEDIAN}
 
-#: What tells how many vertices triangles share: so many runs of so many triangles.
+#: How shared vertices are estimated: RUNS runs of RUN triangles.
 RUNS, RUN = 4, 2048
 
 #: Any big odd numbers: what the bits of coordinates are multiplied by.
@@ -401,7 +401,7 @@ class _Builder:
 
         ends = [start + int(n) for start, n in zip(starts, totals[:, 0], strict=True)]
         self.pool.run(lambda k: pack_rows(starts[k], ends[k], int(block_at[k])), range(len(starts)))
-        # Between the tasks stand the rows of the top.
+        # The rows of the top lie between the tasks.
         for start, end in zip([0, *sorted(ends)], [*sorted(starts), count], strict=True):
             pack_rows(start, end, 0)
         return bvh, {

@@ -7,7 +7,7 @@ Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, section
 surface areas: one for each node, and one for each block of a leaf, as a ray takes about as long for
 either.
 
-*Rows* of the binary tree stand in preorder, so the left part of row v is row v + 1:
+*Rows* of the binary tree are in preorder, so the left part of row v is row v + 1:
 
 ======  ==================================================================
 word    meaning (32 words, two cache lines)
@@ -105,7 +105,7 @@ def write_costs_of(rows, listed, count, scale):
 
 @kernel(strict=True)
 def cost_of_share(rows, left, right, columns, k):
-    """What two rows cost in so many columns, k of them for the left one."""
+    """The cost of two rows in the given columns, k of them for the left one."""
     return rows[ROW * left + COSTS + k - 1] + rows[ROW * right + COSTS + columns - k - 1]
 
 

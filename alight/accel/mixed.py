@@ -1,4 +1,4 @@
-"""Leaves that hold analytic shapes and instances beside triangles.
+"""Leaves that hold analytic shapes and instances as well as triangles.
 
 One ray meets an analytic shape in packet arithmetic, all lanes alike, so that its numbers are those
 that the flat lists get. An instance is met by moving the ray to the space of its geometry, whose

@@ -1,4 +1,4 @@
-"""What moves while the shutter is open, met by rays at their times.
+"""Rays against objects that move while the shutter is open, each at its own time.
 
 Each ray goes to what it meets as it is at rest, by the inverse of the motion at its time
 (`alight.core.motion`); the direction keeps its length, so that t means the same. In a list all

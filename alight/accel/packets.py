@@ -1,4 +1,4 @@
-"""What integrators call: packets of rays against a whole scene.
+"""The interface for integrators: packets of rays against a whole scene.
 
 A packet first meets the flat lists, then the box of the tree; the lanes that enter it go down
 together as long as they go the same way, then each on 8 boxes at a time.

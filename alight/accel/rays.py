@@ -1,4 +1,4 @@
-"""The rays of a packet in memory, so that each can be taken up alone."""
+"""The rays of a packet in memory, so that each can continue alone."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def _store(numbers, k, v):
 
 @kernel(strict=True)
 def vector_of(rays, k, i):
-    """One vector of ray i, which stands in the rows from k on."""
+    """One vector of ray i, from row k on."""
     numbers = rays.numbers
     return Vec3(numbers[k + i], numbers[k + MOST + i], numbers[k + 2 * MOST + i])
 

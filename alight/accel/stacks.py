@@ -1,4 +1,4 @@
-"""What waits for a ray: opening a node onto its stack."""
+"""The traversal stack of a ray: opening a node onto it."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def write_open_node(nearest_first: bool) -> Callable:
         """Put the children of a node that a ray meets before t on its stack, the nearest on top.
 
         entries: CHILDREN local floats; in_order: whether the others are in order, too, which takes
-        branches, or as they stand in the node.
+        branches, or in the order of the node.
         """
         at = NODE * code
         enter, met = meet_boxes(tree.nodes, at, ray, t)

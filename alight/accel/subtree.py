@@ -1,6 +1,6 @@
 """Build kernels: the binary tree over a set of primitives, and its leaves as blocks.
 
-A tree is built as rows (`collapse`). Its leaves say where their primitives stand in `order`; `pack`
+A tree is built as rows (`collapse`). Its leaves say where their primitives are in `order`; `pack`
 turns them into blocks, and writes all rows that have become children to their nodes.
 """
 

@@ -1,8 +1,8 @@
 """Visits of rays to blocks of triangles, many at a time.
 
-What a visit finds is anybody's guess, and a processor that has guessed wrongly starts anew once the
+The outcome of a visit is unpredictable, and a mispredicted branch restarts the pipeline once the
 long chain of operations up to the answer is over. So all visits are made first, without a branch;
-then those that found something are gone through, when the answers lie ready in memory.
+then those with a hit are processed, when the answers are ready in memory.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-r"""Burley's principled material as Mitsuba has it: the look of scenes that were made for it.
+r"""Burley's principled material as in Mitsuba, for scenes made for it.
 
 .. math::
     f &= (1 - m)(1 - t) \left[ \tfrac{\rho}{\pi} f_d \right] + (1 - m)\, s\, c_s F_d

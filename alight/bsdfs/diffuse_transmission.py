@@ -37,7 +37,7 @@ class DiffuseTransmission(Bsdf):
     reflectance : ColorTexture, default 0.25
         Part of the light that goes back, each channel in [0, 1].
     transmittance : ColorTexture, default 0.25
-        Part of the light that goes on, each channel in [0, 1].
+        Part of the light that is transmitted, each channel in [0, 1].
     """
 
     transmissive: ClassVar[bool] = True
@@ -120,7 +120,7 @@ def sample(params, wo, u, u2):
     pdf = INV_PI * wi.z * chance
     # (rho / pi) cos / (share cos / pi): the cosine cancels.
     weight = where(goes_back, params.reflectance, params.transmittance) / maximum(chance, 1e-20)
-    # Above the surface if wo is above and goes back, or is below and goes on.
+    # Above the surface if wo is above and is reflected, or is below and is transmitted.
     above = wo.z > 0.0
     turned = (above & ~goes_back) | (~above & goes_back)
     wi = Vec3(wi.x, wi.y, where(turned, -wi.z, wi.z))

@@ -1,4 +1,4 @@
-"""Models of Dirac lobes only, whose directions are met by sampling alone."""
+"""Models of Dirac lobes only, whose directions only sampling can find."""
 
 from __future__ import annotations
 

@@ -185,7 +185,7 @@ def _albedo_layers(scene, surface, active):
 
 @specialised
 def open_share(program):
-    """``(scene, surface, active) -> float``: what part of light goes on as if nothing was there.
+    """``(scene, surface, active) -> float``: what part of light continues as if nothing were there.
 
     1 for `null`, 1 - opacity for a mask.
     """
@@ -214,7 +214,7 @@ def _open_layers(scene, surface, active):
 
 @specialised
 def is_mixed(program):
-    """``(scene, surface) -> mask``: the material may have Dirac lobes beside smooth ones."""
+    """``(scene, surface) -> mask``: the material may have both Dirac and smooth lobes."""
     return _is_mixed if DELTA_AND_SMOOTH in program.bsdfs else _never_mixed
 
 

@@ -1,4 +1,4 @@
-"""What the rough models have in common: how rough they are, and by which distribution of facets.
+"""What the rough models share: their roughness and their distribution of facets.
 
 Scenes whose roughness is the same in all directions do not look tangents up, and only the
 distributions in use are compiled.

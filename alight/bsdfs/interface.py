@@ -1,4 +1,4 @@
-"""Boundaries between two clear media: what smooth, thin and rough dielectrics have in common."""
+"""Boundaries between two clear media: what smooth, thin and rough dielectrics share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""How much light a clear coat and what lies below it send back, all rounds between them summed up.
+r"""How much light a clear coat and its base reflect, with all bounces between them summed up.
 
 Both layers are rough alike in all directions, so what they do to power depends on cosines alone.
 With a direction for each point of a grid of cosines, R and T the matrices of what the coat reflects

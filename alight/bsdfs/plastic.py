@@ -49,7 +49,7 @@ class Coated(Bsdf):
     specular_reflectance : ColorTexture, default 1
         Factor of the coat's reflection; 1 for real coats.
     nonlinear : bool, default False
-        Whether light is coloured by each round inside of the coat.
+        Whether light is coloured by each round inside the coat.
     """
 
     int_ior: Medium = MEDIA["acrylic"]

@@ -94,7 +94,7 @@ from alight.textures.fetch import color, constant_color, scalar, textured_scalar
 #: Programs in which none is glass or a sheet have nothing that refracts.
 REFRACTING = GLASS
 #: What programs call it that metallic or roughness are textured, and that any of the others is:
-#: each lookup of a texture is compiled where it stands.
+#: each lookup of a texture is compiled inline.
 TEXTURED, VARIED = "principled:textured", "principled:varied"
 RARELY_TEXTURED = (
     "specular", "specular_color", "anisotropy", "anisotropy_rotation", "transmission", "clearcoat",

@@ -209,7 +209,7 @@ def _values(program):
         valid = above
         if glass:
             valid = above | (view.seen & (wi.z < 0.0))
-        # Elsewhere the overhead direction stands in: nothing there is used.
+        # Elsewhere the overhead direction replaces it; the result is not used.
         wi = where(valid, wi, Vec3(0.0, 0.0, 1.0))
         f_cos, pdf = _facets_f_cos(params, view, wi)
         f_cos, pdf = f_cos * view.base, pdf * view.to_facets

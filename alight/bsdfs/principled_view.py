@@ -185,7 +185,7 @@ def _one_side(params, wo):
 
 @kernel
 def rows_from(params, w):
-    """Where the base's albedos stand, seen from w."""
+    """Where the base's albedos are stored, seen from w."""
     return facet_rows_at(params.table, params.facets, params.turn.anisotropy, w)
 
 

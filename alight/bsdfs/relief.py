@@ -40,7 +40,7 @@ BENT, NORMALS, HEIGHTS = "bent", "bent:normals", "bent:heights"
 #: Slots of both maps before those of the texture; modes is a sum of the bits below.
 SLOTS = {"scale": 1, "modes": 1}
 IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0
-#: Times the set of texture coordinates by which a normal map is turned; only in programs with sets.
+#: Times the set of texture coordinates that orients a normal map; only in programs with sets.
 OF_SET = 32.0
 #: The mirrored viewer stays this part of his height above the surface.
 MARGIN = 0.1

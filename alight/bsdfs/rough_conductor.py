@@ -98,7 +98,7 @@ def load(scene, base, surface):
 def _scatter(params, wo, wi):
     """(f cos theta_i / pdf, pdf per steradian)."""
     above = (wo.z > 0.0) & (wi.z > 0.0)
-    # Below the surface, the overhead direction stands in: nothing there is used.
+    # Below the surface, the overhead direction replaces it; the result is not used.
     wo, wi = where(above, wo, Vec3(0.0, 0.0, 1.0)), where(above, wi, Vec3(0.0, 0.0, 1.0))
     wm = normalize(wo + wi)
     # The density D (wo . wm) / sigma of normals, over the Jacobian 4 (wo . wm) of reflection.

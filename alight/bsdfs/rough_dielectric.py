@@ -152,7 +152,7 @@ def _scatter(params, eta, wo, wi):
     refracted = (fresnel - 1.0) * cos_o * cos_i * (stretched * stretched)
     jacobian = where(reflects, 0.25 * fresnel, refracted)
     pdf = jacobian * facet_density(params.facets, wm) / visible_area(params.facets, wo)
-    # Facets are seen from their outer side by wo, and by wi if it goes on where it should.
+    # Facets are seen from their outer side by wo, and by wi if it leaves on the right side.
     turned = (reflects & (cos_i > 0.0)) | ((wi.z < 0.0) & (cos_i < 0.0))
     valid = (wo.z > 0.0) & (cos_o > 0.0) & turned
     masking = absolute(wi.z) / visible_area(params.facets, wi)

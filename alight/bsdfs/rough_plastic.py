@@ -5,7 +5,7 @@ r"""Rough plastic: a matte base under a clear coat of tiny facets.
         G_1(\omega_o)\, G_1(\omega_i)}{4 \cos\theta_o \cos\theta_i}
         + \frac{T(\cos\theta_o)\, T(\cos\theta_i)}{\eta^2}\, \frac{\rho'}{\pi}
 
-with T the part of light that enters the coat, and rho' the base with all rounds inside of it (see
+with T the part of light that enters the coat, and rho' the base with all rounds inside it (see
 `alight.bsdfs.coating`). Light that meets two facets is lost (single scattering). One smooth
 mixture of two lobes; black from behind.
 
@@ -147,7 +147,7 @@ def _share(params, through):
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
     above = (wo.z > 0.0) & (wi.z > 0.0)
-    # Below the surface, the overhead direction stands in: nothing there is used.
+    # Below the surface, the overhead direction replaces it; the result is not used.
     up = Vec3(0.0, 0.0, 1.0)
     wo, wi = where(above, wo, up), where(above, wi, up)
     # The coat. The density D (wo . wm) / sigma of normals, over the Jacobian 4 (wo . wm).

@@ -1,6 +1,6 @@
 """Rows of numbers for each material, in `materials.curves`: how kernels look them up.
 
-Where a roughness is the same everywhere one row serves; where it varies rows stand at equal steps
+Where a roughness is the same everywhere one row serves; where it varies rows lie at equal steps
 of a coordinate in [0, 1], and are interpolated linearly. Programs in which nothing varies do not
 compile that.
 """
@@ -23,7 +23,7 @@ Rows = namedtuple("Rows", "curves row step part")
 
 @kernel
 def load_table(scene, slot):
-    """The `Table` whose start and last row stand in two slots."""
+    """The `Table` whose start and last row are in two slots."""
     data = scene.materials.data
     return Table(scene.materials.curves, to_uint(gather(data, slot)), gather(data, slot + 1))
 
@@ -32,7 +32,7 @@ def load_table(scene, slot):
 def rows_at(program):
     """``(table, root, size) -> Rows``.
 
-    `root` is the coordinate in [0, 1] along which rows stand, `size` their length.
+    `root` is the coordinate in [0, 1] along which rows lie, `size` their length.
     """
     return rows_between if MANY_ROWS in program.bsdfs else _one_row
 

@@ -33,7 +33,7 @@ from alight.core.vec import Vec3
 
 #: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
 STRIDE = 16
-#: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones; and
+#: Bits of a material's flags: the back looks like the front; both Dirac and smooth lobes; and
 #: from bit `RELIEF` on, the row of its normal or bump map + 1.
 TWO_SIDED, MIXED, RELIEF = 1, 2, 2
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
@@ -301,7 +301,7 @@ def refracts(program) -> bool:
 
 
 def _refracting(program) -> list[Used]:
-    """The models of which a material of the program may refract."""
+    """The models with a material in the program that may refract."""
     with_index = [used for used in models_of(program) if hasattr(used.model, INNER_INDEX)]
     return [
         used

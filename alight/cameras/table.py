@@ -1,4 +1,4 @@
-"""Where the numbers of a camera stand in ``scene.camera`` (float32), and how kernels read them."""
+"""Where the numbers of a camera are in ``scene.camera`` (float32), and how kernels read them."""
 
 from __future__ import annotations
 

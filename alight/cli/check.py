@@ -12,12 +12,12 @@ from typer.core import TyperCommand
 from alight.cli.words import DEFAULT_SCENE, Quiet, SceneName, takes_words
 from alight.options.laboratory import CheckOptions
 
-#: What ``--mutant`` without a name stands for.
+#: The value of ``--mutant`` without a name.
 LIST = "list"
 
 
 class MutantCommand(TyperCommand):
-    """Lets ``--mutant`` stand without a name, to hear which there are."""
+    """Lets ``--mutant`` come without a name, to list them."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Add the name `LIST` where there is none."""
@@ -35,13 +35,11 @@ def check(
     scene: SceneName = DEFAULT_SCENE,
     mutant: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME", help="Plant a classical bug first; without a name: list them."
-        ),
+        typer.Option(metavar="NAME", help="Plant a classic bug first; without a name, list them."),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Test a scene: materials, lights, random numbers, and that all ways give one picture.
+    """Test a scene: materials, lights, random numbers, and that all methods give one picture.
 
     Exit code 1 if something fails.
     """

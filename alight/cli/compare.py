@@ -20,9 +20,9 @@ def compare(
     options: CompareOptions,
     a: Annotated[Path, typer.Argument(metavar="A", help="EXR, PNG, JPEG, NPY, HDR or PFM file.")],
     b: Annotated[Path, typer.Argument(metavar="B", help="The reference of relative figures.")],
-    as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
 ) -> None:
-    """Compare two pictures: errors, what an eye sees, and whether it is more than noise."""
+    """Compare two pictures: errors, visible differences, and whether they exceed the noise."""
     import alight
 
     found = alight.compare(a, b, options)

@@ -1,4 +1,4 @@
-"""``alight convert``: any scene that can be read, in the native format or as far as glTF goes."""
+"""``alight convert``: any readable scene in the native format, or as far as glTF can hold it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def convert(
         typer.Argument(help="File to write: .yaml, .yml, .json or .glb."),
     ],
 ) -> None:
-    """Write a scene in the native format with its meshes and pictures beside it, or as glTF."""
+    """Write a scene in the native format with its meshes and pictures next to it, or as glTF."""
     from alight.core.errors import OutputError
     from alight.formats import save
     from alight.formats.gltf.write import write

@@ -26,7 +26,7 @@ def run_and_finish(
     time_limit: float | None,
     warnings: Sequence[str] = (),
 ) -> None:
-    """Render until the end or a signal, with a progress bar, and write what there is.
+    """Render until the end or a signal, with a progress bar, and write the result.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def run_and_finish(
     typer.Exit
         After a signal.
     OutputError
-        If a picture cannot be written; where the samples then are is said.
+        If a picture cannot be written; the message says where the samples are.
     """
     from alight.cli.progress import ProgressBar
     from alight.rendering.writing import finish
@@ -74,7 +74,7 @@ def run_and_finish(
 
 
 def _save_partial(film: Film | None, targets: Targets) -> None:
-    """Write an interrupted picture beside its target, which stays as it is."""
+    """Write an interrupted picture next to its target, which stays as it is."""
     from alight.rendering.writing import command
 
     if film is None or not film.sample_count.any():
@@ -83,8 +83,8 @@ def _save_partial(film: Film | None, targets: Targets) -> None:
         target = targets.outputs[0]
         try:
             path = film.save(target.with_name(f"{target.stem}.partial.exr"))
-            typer.echo(f"stopped at {film.spp:.3g} spp; what there is is in {path}", err=True)
+            typer.echo(f"stopped at {film.spp:.3g} spp; the samples so far are in {path}", err=True)
         except OutputError as error:
             typer.echo(f"stopped at {film.spp:.3g} spp; {error}", err=True)
     if targets.checkpoint is not None and targets.checkpoint.exists():
-        typer.echo(f"to go on: {command('resume', targets.checkpoint)}", err=True)
+        typer.echo(f"to continue: {command('resume', targets.checkpoint)}", err=True)

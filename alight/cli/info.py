@@ -15,7 +15,7 @@ def info(
     options: InfoOptions,
     scene: Annotated[str, typer.Argument(help="Scene file, or a built-in name.")],
 ) -> None:
-    """Show what a scene holds, without rendering it."""
+    """Show a scene's contents without rendering it."""
     import alight
 
     found = alight.info(scene, options)

@@ -20,12 +20,12 @@ def merge(
     output: Annotated[
         list[Path],
         typer.Option(
-            "-o", "--output", help="Picture, or film (.alight) to merge again. May be repeated."
+            "-o", "--output", help="Picture, or film (.alight) to merge again. Repeatable."
         ),
     ],
     quiet: Quiet = False,
 ) -> None:
-    """Add films of different samples of the same picture; one film alone is only converted."""
+    """Merge films of different samples of the same picture, or convert a single film."""
     from alight.cli.reporting import warn
     from alight.rendering import merge as merge_films
     from alight.rendering.summary import bias_lines, error_line, warnings_of

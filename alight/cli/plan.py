@@ -10,7 +10,7 @@ from alight.options.laboratory import PlanOptions
 
 @takes_words(PlanOptions)
 def plan(options: PlanOptions, scene: SceneName) -> None:
-    """Predict samples and time that an error will take, from a short pilot."""
+    """Predict the samples and time needed to reach an error, from a short pilot."""
     import alight
 
     typer.echo(str(alight.plan(scene, options)))

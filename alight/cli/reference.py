@@ -18,7 +18,7 @@ def reference(
     output: Annotated[Path, typer.Option("-o", "--output", help="EXR file to write.")],
     quiet: Quiet = False,
 ) -> None:
-    """Render until the picture's own error is as small as wanted, for comparisons with it."""
+    """Render a reference picture to a given error."""
     from alight.cli.progress import ProgressBar
     from alight.core.errors import OptionError
     from alight.outputs.image import check_writable

@@ -1,4 +1,4 @@
-"""Errors that a user can mend: one message on stderr, exit code 2, no traceback."""
+"""Errors that a user can fix: one message on stderr, exit code 2, no traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``alight resume``: a render goes on from its checkpoint, to the same bits."""
+"""``alight resume``: continues a render from its checkpoint, to the same bits."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from alight.options.resume import ResumeOptions
 def resume(
     options: ResumeOptions,
     file: Annotated[
-        Path, typer.Argument(metavar="CHECKPOINT", help="File that --checkpoint has written.")
+        Path, typer.Argument(metavar="CHECKPOINT", help="File written by --checkpoint.")
     ],
     quiet: Quiet = False,
 ) -> None:
-    """Go on with a render that was stopped or killed, or render more samples."""
+    """Resume a stopped or killed render, or add samples to it."""
     from alight.cli.finishing import run_and_finish
     from alight.rendering.resume import prepare_resume
 

@@ -1,4 +1,4 @@
-"""``alight scene random``: a scene that nobody made, from a number."""
+"""``alight scene random``: a random scene from a seed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LIST = "list"
 
 
 def random(
-    seed: Annotated[int, typer.Option(help="Any whole number; each is another scene.")] = 0,
+    seed: Annotated[int, typer.Option(help="Any whole number; each gives another scene.")] = 0,
     kind: Annotated[
         str | None,
         typer.Option(
@@ -24,13 +24,13 @@ def random(
         typer.Option(
             "-o",
             "--output",
-            help="File to write, .yaml, .yml or .json; large meshes and pictures beside it.",
+            help="File to write, .yaml, .yml or .json; large meshes and pictures next to it.",
             show_default="printed",
         ),
     ] = None,
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.")] = None,
 ) -> None:
-    """Make up a scene that can be rendered, of any registered shapes, materials and lights."""
+    """Generate a random scene from all registered shapes, materials and lights."""
     from alight.core.errors import OutputError
     from alight.formats import dumps, save
     from alight.lab.random_scenes import random_scene

@@ -24,7 +24,7 @@ def study(
     list_ready: Annotated[bool, typer.Option("--list", help="List the ready studies.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare techniques: how much noise each leaves, at what cost, and how sure that is."""
+    """Compare techniques: how much noise each leaves, at what cost, with what certainty."""
     from alight.core.errors import OptionError
     from alight.lab.study_file import load_study, ready_names
 
@@ -41,7 +41,7 @@ def study(
         try:
             found = alight.study(description, options.changed(progress=bar))
         except KeyboardInterrupt:
-            typer.echo("stopped; the same command goes on from here", err=True)
+            typer.echo("stopped; the same command continues from here", err=True)
             raise typer.Exit(INTERRUPTED) from None
     if not quiet:
         typer.echo(str(found))

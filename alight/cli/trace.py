@@ -16,8 +16,10 @@ from alight.options.laboratory import TraceOptions
 def trace(
     options: TraceOptions,
     scene: SceneName,
-    pixel: Annotated[str, typer.Option(metavar="X,Y", help="On the film, from the top left.")],
-    as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
+    pixel: Annotated[
+        str, typer.Option(metavar="X,Y", help="Pixel of the film, from the top left.")
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
 ) -> None:
     """Follow one sample of a pixel, one path vertex a line; breakpoints in kernels work."""
     import alight
@@ -44,5 +46,5 @@ def parse_pixel(text: str) -> tuple[int, int]:
 
     found = re.fullmatch(r"(-?\d{1,9}),(-?\d{1,9})", text.replace(" ", ""))
     if found is None:
-        raise OptionError(f"must be X,Y in pixels as 12,7, got {quote(text)}", "--pixel")
+        raise OptionError(f"must be X,Y in pixels, such as 12,7, got {quote(text)}", "--pixel")
     return int(found[1]), int(found[2])

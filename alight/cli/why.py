@@ -1,4 +1,4 @@
-"""``alight why``: the parts of a picture's noise, and what was measured to lower it."""
+"""``alight why``: the parts of a picture's noise, and measured advice to lower it."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from alight.options.laboratory import WhyOptions
 def why(
     options: WhyOptions,
     scene: SceneName = DEFAULT_SCENE,
-    as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Say where a picture's noise comes from: path depth, technique, light, first material."""
+    """Explain a picture's noise by path depth, technique, light and first material."""
     import alight
     from alight.cli.reporting import warn
     from alight.lab.why.maps import check_maps

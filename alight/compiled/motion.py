@@ -1,4 +1,4 @@
-"""What moves while the shutter is open -> tables for kernels (`alight.core.motion`)."""
+"""Motion while the shutter is open -> tables for kernels (`alight.core.motion`)."""
 
 from __future__ import annotations
 

@@ -24,14 +24,14 @@ from alight.shapes.mesh import Mesh
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.surfaces import KINDS, SURFACES
 
-#: Copies of a shared mesh with at most so many triangles in all are stored one by one: a second
+#: Copies of a shared mesh with at most this many triangles in all are stored one by one: a second
 #: level of the hierarchy would cost more than the memory.
 FEW_TRIANGLES = 64
 
 #: Zeros after the last row, so that a lane that reads another kind of row stays inside the table.
 PADDING = 64
 
-#: Shapes that are told of in one message.
+#: Most shapes named in one message.
 MOST_TOLD = 10
 
 ANALYTIC = {

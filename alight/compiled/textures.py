@@ -2,7 +2,7 @@
 
 `texture_info` holds (kind, start in `texture_data`) for each texture; kind is the index of its
 model in `alight.textures.MODELS`. For a texture made of others it holds what
-`alight.textures.composed` says; the steps stand behind all textures. `texture_data` begins with a
+`alight.textures.composed` says; the steps follow all textures. `texture_data` begins with a
 blank row: lanes that look at no texture, or at one of another kind, read zeros there, from which
 every model finds valid indices.
 
@@ -62,7 +62,7 @@ class TextureTable:
 
     def __init__(self) -> None:
         self._numbers: dict[Texture, int] = {}
-        # A zero comes first. What stands where is written once all is known: the largest pictures
+        # A zero comes first. Offsets are written once all is known: the largest pictures
         # fill half of what a process may take.
         self._fill: list[tuple[int, int, Callable[[np.ndarray], None]]] = []
         self._end = 1

@@ -1,7 +1,7 @@
-"""Errors that a user can act on: place, value, allowed range, nearest valid name.
+"""Errors that a user can fix: place, value, allowed range, nearest valid name.
 
 All problems of one scene are collected and raised together as one `SceneError`, so that a
-user mends a file in one go instead of one message per run.
+user fixes a file in one go instead of one message per run.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Issue:
 
 
 class AlightError(Exception):
-    """Base of every error that a user can mend: the command line shows it without a traceback."""
+    """Base of every error that a user can fix: the command line shows it without a traceback."""
 
 
 class FilmError(AlightError, ValueError):
@@ -97,7 +97,7 @@ class SceneError(AlightError, ValueError):
     Parameters
     ----------
     issues : sequence of Issue
-        At least one; what stands in it several times is kept once.
+        At least one; duplicates are kept once.
     """
 
     def __init__(self, issues: Sequence[Issue]) -> None:

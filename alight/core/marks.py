@@ -1,4 +1,4 @@
-"""How functions are marked as kernel text; nothing is compiled here."""
+"""Marks functions as kernel source; nothing is compiled here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Surfaces made of tiny mirrors: distributions of their normals, and which of them are seen.
+r"""Microfacets: distributions of their normals, and of the visible ones.
 
 A distribution D(wm) has roughness alpha_x along x and alpha_y along y, both > 0, and obeys
 

@@ -1,4 +1,4 @@
-r"""What moves while the shutter is open: transforms at the times of rays, and what they do to hits.
+r"""Motion while the shutter is open: transforms at the times of rays, and their effect on hits.
 
 A moving shape is stored as it is *at rest*, before its motion M(t). Rays go to it by the inverse,
 with the direction's length unchanged, so that t means the same; what they find there goes back:
@@ -41,7 +41,7 @@ BEFORE, SEGMENTS = 0, 12
 BEGIN, RATE, ANGLE, SHIFT, TRAVEL, TURN, ASIDE, STRETCH, CHANGE = 0, 1, 2, 3, 6, 9, 13, 17, 23
 SEGMENT = 32
 
-#: Name in `Program.motion` beside what moves: all motions only shift and turn.
+#: Name in `Program.motion` next to what moves: all motions only shift and turn.
 RIGID = "rigid"
 
 _GAMMA_48 = gamma(48)

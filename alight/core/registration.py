@@ -86,7 +86,7 @@ def register(model: T) -> T:
     Returns
     -------
     model
-        As given, so that ``@alight.register`` may stand over a class.
+        As given, so that ``@alight.register`` can decorate a class.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def unregister(family: str, name: str) -> None:
 
 
 def registered_module(model: object) -> ModuleType:
-    """Find the registered or built-in module that a module, namespace or name stands for.
+    """Find the registered or built-in module that a module, namespace or name denotes.
 
     Raises
     ------

@@ -107,7 +107,7 @@ def is_finite(x):
 
 
 def fma(a, b, c):
-    """a * b + c, rounded once where the machine can (float64 stands in for it here)."""
+    """a * b + c, rounded once where the machine can (float64 imitates it here)."""
     return np.float32(np.float64(a) * np.float64(b) + np.float64(c))
 
 

@@ -1,4 +1,4 @@
-"""Further sets of texture coordinates, which meshes may have beside their own.
+"""Further sets of texture coordinates, in addition to a mesh's own.
 
 Textures name a set by its number: 0 is the mesh's own, ``uvs``; `alight.shapes.mesh.Mesh.more_uvs`
 holds the others. Where a shape has no such set (formulas have one only), its own is taken.
@@ -65,7 +65,7 @@ def triangle_uvs(tables, surface, number):
 def uv_of_texture(program):
     """``uv_of_texture(scene, slot, surface) -> (u, v)``.
 
-    The number of the set stands at `slot` of `texture_data`.
+    The number of the set is at `slot` of `texture_data`.
     """
     if UV_SETS not in program.textures:
         return _own_uv

@@ -145,7 +145,7 @@ def square_to_triangle(u2):
 #: A rectangle as seen from a point p. x, y: its unit directions, z its unit normal away from p;
 #: x0 < x1, y0 < y1: its extent along them relative to p; z0 >= 0: distance of its plane; cosine,
 #: sine: of the angle at which the sweep begins; solid_angle in steradians; area in square metres;
-#: by_area: mask, the solid angle is too small to be told from rounding.
+#: by_area: mask, the solid angle is too small to distinguish from rounding.
 SphericalRectangle = namedtuple(
     "SphericalRectangle", "x y z x0 x1 y0 y1 z0 cosine sine solid_angle area by_area"
 )

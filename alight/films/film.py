@@ -1,4 +1,4 @@
-"""The film: exact sums of samples by replicate, their counts, and what was asked for.
+"""The film: exact sums of samples by replicate, their counts, and the request.
 
 Sample i belongs to replicate i mod R. ``sums[y, x, replicate, channel]`` are whole numbers
 (`fixed_point`), so tiles, passes, resumed parts and films of other machines are added in any order

@@ -1,4 +1,4 @@
-"""Paths that wait for their next step, until there are enough for a packet."""
+"""Paths waiting for their next step until they fill a packet."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from alight.shapes.hit import Hit
 Queue = namedtuple("Queue", "floats uints")
 ROOM = 32
 
-#: Where the rows of a `Hit` (t, u, v; shape, prim) stand in a queue of paths that have met one.
+#: Where the rows of a `Hit` (t, u, v; shape, prim) are in a queue of paths that hit something.
 HIT_FLOATS, HIT_UINTS = 19, 7
 
-#: The first rows that an integrator may have for what it keeps beside a `Path`, and how many.
+#: The first rows that an integrator may have for what it keeps beyond a `Path`, and how many.
 MORE_FLOATS, MORE_UINTS = 19, 7
 FLOATS, UINTS = (MORE_FLOATS + 6) * ROOM, (MORE_UINTS + 3) * ROOM
 
@@ -89,13 +89,13 @@ def _take_nothing(queue, at, path):
 
 @specialised
 def put_more(program):
-    """``put_more(queue, at, order, path)``: write what the integrator keeps beside a `Path`."""
+    """``put_more(queue, at, order, path)``: write what the integrator keeps beyond a `Path`."""
     return getattr(module_of(program), "put_more", _put_nothing)
 
 
 @specialised
 def take_more(program):
-    """``take_more(queue, at, path)``: the `Path` with what the integrator keeps beside it."""
+    """``take_more(queue, at, path)``: the `Path` with what the integrator keeps beyond it."""
     return getattr(module_of(program), "take_more", _take_nothing)
 
 
@@ -103,7 +103,7 @@ def take_more(program):
 def put(program):
     """``put(queue, at, path)``: append the active paths from number `at` on; the new length.
 
-    The others stand behind them, where nothing is read but by lanes that are not active.
+    The others follow them, where only inactive lanes read.
     """
     split_direct = "direct" in program.aovs
 

@@ -1,4 +1,4 @@
-"""What paths through media keep beside a `Path`, and how they cross borders.
+"""What paths through media keep beyond a `Path`, and how they cross borders.
 
 **The rule of borders.** A path is in one medium. A shape with an interior or an exterior is a
 border: whoever leaves it against its outer normal, in whatever way, is in its interior then, and
@@ -87,7 +87,7 @@ def take_more(queue, at, path):
 
 @kernel
 def empty_paths():
-    """Paths of which none is active."""
+    """Paths, none of them active."""
     zero = lanes_u32(0)
     return with_media(no_paths(), zero, zero, zero, lanes_vec3(1.0), lanes_vec3(0.0))
 

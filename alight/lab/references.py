@@ -1,7 +1,7 @@
 """Reference pictures that know their own noise.
 
 A reference is rendered with 16 independent seeds; their spread gives the variance of every pixel,
-which the statistics subtract. References are kept beside the compiled kernels, under the content
+which the statistics subtract. References are kept next to the compiled kernels, under the content
 hash of everything that decides them, so that the next study finds them.
 """
 
@@ -176,7 +176,7 @@ def reference_arm(study: Study, scene: SceneSpec) -> str:
     if name not in fit:
         different = found.declares_different
         why = "is declared different" if different else "decides by the samples that it keeps"
-        raise study.fail(path, f'arm "{name}" {why}: it is no reference')
+        raise study.fail(path, f'arm "{name}" {why}: it cannot be a reference')
     return name
 
 

@@ -57,7 +57,7 @@ def run_study(
     ------
     AlightError
         For a study that is wrong, an arm without noise, a reference with too much, or a full disk.
-        What was measured is kept, and the same call goes on from there.
+        What was measured is kept, and the same call continues from there.
     """
     study = (study if isinstance(study, Study) else load_study(study)).checked()
     # Ready studies have a name instead of a path.
@@ -111,7 +111,7 @@ def run_study(
 def variance_ratios(
     scenes: list[SceneResult], expected: Mapping[str, Mapping[str, float]]
 ) -> list[TableResult]:
-    """Measured variances over the baseline's beside those that theory gives.
+    """Measured variances over the baseline's next to the theoretical ones.
 
     Parameters
     ----------

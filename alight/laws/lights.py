@@ -23,7 +23,7 @@ from alight.scene import Node, Scene, flatten
 from alight.scene.transform import rotate, translate
 from alight.shapes.sphere import Sphere
 
-#: Where the light stands, and how it is turned.
+#: Position and orientation of the light.
 PLACE = (0.3, -0.2, 0.5)
 N = 4096
 CELLS = SphereCells(side=16)

@@ -81,7 +81,7 @@ class Material:
         )
 
     def open_share(self):
-        """What part of light goes on as if nothing was there."""
+        """What part of light continues as if nothing were there."""
         kernel = instantiate(open_share, self.program, compiled=False)
         return float(np.ravel(kernel(self.scene, self.surface(1), np.ones(1, bool)))[0])
 

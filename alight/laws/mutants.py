@@ -56,7 +56,7 @@ MUTANTS = {
         "with lights that light sampling finds",
     ),
     "pdf-per-area": Mutant(
-        "where a ray comes upon a lamp, its density is taken per area for per solid angle",
+        "where a ray hits a lamp, its density is taken per area for per solid angle",
         (
             (
                 "lights/sampling.py",

@@ -19,7 +19,7 @@ from alight.core.vec3 import Vec3
 # The table starts with the rotation from the world to the map, row by row.
 COLUMNS, ROWS = 9, 10  # of cells: rows is one less than the picture's
 FIRST_BAND, BAND = 12, 2  # after the header: numbers of each row of cells
-TEXEL = 4  # at last: red, green, blue and weight, row by row of the picture
+TEXEL = 4  # finally: red, green, blue and weight, row by row of the picture
 
 #: What scenes without a map hold.
 EMPTY = np.zeros(FIRST_BAND, np.float32)

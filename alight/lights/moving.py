@@ -22,7 +22,7 @@ from alight.lights.tables import LightSample
 
 
 def moving_sample(sample: Callable) -> Callable:
-    """The kernel `sample` of a light, for lights of which some move."""
+    """The kernel `sample` of a light type of which some lights move."""
 
     @kernel
     def sample_moving(scene, index, p, u, u2):

@@ -2,7 +2,7 @@ r"""Point light: the same intensity in every direction, from one point.
 
 .. math:: E(x) = I \cos\theta / |x - x_\text{light}|^2
 
-A path cannot hit it, so it is always sampled as a light. It stands at the origin of its node.
+A path cannot hit it, so it is always sampled as a light. It sits at the origin of its node.
 
 Source: PBR4 section 12.2.
 """

@@ -1,4 +1,4 @@
-"""Light for next-event estimation, and what rays find that hit a light by themselves.
+"""Light sampling (next event estimation), and the light that rays hit by chance.
 
 All densities are per solid angle at the lit point and include the probability of choosing the
 light, so `sample_light`, `light_pdf` and `environment_pdf` agree with each other.

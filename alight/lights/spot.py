@@ -5,7 +5,7 @@ r"""Spot light: a point light that shines into a cone and fades out towards its 
     t = \min\left(1, \max\left(0,
     \frac{m_\text{cutoff} - m(\theta)}{m_\text{cutoff} - m_\text{beam}}\right)\right)
 
-It stands at the origin of its node and shines along the local +z axis. A path cannot hit it, so it
+It sits at the origin of its node and shines along the local +z axis. A path cannot hit it, so it
 is always sampled as a light. Renderers fade out differently, so there is a choice of
 
 ============= ====================== ===================

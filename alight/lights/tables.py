@@ -1,4 +1,4 @@
-"""What lights look like to kernels: tables and samples."""
+"""Lights as kernels see them: tables and samples."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LightTables = namedtuple("LightTables", "info data cdf map")
 #: of the radiance + 1 (0: none), start of its table in cdf.
 INFO = 4
 
-#: Name in `Program.lights` beside the models: the radiance of an area light has a texture.
+#: Name in `Program.lights` next to the models: the radiance of an area light has a texture.
 TEXTURED = "textured"
 
 #: Numbers of `LightTables.data` a light: red, green and blue, probability of being chosen, and up

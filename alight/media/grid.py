@@ -87,7 +87,7 @@ class Grid(Coefficients):
     low, high : Vector3, m, defaults (0, 0, 0) and (1, 1, 1)
         Corners of the box in the world.
     matrix : (12,) float, optional
-        Three rows of four, in the place of both: from the unit cube to the world.
+        Three rows of four, instead of both: from the unit cube to the world.
     """
 
     type: Literal["grid"] = "grid"
@@ -210,7 +210,7 @@ def _place(x, count):
 
 @kernel
 def _corners(scene, medium, word, p):
-    """Where the eight neighbours of a point stand in a grid: rows of x, and the fractions."""
+    """Where the eight neighbours of a point are in a grid: rows of x, and the fractions."""
     info, k = scene.media.info, medium * INFO + word
     nx, ny = gather(info, k + 1), gather(info, k + 2)
     x0, x1, fx = _place(p.x, nx)

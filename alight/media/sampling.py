@@ -122,7 +122,7 @@ def _come_through(scene, medium, kind, o, d, t_max, channel, stream, active):
 
 @specialised
 def evaluate_phase(program):
-    """``(scene, medium, d, wi, active) -> density``: light along -wi goes on along -d, or back.
+    """``(scene, medium, d, wi, active) -> density``: light along -wi continues along -d, or back.
 
     Both are unit vectors; d is the direction of the path before, wi that after.
     """
@@ -162,7 +162,7 @@ def _nowhere(kind, parameter, one_minus_cosine, active):
 
 @specialised
 def sample_phase(program):
-    """``(scene, medium, d, u2, active) -> (wi, density)``: where a path goes on."""
+    """``(scene, medium, d, u2, active) -> (wi, density)``: where a path continues."""
     models = _models("phases", program.phases)
     sample, density = _sample_chain(models), _density_chain(models)
 

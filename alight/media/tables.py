@@ -1,6 +1,6 @@
-"""What media look like to kernels: tables, flights through them, and their random numbers.
+"""Media as kernels see them: tables, flights through them, and their random numbers.
 
-Rows are numbered from 1: row 0 stands for empty space and is blank, so that lanes outside of all
+Rows are numbered from 1: row 0 means empty space and is blank, so that lanes outside all
 media read valid numbers.
 """
 

@@ -95,10 +95,10 @@ class Seconds(Kind):
             text = value.strip().lower()
             found = re.fullmatch(r"(\d{1,9}(?:\.\d{0,9})?(?:e[+-]?\d{1,2})?)\s*([smh]?)", text)
             if found is None:
-                raise ValueError(f"must be a time as 60s, 5m or 1h, got {quote(value)}")
+                raise ValueError(f"must be a time such as 60s, 5m or 1h, got {quote(value)}")
             seconds = float(found[1]) * {"": 1, "s": 1, "m": 60, "h": 3600}[found[2]]
         elif isinstance(value, bool) or not isinstance(value, numbers.Real):
-            raise ValueError(f"must be a time in seconds, or as 60s, 5m or 1h, got {shown}")
+            raise ValueError(f"must be a time in seconds, or such as 60s, 5m or 1h, got {shown}")
         if not (seconds > 0 or (self.can_be_zero and seconds == 0)):
             raise ValueError(f"must be {self.range} seconds, got {value}")
         return float(seconds)
@@ -135,10 +135,10 @@ class Share(Kind):
         if isinstance(value, str):
             found = re.fullmatch(r"(\d{1,9}(?:\.\d{1,12})?|\.\d{1,12})\s*(%?)", value.strip())
             if found is None:
-                raise ValueError(f"must be a share as 2% or 0.02, got {quote(value)}")
+                raise ValueError(f"must be a share such as 2% or 0.02, got {quote(value)}")
             share = float(found[1]) / (100.0 if found[2] else 1.0)
         elif isinstance(value, bool) or not isinstance(value, numbers.Real):
-            raise ValueError(f"must be a share as 2% or 0.02, got {show_value(value)}")
+            raise ValueError(f"must be a share such as 2% or 0.02, got {show_value(value)}")
         above = self.least < share if self.least_is_open else self.least <= share
         below = share < self.most if self.most_is_open else share <= self.most
         if not (above and below):
@@ -286,7 +286,7 @@ class Size(Kind):
             shown = show_value(value)
             value = (value, value) if isinstance(value, int) else value
         if (sizes := _whole_numbers(value, 2)) is None:
-            raise ValueError(f"must be WIDTHxHEIGHT in pixels as 512x512, got {shown}")
+            raise ValueError(f"must be WIDTHxHEIGHT in pixels, as 512x512, got {shown}")
         return sizes[0], sizes[1]
 
     def write(self, value: Any) -> str:

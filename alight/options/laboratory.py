@@ -31,12 +31,12 @@ PARTS = ("materials", "lights", "numbers", "paths", "pictures", "accelerators")
 
 
 def _seed() -> Any:
-    help = "Of the random numbers."
+    help = "Seed of the random numbers."
     return option(Whole(0, 2**32 - 1), help, default=0, panel=SAMPLING)
 
 
 def _told() -> Any:
-    return option(Anything(), "Is told in words what runs next.", flag="", default=None)
+    return option(Anything(), "Called with a description of what runs next.", flag="", default=None)
 
 
 @table
@@ -62,14 +62,14 @@ class CheckOptions(SceneOptions):
     """Everything that `alight.check` can be told."""
 
     output: str | PathLike[str] | None = option(
-        File("FOLDER"), "For pictures of what failed.", flag="--output -o",
+        File("FOLDER"), "Folder for pictures of failures.", flag="--output -o",
         shown="check-failures, in Python none", default=None
     )  # fmt: skip
     level: float = option(
         Number(0, 1), "Probability that a scene without a bug fails.", default=0.01
     )
     only: Sequence[str] | str = option(
-        Names("part", PARTS), f"Some of {', '.join(PARTS)}, by commas.", default=(), shown="all"
+        Names("part", PARTS), f"Comma-separated: {', '.join(PARTS)}.", default=(), shown="all"
     )
     seed: int = _seed()
     progress: Callable[[str], None] | None = _told()
@@ -91,7 +91,7 @@ class WhyOptions(SceneOptions):
         Switch(), "Try other options, for advice.", default=True, flag="--measure/--no-measure"
     )
     time_limit: float | str = option(
-        Seconds(can_be_zero=True), "Seconds after which nothing more is tried.",
+        Seconds(can_be_zero=True), "Start no new trial after this many seconds.",
         default=60.0, flag="--time",
     )  # fmt: skip
     seed: int = _seed()
@@ -111,18 +111,16 @@ class CompareOptions(Options):
         File(), ".png or .html: side by side; .exr, .npy, .pfm: the difference.",
         flag="--output -o", default=None
     )  # fmt: skip
-    layer: str | None = option(Text("NAME"), "Of EXR files, as albedo.", default=None)
+    layer: str | None = option(Text("NAME"), "Layer of EXR files, such as albedo.", default=None)
     exposure: float = option(
         Number(-100, 100, is_closed=True), "Stops, for what a display shows.", default=0.0
     )
-    skip_invalid: bool = option(
-        Switch(), "Leave out pixels that are NaN or infinite.", default=False
-    )
+    skip_invalid: bool = option(Switch(), "Ignore NaN and infinite pixels.", default=False)
     flip: bool = option(
-        Switch(), "Work out FLIP (slow on large pictures).", default=True, flag="--flip/--no-flip"
+        Switch(), "Compute FLIP (slow on large pictures).", default=True, flag="--flip/--no-flip"
     )
     fail_above: Sequence[str] | str = option(
-        Texts("FIGURE=NUMBER"), "Limit of a figure, as relmse=0.01; exit code 1 above it.",
+        Texts("FIGURE=NUMBER"), "Limit of a figure, such as relmse=0.01; exit code 1 above it.",
         default=(),
     )  # fmt: skip
 
@@ -140,7 +138,7 @@ class StudyOptions(Options):
         shown="the study's own folder", panel=SCENE, default=None
     )  # fmt: skip
     threads: int | None = option(
-        Whole(1, 1024), "To render with.", shown="all processors", default=None
+        Whole(1, 1024), "Threads to render with.", shown="all processors", default=None
     )
     progress: Callable[[Any], None] | None = option(
         Anything("callable"),
@@ -164,7 +162,7 @@ class TraceOptions(SizedOptions):
     rr_depth: int | None = scene.rr_depth()
     replicates: int | None = option(
         Text("INTEGER"),
-        "Independent parts for the error bars.",
+        "Independent scrambles for the error bars.",
         key="film.replicates",
         panel=SCENE,
         default=None,
@@ -176,7 +174,7 @@ class ReferenceOptions(ThreadOptions, SizedOptions):
     """Everything that ``alight reference`` can be told."""
 
     error: float | str = option(
-        Share(0.0, 1.0, least_is_open=True, most_is_open=True), "relRMSE wanted, as 0.5%.",
+        Share(0.0, 1.0, least_is_open=True, most_is_open=True), "Requested relRMSE, such as 0.5%.",
         default=0.01,
     )  # fmt: skip
 

@@ -47,10 +47,12 @@ def layer_names() -> Iterable[str]:
 class ThreadOptions(Options):
     """Options of everything that renders."""
 
-    seed: int = option(Whole(0, 2**32 - 1), "Of the random numbers.", default=0, panel=SAMPLING)
+    seed: int = option(
+        Whole(0, 2**32 - 1), "Seed of the random numbers.", default=0, panel=SAMPLING
+    )
     threads: int | None = option(
         Whole(1, 1024),
-        "To render with; their number does not change the picture.",
+        "Threads; their number does not change the picture.",
         shown="all processors",
         panel=SAMPLING,
         default=None,
@@ -66,17 +68,17 @@ class PromiseOptions(Options):
         metavar="2%", panel=PROMISE, default=None
     )  # fmt: skip
     confidence: float | str = option(
-        Share(0.5, 1.0, most_is_open=True), "With which the error is that small.",
+        Share(0.5, 1.0, most_is_open=True), "Confidence in that.",
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
     metric: str = option(
         Choice("metric", METRICS),
-        "relrmse of the picture, or pixel: most pixels within the error.",
+        "relrmse of the whole picture, or pixel: a share of the pixels.",
         default="relrmse", panel=PROMISE,
     )  # fmt: skip
     share: float | str = option(
         Share(0.5, 1.0, most_is_open=True),
-        "Of the pixels that are within the error, for the metric pixel.",
+        "Share of the pixels, for the metric pixel.",
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
 
@@ -90,7 +92,7 @@ class DisplayOptions(Options):
     )
     white_balance: str = option(
         Text("LIGHT"),
-        "Light that looks white: none, auto, a temperature as 3200K, or its colour as R,G,B.",
+        "Light to show as white: none, auto, a temperature such as 3200K, or a colour R,G,B.",
         default="none", panel=PICTURE,
     )  # fmt: skip
     tone_map: str = option(
@@ -122,14 +124,14 @@ class LimitOptions(Options):
 
     max_time: float | str | None = option(
         Seconds(),
-        "Give up after this time, as 90s, 10m or 2h.",
+        "Give up after this time, such as 90s, 10m or 2h.",
         metavar="10m",
         panel=PROMISE,
         default=None,
     )
     max_spp: int | None = option(
         Whole(1, MOST_SAMPLES),
-        "Give up at this number of samples per pixel.",
+        "Give up at this many samples per pixel.",
         panel=PROMISE,
         default=None,
     )
@@ -151,13 +153,13 @@ class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions,
     """
 
     output: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
-        Files(), "File to write; the suffix chooses the format. May be repeated.",
+        Files(), "File to write; the suffix chooses the format. Repeatable.",
         default=(), flag="--output -o", shown="SCENE.png, in Python none",
         panel=PICTURE,
     )  # fmt: skip
     aovs: Sequence[str] | str = option(
         Names("layer", layer_names),
-        "Further layers (EXR), by commas, as albedo,normal or direct,indirect.",
+        "Extra layers (EXR), comma-separated, such as albedo,normal or direct,indirect.",
         default=(), flag="--aov", panel=PICTURE,
     )  # fmt: skip
     stats: str | PathLike[str] | None = option(
@@ -170,7 +172,7 @@ class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions,
     )  # fmt: skip
     time_limit: float | str | None = option(
         Seconds(),
-        "Seconds after which no pass starts.",
+        "Start no pass after this many seconds.",
         flag="--time",
         panel=SAMPLING,
         default=None,
@@ -180,20 +182,20 @@ class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions,
         default=0, panel=SAMPLING,
     )  # fmt: skip
     replicates: int | None = option(
-        Whole(1, 1024), "Independent parts for the error bars.",
+        Whole(1, 1024), "Independent scrambles for the error bars.",
         shown="as the scene says, 4", panel=SAMPLING, default=None
     )  # fmt: skip
     spp_per_pass: int | None = option(
         Whole(1, MOST_SAMPLES),
-        "Samples per pixel between two progress reports. Does not change the picture.",
+        "Samples per pixel between progress reports; does not change the picture.",
         panel=SAMPLING, default=None
     )  # fmt: skip
     checkpoint: str | PathLike[str] | None = option(
-        File(), "Keep the state there: alight resume FILE goes on after a stop or a crash.",
+        File(), "Save the state there: alight resume FILE continues after a stop or a crash.",
         panel=SAMPLING, default=None
     )  # fmt: skip
     every: float | str = option(
-        Seconds(can_be_zero=True), "Time between two checkpoints, as 60s, 5m or 1h.",
+        Seconds(can_be_zero=True), "Time between checkpoints, such as 60s, 5m or 1h.",
         default=EVERY, panel=SAMPLING,
     )  # fmt: skip
     camera: str | int | None = scene.camera()

@@ -20,7 +20,7 @@ class ResumeOptions(PromiseOptions):
     """Everything that `alight.resume` can be told."""
 
     output: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
-        Files(), "File to write; may be repeated.", default=(), flag="--output -o",
+        Files(), "File to write; repeatable.", default=(), flag="--output -o",
         shown="as for the first part of the render",
     )  # fmt: skip
     spp: int | None = option(
@@ -31,36 +31,36 @@ class ResumeOptions(PromiseOptions):
     )
     max_spp: int | None = option(
         Whole(1, MOST_SAMPLES),
-        "Give up at this number of samples per pixel.",
+        "Give up at this many samples per pixel.",
         panel=PROMISE,
         default=None,
     )
     time_limit: float | str | None = option(
-        Seconds(), "Seconds after which no pass starts.", flag="--time",
+        Seconds(), "Start no pass after this many seconds.", flag="--time",
         shown="what is left of the first limit", default=None
     )  # fmt: skip
     scene: Scene | str | PathLike[str] | None = option(
         Text(), "The same scene, where its file was moved or it was made in Python.", default=None
     )  # fmt: skip
     root: str | PathLike[str] | None = option(
-        File("FOLDER"), "Files that the scene names may lie in this folder and below.",
+        File("FOLDER"), "Folder whose files the scene may read.",
         shown="as the render began", default=None
     )  # fmt: skip
     checkpoint: str | PathLike[str] | None = option(
         File(), "Write checkpoints to another file.", shown="the one that was read", default=None
     )
     every: float | str = option(
-        Seconds(can_be_zero=True), "Time between two checkpoints, as 60s, 5m or 1h.", default=EVERY
+        Seconds(can_be_zero=True), "Time between checkpoints, such as 60s, 5m or 1h.", default=EVERY
     )
     threads: int | None = option(
         Whole(1, 1024),
-        "To render with; their number does not change the picture.",
+        "Threads; their number does not change the picture.",
         shown="all processors",
         default=None,
     )
     plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
         Files("FILE.py"),
-        "Script that registers models for the scene (alight.register). May be repeated.",
+        "Script that registers models for the scene (alight.register). Repeatable.",
         default=(), flag="--plugin",
     )  # fmt: skip
     stats: str | PathLike[str] | None = option(
@@ -68,7 +68,7 @@ class ResumeOptions(PromiseOptions):
     )
     spp_per_pass: int | None = option(
         Whole(1, MOST_SAMPLES),
-        "Samples per pixel between two progress reports.",
+        "Samples per pixel between progress reports.",
         flag="",
         default=None,
     )

@@ -19,25 +19,26 @@ class SceneOptions(Options):
     """How a scene is loaded, and what of it is changed."""
 
     changes: Sequence[str] | str = option(
-        Texts("PATH=VALUE"), "Any key of the scene file, as film.size=[64,64]. May be repeated.",
+        Texts("PATH=VALUE"),
+        "Set any key of the scene file, such as film.size=[64,64]. Repeatable.",
         default=(), flag="--set", panel=SCENE,
     )  # fmt: skip
     plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
         Files("FILE.py"),
-        "Script that registers models for the scene (alight.register). May be repeated.",
+        "Script that registers models for the scene (alight.register). Repeatable.",
         default=(), flag="--plugin", panel=SCENE,
     )  # fmt: skip
     definitions: Mapping[str, str] = option(
-        Definitions(), "Value of a $NAME in an .xml file. May be repeated.",
+        Definitions(), "Set $NAME in an .xml file. Repeatable.",
         default={}, flag="-D", panel=FOREIGN,
     )  # fmt: skip
     lenient: bool = option(
-        Switch(), "Replace what is not covered (.xml, .pbrt), and list it.",
+        Switch(), "Replace unsupported parts (.xml, .pbrt), and list them.",
         default=False, panel=FOREIGN,
     )  # fmt: skip
     root: str | PathLike[str] | None = option(
         File("FOLDER"),
-        "Files that the scene names may lie in this folder and below; it holds the scene.",
+        "Folder whose files the scene may read; must contain it.",
         shown="the scene's own folder", panel=SCENE, default=None
     )  # fmt: skip
 
@@ -89,14 +90,14 @@ def camera() -> Any:
     """Declare which camera looks."""
     return option(
         Text("NAME|NUMBER"),
-        "Camera node of the scene: its path, its name, or its place among them from 0.",
+        "Camera node of the scene: its path, its name, or its number, from 0.",
         key="camera", panel=SCENE, default=None
     )  # fmt: skip
 
 
 def integrator() -> Any:
     """Declare the algorithm."""
-    help = "Algorithm, as path or direct."
+    help = "Algorithm, such as path or direct."
     return option(Text(), help, key="integrator.type", panel=SCENE, default=None)
 
 
@@ -108,16 +109,18 @@ def max_depth() -> Any:
 
 def sampler() -> Any:
     """Declare the source of random numbers."""
-    help = "Source of random numbers, as sobol."
+    help = "Source of random numbers, such as sobol."
     return option(Text(), help, key="sampler.type", panel=SCENE, default=None)
 
 
 def filter() -> Any:
     """Declare the pixel filter."""
-    return option(Text(), "Pixel filter, as box.", key="film.filter", panel=SCENE, default=None)
+    return option(
+        Text(), "Pixel filter, such as box.", key="film.filter", panel=SCENE, default=None
+    )
 
 
 def rr_depth() -> Any:
     """Declare where paths may end by chance."""
-    help = "Where Russian roulette begins."
+    help = "Depth at which Russian roulette starts."
     return option(Text("INTEGER"), help, key="integrator.rr_depth", panel=SCENE, default=None)

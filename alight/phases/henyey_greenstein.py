@@ -28,7 +28,7 @@ class HenyeyGreenstein(PhaseFunction):
     Parameters
     ----------
     g : float in [-0.99, 0.99], default 0
-        Mean cosine: 0 is isotropic, towards 1 light goes on nearly straight.
+        Mean cosine: 0 is isotropic, towards 1 light continues nearly straight.
     """
 
     type: Literal["henyey_greenstein"] = "henyey_greenstein"

@@ -164,7 +164,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     films = unpack_films(Film, path, archive)
     if "job" not in content:
         raise FilmError(
-            f"{os.fspath(path)} is a film, not a checkpoint: it does not know how to go on; "
+            f"{os.fspath(path)} is a film, not a checkpoint: it does not record how to continue; "
             "alight merge adds other samples to it"
         )
     job, recipe = content["job"], content["recipe"]

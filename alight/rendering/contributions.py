@@ -1,4 +1,4 @@
-"""Every contribution to a picture by itself: how long its path was, and how its light was found."""
+"""Every single contribution to a picture: the length of its path, and how its light was found."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def recorded_tables(scene: CompiledScene, log: Log) -> RecordedTables | Recorded
     return kind(*scene.tables, log)
 
 
-#: Room in a log for so many contributions a sample at first; a tile that needs more runs again.
+#: Contributions per sample that a log has room for at first; a tile that needs more runs again.
 _ROOM = 6
 
 

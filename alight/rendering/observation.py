@@ -81,7 +81,7 @@ class Observer:
         self._open: list[Event] = []
 
     def __call__(self, node: Any, function: Callable) -> Callable:
-        """What is called in the place of a kernel."""
+        """What is called instead of a kernel."""
         if node is closest_of_triangles:
             return closest_of_all
         if node is occlude_by_triangles:

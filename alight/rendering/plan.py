@@ -1,4 +1,4 @@
-"""What a promise will cost, predicted from a pilot.
+"""The cost of a promise, predicted from a pilot.
 
 The pilot's relMSE is measured at three numbers of samples, each twice the last. Its slope in
 logarithms (-1 for independent samples, steeper for better ones) is carried on to the error that is
@@ -209,7 +209,7 @@ def plan_of(pilot: Pilot, replicates: int) -> Plan:
 
 
 def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
-    """Processor time of so many samples per pixel and of the looks on the way there."""
+    """Processor time of the given samples per pixel and of the looks on the way there."""
     at = [0, *(seen[0] for seen in pilot.seen)]
     rates = [t / (b - a) for t, a, b in zip(pilot.passes, at, at[1:], strict=False)]
     # The first pass touches all memory for the first time; threads begin, clock rates rise.

@@ -36,10 +36,10 @@ def _run(path: Path) -> None:
     name = f"alight_plugin_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise OptionError(f"{path} is no Python file (.py)", "plugins")
+        raise OptionError(f"{path} is not a Python file (.py)", "plugins")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    # As for a script: modules beside it can be imported.
+    # As for a script: modules next to it can be imported.
     sys.path.insert(0, str(path.resolve().parent))
     try:
         spec.loader.exec_module(module)

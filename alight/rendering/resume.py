@@ -1,4 +1,4 @@
-"""Going on with a render from its checkpoint, to the same bits as if it had never stopped."""
+"""Resuming a render from its checkpoint, to the same bits as if it had never stopped."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def _check_machine(saved: Checkpoint) -> None:
         return
     changed = differences(saved.origin.machine, describe_machine())
     raise FilmError(
-        f"cannot go on with {saved.path}: here the same samples would have other bits\n"
+        f"cannot resume {saved.path}: here the same samples would have other bits\n"
         + listed(changed or ["kernel fingerprint: is another one"])
         + f"\nits picture is whole: alight merge {saved.path} -o picture.exr"
     )
@@ -168,7 +168,7 @@ def _load_scene(
     recipe = saved.origin.recipe
     if scene is None and recipe is None:
         raise FilmError(
-            f"cannot go on with {saved.path}: its scene was made in Python; give it as well: "
+            f"cannot resume {saved.path}: its scene was made in Python; give it as well: "
             "alight.resume(path, scene=scene)"
         )
     if not isinstance(scene, Scene):
@@ -176,7 +176,7 @@ def _load_scene(
             scene = _loaded(recipe, scene, root)
         except SceneError as error:
             raise FilmError(
-                f"cannot go on with {saved.path}: its scene cannot be loaded\n{error}\n"
+                f"cannot resume {saved.path}: its scene cannot be loaded\n{error}\n"
                 "a scene that was moved is found again with --scene, and --root where it has one"
             ) from error
     if content_hash(flatten(scene)) != saved.state.rounds[0].scene_hash:
@@ -200,7 +200,7 @@ def changed_scene(path: str, before: Mapping[str, str], scene: Scene) -> str:
     """Say that a scene is not that of a checkpoint, and why."""
     changed = differences(before, describe_content(scene))
     named = listed(changed or ["its content"])
-    return f"cannot go on with {path}: the scene has changed since\n{named}"
+    return f"cannot resume {path}: the scene has changed since\n{named}"
 
 
 def listed(lines: list[str]) -> str:

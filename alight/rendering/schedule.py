@@ -93,7 +93,7 @@ class Schedule(ABC):
         return ()
 
     def extended(self, spp: int) -> Schedule:
-        """Make the schedule that goes on to `spp` samples per pixel in all.
+        """Make the schedule that continues to `spp` samples per pixel in all.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-r"""Stopping at an error: what is promised, when one looks, and what can be said at the end.
+r"""Stopping at an error: the promise, the looks, and the final verdict.
 
 A look at a film asks for the error that the true one does not exceed. Looks may be as many as they
 like, because the error falls while one waits. Call :math:`\sigma` the deviation of the estimated

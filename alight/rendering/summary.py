@@ -1,4 +1,4 @@
-"""What is said about a finished render: on the terminal and as JSON."""
+"""The summary of a finished render: on the terminal and as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`render_tile`: the one entry that everything which renders goes through."""
+"""`render_tile`: the single entry point of everything that renders."""
 
 from __future__ import annotations
 

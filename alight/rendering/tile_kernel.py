@@ -1,4 +1,4 @@
-"""The main loop inside a tile: start paths, carry them on, add the finished ones to the film.
+"""The main loop inside a tile: start paths, extend them, add the finished ones to the film.
 
 A packet's samples take their first step together. Where some paths end, the others wait in a queue,
 from which the next packet is taken as soon as they fill one; so packets stay full although paths
@@ -82,7 +82,7 @@ def next_sample(settings, cursor):
 def next_pixel(settings, tile, ranges, cursor):
     """The first sample of the next pixel: along the rows of a cell, then cell by cell.
 
-    A cursor with x < 0 stands before the first pixel of its cell.
+    A cursor with x < 0 is before the first pixel of its cell.
     """
     x, y, cell = cursor.x, cursor.y, cursor.cell
     columns, cells = count_cells(tile)

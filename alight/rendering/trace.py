@@ -44,7 +44,7 @@ from alight.shapes.surfaces import make_surface
 
 Triple = tuple[float, float, float]
 
-#: Without a tree every ray is tested against every triangle; so many take about ten seconds a ray.
+#: Without a tree every ray tests every triangle: this many take about ten seconds a ray.
 MOST_TRIANGLES = 30_000_000
 
 WATCHED = {
@@ -72,7 +72,7 @@ WEIGHTS = ("bsdf_weight", "light_weight")
 
 @dataclass(frozen=True)
 class Emission:
-    """Light that the ray came upon: radiance, density of light sampling for it, and MIS weight."""
+    """Light that the ray hit: radiance, density of light sampling for it, and MIS weight."""
 
     radiance: Triple
     light_pdf: float | None
@@ -110,7 +110,7 @@ class LightSample:
 
 @dataclass(frozen=True)
 class Scattering:
-    """How the path goes on: local direction, weight f cos / pdf, density, and the lobe's name.
+    """How the path continues: local direction, weight f cos / pdf, density, and the lobe's name.
 
     In a medium the direction is that in the world, and the lobe "phase".
     """

@@ -1,4 +1,4 @@
-r"""Independent sampler: every number is drawn anew, without regard to the others.
+r"""Independent sampler: every number is drawn independently of the others.
 
 The error of a mean of N samples falls as N^{-1/2}, whatever the integrand: the baseline.
 

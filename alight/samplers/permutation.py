@@ -1,4 +1,4 @@
-"""Random permutations of 0 ... n - 1 by hashing: each value is found alone, without a table.
+"""Random permutations of 0 ... n - 1 by hashing: each value is computed alone, without a table.
 
 A keyed bijection of the smallest power of two that holds n is applied again and again until the
 value is below n ("cycle walking"), which makes a permutation of the values below n.

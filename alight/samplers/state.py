@@ -1,4 +1,4 @@
-"""What names one sample: the argument of every sampler."""
+"""The identity of one sample: the argument of every sampler."""
 
 from __future__ import annotations
 

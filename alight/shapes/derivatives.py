@@ -1,4 +1,4 @@
-"""How fast a point of a surface moves with its texture coordinates, for bump and normal maps."""
+"""Derivatives of a surface point by its texture coordinates, for bump and normal maps."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What a ray found, the surface there, and robust rays from it and to it.
 
 Robustness follows the idea of PBR4 section 6.8: every computed point carries a bound of its
-distance from the true surface, and new rays start outside of that band. A bound is a small multiple
+distance from the true surface, and new rays start outside that band. A bound is a small multiple
 of the machine epsilon times the sum of the magnitudes that were added up; each shape derives its
 own, for the whole round trip: the rounding of its stored row, of the point, of the moved origin,
 and of the intersection arithmetic that must find a ray leaving from there on the right side.

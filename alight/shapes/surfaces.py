@@ -1,4 +1,4 @@
-"""The surface at a hit, whatever shapes the scene has: written anew for each program."""
+"""The surface at a hit, whatever shapes the scene has, specialised for each program."""
 
 from __future__ import annotations
 

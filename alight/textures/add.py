@@ -46,7 +46,7 @@ SLOTS: dict[str, int] = {}
 
 
 def pack(spec: Add, packer) -> None:
-    """Nothing to pack: the parts stand by themselves."""
+    """Nothing to pack: the parts are packed separately."""
 
 
 @kernel

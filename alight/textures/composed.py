@@ -103,7 +103,7 @@ def _operator(number, work, rest):
 
 
 def _on_stack(operate, parts):
-    """A kernel that takes so many values off the stack; the first part lies deepest."""
+    """A kernel that pops this many values; the first part lies deepest."""
     if parts == 1:
 
         @kernel

@@ -52,7 +52,7 @@ SLOTS: dict[str, int] = {}
 
 
 def pack(spec: Multiply, packer) -> None:
-    """Nothing to pack: the parts stand by themselves."""
+    """Nothing to pack: the parts are packed separately."""
 
 
 @kernel

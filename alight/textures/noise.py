@@ -9,7 +9,7 @@ r"""Noise: a random pattern in space, smooth at its smallest scale, alike on eve
 with :math:`s_i` the fade s or 1 - s of the coordinate i, K octaves and r their `gain`. Gradients g
 are the twelve directions from a cube's centre to the middles of its edges, chosen by a hash of
 the corner's whole coordinates. |n| never exceeds 1.04; the weight is cut to [0, 1].
-"turbulence" has \|n\| in the place of n, and \|f\| as weight.
+"turbulence" has \|n\| instead of n, and \|f\| as weight.
 
 x is the place in the world (metres), or (u, v, 0), times `scale` plus `offset`. Beyond 2^20 cells
 from the origin float32 has no digits left to vary with.

@@ -10,7 +10,7 @@ A list is applied from left to right, as the steps of a node's transform. Scalin
 picture four times. Rotations are in degrees, from u to v about (0, 0). (s, t) are right to the
 rounding of float32, so a picture that repeats a thousand times is placed to 1/10 000 of its width.
 
-Meshes may have several sets of (u, v); ``uv_set: 1`` beside `to_uv` asks for the second one.
+Meshes may have several sets of (u, v); ``uv_set: 1`` next to `to_uv` selects the second one.
 """
 
 from __future__ import annotations
@@ -155,9 +155,9 @@ IDENTITY = UvTransform()
 
 @kernel
 def lookup_point(scene, base, slot, surface):
-    """(s, t): the matrix whose six numbers stand at `base`, row by row, applied to (u, v).
+    """(s, t): the matrix whose six numbers are at `base`, row by row, applied to (u, v).
 
-    At `slot` stands the set of coordinates (u, v), see `alight.core.uv_sets`.
+    `slot` holds the set of coordinates (u, v), see `alight.core.uv_sets`.
     """
     data = scene.materials.texture_data
     u, v = uv_of_texture(scene, slot, surface)

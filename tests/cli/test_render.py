@@ -173,7 +173,7 @@ def test_ctrl_c_writes_what_there_is_beside_the_target(alight, tmp_path):
     stub = StubRender(during={"render": interrupt})
     result = alight("render", *SMALL, "-o", "out.png", stub=stub)
     assert result.exit_code == 130
-    assert result.stderr == "stopped at 4 spp; what there is is in out.partial.exr\n"
+    assert result.stderr == "stopped at 4 spp; the samples so far are in out.partial.exr\n"
     assert (tmp_path / "out.png").read_bytes() == b"the good picture"
     channels, _ = read_layers("out.partial.exr")
     assert (channels["samples"] == 4).all()
@@ -218,7 +218,7 @@ MISTAKES = {
     "tone map": (["--tone-map", "acess"], 'unknown tone map "acess"; did you mean "aces"?'),
     "exposure": (["--exposure", "1000"], 'lie in [-100, 100] stops, got "1000"'),
     "bits": (["--bits", "9"], "bits per channel must be 8 or 16, got 9"),
-    "size": (["--size", "big"], '--size: must be WIDTHxHEIGHT in pixels as 512x512, got "big"'),
+    "size": (["--size", "big"], '--size: must be WIDTHxHEIGHT in pixels, as 512x512, got "big"'),
     "no pixels": (["--size", "0x4"], "film.size"),
     "too many pixels": (["--size", "99999x99999"], "film"),
     "crop": (["--crop", "1,2,3"], '--crop: must be X,Y,WIDTH,HEIGHT in pixels, got "1,2,3"'),

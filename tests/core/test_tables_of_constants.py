@@ -70,7 +70,7 @@ def test_xyz_becomes_srgb_by_its_primaries(module):
 
 
 def test_linear_srgb_becomes_xyz_by_its_primaries():
-    np.testing.assert_allclose(white_balance._XYZ_FROM_RGB, REC709, atol=1e-4)
+    np.testing.assert_allclose(white_balance.XYZ_FROM_RGB, REC709, atol=1e-4)
 
 
 def test_luminance_is_the_second_row():

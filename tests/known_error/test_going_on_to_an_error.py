@@ -95,7 +95,7 @@ def test_a_pilot_that_was_cut_off_is_finished_before_more_samples_follow(tmp_pat
 def test_cycles_does_not_go_on_to_an_error(tmp_path):
     path = tmp_path / "a.alight"
     alight.render(scene(), schedule=Cycles(0, 80, 0.2), checkpoint=path)
-    with pytest.raises(OptionError, match="the schedule cycles cannot go on to an error"):
+    with pytest.raises(OptionError, match="the schedule cycles cannot continue to an error"):
         alight.resume(path, promise=Promise(0.1))
 
 

@@ -127,7 +127,7 @@ def _notes_of(comparison: PictureComparison, named: bool) -> list[str]:
 
 @takes(CompareOptions)
 def compare(a: Comparable, b: Comparable, options: CompareOptions) -> Comparison:
-    """Compare two pictures: errors, what an eye sees, and whether it is more than noise.
+    """Compare two pictures: errors, visible differences, and whether they exceed the noise.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ UNSURE = "cannot tell"
 #: Verdict where only one picture's noise is known.
 DIFFERENT_IF_EXACT = "different, if the other is exact"
 
-#: Why there is no FLIP where nobody wants it.
+#: Why FLIP is missing where it was not requested.
 NOT_ASKED = "FLIP was not asked for"
 
 
@@ -230,7 +230,7 @@ def parse_limits(texts: list[str]) -> dict[str, float]:
         except ValueError:
             limits[name] = math.nan
         if not limits[name] >= 0.0:
-            problem = f"must be FIGURE=NUMBER as relmse=0.01, got {quote(text)}"
+            problem = f"must be FIGURE=NUMBER such as relmse=0.01, got {quote(text)}"
             raise OptionError(problem, "fail_above")
     return limits
 

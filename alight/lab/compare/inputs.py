@@ -100,7 +100,7 @@ def read_input(path: str | Path, layer: str | None = None) -> Input:
     Parameters
     ----------
     path : path
-        EXR, PNG, JPEG, NPY, HDR or PFM; told by its content, not by its name.
+        EXR, PNG, JPEG, NPY, HDR or PFM; recognised by content, not by name.
     layer : str, optional
         Of an EXR file, instead of the picture: ``albedo`` for the channels ``albedo.R`` ...
 

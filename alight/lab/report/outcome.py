@@ -63,7 +63,7 @@ class StudyReport:
 
 @takes(StudyOptions)
 def study(name: Study | str | Path, options: StudyOptions) -> StudyReport:
-    """Compare techniques: how much noise each leaves, at what cost, and how sure that is.
+    """Compare techniques: how much noise each leaves, at what cost, with what certainty.
 
     Parameters
     ----------

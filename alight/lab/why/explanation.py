@@ -83,7 +83,7 @@ class Explanation:
 
 @takes(WhyOptions)
 def why(scene: Scene | str | os.PathLike[str], options: WhyOptions) -> Explanation:
-    """Say where a picture's noise comes from: path depth, technique, light, first material.
+    """Explain a picture's noise by path depth, technique, light and first material.
 
     Parameters
     ----------

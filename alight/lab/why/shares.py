@@ -54,7 +54,7 @@ TECHNIQUES = {
 
 
 class Part(NamedTuple):
-    """Contributions of one kind; None stands for all.
+    """Contributions of one kind; None means all.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ def _check(scene: Scene, size: int, spp: int) -> None:
     kind = scene.integrator.type_name()
     if not can_record(kind):
         raise OptionError(
-            f"the integrator {kind} does not say where its light comes from; "
+            f"the integrator {kind} does not record where its light comes from; "
             "path, direct and random_walk do"
         )
     WhyOptions.of({"size": size, "spp": spp})
@@ -221,7 +221,7 @@ class _Divider:
         """One batch: its contributions, and the sums (h, w, REPLICATES, 3) that they make."""
         means = sums / self.spp
         deviation = means - means.mean(axis=2, keepdims=True)
-        # Variance of one sample: that of a mean of so many, times their number.
+        # Variance of one sample: that of the mean of N, times N.
         scale = self.spp / (REPLICATES - 1)
         factor = (deviation * self.weights[:, :, None] * scale).reshape(-1, REPLICATES, 3)
         found = contributions

@@ -26,7 +26,7 @@ LEVEL = 0.01
 
 @takes(CheckOptions)
 def check(scene: Scene | str | os.PathLike[str], options: CheckOptions) -> Verdict:
-    """Test a scene: materials, lights, random numbers, and that all ways give one picture.
+    """Test a scene: materials, lights, random numbers, and that all methods give one picture.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def check_scene(
     only : sequence of str
         Some of `PARTS`, all by default.
     progress : callable, optional
-        Is told in words what runs next.
+        Called with a description of what runs next.
 
     Returns
     -------

@@ -160,7 +160,7 @@ def _choice(
     said[index] = pmf
     counts = np.append(np.bincount(index, minlength=lights), 0)
     if not ((rest >= 0.0) & (rest < 1.0)).all():
-        return Finding("lights", law, holds=False, detail="what is left of u is outside of [0, 1)")
+        return Finding("lights", law, holds=False, detail="what is left of u is outside [0, 1)")
     return Finding("lights", law, p=chi_square(counts, said), detail=f"{lights} lights")
 
 

@@ -52,7 +52,7 @@ def check_numbers(spec: Sampler, seed: int) -> Iterator[Finding]:
         pairs.append(chi_square_tail(statistic, counts.size - 1))
         singles.append(uniform_p_value(single, 256))
     for what, p_values in (("pairs", pairs), ("numbers", singles)):
-        # One line for all dimensions: the smallest p-value of so many.
+        # One line for all dimensions: the smallest p-value of all.
         p = min(1.0, len(p_values) * min(p_values))
         yield Finding(part, f"{what} are uniform over the pixels (chi-square)", p=p)
     repeated = np.unique(twin(spec, False)(sequence(256, seed=seed), 10)).size < 250
