@@ -28,10 +28,17 @@ set_application("alight", __path__[0])
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {
+    "check": "alight.laws.scene",
+    "compare": "alight.lab.compare",
     "denoise": "alight.films.denoising",
+    "info": "alight.lab.info",
     "merge": "alight.rendering",
+    "plan": "alight.rendering.plan",
     "render": "alight.rendering",
     "resume": "alight.rendering",
+    "study": "alight.lab.report.outcome",
+    "why": "alight.lab.why",
+    "RenderOptions": "alight.options.render",
     "Progress": "alight.rendering",
     "Trace": "alight.rendering.trace",
     "trace": "alight.rendering.trace",
@@ -55,8 +62,15 @@ if TYPE_CHECKING:
     from alight.films import Film
     from alight.films.denoising import denoise
     from alight.formats import load, save
+    from alight.lab.compare import compare
+    from alight.lab.info import info
+    from alight.lab.report.outcome import study
+    from alight.lab.why import why
     from alight.laws import check_laws
+    from alight.laws.scene import check
+    from alight.options.render import RenderOptions
     from alight.rendering import Progress, merge, render, resume
+    from alight.rendering.plan import plan
     from alight.rendering.trace import Trace, trace
     from alight.scene import Scene, SceneManager
 
@@ -67,20 +81,27 @@ __all__ = [
     "OptionError",
     "OutputError",
     "Progress",
+    "RenderOptions",
     "Scene",
     "SceneError",
     "SceneManager",
     "Trace",
     "__version__",
+    "check",
     "check_laws",
+    "compare",
     "denoise",
+    "info",
     "load",
     "merge",
+    "plan",
     "register",
     "render",
     "resume",
     "save",
+    "study",
     "trace",
+    "why",
 ]
 
 

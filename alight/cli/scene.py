@@ -7,8 +7,6 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
-
 #: What `--kind` takes to show the kinds.
 LIST = "list"
 
@@ -30,21 +28,21 @@ def random(
             show_default="printed",
         ),
     ] = None,
-    size: arguments.Size = None,
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.")] = None,
 ) -> None:
     """Generate a random scene from all registered shapes, materials and lights."""
-    from alight.cli.options import parse_size
     from alight.core.errors import OutputError
     from alight.formats import dumps, save
     from alight.lab.random_scenes import random_scene
     from alight.lab.random_scenes.kinds import KINDS, summary
+    from alight.options.scene import SizedOptions
 
     if kind == LIST:
         width = max(map(len, KINDS))
         for name in KINDS:
             typer.echo(f"{name:<{width}}  {summary(name)}")
         return
-    scene = random_scene(seed, kind, parse_size(size) if size else None)
+    scene = random_scene(seed, kind, SizedOptions.options()["size"].parse(size))
     if output is None:
         typer.echo(dumps(scene), nl=False)
         return

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
 from alight.cli.reporting import INTERRUPTED
 
 #: Exit code when a scene has no picture.
@@ -47,23 +46,30 @@ def sheet(
     lenient: Annotated[
         bool, typer.Option("--lenient", help="Replace unsupported parts, and list them.")
     ] = False,
-    root: arguments.Root = None,
+    root: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Folder whose files the scenes may read; must contain them.",
+            show_default="each scene's own folder",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")] = False,
 ) -> None:
     """Make a contact sheet of scenes; a scene that fails shows its error message."""
-    from alight.cli.options import parse_size
     from alight.core.errors import OptionError
     from alight.lab.report.targets import check_target
     from alight.lab.sheet import SUFFIXES, Tile, find_scenes, render_tile, write_sheet
+    from alight.options.kinds import Size
     from alight.outputs.display import Display
 
     outputs = output or [Path("sheet.png")]
     try:
-        size = parse_size(tile)
-    except OptionError as error:
-        raise OptionError(str(error).replace("--size", "--tile")) from None
+        size = Size().check(tile)
+    except ValueError as error:
+        raise OptionError(str(error), "--tile") from None
     if not all(16 <= length <= 4096 for length in size):
-        raise OptionError(f"--tile: must be 16 to 4096 pixels wide and high, got {tile}")
+        raise OptionError(f"must be 16 to 4096 pixels wide and high, got {tile}", "--tile")
     display = Display(exposure)
     for path in outputs:
         check_target(path, SUFFIXES)

@@ -16,7 +16,7 @@ from alight.core.version import VERSION
 from alight.films import Film
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
-from alight.rendering.options import AOVS
+from alight.rendering.layers import AOVS
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedule import Goal, Schedule, Verdict

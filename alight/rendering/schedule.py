@@ -100,7 +100,7 @@ class Schedule(ABC):
         OptionError
             If that has no meaning for it.
         """
-        raise OptionError(f"--spp: a render by the schedule {self.name} has no fixed number")
+        raise OptionError(f"a render by the schedule {self.name} has no fixed number", "spp")
 
     @property
     def total_spp(self) -> float | None:

@@ -81,7 +81,7 @@ def test_a_fixed_number_of_samples_goes_on_to_an_error(tmp_path):
     short = alight.resume(path, promise=Promise(0.12), spp=24)
     assert (short.sample_count == 24).all()
     assert short.stats["verdict"]["word"] == "not met"
-    with pytest.raises(OptionError, match="--max-spp: 20 is less than the render holds"):
+    with pytest.raises(OptionError, match="max_spp: 20 is less than the render holds"):
         alight.resume(path, promise=Promise(0.12), spp=20)
 
 

@@ -31,6 +31,7 @@ from alight.core.errors import OptionError
 from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, can_record
 from alight.laws.scene.check import material_names
 from alight.laws.scene.pictures import small
+from alight.options.laboratory import WhyOptions
 from alight.rendering.contributions import Contributions, Recorder
 from alight.rendering.resources import usable_processors
 from alight.scene import Scene, flatten
@@ -198,10 +199,7 @@ def _check(scene: Scene, size: int, spp: int) -> None:
             f"the integrator {kind} does not record where its light comes from; "
             "path, direct and random_walk do"
         )
-    if not 8 <= size <= 1024:
-        raise OptionError(f"size: must be in [8, 1024] pixels, got {size}")
-    if spp < BATCHES * REPLICATES:
-        raise OptionError(f"spp: must be at least {BATCHES * REPLICATES}, got {spp}")
+    WhyOptions.of({"size": size, "spp": spp})
 
 
 def relative_weights(reference: np.ndarray) -> np.ndarray:

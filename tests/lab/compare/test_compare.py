@@ -124,7 +124,7 @@ def test_limits_decide_the_exit_code(films):
         (["--fail-above", "flip=1", "--no-flip"], "flip is unknown: FLIP was not asked for"),
         (["--output", "x.pgn"], 'unknown suffix ".pgn"; did you mean ".png"?'),
         (["--output", "nowhere/x.npy"], "does not exist"),
-        (["--exposure", "1000"], "exposure must be auto or lie in"),
+        (["--exposure", "1000"], "--exposure: must be a number in [-100, 100], got 1000"),
         (["--reference", "none.exr"], "there is no such file"),
     ],
 )

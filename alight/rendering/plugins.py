@@ -1,4 +1,4 @@
-"""``--plugin FILE.py``: scripts that register models, run before the scene is read."""
+"""Scripts that register models, run before the scene is read."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def load_plugins(paths: Sequence[Path] | None) -> None:
 
     for path in paths or ():
         if not path.is_file():
-            raise OptionError(f"--plugin: there is no file {path}")
+            raise OptionError(f"there is no file {path}", "plugins")
         before = {name: dict(models) for name, models in REGISTERED.items()}
         _run(path)
         if before == REGISTERED:
             raise OptionError(
-                f"--plugin: {path} registers nothing; end it with alight.register(__name__)"
+                f"{path} registers nothing; end it with alight.register(__name__)", "plugins"
             )
 
 
@@ -36,7 +36,7 @@ def _run(path: Path) -> None:
     name = f"alight_plugin_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise OptionError(f"--plugin: {path} is not a Python file (.py)")
+        raise OptionError(f"{path} is not a Python file (.py)", "plugins")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     # As for a script: modules next to it can be imported.
@@ -46,7 +46,7 @@ def _run(path: Path) -> None:
     except AlightError:
         raise
     except Exception as error:
-        raise OptionError(f"--plugin: {_where(error, path)}: {error}") from error
+        raise OptionError(f"{_where(error, path)}: {error}", "plugins") from error
     finally:
         sys.path.pop(0)
 
