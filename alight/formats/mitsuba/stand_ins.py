@@ -87,7 +87,7 @@ def _retarder(draft: Draft) -> None:
 def _rough_diffuse(draft: Draft) -> None:
     old_name = draft.properties.has("diffuse_reflectance")
     color_or_texture(draft, "reflectance", 0.5, "diffuse_reflectance" if old_name else None)
-    alpha = draft.properties.number("alpha", 0.2) or 0.0
+    alpha = draft.properties.number("alpha", 0.2)
     draft.properties.ignore("the whole model is taken", "use_fast_approx")
     # The plug-in's own conversion to Oren and Nayar's angle, in radians.
     sigma = math.degrees(alpha / math.sqrt(2.0))
@@ -159,7 +159,7 @@ def _coating(draft: Draft) -> None:
             alpha = _USUAL_ALPHA
     draft.color("sigma_a", role="index")
     absorbed = draft.data.get("sigma_a", [0.0] * 3)
-    thickness = p.number("thickness", 1.0) or 0.0
+    thickness = p.number("thickness", 1.0)
     depth = [max(channel, 0.0) * max(thickness, 0.0) for channel in absorbed]
     tint = [math.exp(-2.0 * channel) for channel in depth]
     p.ignore("the coat is clear", "specular_reflectance")
