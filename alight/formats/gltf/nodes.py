@@ -267,12 +267,13 @@ class Graph:
             if arrays is None:
                 continue
             shape = Mesh(**arrays._asdict())
-            part: Data = {"shape": shape, "bsdf": self._bsdf(index, channels)}
-            if material.emission is not None:
-                part["light"] = {"type": "area", "radiance": material.emission}
-                if not material.is_unlit:
-                    self._shining[id(shape)] = material.emission
-            parts[f"primitive {number}"] = part
+            if material.emission is not None and not material.is_unlit:
+                self._shining[id(shape)] = material.emission
+            parts[f"primitive {number}"] = {
+                "shape": shape,
+                "bsdf": self._bsdf(index, channels),
+                **material.light,
+            }
         return parts
 
     def _bsdf(self, index: int | None, channels: int) -> str:
