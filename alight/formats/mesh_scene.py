@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.formats.obj_scene import COLORED, GREY
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
+from alight.formats.surfaces import plain_surface
 from alight.formats.surroundings import Bounds, add_camera, add_light
 from alight.meshes import ply, stl
 from alight.meshes.triangles import MeshArrays
@@ -52,10 +52,9 @@ def _parse(read: Callable[[bytes], MeshArrays], data: bytes, name: str, *, z_is_
     if z_is_up:
         node["transform"] = _UPRIGHT
         report.approximate("STL files do not say which way is up: z is taken")
-    bsdf = COLORED if arrays.colors is not None else GREY
     scene: dict[str, Any] = {
         "alight": FORMAT_VERSION,
-        "bsdfs": {"surface": bsdf},
+        "bsdfs": {"surface": plain_surface(arrays.colors is not None).bsdf},
         "nodes": {"mesh": node},
     }
     add_light(scene, report, shines=False)

@@ -28,6 +28,8 @@ from typing import Any
 from alight.core.errors import Issue, SceneError, quote
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
+from alight.formats.surfaces import LARGEST_IOR, Surface
+from alight.formats.textures import channel, complement, multiplied
 
 Data = dict[str, Any]
 GLASS, METAL, MATT = (4, 6, 7, 9), (3, 5, 8), (0, 1)
@@ -84,16 +86,7 @@ class Entry:
     maps: dict[str, Map] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Material:
-    """What a material becomes: a description, a radiance or None, and where it is defined."""
-
-    bsdf: Data
-    emission: Any = None
-    place: str = ""
-
-
-def read(text: str, name: str, reach: Reach, report: Report) -> dict[str, Material]:
+def read(text: str, name: str, reach: Reach, report: Report) -> dict[str, Surface]:
     """Read a material library.
 
     Parameters
@@ -118,7 +111,7 @@ def read(text: str, name: str, reach: Reach, report: Report) -> dict[str, Materi
             report.problem(place, words[0][:60], "stands before the first newmtl")
         else:
             _statement(current, key, words[1:], place, reach, report)
-    return {name: _material(entry, report) for name, entry in entries.items()}
+    return {name: _surface(entry, report) for name, entry in entries.items()}
 
 
 def _statement(
@@ -211,7 +204,7 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
     data["file"] = made.file
     one = made.channel in ("r", "g", "b", "a")
     if one and _MAPS[key] == "number":
-        made.data = {"type": "channel", "texture": data, "channel": made.channel}
+        made.data = channel(data, made.channel)
     elif made.channel not in ("", "l"):
         report.drop(f"-imfchan {made.channel} of {key}: not covered")
     if [*scale, *shift] != [1.0, 1.0, 0.0, 0.0]:
@@ -273,13 +266,10 @@ def find(name: str, place: str, reach: Reach, report: Report) -> Path:
 
 
 def _times(color: Any, found: Map | None) -> Any:
-    if found is None:
-        return color
-    plain = color in (1.0, [1.0, 1.0, 1.0])
-    return found.data if plain else {"type": "multiply", "a": color, "b": found.data}
+    return multiplied(color, None if found is None else found.data)
 
 
-def _material(entry: Entry, report: Report) -> Material:
+def _surface(entry: Entry, report: Report) -> Surface:
     numbers, colors, maps = entry.numbers, entry.colors, entry.maps
     kd = colors.get("kd", [0.8, 0.8, 0.8])
     if "map_kd" in maps and max(kd) == 0.0:
@@ -290,7 +280,7 @@ def _material(entry: Entry, report: Report) -> Material:
     is_glass = int(numbers.get("illum", 2)) in GLASS
     if "ni" in numbers:
         # Many programs write 0 for what is no glass.
-        bsdf["ior"] = min(numbers["ni"], 5.0) if numbers["ni"] >= 1.0 else 1.5
+        bsdf["ior"] = min(numbers["ni"], LARGEST_IOR) if numbers["ni"] >= 1.0 else 1.5
         if bsdf["ior"] != numbers["ni"] and (is_glass or numbers["ni"] > 1.0):
             report.approximate(f"{entry.place}: Ni {numbers['ni']:g} became {bsdf['ior']:g}")
     if is_glass:
@@ -301,21 +291,17 @@ def _material(entry: Entry, report: Report) -> Material:
             report.approximate(f"{entry.place}: Tf 0 would be black glass; clear glass is taken")
             bsdf["base_color"] = 1.0
     _say_unused(entry, is_glass, report)
-    result: Data = bsdf
-    for key, kind in (("norm", "normal_map"), ("bump", "bump_map")):
-        if key in maps and result is bsdf:
-            found = maps[key]
-            result = {"type": kind, "texture": found.data, "scale": found.multiplier, "bsdf": bsdf}
-    if not is_glass:
-        result = {"type": "two_sided", "bsdf": result}
-        opacity = _opacity(entry)
-        if opacity != 1.0:
-            result = {"type": "mask", "opacity": opacity, "bsdf": result}
+    key = "norm" if "norm" in maps else "bump"
+    bent: Data | None = None
+    if key in maps:
+        kind = {"norm": "normal_map", "bump": "bump_map"}[key]
+        bent = {"type": kind, "texture": maps[key].data, "scale": maps[key].multiplier}
+    opacity = 1.0 if is_glass else _opacity(entry)
     ke = colors.get("ke", [1.0, 1.0, 1.0] if "map_ke" in maps else [0.0, 0.0, 0.0])
     if "map_ke" in maps and max(ke) == 0.0:
         ke = [1.0, 1.0, 1.0]
     emission = _times(ke, maps.get("map_ke")) if max(ke) > 0.0 else None
-    return Material(result, emission, entry.place)
+    return Surface(bsdf, bent, opacity, emission, place=entry.place)
 
 
 def _say_unused(entry: Entry, is_glass: bool, report: Report) -> None:
@@ -384,15 +370,16 @@ def _opacity(entry: Entry) -> Any:
     found = maps.get("map_d")
     if found is None:
         if "map_tr" in maps:
-            part = {"type": "mix", "a": 1.0, "b": 0.0, "weight": maps["map_tr"].data}
-            return part if opacity in (0.0, 1.0) else {"type": "multiply", "a": opacity, "b": part}
+            part = complement(maps["map_tr"].data)
+            return multiplied(opacity or 1.0, part)
         return opacity
     color = maps.get("map_kd")
     part = found.data
     # The picture of the colours is meant for its alpha; others are grey.
     if not found.channel and color is not None and color.file == found.file:
-        part = {"type": "channel", "texture": part, "channel": "a"}
-    return part if opacity in (0.0, 1.0) else {"type": "multiply", "a": opacity, "b": part}
+        part = channel(part, "a")
+    # Programs write 0 beside a map.
+    return multiplied(opacity or 1.0, part)
 
 
 def broken(place: str, message: str) -> SceneError:

@@ -21,6 +21,7 @@ from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
+from alight.formats.surfaces import Surface, plain_surface
 from alight.formats.surroundings import Bounds, add_camera, add_light
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
@@ -46,17 +47,6 @@ _OF_DRAWING = dict.fromkeys(
     "plays no part",
 )  # fmt: skip
 _KNOWN = ("f", "g", "l", "mtllib", "o", "p", "s", "usemtl", "v", "vn", "vt")
-GREY: dict[str, Any] = {
-    "type": "two_sided", "bsdf": {"type": "principled", "base_color": 0.6, "roughness": 0.6},
-}  # fmt: skip
-COLORED: dict[str, Any] = {
-    "type": "two_sided",
-    "bsdf": {
-        "type": "principled",
-        "base_color": {"type": "vertex_color", "fallback": 0.6},
-        "roughness": 0.6,
-    },
-}
 
 
 @dataclass
@@ -89,7 +79,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         content = obj.parse(data)
     except SceneError as error:
         raise SceneError([_with_line(issue.message, name) for issue in error.issues]) from None
-    materials: dict[str, mtl.Material] = {}
+    materials: dict[str, Surface] = {}
     parts = _parts(content, name, reach, report, materials)
     if report.issues:
         raise SceneError(report.issues)
@@ -103,17 +93,16 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         assert mesh.vertices is not None
         bounds.add(mesh.vertices, np.eye(4))
         material = materials.get(part.material)
-        bsdf = material.bsdf if material else COLORED if mesh.colors is not None else GREY
+        surface = material or plain_surface(mesh.colors is not None)
         key = part.material if material else f"grey {mesh.colors is not None}"
         if key not in names:
             names[key] = free_name(part.material if material else "grey", bsdfs, "material")
-            bsdfs[names[key]] = bsdf
+            bsdfs[names[key]] = surface.bsdf
             if material is not None:
                 places[join_path("bsdfs", names[key])] = material.place
-        node: dict[str, Any] = {"shape": mesh, "bsdf": names[key]}
-        if material is not None and material.emission is not None:
-            node["light"] = {"type": "area", "radiance": material.emission}
-            glow.add(mesh, np.eye(4), material.emission)
+        if surface.emission is not None:
+            glow.add(mesh, np.eye(4), surface.emission)
+        node = {"shape": mesh, "bsdf": names[key], **surface.light}
         nodes[free_name(part.group, nodes, "mesh")] = node
         report.count("meshes")
     if not nodes:
@@ -139,7 +128,7 @@ def _parts(
     name: str,
     reach: Reach,
     report: Report,
-    materials: dict[str, mtl.Material],
+    materials: dict[str, Surface],
 ) -> list[_Part]:
     """Ranges of faces by group and material, in the order of their first face."""
     parts: dict[tuple[str, str, bool], _Part] = {}
@@ -181,7 +170,7 @@ def _parts(
 
 
 def _library(
-    text: str, place: str, reach: Reach, report: Report, materials: dict[str, mtl.Material]
+    text: str, place: str, reach: Reach, report: Report, materials: dict[str, Surface]
 ) -> None:
     """Read the libraries of a statement: one name with spaces, or several names."""
     is_one = text.lower().rstrip('"').endswith(".mtl") and ".mtl " not in text.lower()

@@ -8,19 +8,25 @@ Source: Khronos Group, glTF 2.0 specification, section 3.9, and the extensions K
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import Any
 
 from alight.core.uv_sets import MOST_SETS
-from alight.formats.factors import multiplied
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.textures import Data, Textures
 from alight.formats.gltf.values import Item
 from alight.formats.gltf.vertex_colors import OPACITY_SET, color_channels, opacity_texture
+from alight.formats.surfaces import BRIGHTEST, LARGEST_IOR, Surface, index_of, reflection
+from alight.formats.textures import (
+    between,
+    channel,
+    complement,
+    cut,
+    multiplied,
+    product,
+    scaled,
+)
 
 ALPHA_MODES = ("OPAQUE", "MASK", "BLEND")
-LARGEST_IOR = 5.0
 #: Extensions of materials that are read.
 COVERED = (
     "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
@@ -31,8 +37,6 @@ COVERED = (
 GLOSSY = "KHR_materials_pbrSpecularGlossiness"
 _BASE = ("baseColorFactor", "baseColorTexture")
 _DIFFUSE = ("diffuseFactor", "diffuseTexture")
-#: Reflectance straight on of the largest index: ((5 - 1) / (5 + 1))^2.
-BRIGHTEST = 4.0 / 9.0
 #: Where textures stand: owner's extension ("" for the material, "pbr" for its core) and keys. Those
 #: that turn with the tangents come first.
 TEXTURE_KEYS = (
@@ -49,37 +53,15 @@ TEXTURE_KEYS = (
 )
 
 
-@dataclass(frozen=True)
-class Material:
-    """What a material becomes.
-
-    Attributes
-    ----------
-    bsdf : dict
-        Description.
-    emission : color, texture or None
-        Radiance of the surfaces that have it.
-    sets : tuple of int
-        Numbers of the sets of texture coordinates that it uses; the first is the mesh's own, by
-        which normals are bent.
-    is_unlit : bool
-    """
-
-    bsdf: Data
-    emission: Any = None
-    sets: tuple[int, ...] = ()
-    is_unlit: bool = False
-
-
 class Materials:
     """Builds materials, each once for meshes with and without vertex colours."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
         self.textures = Textures(document)
-        self._built: dict[tuple[int | None, int], Material] = {}
+        self._built: dict[tuple[int | None, int], Surface] = {}
 
-    def get(self, index: int | None, channels: int) -> Material:
+    def get(self, index: int | None, channels: int) -> Surface:
         """The material with an index, None being the default one, for vertices with colours.
 
         Parameters
@@ -103,7 +85,7 @@ class Materials:
         empty = Item({}, "/materials", root.name, root.report)
         return empty if index is None else self.document.list("materials")[index]
 
-    def _build(self, item: Item, channels: int) -> Material:
+    def _build(self, item: Item, channels: int) -> Surface:
         self._say_what_is_dropped(item)
         empty = Item({}, item.at("pbrMetallicRoughness"), item.name, item.report)
         pbr = item.object("pbrMetallicRoughness") or empty
@@ -116,30 +98,27 @@ class Materials:
         if channels:
             base = multiplied(base, {"type": "vertex_color", "fallback": 1.0})
         unlit = item.extension("KHR_materials_unlit") is not None
+        bent = None
         if unlit:
             self.document.report.approximate(
                 "KHR_materials_unlit: such surfaces shine with their colour, and light others"
             )
-            bsdf: Data = {"type": "diffuse", "reflectance": 0.0}
+            core: Data = {"type": "diffuse", "reflectance": 0.0}
         else:
-            bsdf = {"type": "principled", "base_color": base}
-            bsdf |= self._metal(pbr) if shiny is None else self._glossy(shiny)
-            self._extend(item, bsdf)
-            bsdf = self._bumpy(item, bsdf)
-            if "transmission" not in bsdf_core(bsdf):
-                bsdf = {"type": "two_sided", "bsdf": bsdf}
+            core = {"type": "principled", "base_color": base}
+            core |= self._metal(pbr) if shiny is None else self._glossy(shiny)
+            self._extend(item, core)
+            bent = self._bent(item)
         alpha = self._opacity(item, opacity, picture)
-        if alpha != 1.0:
-            bsdf = {"type": "mask", "opacity": alpha, "bsdf": bsdf}
         emission = base if unlit else self._emission(item)
         if emission is not None:
             # What is cut out of a surface does not shine either.
-            emission = _product(emission, alpha)
+            emission = product(emission, alpha)
             if item.flag("doubleSided"):
                 self.document.report.approximate(
                     "doubleSided: what shines does so on its outer side only"
                 )
-        return Material(bsdf, emission, self.textures.sets, unlit)
+        return Surface(core, bent, alpha, emission, unlit, self.textures.sets)
 
     def _metal(self, pbr: Item) -> Data:
         picture = self.textures.bitmap(pbr, "metallicRoughnessTexture", is_color=False)
@@ -155,33 +134,26 @@ class Materials:
         picture = self.textures.bitmap(shiny, "specularGlossinessTexture", is_color=True)
         specular = list(shiny.numbers("specularFactor", (1.0, 1.0, 1.0), 0.0, 1.0))
         gloss = scaled(shiny.number("glossinessFactor", 1.0, 0.0, 1.0), picture, "a")
-        strength = min(max(*specular, 1e-4), BRIGHTEST)
+        found = reflection(specular)
         self.document.report.approximate(
             f"{GLOSSY}: becomes a dielectric, which reflects at most {BRIGHTEST:.3g} straight on"
         )
-        tint: Any = [channel / strength for channel in specular]
+        tint: Any = [min(part, 1.0) for part in found.tint]
         if picture is not None:
-            tint = {"type": "clamp", "texture": multiplied(tint, picture)}
-        else:
-            tint = [min(channel, 1.0) for channel in tint]
-        rough: Any = 1.0 - gloss if isinstance(gloss, float) else None
-        if rough is None:
-            rough = {"type": "mix", "a": 1.0, "b": 0.0, "weight": gloss}
-        root = math.sqrt(strength)
+            tint = {"type": "clamp", "texture": multiplied(found.tint, picture)}
         return {
             "metallic": 0.0,
-            "roughness": rough,
-            "ior": (1.0 + root) / (1.0 - root),
+            "roughness": complement(gloss),
+            "ior": found.ior,
             "specular_color": tint,
         }
 
-    def _bumpy(self, item: Item, bsdf: Data) -> Data:
+    def _bent(self, item: Item) -> Data | None:
         picture = self.textures.bitmap(item, "normalTexture", is_color=False)
         info = item.object("normalTexture")
         if picture is None or info is None:
-            return bsdf
-        scale = info.number("scale", 1.0)
-        return {"type": "normal_map", "texture": picture, "scale": scale, "bsdf": bsdf}
+            return None
+        return {"type": "normal_map", "texture": picture, "scale": info.number("scale", 1.0)}
 
     def _opacity(self, item: Item, opacity: float, picture: Data | None) -> Any:
         """A number or a texture; 1 for what is opaque."""
@@ -193,11 +165,7 @@ class Materials:
         if OPACITY_SET in self.textures.sets:
             of_vertices = opacity_texture(self.textures.sets.index(OPACITY_SET))
             alpha = multiplied(alpha, of_vertices)
-        if mode == "MASK":
-            if isinstance(alpha, float):
-                return float(alpha >= cutoff)
-            return {"type": "threshold", "texture": alpha, "cutoff": cutoff}
-        return alpha
+        return cut(alpha, cutoff) if mode == "MASK" else alpha
 
     def _emission(self, item: Item) -> Any:
         factor = item.numbers("emissiveFactor", (0.0, 0.0, 0.0), 0.0)
@@ -293,9 +261,7 @@ class _Extensions:
             self.item.report.approximate(f"{specular.pointer}: specularColorFactor was cut to 1")
             return tuple(min(c, 1.0) for c in factor)
         index, most = self.bsdf.get("ior", 1.5), max(factor)
-        normal = ((index - 1.0) / (index + 1.0)) ** 2
-        root = math.sqrt(most * normal)
-        brightest = (1.0 + root) / (1.0 - root) if root < 1.0 else math.inf
+        brightest = index_of(most * ((index - 1.0) / (index + 1.0)) ** 2)
         if brightest > LARGEST_IOR:
             text = f"{specular.pointer}: its reflection became that of index {LARGEST_IOR:g}"
             self.item.report.approximate(text)
@@ -365,34 +331,5 @@ class _Extensions:
             picture = self.textures.bitmap(film, "iridescenceThicknessTexture", is_color=False)
             thickness: Any = thickest
             if picture is not None:
-                share = {"type": "channel", "texture": picture, "channel": "g"}
-                thickness = {"type": "mix", "a": thinnest, "b": thickest, "weight": share}
+                thickness = between(thinnest, thickest, channel(picture, "g"))
             self.bsdf["iridescence_thickness"] = thickness
-
-
-def bsdf_core(bsdf: Data) -> Data:
-    """The material inside the wrappers."""
-    while "bsdf" in bsdf:
-        bsdf = bsdf["bsdf"]
-    return bsdf
-
-
-def _product(color: Any, share: float | Data) -> Any:
-    """A colour times a part of it, either of which may be a texture."""
-    if isinstance(share, dict):
-        return multiplied(color, share)
-    if share == 1.0:
-        return color
-    if isinstance(color, list):
-        return [share * channel for channel in color]
-    if color["type"] == "multiply" and isinstance(color["a"], list):
-        return {**color, "a": [share * channel for channel in color["a"]]}
-    return multiplied([share] * 3, color)
-
-
-def scaled(factor: float, picture: Data | None, channel: str) -> Any:
-    """A number times a channel of a picture."""
-    if picture is None or factor == 0.0:
-        return factor
-    part: Data = {"type": "channel", "texture": picture, "channel": channel}
-    return multiplied(factor, part)

@@ -29,10 +29,10 @@ from alight.bsdfs.principled import Principled
 from alight.core.spec import Bsdf, Texture
 from alight.formats.gltf.burleys import burley_as_principled
 from alight.formats.gltf.planes import Plane, plane_of
+from alight.formats.surfaces import BRIGHTEST, LARGEST_IOR, index_of, reflectance
 from alight.textures.multiply import Multiply
 
 WHITE = (1.0, 1.0, 1.0)
-LARGEST_IOR = 5.0
 
 
 def as_principled(bsdf: Bsdf) -> tuple[Bsdf, list[str]]:
@@ -115,10 +115,12 @@ def _at_normal_incidence(
     bsdf: OfMetal, lost: list[str], outside: float = 1.0
 ) -> tuple[float, float, float]:
     """Reflectance of a metal seen from a medium of index `outside`."""
-    eta, k = (np.array(channels) / outside for channels in bsdf.index_of_refraction)
+    eta, k = bsdf.index_of_refraction
     lost.append(f"{bsdf.type_name()}: Schlick's formula takes the place of its index of refraction")
-    red, green, blue = ((eta - 1.0) ** 2 + k * k) / ((eta + 1.0) ** 2 + k * k)
-    return float(red), float(green), float(blue)
+    red, green, blue = (
+        reflectance(n / outside, absorbed / outside) for n, absorbed in zip(eta, k, strict=True)
+    )
+    return red, green, blue
 
 
 def _glass(bsdf: Interface, fields: dict[str, Any], lost: list[str]) -> Principled:
@@ -130,8 +132,7 @@ def _glass(bsdf: Interface, fields: dict[str, Any], lost: list[str]) -> Principl
     if thin:
         # A sheet of glTF reflects once, a pane at both of its sides: R + R (1 - R)^2 + ...
         once = ((ratio - 1.0) / (ratio + 1.0)) ** 2
-        root = math.sqrt(2.0 * once / (1.0 + once))
-        ratio = (1.0 + root) / (1.0 - root)
+        ratio = index_of(2.0 * once / (1.0 + once))
         lost.append(f"{kind}: one surface of index {ratio:.4g} reflects as much as its two")
     absorbing = {
         name: fields[name]
@@ -169,11 +170,10 @@ def _phong(fields: dict[str, Any], lost: list[str]) -> Principled:
     brightest = max(specular)
     if brightest <= 0.0:
         return Principled(base_color=fields["diffuse"], specular=0.0)
-    root = math.sqrt(min(brightest, 4.0 / 9.0))
     return Principled(
         base_color=fields["diffuse"],
         roughness=(2.0 / (exponent[0] + 2.0)) ** 0.25,
-        ior=(1.0 + root) / (1.0 - root),
+        ior=index_of(min(brightest, BRIGHTEST)),
         specular_color=tuple(c / brightest for c in specular),
     )
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError
+from alight.formats.cameras import Parallel, Perspective
 from alight.formats.glow import Glow
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.materials import Materials
@@ -266,12 +267,13 @@ class Graph:
             if arrays is None:
                 continue
             shape = Mesh(**arrays._asdict())
-            part: Data = {"shape": shape, "bsdf": self._bsdf(index, channels)}
-            if material.emission is not None:
-                part["light"] = {"type": "area", "radiance": material.emission}
-                if not material.is_unlit:
-                    self._shining[id(shape)] = material.emission
-            parts[f"primitive {number}"] = part
+            if material.emission is not None and not material.is_unlit:
+                self._shining[id(shape)] = material.emission
+            parts[f"primitive {number}"] = {
+                "shape": shape,
+                "bsdf": self._bsdf(index, channels),
+                **material.light,
+            }
         return parts
 
     def _bsdf(self, index: int | None, channels: int) -> str:
@@ -316,9 +318,9 @@ class Graph:
         if lens is None:
             raise item.fatal(kind, "is missing")
         if kind == "orthographic":
-            return {"type": "orthographic", "height": 2.0 * lens.number("ymag", 1.0, 1e-9)}
-        fov = math.degrees(lens.number("yfov", math.radians(45.0), *_ANGLES))
-        return {"type": "pinhole", "fov": fov}
+            return Parallel(2.0 * lens.number("ymag", 1.0, 1e-9)).data()
+        fov = lens.number("yfov", math.radians(45.0), *_ANGLES)
+        return Perspective(math.degrees(fov)).data()
 
 
 def placement(item: Item) -> tuple[Any, Matrix]:

@@ -18,10 +18,10 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import SceneError
-from alight.formats.factors import packed_picture
 from alight.formats.gltf.accessors import view_bytes
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.values import Item
+from alight.formats.textures import bitmap, packed_picture, wrapped
 from alight.textures.images import Image
 
 Data = dict[str, Any]
@@ -73,11 +73,8 @@ class Textures:
         picture = self._picture_of(textures[index])
         if picture is None:
             return None
-        data: Data = {"type": "bitmap"}
-        data |= {"file": picture} if isinstance(picture, str) else {"pixels": picture}
-        if not is_color:
-            data["color_space"] = "linear"
-        self._sampler(textures[index], data)
+        data = bitmap(picture, "auto" if is_color else "linear")
+        data |= self._sampler(textures[index])
         matrix = transform(info)
         if matrix is not None:
             data["to_uv"] = {"matrix": matrix}
@@ -96,11 +93,11 @@ class Textures:
             return extension.integer("texCoord", 0, 0, 15)
         return info.integer("texCoord", 0, 0, 15)
 
-    def _sampler(self, texture: Item, data: Data) -> None:
+    def _sampler(self, texture: Item) -> Data:
         samplers = self.document.list("samplers")
         index = texture.index("sampler", len(samplers), "samplers")
         if index is None:
-            return
+            return {}
         sampler = samplers[index]
         wraps = []
         for key in ("wrapS", "wrapT"):
@@ -109,11 +106,10 @@ class Textures:
                 listed = ", ".join(f"{n} ({word})" for n, word in WRAPS.items())
                 sampler.wrong(key, f"must be one of {listed}, got {number}")
             wraps.append(WRAPS.get(number, "repeat"))
-        data["wrap"] = wraps[0]
-        if wraps[1] != wraps[0]:
-            data["wrap_v"] = wraps[1]
+        keys = wrapped(*wraps)
         if sampler.integer("magFilter", 0) == NEAREST:
-            data["interpolation"] = "nearest"
+            keys["interpolation"] = "nearest"
+        return keys
 
     def _picture_of(self, texture: Item) -> Image | str | None:
         images = self.document.list("images")

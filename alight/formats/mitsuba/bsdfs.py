@@ -240,7 +240,7 @@ def _principled(draft: Draft) -> None:
         if p.has("specular"):
             draft.context.report.error(draft.element, "takes either eta or specular, got both")
     else:
-        specular = p.number("specular", 0.5) or 0.0
+        specular = p.number("specular", 0.5)
         draft.put("ior", 2.0 / (1.0 - math.sqrt(0.08 * max(specular, 0.0))) - 1.0, "specular")
     rates = "main_specular_sampling_rate", "clearcoat_sampling_rate"
     p.ignore(_RATES, *rates, "diffuse_reflectance_sampling_rate")

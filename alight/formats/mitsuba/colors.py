@@ -65,18 +65,18 @@ class Colors(ColorReader[Element]):
         kind = element.type
         if kind == "uniform":
             # Unlike a lone number: Mitsuba takes this one as a colour.
-            return [p.number("value", 1.0) or 0.0] * 3
+            return [p.number("value", 1.0)] * 3
         if kind == "d65":
             inner = p.find("color")
             color = [1.0] * 3 if inner is None else self.read(inner, "reflectance")
-            scale = p.number("scale", 1.0) or 0.0
+            scale = p.number("scale", 1.0)
             return None if color is None else [scale * channel for channel in color]
         if kind == "srgb":
             inner = p.find("color")
             return [1.0] * 3 if inner is None else self.read(inner, role)
         if kind == "blackbody":
             p.ignore("all wavelengths that are seen count", "wavelength_min", "wavelength_max")
-            return _hot(p.number("temperature", 5000.0) or 0.0, p.number("scale", 1.0) or 0.0)
+            return _hot(p.number("temperature", 5000.0), p.number("scale", 1.0) or 0.0)
         if kind in ("regular", "irregular"):
             return reduced(_sampled(kind, p), role)
         self.report.unknown(element, "spectrum", _PLUGINS, "0.5 is taken")
@@ -143,8 +143,6 @@ def _sampled(kind: str, p: Properties) -> tuple[np.ndarray, np.ndarray]:
         wavelengths = np.array(parse_numbers(p.text("wavelengths")))
     else:
         low, high = p.number("wavelength_min", 360.0), p.number("wavelength_max", 830.0)
-        assert low is not None
-        assert high is not None
         wavelengths = np.linspace(low, high, len(values))
     if len(values) != len(wavelengths):
         raise NotNumbersError(

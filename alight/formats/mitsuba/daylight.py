@@ -40,7 +40,7 @@ def sky_and_sun(light: Draft) -> list[Step]:
     if limited != turbidity:
         light.context.report.warn(light.element, f"its turbidity {turbidity:g} became {limited:g}")
     light.put("sun_direction", _direction(light, old))
-    factor = p.number("scale", 1.0) or 0.0
+    factor = p.number("scale", 1.0)
     light.data["scale"] = [factor / UNIT] * 3
     if kind != "sun":
         # Mitsuba's albedo brightens the sky, which is black below the horizon.

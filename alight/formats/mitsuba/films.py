@@ -93,7 +93,7 @@ def _filter(context: Context, element: Element | None) -> Data:
     elif kind == "tent":
         draft.number("radius", 1.0)
     elif kind == "gaussian":
-        stddev = p.number("stddev", 0.5) or 0.0
+        stddev = p.number("stddev", 0.5)
         draft.put("stddev", stddev)
         draft.put("radius", 4.0 * stddev, "stddev")
     elif kind == "mitchell":

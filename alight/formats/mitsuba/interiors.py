@@ -196,10 +196,10 @@ def _mean_cosine(context: Context, element: Element) -> float:
     draft = Draft(context, element, "")
     p = draft.properties
     if element.type == "hg":
-        g = p.number("g", 0.8) or 0.0
+        g = p.number("g", 0.8)
     elif element.type == "blendphase":
         parts = p.take("phase")
-        weight = p.number("weight", 0.5) or 0.0
+        weight = p.number("weight", 0.5)
         if len(parts) != 2:
             context.report.error(element, f"must hold two phase functions, got {len(parts)}")
             return 0.0

@@ -18,7 +18,7 @@ def projector(light: Draft) -> list[Step]:
     light.number("fov", 45.0)
     p.only("fov_axis", p.text("fov_axis", "x") == "x", "the angle is taken across the width")
     # Mitsuba's projector throws pi times its picture on a screen at distance 1.
-    light.data["scale"] = [math.pi * (p.number("scale", 1.0) or 0.0)] * 3
+    light.data["scale"] = [math.pi * p.number("scale", 1.0)] * 3
     _picture(light, p.find("irradiance"))
     return steps
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import overload
 
 from alight.core.errors import quote, unknown_name
 from alight.formats.mitsuba.elements import Element
@@ -101,6 +102,10 @@ class Properties:
             return None
         return element, element.attributes["value"]
 
+    @overload
+    def number(self, name: str, default: float) -> float: ...
+    @overload
+    def number(self, name: str, default: float | None = None) -> float | None: ...
     def number(self, name: str, default: float | None = None) -> float | None:
         """Ask for a number."""
         found = self.value(name, "float", "integer")

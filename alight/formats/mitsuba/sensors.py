@@ -6,6 +6,7 @@ import math
 import re
 
 from alight.core.errors import quote
+from alight.formats.cameras import Parallel, Perspective, angle_of
 from alight.formats.mitsuba import interiors
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
@@ -14,8 +15,7 @@ from alight.formats.mitsuba.films import film, sampler
 from alight.formats.mitsuba.transforms import motion_of
 from alight.formats.mitsuba.values import NotNumbersError, parse_number
 
-#: Our names of the cameras.
-COVERED = {"perspective": "pinhole", "thinlens": "thin_lens", "orthographic": "orthographic"}
+COVERED = ("perspective", "thinlens", "orthographic")
 AXES = ("x", "y", "diagonal", "smaller", "larger")
 #: Diagonal of a 35 mm film, mm.
 FILM_DIAGONAL = math.hypot(36.0, 24.0)
@@ -33,7 +33,7 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
     if kind not in COVERED:
         context.report.unknown(element, "sensor", COVERED, "a perspective camera is taken")
         kind = "perspective"
-    draft = Draft(context, element, "camera", COVERED[kind])
+    draft = Draft(context, element, "camera")
     p = draft.properties
     films, samplers = p.take("film"), p.take("sampler")
     interiors.of_camera(draft)
@@ -53,15 +53,15 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
     _, transform = motion_of(p, of_camera=True)
     if kind == "orthographic":
         width, height = data["film"]["size"]
-        draft.put("height", 2.0 * height / width)
+        seen: Parallel | Perspective = Parallel(2.0 * height / width)
     else:
-        _field_of_view(draft)
-    if kind == "thinlens":
-        draft.number("aperture_radius")
-        if "aperture_radius" not in draft.data:
-            context.report.error(element, 'needs <float name="aperture_radius" .../>')
-        draft.number("focus_distance", 1.0)
-    else:
+        seen = Perspective(*_field_of_view(draft), *_lens(draft, kind))
+    said_by = {} if p.has("fov") else {"fov": "focal_length", "fov_axis": "focal_length"}
+    description = seen.data()
+    draft.data["type"] = description.pop("type")
+    for key, value in description.items():
+        draft.put(key, value, said_by.get(key))
+    if kind != "thinlens":
         p.ignore("without a lens everything is sharp", "focus_distance", "aperture_radius")
     draft.put("transform", transform, "to_world")
     p.finish()
@@ -77,8 +77,6 @@ def _shutter(draft: Draft) -> None:
         p.ignore("nothing moves", "shutter_open", "shutter_close")
         return
     begin, end = p.number("shutter_open", 0.0), p.number("shutter_close", 0.0)
-    assert begin is not None
-    assert end is not None
     if end < begin:
         element = p.named.get("shutter_close", draft.element)
         report.error(element, f"must not be before shutter_open, {begin:g}, got {end:g}")
@@ -98,24 +96,31 @@ def _centred(draft: Draft) -> None:
             draft.context.report.not_covered(element, text, "0 is taken")
 
 
-def _field_of_view(draft: Draft) -> None:
+def _lens(draft: Draft, kind: str) -> tuple[float | None, float | None]:
+    """Radius of the lens and the distance that it is focused at."""
+    p = draft.properties
+    if kind != "thinlens":
+        return None, None
+    if not p.has("aperture_radius"):
+        draft.context.report.error(draft.element, 'needs <float name="aperture_radius" .../>')
+    return p.number("aperture_radius", 0.0), p.number("focus_distance", 1.0)
+
+
+def _field_of_view(draft: Draft) -> tuple[float, str]:
+    """Opening angle in degrees, and the side of the picture that it spans."""
     p, report = draft.properties, draft.context.report
     focal = p.value("focal_length", "string")
     if p.has("fov"):
-        draft.number("fov")
-        draft.put("fov_axis", p.text("fov_axis", "x", AXES))
         if focal is not None:
             report.error(draft.element, "takes either fov or focal_length, got both")
-        return
+        return p.number("fov", 45.0), p.text("fov_axis", "x", AXES)
     millimetres = 50.0
     if focal is not None:
         try:
             millimetres = _millimetres(focal[1])
         except NotNumbersError as error:
             report.error(focal[0], str(error))
-    fov = 2.0 * math.degrees(math.atan(FILM_DIAGONAL / (2.0 * millimetres)))
-    draft.put("fov", fov, "focal_length")
-    draft.put("fov_axis", "diagonal", "focal_length")
+    return angle_of(FILM_DIAGONAL, millimetres), "diagonal"
 
 
 def _millimetres(text: str) -> float:

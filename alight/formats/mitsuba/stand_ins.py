@@ -15,6 +15,7 @@ from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.textures import color_or_texture
 from alight.formats.mitsuba.values import NotNumbersError, parse_numbers
+from alight.formats.surfaces import LARGEST_IOR, reflectance
 
 _BLACK: Data = {"type": "diffuse", "reflectance": [0.0] * 3}
 MOST_PARTS = 16
@@ -87,7 +88,7 @@ def _retarder(draft: Draft) -> None:
 def _rough_diffuse(draft: Draft) -> None:
     old_name = draft.properties.has("diffuse_reflectance")
     color_or_texture(draft, "reflectance", 0.5, "diffuse_reflectance" if old_name else None)
-    alpha = draft.properties.number("alpha", 0.2) or 0.0
+    alpha = draft.properties.number("alpha", 0.2)
     draft.properties.ignore("the whole model is taken", "use_fast_approx")
     # The plug-in's own conversion to Oren and Nayar's angle, in radians.
     sigma = math.degrees(alpha / math.sqrt(2.0))
@@ -159,7 +160,7 @@ def _coating(draft: Draft) -> None:
             alpha = _USUAL_ALPHA
     draft.color("sigma_a", role="index")
     absorbed = draft.data.get("sigma_a", [0.0] * 3)
-    thickness = p.number("thickness", 1.0) or 0.0
+    thickness = p.number("thickness", 1.0)
     depth = [max(channel, 0.0) * max(thickness, 0.0) for channel in absorbed]
     tint = [math.exp(-2.0 * channel) for channel in depth]
     p.ignore("the coat is clear", "specular_reflectance")
@@ -218,7 +219,7 @@ def _is_even(base: Data, depth: list[float], ior: Data) -> bool:
     one_alpha = isinstance(base.get("alpha", 0.0), float) and "alpha_u" not in base
     plain = base.get("specular_reflectance", [1.0] * 3) == [1.0] * 3
     grey = len(set(depth)) == 1 and depth[0] <= 1e3
-    return one_alpha and plain and grey and 1.01 <= ior["int_ior"] / ior["ext_ior"] <= 5.0
+    return one_alpha and plain and grey and 1.01 <= ior["int_ior"] / ior["ext_ior"] <= LARGEST_IOR
 
 
 def _lacquered(base: Data, thickness: float, ior: Data, alpha: float) -> Data:
@@ -244,7 +245,7 @@ def _over_metal(draft: Draft, base: Data, tint: list[float], alpha: float) -> Da
     color = [1.0] * 3
     if base["type"] != "mirror":
         pairs = zip(base["eta"], base["k"], strict=True)
-        color = [_straight_on(eta, k) for eta, k in pairs]
+        color = [reflectance(eta, k) for eta, k in pairs]
     if isinstance(tinted, list):
         color = [a * b for a, b in zip(color, tinted, strict=True)]
     elif tinted is not None:
@@ -264,10 +265,6 @@ def _over_metal(draft: Draft, base: Data, tint: list[float], alpha: float) -> Da
         "clearcoat": 1.0,
         "clearcoat_roughness": math.sqrt(max(alpha, 0.0)),
     }
-
-
-def _straight_on(eta: float, k: float) -> float:
-    return min(1.0, ((eta - 1.0) ** 2 + k * k) / ((eta + 1.0) ** 2 + k * k))
 
 
 #: Our names, and what reads the parameters.

@@ -205,7 +205,7 @@ def _raw_constant(context: Context, element: Element, path: str) -> Data:
     if p.has("value") and p.named["value"].tag == "vector":
         draft.put("color", p.triple("value"), "value")
     else:
-        draft.put("color", [p.number("value", 0.0) or 0.0] * 3, "value")
+        draft.put("color", [p.number("value", 0.0)] * 3, "value")
     p.finish()
     return draft.data
 

@@ -21,8 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from alight.core.errors import SceneError, quote
+from alight.formats.cameras import Perspective, angle_of
 from alight.formats.packed import content_of
-from alight.formats.pbrt.context import Context, Data
+from alight.formats.pbrt.context import Context
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.reach import OutOfReachError
 
@@ -79,7 +80,9 @@ def lens_of(surfaces: np.ndarray, stop_diameter: float) -> Lens:
     return Lens(MILLIMETRE / -u, MILLIMETRE * radius)
 
 
-def realistic(context: Context, p: Parameters, width: int, height: int, diagonal: float) -> Data:
+def realistic(
+    context: Context, p: Parameters, width: int, height: int, diagonal: float
+) -> Perspective:
     """Convert the camera's lenses; a field of view of 90 degrees after a problem.
 
     Parameters
@@ -89,7 +92,7 @@ def realistic(context: Context, p: Parameters, width: int, height: int, diagonal
     diagonal : float, millimetres
         Of the film.
     """
-    usual: Data = {"type": "pinhole", "fov": 90.0, "fov_axis": "y"}
+    usual = Perspective(90.0)
     stop = p.positive("aperturediameter", 1.0)
     distance = p.positive("focusdistance", 10.0)
     p.leave_out("the stop is round", "aperture")
@@ -114,13 +117,7 @@ def realistic(context: Context, p: Parameters, width: int, height: int, diagonal
     shown = f"one thin lens of {lens.focal_length / MILLIMETRE:.3g} mm is taken"
     text = f"{shown}, without distortion and dark corners"
     context.report.approximated(p.directive, f"is made of {len(surfaces)} surfaces: {text}")
-    return {
-        "type": "thin_lens",
-        "fov": math.degrees(2.0 * math.atan(half / image)),
-        "fov_axis": "y",
-        "aperture_radius": lens.radius,
-        "focus_distance": distance,
-    }
+    return Perspective(angle_of(2.0 * half, image), "y", lens.radius, distance)
 
 
 def _surfaces(context: Context, p: Parameters) -> np.ndarray | None:

@@ -21,6 +21,7 @@ from alight.formats.pbrt.textures import Role, Source, TextureItem, Value, entry
 from alight.formats.pbrt.walks import LEAST_ALPHA, Coat, base_of_walk
 from alight.formats.reach import OutOfReachError
 from alight.formats.substances import SUBSTANCES, diffuse_reflectance
+from alight.formats.surfaces import LARGEST_IOR, reflectance, two_sided
 
 #: pbrt treats what is smoother as a mirror.
 SMOOTH = 1e-3
@@ -171,11 +172,6 @@ def _bumpy(m: Making, data: Data) -> Data:
         return data
     texture = {"type": "bitmap", "file": file, "color_space": "linear"}
     return {"type": "normal_map", "texture": texture, "bsdf": data}
-
-
-def two_sided(data: Data) -> Data:
-    """Make a material look the same from both sides."""
-    return {"type": "two_sided", "bsdf": data}
 
 
 def alpha_of(roughness: float, old: bool) -> float:
@@ -342,7 +338,7 @@ def _coated_conductor(m: Making) -> Data:
     tint = keys.pop("specular_reflectance", None)
     if tint is not None or isinstance(outer, str) or isinstance(inner, str):
         return two_sided(_principled_layers(m, keys, (outer, inner), eta, tint))
-    ior = min(max(eta, 1.01), 5.0)
+    ior = min(max(eta, 1.01), LARGEST_IOR)
     if ior != eta:
         m.warn(f"has a coat of index {eta:g}, which is taken as {ior:g}")
     m.warn(
@@ -363,7 +359,7 @@ def _principled_layers(
         " no light is lost: too bright, by up to 0.5 where both layers are rough"
     )
     eta_k = zip(keys["eta"], keys["k"], strict=True)
-    color = [straight_on(e / eta, k / eta) for e, k in eta_k] if tint is None else tint
+    color = [reflectance(e / eta, k / eta) for e, k in eta_k] if tint is None else tint
     return {
         "type": "principled",
         "base_color": color,
@@ -372,11 +368,6 @@ def _principled_layers(
         "clearcoat": 1.0,
         "clearcoat_roughness": root(rough[0]),
     }
-
-
-def straight_on(eta: float, k: float) -> float:
-    """Reflectance of a metal at normal incidence."""
-    return min(1.0, ((eta - 1.0) ** 2 + k * k) / ((eta + 1.0) ** 2 + k * k))
 
 
 def root(alpha: float | str) -> float | str:

@@ -20,12 +20,12 @@ from alight.formats.pbrt.materials import (
     is_smooth,
     metal,
     one_alpha,
-    two_sided,
 )
 from alight.formats.pbrt.textures import Value
+from alight.formats.surfaces import index_of, reflection, two_sided
 
-#: Reflectance straight on of a coat of index 5, the largest: ((5 - 1) / (5 + 1))^2.
-BRIGHTEST_COAT = 4.0 / 9.0
+#: What a coat reflects straight on where its colour is a texture.
+_USUAL = 0.04
 
 
 def _tint(m: Making, name: str, default: float) -> Value:
@@ -91,16 +91,15 @@ def _substrate(m: Making) -> Data:
     base, specular = _tint(m, "Kd", 0.5), _tint(m, "Ks", 0.5)
     alpha = one_alpha(m, *alphas(m, 0.1))
     # The index whose reflectance straight on is that of Ks.
-    strength = 0.04
+    eta = index_of(_USUAL)
     if isinstance(specular, list):
-        strength = min(max(*specular, 1e-4), BRIGHTEST_COAT)
-        if max(specular) > strength:
-            m.warn(f"reflects more than {BRIGHTEST_COAT:.3g} straight on, which a coat cannot")
-        specular = [min(channel / strength, 1.0) for channel in specular]
+        found = reflection(specular)
+        if found.is_weaker:
+            m.warn(f"reflects more than {found.strength:.3g} straight on, which a coat cannot")
+        eta, specular = found.ior, [min(part, 1.0) for part in found.tint]
     else:
-        m.warn(f"has a texture of Ks: it tints a coat that reflects {strength:g} straight on")
+        m.warn(f"has a texture of Ks: it tints a coat that reflects {_USUAL:g} straight on")
     m.warn("is Ashikhmin and Shirley's model: a coat over a matte base is taken")
-    eta = (1.0 + math.sqrt(strength)) / (1.0 - math.sqrt(strength))
     return two_sided(coat(m, alpha, base, eta, specular))
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from alight.formats.cameras import Parallel, Perspective, angle_of
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive
 from alight.formats.pbrt.lenses import realistic
@@ -13,12 +14,7 @@ from alight.formats.pbrt.media import SEEING
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.transforms import FACING
 
-#: Our names of the cameras.
-CAMERAS = {
-    "perspective": "pinhole",
-    "orthographic": "orthographic",
-    "realistic": "thin_lens",
-}
+CAMERAS = ("perspective", "orthographic", "realistic")
 #: Of the film of a realistic camera, mm.
 DIAGONAL = 35.0
 FILMS = ("rgb", "image", "gbuffer", "spectral")
@@ -53,17 +49,16 @@ def camera(context: Context, directive: Directive | None, to_world: np.ndarray, 
     shutter = _shutter(context, p)
     place = {"matrix": (to_world @ FACING).tolist()}
     if kind == "realistic":
-        data = realistic(context, p, width, height, diagonal)
-        return _finished(context, p, data, shutter, place)
+        seen = realistic(context, p, width, height, diagonal)
+        return _finished(context, p, seen.data(), shutter, place)
     aspect = p.positive("frameaspectratio", width / height)
     window = [-aspect, aspect, -1.0, 1.0] if aspect > 1.0 else [-1.0, 1.0, -1 / aspect, 1 / aspect]
     found = p.values("screenwindow", "float", count=4)
     if found is not None:
         window = [float(x) for x in found.values]
     half = _window(p, window, width, height)
-    data: Data = {"type": CAMERAS[kind]}
     if kind == "orthographic":
-        data["height"] = 2.0 * half * p.number("screenscale", 1.0)
+        data = Parallel(2.0 * half * p.number("screenscale", 1.0)).data()
         p.leave_out("an orthographic camera has no lens", "lensradius")
         p.ignore("without a lens everything is sharp", "focaldistance")
     else:
@@ -72,11 +67,10 @@ def camera(context: Context, directive: Directive | None, to_world: np.ndarray, 
             name = "halffov" if p.has("halffov") else "fov"
             context.report.error(p.named[name], f"must be in (0, 180) degrees, got {fov:g}")
             fov = 90.0
-        data["fov"] = math.degrees(2.0 * math.atan(half * math.tan(math.radians(0.5 * fov))))
-        data["fov_axis"] = "y"
+        fov = angle_of(2.0 * half * math.tan(math.radians(0.5 * fov)), 1.0)
         lens, focus = p.number("lensradius", 0.0), p.number("focaldistance", FAR)
-        if lens > 0.0:
-            data |= {"type": "thin_lens", "aperture_radius": lens, "focus_distance": focus}
+        optics = (lens, focus) if lens > 0.0 else (None, None)
+        data = Perspective(fov, "y", *optics).data()
     return _finished(context, p, data, shutter, place)
 
 

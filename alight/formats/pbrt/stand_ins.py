@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 from alight.formats import hair
 from alight.formats.pbrt.context import Data
-from alight.formats.pbrt.materials import COVERED, Making, coat, two_sided
+from alight.formats.pbrt.materials import COVERED, Making, coat
+from alight.formats.surfaces import two_sided
 
 _MIDDLE = [0.3] * 3
 _GREY, _GREY_ALPHA = [0.5] * 3, 0.3

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
+from alight.formats.cameras import Parallel, Perspective, angle_of
 from alight.formats.usd.modules import UsdGeom
 from alight.formats.usd.stage import Stage
 
@@ -31,13 +31,12 @@ def read_camera(stage: Stage, prim: Any) -> tuple[Data, float]:
         if stage.value(getattr(camera, f"Get{name}Attr")(), 0.0):
             stage.report.approximate(f"{prim.GetPath()}: {name[0].lower()}{name[1:]} is left out")
     if stage.value(camera.GetProjectionAttr()) == UsdGeom.Tokens.orthographic:
-        return {"type": "orthographic", "height": height * _TENTH}, aspect
+        return Parallel(height * _TENTH).data(), aspect
     focal = max(float(stage.value(camera.GetFocalLengthAttr(), 50.0)), 1e-6)
-    fov = math.degrees(2.0 * math.atan(0.5 * height / focal))
-    data: Data = {"type": "pinhole", "fov": fov}
+    fov = angle_of(height, focal)
     stop = float(stage.value(camera.GetFStopAttr(), 0.0))
     distance = float(stage.value(camera.GetFocusDistanceAttr(), 0.0))
     if stop > 0.0 and distance > 0.0:
         radius = 0.5 * focal * _TENTH / stop
-        data |= {"type": "thin_lens", "aperture_radius": radius, "focus_distance": distance}
-    return data, aspect
+        return Perspective(fov, "y", radius, distance).data(), aspect
+    return Perspective(fov).data(), aspect

@@ -11,10 +11,11 @@ from alight.core.errors import SceneError
 from alight.core.spec import LARGEST
 from alight.formats.glow import Glow
 from alight.formats.names import free_name
+from alight.formats.surfaces import Surface
 from alight.formats.surroundings import Bounds
 from alight.formats.usd.cameras import read_camera
 from alight.formats.usd.lights import is_light, read_light
-from alight.formats.usd.materials import Material, plain_material, read_material
+from alight.formats.usd.materials import plain_material, read_material
 from alight.formats.usd.meshes import has_set, mesh_of, read_mesh, solid
 from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade
 from alight.formats.usd.stage import Stage
@@ -75,7 +76,7 @@ class Graph:
         self.is_lit = False
         self.glow = Glow(stage.reach.folder)
         self.places: dict[str, str] = {}
-        self._materials: dict[tuple[str, str], tuple[str, Material]] = {}
+        self._materials: dict[tuple[str, str], tuple[str, Surface]] = {}
         self._prototype_names: dict[str, str] = {}
         self._prototype_bounds: dict[str, Bounds] = {}
 
@@ -255,16 +256,15 @@ class Graph:
                 f"material asks for; {instead} are taken"
             )
 
-    def _shining(self, data: Data, material: Material, to_world: Matrix) -> Data:
+    def _shining(self, data: Data, material: Surface, to_world: Matrix) -> Data:
         if material.emission is not None:
-            data["light"] = {"type": "area", "radiance": material.emission}
             if isinstance(data["shape"], Mesh):
                 self.glow.add(data["shape"], to_world, material.emission)
             else:
                 self.is_lit = True
-        return data
+        return data | material.light
 
-    def _material_of(self, bound: Any, prim: Any) -> tuple[str, Material]:
+    def _material_of(self, bound: Any, prim: Any) -> tuple[str, Surface]:
         """Name and content of the material of a prim or of a part of it."""
         material, _ = UsdShade.MaterialBindingAPI(bound).ComputeBoundMaterial()
         # Materials may use the primvars of the prim; without a material, only they count.
@@ -279,7 +279,7 @@ class Graph:
             self._materials[key] = (self._bsdf_name(read, material, prim), read)
         return self._materials[key]
 
-    def _bsdf_name(self, read: Material, material: Any, prim: Any) -> str:
+    def _bsdf_name(self, read: Surface, material: Any, prim: Any) -> str:
         """Name of a material, one for all that are alike."""
         for name, bsdf in self.bsdfs.items():
             if bsdf == read.bsdf:

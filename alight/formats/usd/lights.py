@@ -203,7 +203,8 @@ def _dome(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     if turned[1, 1] < 1.0 - 1e-6:
         stage.report.approximate(f"{prim.GetPath()}: only its turn about the vertical is taken")
     angle = math.degrees(math.atan2(turned[0, 2], turned[2, 2]))
-    data: Data = {"type": "environment", **picture, "scale": radiance}
+    found = {"file": picture} if isinstance(picture, str) else {"pixels": picture}
+    data: Data = {"type": "environment", **found, "scale": radiance}
     return Placed({}, data | ({"rotate": angle} if abs(angle) > 1e-9 else {}))
 
 

@@ -5,10 +5,11 @@ Source: Pixar, "UsdPreviewSurface specification", version 2.6.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from alight.core.errors import nearest, quote
+from alight.formats.surfaces import LARGEST_IOR, Surface, reflection
+from alight.formats.textures import cut
 from alight.formats.usd.modules import UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import Textures
@@ -25,27 +26,7 @@ INPUTS: dict[str, Any] = {
 _PREVIEW = "UsdPreviewSurface"
 
 
-@dataclass(frozen=True)
-class Material:
-    """What a material becomes.
-
-    Attributes
-    ----------
-    bsdf : dict
-        Description of the native format.
-    emission : color, dict or None
-        Radiance of surfaces that shine, W/(m^2 sr).
-    sets : tuple of str
-        Names of the texture coordinates that its textures use; the first are the mesh's own, by
-        which normals are bent.
-    """
-
-    bsdf: Data
-    emission: Any
-    sets: tuple[str, ...] = ()
-
-
-def plain_material(stage: Stage, prim: Any) -> Material:
+def plain_material(stage: Stage, prim: Any) -> Surface:
     """The material of a prim that has none: its displayColor, or grey."""
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
     color: Any = [0.18] * 3
@@ -56,11 +37,10 @@ def plain_material(stage: Stage, prim: Any) -> Material:
                 color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
         elif table is not None:
             color = {"type": "vertex_color", "fallback": 0.18}
-    bsdf = {"type": "two_sided", "bsdf": {"type": "diffuse", "reflectance": color}}
-    return Material(bsdf, None)
+    return Surface({"type": "diffuse", "reflectance": color})
 
 
-def read_material(stage: Stage, material: Any, prim: Any) -> Material:
+def read_material(stage: Stage, material: Any, prim: Any) -> Surface:
     """Read a material as it looks on a prim, whose primvars it may use.
 
     Parameters
@@ -92,51 +72,49 @@ class _Preview:
         self.textures = Textures(stage, prim)
         self._check_names()
 
-    def material(self) -> Material:
+    def material(self) -> Surface:
         """What it becomes."""
         # Tangents follow from the own coordinates of a mesh: the picture of normals comes first.
         normals = self._normals()
         # Some exporters write everything that a mirror shows as its diffuse colour, too.
-        bsdf: Data = {
+        core: Data = {
             "type": "principled",
             "base_color": self._color("diffuseColor"),
             "roughness": self._number("roughness"),
         }
         if int(self._plain("useSpecularWorkflow")):
-            self._specular(bsdf)
+            core |= self._specular()
         else:
-            bsdf["metallic"] = self._number("metallic")
-            bsdf["ior"] = self._ior()
+            core["metallic"] = self._number("metallic")
+            core["ior"] = self._ior()
         coat = self._number("clearcoat")
         if coat != 0.0:
-            bsdf |= {"clearcoat": coat, "clearcoat_roughness": self._number("clearcoatRoughness")}
-        bsdf = {"type": "two_sided", "bsdf": bsdf if normals is None else normals | {"bsdf": bsdf}}
+            core |= {"clearcoat": coat, "clearcoat_roughness": self._number("clearcoatRoughness")}
         emission = self._color("emissiveColor", bounded=False)
         shines = isinstance(emission, dict) or max(emission) > 0.0
         self._say_what_is_left_out()
-        bsdf = self._cut_out(bsdf)
-        return Material(bsdf, emission if shines else None, tuple(self.textures.sets))
+        opacity = self._opacity()
+        sets = tuple(self.textures.sets)
+        return Surface(core, normals, opacity, emission if shines else None, sets=sets)
 
-    def _specular(self, bsdf: Data) -> None:
-        """The workflow with a colour of reflection: below 4 % glass-like, above a metal."""
+    def _specular(self) -> Data:
+        """The workflow with a colour of what is reflected straight on, of a dielectric here."""
         color = self._color("specularColor")
         if isinstance(color, dict):
             self._approximate("specularColor is a texture: taken for the colour of reflection")
-            bsdf |= {"ior": 1.5, "specular_color": color}
-            return
-        brightest = max(color)
-        if brightest <= 0.0:
-            bsdf["specular"] = 0.0
-            return
-        root = min(brightest, 0.85) ** 0.5
-        bsdf |= {
-            "ior": (1.0 + root) / (1.0 - root),
-            "specular_color": [c / brightest for c in color],
-        }
+            return {"ior": 1.5, "specular_color": color}
+        if max(color) <= 0.0:
+            return {"specular": 0.0}
+        found = reflection(color)
+        if found.is_weaker:
+            self._approximate(
+                f"specularColor: at most {found.strength:.3g} is reflected straight on"
+            )
+        return {"ior": found.ior, "specular_color": [min(part, 1.0) for part in found.tint]}
 
     def _ior(self) -> float:
         ior = float(self._plain("ior"))
-        if not 1.0 <= ior <= 5.0:
+        if not 1.0 <= ior <= LARGEST_IOR:
             # Indices below 1 are seen from inside the denser side.
             inverse = 1.0 / ior if 0.2 <= ior < 1.0 else 1.5
             self._approximate(f"ior {ior:g} became {inverse:g}")
@@ -154,19 +132,16 @@ class _Preview:
         # The usual 2 x - 1, which the wrapper applies itself.
         return {"type": "normal_map", "texture": picture}
 
-    def _cut_out(self, bsdf: Data) -> Data:
+    def _opacity(self) -> Any:
         opacity = self._number("opacity")
         if opacity == 1.0:
-            return bsdf
+            return opacity
         threshold = float(self._plain("opacityThreshold"))
         if threshold > 0.0:
-            if isinstance(opacity, float):
-                opacity = float(opacity >= threshold)
-            else:
-                opacity = {"type": "threshold", "texture": opacity, "cutoff": threshold}
-        elif self._plain("opacityMode") == "transparent":
+            return cut(opacity, threshold)
+        if self._plain("opacityMode") == "transparent":
             self._approximate("opacity: rays pass straight through, reflections included")
-        return {"type": "mask", "opacity": opacity, "bsdf": bsdf}
+        return opacity
 
     def _say_what_is_left_out(self) -> None:
         if self.textures.source_of(self.shader, "occlusion") is not None:

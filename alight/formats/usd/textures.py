@@ -14,13 +14,22 @@ from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
 from alight.core.uv_sets import MOST_SETS
-from alight.formats.factors import multiplied, packed_picture, shifted
 from alight.formats.reach import OutOfReachError
+from alight.formats.textures import (
+    bitmap,
+    channel,
+    multiplied,
+    packed_picture,
+    shifted,
+    wrapped,
+)
 from alight.formats.usd.modules import UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
+from alight.textures.images import Image
 
 Data = dict[str, Any]
 _WRAPS = {"repeat": "repeat", "clamp": "clamp", "mirror": "mirror", "useMetadata": "repeat"}
+_SPACES = {"raw": "linear", "sRGB": "srgb"}
 #: Name of the texture coordinates where a file gives none.
 DEFAULT_COORDINATES = "st"
 _CHANNELS = ("r", "g", "b", "a")
@@ -78,18 +87,9 @@ class Textures:
         picture = self._picture(shader, asset)
         if picture is None:
             return None
-        data: Data = {"type": "bitmap", **picture}
         space = str(self._input(shader, "sourceColorSpace") or "auto")
-        if space == "raw":
-            data["color_space"] = "linear"
-        elif space == "sRGB":
-            data["color_space"] = "srgb"
-        elif not is_color:
-            data["color_space"] = "linear"
-        wraps = [self._wrap(shader, name) for name in ("wrapS", "wrapT")]
-        data["wrap"] = wraps[0]
-        if wraps[1] != wraps[0]:
-            data["wrap_v"] = wraps[1]
+        data = bitmap(picture, _SPACES.get(space, "auto" if is_color else "linear"))
+        data |= wrapped(self._wrap(shader, "wrapS"), self._wrap(shader, "wrapT"))
         name, steps = self._coordinates_of(shader)
         if steps:
             data["to_uv"] = steps
@@ -109,11 +109,9 @@ class Textures:
         bias = tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
         if output in _CHANNELS:
             index = _CHANNELS.index(output)
-            part = {"type": "channel", "texture": picture, "channel": output}
-            return shifted(multiplied(scale[index], part), bias[index])
+            return shifted(multiplied(scale[index], channel(picture, output)), bias[index])
         if not is_color:
-            part = {"type": "channel", "texture": picture, "channel": "r"}
-            return shifted(multiplied(scale[0], part), bias[0])
+            return shifted(multiplied(scale[0], channel(picture, "r")), bias[0])
         return shifted(multiplied(list(scale[:3]), picture), list(bias[:3]))
 
     def _primvar(self, shader: Any, is_color: bool, fallback: Any) -> Any:
@@ -177,7 +175,7 @@ class Textures:
             return self.stage.value(attributes[0])
         return self.stage.alike(attributes[0], default)
 
-    def _picture(self, shader: Any, asset: Any) -> Data | None:
+    def _picture(self, shader: Any, asset: Any) -> str | Image | None:
         try:
             return picture_of(self.stage, asset)
         except OutOfReachError as error:
@@ -188,8 +186,8 @@ class Textures:
         self.stage.report.approximate(f"{shader.GetPath()}: {text}")
 
 
-def picture_of(stage: Stage, asset: Any) -> Data:
-    """Where a picture is: a file beside the stage, or texels from inside of a package.
+def picture_of(stage: Stage, asset: Any) -> str | Image:
+    """The name of a file beside the stage, or the texels of a picture inside of a package.
 
     Raises
     ------
@@ -199,9 +197,9 @@ def picture_of(stage: Stage, asset: Any) -> Data:
     resolved = asset.resolvedPath
     path = stage.picture(asset.path, resolved.partition("[")[0])
     if "[" not in resolved:
-        return {"file": stage.reach.name_of(path)}
+        return stage.reach.name_of(path)
     try:
-        return {"pixels": _packed(resolved)}
+        return _packed(resolved)
     except PydanticCustomError as error:
         text = error.message()
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
@@ -209,7 +207,7 @@ def picture_of(stage: Stage, asset: Any) -> Data:
     raise OutOfReachError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
 
 
-def _packed(resolved: str) -> Any:
+def _packed(resolved: str) -> Image:
     package, _, member = resolved.partition("[")
     name = PurePosixPath(member.rstrip("]")).as_posix()
     with zipfile.ZipFile(package) as archive:

@@ -87,6 +87,21 @@ def test_the_specular_workflow_keeps_the_reflectance_at_normal_incidence(load, t
     np.testing.assert_allclose(f0 * np.array(inner.specular_color), [0.08, 0.04, 0.0], atol=1e-7)
 
 
+def test_a_specular_color_brighter_than_any_glass_is_the_brightest_one(load, tmp_path):
+    scene, bsdf = bsdf_of(
+        load,
+        tmp_path,
+        """
+        int inputs:useSpecularWorkflow = 1
+        color3f inputs:specularColor = (0.9, 0.6, 0.2)
+    """,
+    )
+    inner = bsdf.bsdf
+    assert inner.ior == pytest.approx(5.0)
+    np.testing.assert_allclose(inner.specular_color, [1.0, 1.0, 0.45])
+    assert any("at most 0.444 is reflected" in text for text in scene.warnings)
+
+
 def test_without_a_material_the_display_color_is_shown(load):
     color = "color3f[] primvars:displayColor = [(0.1, 0.5, 0.9)]"
     scene = load(f'def Mesh "m" {{{SQUARE}{color}}}')
