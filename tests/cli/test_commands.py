@@ -146,7 +146,7 @@ def test_an_unwritable_cache_is_said(monkeypatch, tmp_path):
     monkeypatch.setenv("ALIGHT_CACHE", str(tmp_path / "file"))
     result = run("doctor")
     assert result.exit_code == 1
-    assert "cannot be written: every run compiles anew; set ALIGHT_CACHE" in result.output
+    assert "cannot be written: every run compiles again; set ALIGHT_CACHE" in result.output
 
 
 # ---------------------------------------------------------------------------- progress
