@@ -13,7 +13,7 @@ PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-ch
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock clean
+.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock canary clean
 
 help:
 	@echo "make demo      install into .venv and render the Cornell box to cornell.png"
@@ -23,6 +23,7 @@ help:
 	@echo "make lint      check style and import layers        make format  fix formatting with ruff"
 	@echo "make types     check static types                   make docs    build the site in site/"
 	@echo "make figures   render the figures of docs/          make peers   install Mitsuba and Embree"
+	@echo "make canary    try the newest Numba and NumPy: what would they break in lanewise?"
 	@echo "make lock      regenerate requirements/*.txt        make clean   remove everything built"
 
 $(VENV)/.created:
@@ -91,6 +92,9 @@ peers: $(VENV)/.peers
 
 lock:
 	requirements/lock.sh
+
+canary:
+	PYTHON=$(PYTHON) requirements/canary.sh
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -21,6 +21,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from alight.core.version import VERSION as __version__
+from lanewise.application import set_application
+
+# Kernels heed ALIGHT_LANES, ALIGHT_CACHE and ALIGHT_PIPELINE.
+set_application("alight", __path__[0])
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {

@@ -36,8 +36,8 @@ from alight.accel.layout import (
 from alight.accel.references import COUNTS, MARGIN, ROUNDING, TABLE, refer_to_triangles
 from alight.accel.splitting import MEDIAN, SAH, Rules, Workspace, divide_alone, halve
 from alight.accel.subtree import Source, build_subtree, pack
-from alight.core.jit import instantiate
-from alight.core.view import View
+from lanewise.jit import instantiate
+from lanewise.view import View
 
 #: Primitives that one thread takes at a time while all work on the same set.
 CHUNK = 65536

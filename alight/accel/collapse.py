@@ -30,8 +30,8 @@ from __future__ import annotations
 from alight.accel.layout import CHILDREN, CHOSEN_LEVELS
 from alight.accel.references import half_area
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_float,
     as_int,
     as_uint,
@@ -40,7 +40,7 @@ from alight.core.simd import (
     local_floats,
     minimum,
 )
-from alight.core.wide import lane, load_wide, store_wide, wide
+from lanewise.wide import lane, load_wide, store_wide, wide
 
 ROW = 32
 RIGHT, FIRST, COUNT, BLOCKS, COLUMN, OWNER, NUMBER, LEVEL = range(8, 16)

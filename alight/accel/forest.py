@@ -23,7 +23,7 @@ from alight.accel.layout import (
     moving_number,
 )
 from alight.accel.primitives import Analytic, Instance, Moving, TriangleSet
-from alight.core.view import View
+from lanewise.view import View
 
 #: An instance's box is enlarged by this part of the coordinates: rays are rounded on their way to
 #: object space.

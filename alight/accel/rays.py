@@ -6,11 +6,11 @@ from collections import namedtuple
 
 from alight.accel.layout import CHILDREN, UPPER, WIDTH
 from alight.accel.single import BoxRay, TriangleRay, safe_reciprocal
-from alight.core.jit import kernel
-from alight.core.simd import as_int, lanes_u32, store_lanes, where
 from alight.core.vec import Vec3
-from alight.core.wide import wide
 from alight.shapes.triangle import Shear, rotated, shear_of
+from lanewise.jit import kernel
+from lanewise.simd import as_int, lanes_u32, store_lanes, where
+from lanewise.wide import wide
 
 #: Most lanes that a packet can have.
 MOST = 16

@@ -9,8 +9,8 @@ from functools import lru_cache
 from alight.accel.layout import CHILD, CHILDREN, NODE, STACK
 from alight.accel.single import fetch_ahead, meet_boxes
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_int,
     count_bits,
     float_bits,
@@ -19,7 +19,7 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.wide import compressed, load_wide, mask_of, store_wide
+from lanewise.wide import compressed, load_wide, mask_of, store_wide
 
 #: What waits: codes of children (`layout`; local uints) and, if order matters, where the ray enters
 #: them (entries, local floats).

@@ -18,8 +18,9 @@ from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, MAX_DEPTH, NODE, S
 from alight.accel.rays import MOST, RECIPROCAL
 from alight.accel.single import SHRINK, STRETCH, fetch_ahead
 from alight.accel.stacks import ROOM
-from alight.core.jit import kernel
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import (
     LANES,
     as_int,
     as_uint,
@@ -36,8 +37,7 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.vec import Vec3
-from alight.core.wide import load_wide
+from lanewise.wide import load_wide
 
 #: So many sixteenths of the lanes, or fewer, go alone: a test for all takes as long as theirs
 #: (decision 11).

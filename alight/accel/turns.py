@@ -18,8 +18,8 @@ from alight.accel.single import SHRINK
 from alight.accel.stacks import Stacks, write_open_node
 from alight.accel.together import OWN, WAITING, write_together
 from alight.accel.visits import data_of_all, no_visits, write_visit_all
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_int,
     as_uint,
     bits_mask,

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from alight.accel.layout import IDS, OTHER, WIDTH
 from alight.accel.rays import DIRECTION, MOST, ORIGIN, triangle_ray_of, vector_of
 from alight.accel.single import SingleHit, meet_triangles
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_float,
     as_int,
     as_uint,
@@ -25,7 +25,7 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.wide import store_wide
+from lanewise.wide import store_wide
 
 #: rays, places: local longs, number of the ray and word where the block starts; bits: local longs,
 #: the triangles that are hit; numbers: local floats, rows of WIDTH: t, u, v of visit 0, of visit 1

@@ -18,9 +18,9 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from alight.core.jit import kernel
 from alight.core.spec import Bsdf, Interval, Reflectance
 from alight.core.vec import gather_vec3
+from lanewise.jit import kernel
 
 #: What programs call a material that absorbs inside.
 ABSORBING = "absorbing"

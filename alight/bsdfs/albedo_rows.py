@@ -31,8 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.bsdfs.visible_facets import LATTICE, Seen, bounce, entering, see_facets
-from alight.core.jit import kernel
 from alight.core.microfacet import Facets
+from lanewise.jit import kernel
 
 Array = NDArray[np.float64]
 

@@ -38,13 +38,13 @@ from alight.bsdfs.layered import CURVES, SCALE, SHARE, Layers, lobe_alpha, round
 from alight.bsdfs.rows import load_table, rows_at
 from alight.core.constants import INV_PI
 from alight.core.fresnel import cos_transmitted, fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
-from alight.core.simd import lanes, lanes_u32, maximum, minimum, sqrt, where
 from alight.core.spec import Interval, invalid
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import constant_color, scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, maximum, minimum, sqrt, where
 
 Alpha = Annotated[float, Interval(LEAST_ALPHA, 1.0)]
 

@@ -31,9 +31,10 @@ from alight.bsdfs.rows import load_table, read_row, rows_at
 from alight.bsdfs.visible_facets import bounce, see_facets
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import Facets
-from alight.core.simd import (
+from alight.core.vec import luminance
+from lanewise.jit import kernel
+from lanewise.simd import (
     lanes_u32,
     lanes_vec3,
     maximum,
@@ -43,7 +44,6 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.vec import luminance
 
 #: Cosines in a table of transmittances.
 STEPS = 64

@@ -34,10 +34,10 @@ from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import is_lossless as is_lossless
 from alight.bsdfs.interface import load as load
 from alight.core.fresnel import fresnel_dielectric, refract
-from alight.core.jit import kernel
-from alight.core.simd import absolute, lanes_u32, where
 from alight.core.vec import Vec3
 from alight.textures.fetch import scalar
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes_u32, where
 
 
 class Dielectric(Interface, Absorbing):

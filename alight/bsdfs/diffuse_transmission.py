@@ -21,12 +21,12 @@ from typing import ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
-from alight.core.jit import kernel
-from alight.core.simd import absolute, lanes_u32, maximum, where
 from alight.core.spec import Bsdf, ColorTexture
 from alight.core.vec import Vec3, luminance
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes_u32, maximum, where
 
 
 class DiffuseTransmission(Bsdf):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_vec3
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_vec3
 
 
 @kernel

@@ -30,8 +30,9 @@ from alight.bsdfs.switch import (
     sample_row,
 )
 from alight.core.constants import ONE_MINUS_EPSILON
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.textures.fetch import textured_scalar
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     gather,
     lanes,
@@ -42,7 +43,6 @@ from alight.core.simd import (
     minimum,
     where,
 )
-from alight.textures.fetch import textured_scalar
 
 #: What programs call it that materials have more than one model.
 LAYERED_NAME = "layered"

@@ -40,7 +40,7 @@ from alight.bsdfs.visible_facets import LATTICE, Seen, see_facets
 from alight.core.fresnel import fresnel_conductor, fresnel_dielectric
 from alight.core.microfacet import Facets
 from alight.core.spec import Triple
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 Array = NDArray[np.float64]
 

@@ -75,10 +75,8 @@ from alight.bsdfs.rows import MANY_ROWS, load_table, rows_at
 from alight.bsdfs.sheen import ROW as SHEEN_ROW
 from alight.bsdfs.sheen import ROWS as SHEEN_ROWS
 from alight.bsdfs.sheen import sheen_rows
-from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
 from alight.core.microfacet import Facets
-from alight.core.simd import lanes, lanes_vec3, maximum, minimum, where
 from alight.core.spec import (
     ColorTexture,
     IndexOfRefraction,
@@ -90,6 +88,8 @@ from alight.core.spec import (
 )
 from alight.textures.constant import Constant
 from alight.textures.fetch import color, constant_color, scalar, textured_scalar
+from lanewise.jit import kernel, specialised
+from lanewise.simd import lanes, lanes_vec3, maximum, minimum, where
 
 #: Programs in which none is glass or a sheet have nothing that refracts.
 REFRACTING = GLASS

@@ -27,13 +27,13 @@ from __future__ import annotations
 
 from alight.bsdfs.flags import DELTA
 from alight.core.frame import frame_from_tangent, to_local, to_world
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, floor, gather, lanes, maximum, minimum, sqrt, to_uint, where
 from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import Vec3, cross, dot, normalize, renormalize
 from alight.shapes.derivatives import moved_chart, uv_derivatives
 from alight.shapes.hit import Surface
 from alight.textures.fetch import color, scalar, textured_scalar
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, floor, gather, lanes, maximum, minimum, sqrt, to_uint, where
 
 #: What programs call it that a material has a normal or bump map, and which of them.
 BENT, NORMALS, HEIGHTS = "bent", "bent:normals", "bent:heights"

@@ -25,10 +25,10 @@ from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets,
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.tints import tint_features
 from alight.core.fresnel import fresnel_conductor
-from alight.core.jit import kernel
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
-from alight.core.simd import lanes, lanes_u32, where
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, where
 
 
 class RoughConductor(Metallic, Rough):

@@ -41,11 +41,11 @@ from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import load as load_interface
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
-from alight.core.simd import absolute, lanes_u32, maximum, where
 from alight.core.spec import invalid
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes_u32, maximum, where
 
 #: Both indices differ by at least this part: the facet that refracts is found from how far.
 LEAST_DIFFERENCE = 1e-3

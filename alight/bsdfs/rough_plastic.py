@@ -33,7 +33,6 @@ from alight.bsdfs.plastic import COAT_SLOTS, Coated, pack_coat
 from alight.bsdfs.rows import MANY_ROWS
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import (
     FEATURES,
     Facets,
@@ -41,12 +40,13 @@ from alight.core.microfacet import (
     sample_visible_facet,
     visible_area,
 )
-from alight.core.simd import lanes, lanes_u32, maximum, minimum, where
 from alight.core.spec import SMOOTHEST, Roughness
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.constant import Constant
 from alight.textures.fetch import color, scalar, textured_scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, maximum, minimum, where
 
 
 class RoughPlastic(Coated):

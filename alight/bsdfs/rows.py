@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import gather, lanes, lanes_u32, maximum, minimum, to_float, to_uint
+from lanewise.jit import kernel, specialised
+from lanewise.simd import gather, lanes, lanes_u32, maximum, minimum, to_float, to_uint
 
 #: What programs call it that a table has more than one row.
 MANY_ROWS = "rows:many"

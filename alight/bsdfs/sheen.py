@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from alight.bsdfs.rows import read_row
 from alight.core.constants import INV_TWO_PI
-from alight.core.jit import kernel
 from alight.core.maths import exp, log
-from alight.core.simd import lanes_u32, maximum, minimum, sqrt, to_float, to_uint
 from alight.core.vec import dot
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, maximum, minimum, sqrt, to_float, to_uint
 
 #: Cosines of a row, its length, and rows where the roughness is textured.
 STEPS = 48

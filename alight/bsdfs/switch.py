@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 from alight.bsdfs.absorption import ABSORBING
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
-from alight.core.jit import kernel, specialised
 from alight.core.maths import exp
 from alight.core.registry import Models, Numbers, modules
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     as_int,
     as_uint,
@@ -29,7 +30,6 @@ from alight.core.simd import (
     to_float,
     where,
 )
-from alight.core.vec import Vec3
 
 #: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
 STRIDE = 16

@@ -20,10 +20,10 @@ from __future__ import annotations
 
 from alight.core.constants import PI, TWO_PI
 from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
-from alight.core.jit import kernel
 from alight.core.maths import exp, sincos
-from alight.core.simd import maximum, minimum, sqrt, where
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import maximum, minimum, sqrt, where
 
 
 @kernel

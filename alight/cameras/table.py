@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
 
 #: Half the film's width and height in pixels; distance of the plane of focus.
 HALF_WIDTH, HALF_HEIGHT, FOCUS = 0, 1, 2

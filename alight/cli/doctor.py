@@ -47,7 +47,7 @@ def _compiler() -> Iterator[Check]:
     try:
         import llvmlite.binding as llvm
 
-        from alight.core.machine import cache_folder, lanes_of_machine
+        from lanewise.machine import cache_folder, lanes_of_machine
     except ImportError as error:
         yield "compiler", f"{error}; pip install numba", False
         return

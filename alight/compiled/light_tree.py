@@ -14,12 +14,12 @@ from alight.core.constants import PI
 from alight.core.distributions import cumulative
 from alight.core.spec import Triple
 from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
 from alight.lights.tree import LEAVES, OUTER_CDF
 from alight.lights.tree_build import Leaves, build_tree
 from alight.scene.motion import Motion
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
+from lanewise.vec3 import Vec3
 
 #: Shares of the samples that lights without a place get, if there are others: their power counts
 #: the whole scene, of which one point sees little.

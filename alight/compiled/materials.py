@@ -25,7 +25,7 @@ from alight.compiled.packer import Packer
 from alight.compiled.textures import TextureTable
 from alight.core.registry import Models, Numbers
 from alight.core.spec import Bsdf, Texture
-from alight.core.view import View
+from lanewise.view import View
 
 
 class MaterialTables(NamedTuple):

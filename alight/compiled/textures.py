@@ -23,12 +23,12 @@ from alight.compiled.packer import Packer
 from alight.core.errors import Issue, SceneError
 from alight.core.registry import Models, Numbers
 from alight.core.spec import Texture
-from alight.core.view import View
 from alight.textures.bitmap import TILE
 from alight.textures.composed import COMPOSED
 from alight.textures.constant import Constant
 from alight.textures.images import Image, decoded_levels
 from alight.textures.nesting import Composed, Value, most
+from lanewise.view import View
 
 #: Kernels count words with 31 bits.
 MOST_WORDS = 2**31 - 1

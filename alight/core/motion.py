@@ -20,10 +20,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import gamma
-from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos_octant
-from alight.core.simd import any_lane, as_int, gather, maximum, sqrt, where
 from alight.core.vec import Vec3, absolute_vec3
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, as_int, gather, maximum, sqrt, where
 
 #: Tables of what moves. rows: float32, the motions one after another; sizes: u32, links of each
 #: motion and segments of each link, the same for all; of_shape, of_light: u32, the number of the

@@ -15,8 +15,8 @@ of the chain were found by search (Wellons, hash-prospector), bias of its avalan
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import lanes_u32, to_float
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, to_float
 
 # Multipliers of the two-round chain, and those of the round that makes a second word.
 M1 = 0x21F0AAAD

@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Annotated
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, gather_row, to_uint, where
 from alight.core.spec import Interval
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, gather_row, to_uint, where
 
 #: What programs call it that a texture names another set than 0.
 UV_SETS = "uv_sets"

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from alight.core.constants import LUMINANCE
-from alight.core.jit import kernel
-from alight.core.simd import absolute, gather_row, maximum, minimum, rsqrt, sqrt, where
-from alight.core.vec3 import Vec3 as Vec3
+from lanewise.jit import kernel
+from lanewise.simd import absolute, gather_row, maximum, minimum, rsqrt, sqrt, where
+from lanewise.vec3 import Vec3 as Vec3
 
 
 @kernel

@@ -13,9 +13,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import INV_FOUR_PI, INV_PI, INV_TWO_PI, TWO_PI
-from alight.core.jit import kernel
 from alight.core.maths import arctan2, sincos, sincos_2pi, sincos_octant
-from alight.core.simd import (
+from alight.core.vec import Vec3, cross, dot
+from lanewise.jit import kernel
+from lanewise.simd import (
     absolute,
     bits_float,
     float_bits,
@@ -25,7 +26,6 @@ from alight.core.simd import (
     sqrt,
     where,
 )
-from alight.core.vec import Vec3, cross, dot
 
 _QUARTER_PI = 0.785398163397448310
 

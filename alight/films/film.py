@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from alight.core.errors import FilmError
-from alight.core.view import View
 from alight.films import fixed_point, ledger, merging, notebook, readout, statistics, storage
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import (
@@ -30,6 +29,7 @@ from alight.metrics.own_error import ErrorEstimate, estimate_relmse
 from alight.metrics.pixel_bars import PixelBars, pixel_bars
 from alight.outputs.image import write_image
 from alight.outputs.picture import Picture
+from lanewise.view import View
 
 if TYPE_CHECKING:
     import os

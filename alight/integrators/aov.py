@@ -32,8 +32,6 @@ from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import albedo_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import any_lane, lanes, lanes_mask, lanes_vec3, to_float, where
 from alight.core.vec import Vec3, max_component
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -47,6 +45,8 @@ from alight.integrators.walk import (
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, lanes, lanes_mask, lanes_vec3, to_float, where
 
 #: Layers and their channels. ids count from 1; 0 is nothing. depth: metres along the ray.
 LAYERS = {

@@ -14,9 +14,13 @@ from __future__ import annotations
 import inspect
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
-from alight.core.simd import (
+from alight.integrators.walk import LIGHT_CHOICE, LIGHT_POINT, vertex_dimension
+from alight.lights.sampling import choose_light_at
+from alight.lights.tables import INFO as LIGHT_INFO
+from alight.samplers.sampling import get_1d, get_2d
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     LANES,
     as_int,
     gather,
@@ -29,10 +33,6 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.integrators.walk import LIGHT_CHOICE, LIGHT_POINT, vertex_dimension
-from alight.lights.sampling import choose_light_at
-from alight.lights.tables import INFO as LIGHT_INFO
-from alight.samplers.sampling import get_1d, get_2d
 
 #: Name of this pass instead of an integrator's, and of the option that names the integrator.
 PASS, RECORDED = "contributions", "recorded"

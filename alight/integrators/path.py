@@ -56,10 +56,8 @@ from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
-from alight.core.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 from alight.core.vec import length, max_component
 from alight.integrators.options import PathTracing
 from alight.integrators.shadow_rays import come_through_holes
@@ -91,6 +89,8 @@ from alight.lights.sampling import (
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 
 #: Strategies of light sampling, as numbers that kernels compare.
 BY_LIGHT, MIS, BY_BSDF = 0, 1, 2

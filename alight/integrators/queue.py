@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from alight.integrators.walk import Path, count_lanes, module_of
+from alight.samplers.state import SamplerState
+from alight.shapes.hit import Hit
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     as_int,
     lane_index,
     lanes_u32,
@@ -16,10 +20,6 @@ from alight.core.simd import (
     store_lanes,
     where,
 )
-from alight.core.vec import Vec3
-from alight.integrators.walk import Path, count_lanes, module_of
-from alight.samplers.state import SamplerState
-from alight.shapes.hit import Hit
 
 #: Rows of floats (o, d, p, L, beta, pdf, L_direct) and of u32 (x, y, index, scramble and the keys
 #: a, b of the sampler, depth and whether it was a delta lobe). A row has room for two packets, so

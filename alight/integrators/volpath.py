@@ -21,17 +21,6 @@ from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
-    any_lane,
-    lanes,
-    lanes_mask,
-    lanes_u32,
-    lanes_vec3,
-    maximum,
-    minimum,
-    where,
-)
 from alight.core.vec import max_component
 from alight.integrators.options import PathTracing
 from alight.integrators.path import (
@@ -80,6 +69,17 @@ from alight.media.tables import EMISSIVE, stream_of
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    any_lane,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    where,
+)
 
 
 class VolPath(PathTracing):

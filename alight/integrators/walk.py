@@ -12,9 +12,13 @@ from importlib import import_module
 
 import numpy as np
 
-from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
-from alight.core.simd import (
+from alight.core.spec import Integrator
+from alight.core.vec import Vec3, dot, normalize
+from alight.integrators.moments import at_times_of
+from alight.samplers.state import SamplerState
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     as_int,
     count_bits,
     lanes,
@@ -24,10 +28,6 @@ from alight.core.simd import (
     mask_bits,
     where,
 )
-from alight.core.spec import Integrator
-from alight.core.vec import Vec3, dot, normalize
-from alight.integrators.moments import at_times_of
-from alight.samplers.state import SamplerState
 
 #: One path per lane.
 #:

@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.machine import fingerprint
 from alight.lab.arms import digest, seed_of
 from alight.lab.measure import compiled_kernels, render_ladder
 from alight.lab.pictures import Session, StudyProgress
@@ -26,6 +25,7 @@ from alight.metrics.relmse import Estimate
 from alight.scene import Scene, flatten
 from alight.scene.build import Builder
 from alight.shapes.mesh import Mesh
+from lanewise.machine import fingerprint
 
 #: Name -> (label, structure, builder, most triangles of the ball).
 METHODS: dict[str, tuple[str, str, str, int]] = {

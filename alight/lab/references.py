@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 
 from alight.core.errors import OutputError
-from alight.core.machine import cache_folder
 from alight.lab.arms import Arm, digest, seed_of
 from alight.lab.blocks import BlockMoments, block_row, exact_statistics
 from alight.lab.decomposition import Moments
@@ -27,6 +26,7 @@ from alight.lab.study import SCHEDULE, ReferenceSpec, SceneSpec, Study, StudyErr
 from alight.metrics.comparison import PictureStatistics
 from alight.metrics.relmse import default_epsilon
 from alight.outputs.atomic import replacing
+from lanewise.machine import cache_folder
 
 #: Independent seeds of a reference.
 SEEDS = 16

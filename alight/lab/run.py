@@ -14,7 +14,6 @@ import numpy as np
 
 import alight
 from alight.core.errors import OutputError
-from alight.core.machine import fingerprint, lanes_of_machine
 from alight.lab.pictures import QUICK_REPLICATES, Session, StudyProgress, run_scene
 from alight.lab.results import SceneResult, StudyResult, TableResult, save
 from alight.lab.store import Store
@@ -22,6 +21,7 @@ from alight.lab.study import Study
 from alight.lab.study_file import load_study, ready_names
 from alight.metrics.relmse import Estimate
 from alight.rendering.main_loop import usable_processors
+from lanewise.machine import fingerprint, lanes_of_machine
 
 #: Name of the results file in a study's folder.
 STORE = "results.sqlite"

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.program import Program
-from alight.core.jit import instantiate, kernel
-from alight.core.machine import lanes_of_machine
 from alight.core.registry import Models, versions
-from alight.core.simd import LANES, load_lanes, store_lanes
 from alight.core.spec import Sampler
-from alight.core.view import View
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import chi_square_tail, uniform_p_value
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state
+from lanewise.jit import instantiate, kernel
+from lanewise.machine import lanes_of_machine
+from lanewise.simd import LANES, load_lanes, store_lanes
+from lanewise.view import View
 
 #: A dimension of a long path.
 FAR = 1000

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from alight.core.distributions import cumulative_2d
 from alight.core.spec import Triple
 from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 # The table starts with the rotation from the world to the map, row by row.
 COLUMNS, ROWS = 9, 10  # of cells: rows is one less than the picture's

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from alight.core.jit import kernel
 from alight.core.motion import (
     direction_at_rest,
     inverse_rows,
@@ -16,9 +15,10 @@ from alight.core.motion import (
     point_at_rest,
     turned,
 )
-from alight.core.simd import any_lane, gather, lanes_u32, where
 from alight.core.vec import normalize
 from alight.lights.tables import LightSample
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, gather, lanes_u32, where
 
 
 def moving_sample(sample: Callable) -> Callable:

@@ -23,8 +23,6 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
-from alight.core.simd import is_finite, lanes_vec3, rsqrt, where
 from alight.core.spec import Light, Triple
 from alight.core.vec import dot, length_squared, row_vec3
 from alight.core.warps import (
@@ -33,6 +31,8 @@ from alight.core.warps import (
     square_to_spherical_rectangle,
 )
 from alight.lights.tables import from_infinity, row_of
+from lanewise.jit import kernel
+from lanewise.simd import is_finite, lanes_vec3, rsqrt, where
 
 #: Numbers of the light's row: a corner and two edges.
 CORNER, EDGE_X, EDGE_Y = 4, 7, 10

@@ -19,9 +19,15 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from alight.core.constants import PI
-from alight.core.jit import kernel
 from alight.core.maths import arctan2
-from alight.core.simd import (
+from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
+from alight.core.vec import dot, gather_vec3
+from alight.lights.at_point import way_to
+from alight.lights.ies import axes_of
+from alight.lights.tables import INFO, STRIDE, LightSample
+from alight.textures.images import Image, Pixels, source_problem
+from lanewise.jit import kernel
+from lanewise.simd import (
     gather,
     lanes,
     lanes_mask,
@@ -34,12 +40,6 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
-from alight.core.vec import dot, gather_vec3
-from alight.lights.at_point import way_to
-from alight.lights.ies import axes_of
-from alight.lights.tables import INFO, STRIDE, LightSample
-from alight.textures.images import Image, Pixels, source_problem
 
 #: Of its table: width and height of the picture; cutoff and 1 / (cutoff - beam), radians; 1 if
 #: it is even on a screen, else 0; then the picture, row by row.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_mask
 
 #: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
 #: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that

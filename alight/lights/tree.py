@@ -28,10 +28,13 @@ from collections import namedtuple
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.distributions import UNIT, sample_discrete
-from alight.core.jit import kernel, specialised
 from alight.core.microfacet import FEATURES
 from alight.core.rng import unit_float
-from alight.core.simd import (
+from alight.core.vec import dot, row_vec3
+from alight.lights.tables import INFO
+from alight.lights.tree_bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     as_int,
     float_bits,
@@ -47,9 +50,6 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.vec import dot, row_vec3
-from alight.lights.tables import INFO
-from alight.lights.tree_bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
 
 #: `LightTables.cdf` of a program with a tree starts with: probability of the lights outside the
 #: tree; how many rows of `LightTables.info` there are; start of the root's children, which the

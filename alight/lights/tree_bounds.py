@@ -30,8 +30,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.core.jit import kernel
-from alight.core.simd import (
+from alight.core.vec import dot, gather_vec3, row_vec3
+from lanewise.jit import kernel
+from lanewise.simd import (
     absolute,
     bits_float,
     float_bits,
@@ -44,8 +45,7 @@ from alight.core.simd import (
     to_float,
     where,
 )
-from alight.core.vec import dot, gather_vec3, row_vec3
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 #: Words of a group: centre; radius and h (bfloat16 each); axis (10 bits a coordinate) and whether
 #: far away only intensity counts; cosine and sine of the cone's half angle (15 bits each) and

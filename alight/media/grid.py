@@ -22,23 +22,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.jit import kernel
 from alight.core.maths import log
-from alight.core.simd import (
-    any_lane,
-    floor,
-    gather,
-    lanes,
-    lanes_mask,
-    lanes_u32,
-    lanes_vec3,
-    maximum,
-    minimum,
-    minimum_u32,
-    to_float,
-    to_uint,
-    where,
-)
 from alight.core.spec import Interval, Numbers, Vector3, invalid
 from alight.core.vec import Vec3, gather_vec3
 from alight.media.coefficients import Coefficients, extinction
@@ -63,6 +47,22 @@ from alight.media.tables import (
 )
 from alight.media.volumes import Values
 from alight.phases.henyey_greenstein import HenyeyGreenstein
+from lanewise.jit import kernel
+from lanewise.simd import (
+    any_lane,
+    floor,
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    minimum_u32,
+    to_float,
+    to_uint,
+    where,
+)
 
 #: Mean free paths across a grid at most: a ray takes a step at each, through empty cells too.
 MOST_STEPS = 1e4

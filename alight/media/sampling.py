@@ -7,12 +7,12 @@ lanes that are not active are arbitrary, but for the crossing of empty space, wh
 from __future__ import annotations
 
 from alight.core.frame import frame_from_normal
-from alight.core.jit import kernel, specialised
 from alight.core.registry import modules
-from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 from alight.core.vec import length_squared
 from alight.core.warps import direction_around_z
 from alight.media.tables import INFO, KIND, PARAMETER, PHASE, STRIDE, Crossing, Flight
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 
 
 def _models(family, names):

@@ -17,9 +17,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from alight.core.constants import INV_FOUR_PI
-from alight.core.jit import kernel
-from alight.core.simd import sqrt
 from alight.core.spec import Interval, PhaseFunction
+from lanewise.jit import kernel
+from lanewise.simd import sqrt
 
 
 class HenyeyGreenstein(PhaseFunction):

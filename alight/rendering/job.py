@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alight.compiled.scene import CompiledScene
-from alight.core.machine import fingerprint
 from alight.core.version import VERSION
 from alight.films import Film
 from alight.integrators.walk import make_settings
@@ -24,6 +23,7 @@ from alight.rendering.schedule import Goal, Schedule, Verdict
 from alight.rendering.tile import Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
+from lanewise.machine import fingerprint
 
 #: Names the random numbers of the ledger's pilot; no schedule has that many rounds.
 _PILOT_ROUND = 2**16

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from alight.core.errors import FilmError, SceneError
-from alight.core.machine import describe_machine, fingerprint
 from alight.films import Film
 from alight.formats import load
 from alight.options.entry import takes
@@ -25,6 +24,7 @@ from alight.rendering.steering import towards
 from alight.rendering.writing import Targets, finish
 from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
+from lanewise.machine import describe_machine, fingerprint
 
 #: So many changes are named; more are counted.
 _MOST_NAMED = 8

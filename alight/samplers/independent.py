@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from alight.core.jit import kernel
 from alight.core.rng import hash_1, hash_2, sample_keys, unit_float
 from alight.core.spec import Sampler
+from lanewise.jit import kernel
 
 
 class Independent(Sampler):

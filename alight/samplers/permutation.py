@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
-from alight.core.jit import kernel
-from alight.core.simd import any_lane, where
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, where
 
 _ROUNDS = 4
 

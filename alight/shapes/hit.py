@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import gamma
-from alight.core.jit import kernel
-from alight.core.simd import absolute, copysign, fma, maximum, where
+from lanewise.jit import kernel
+from lanewise.simd import absolute, copysign, fma, maximum, where
 
 #: t: distance in units of |d| (infinity for a miss); u, v: barycentrics b1, b2 of a triangle, local
 #: coordinates of the others; shape, prim: u32, 0 for a miss, so that they are always valid.

@@ -13,9 +13,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
 from alight.core.spec import Shape
 from alight.shapes.flat import flat_geometry, meet_plane, pack_flat, point_error
+from lanewise.jit import kernel
 
 
 class Plane(Shape):

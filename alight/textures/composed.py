@@ -7,11 +7,11 @@ a step is a row of (kind, start in `texture_data`) like that of a plain texture.
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
 from alight.core.registry import Numbers
-from alight.core.simd import any_lane, gather, lanes_mask, lanes_vec3, where
 from alight.core.vec import Vec3
 from alight.textures.switch import models_of, value_switch
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, gather, lanes_mask, lanes_vec3, where
 
 #: Added to the number of steps.
 COMPOSED = 1 << 31

@@ -23,21 +23,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from alight.core.jit import kernel
 from alight.core.motion import point_at_opening
 from alight.core.rng import pcg4d
-from alight.core.simd import (
-    absolute,
-    any_lane,
-    floor,
-    gather,
-    lanes,
-    lanes_u32,
-    maximum,
-    minimum,
-    to_uint,
-    where,
-)
 from alight.core.spec import (
     Interval,
     Numbers,
@@ -49,6 +36,19 @@ from alight.core.spec import (
 )
 from alight.core.uv_sets import UvSet, set_features, uv_of_texture
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import (
+    absolute,
+    any_lane,
+    floor,
+    gather,
+    lanes,
+    lanes_u32,
+    maximum,
+    minimum,
+    to_uint,
+    where,
+)
 
 Octaves = Annotated[int, Interval(1, 16, integer=True)]
 Scale3 = Annotated[Triple, Numbers(3, Interval(), spread=True)]

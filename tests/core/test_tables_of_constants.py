@@ -5,7 +5,6 @@ import pytest
 
 from alight.bsdfs import conductor, thin_film
 from alight.core import rng, vec
-from alight.core.vec3 import Vec3
 from alight.formats import cie, metals, spectra
 from alight.formats.pbrt import amounts, colors
 from alight.lights import atmosphere
@@ -14,6 +13,7 @@ from alight.outputs import tone_mapping, white_balance
 from alight.samplers.halton import PRIMES
 from alight.samplers.sobol import _second_dimension
 from alight.textures import mix
+from lanewise.vec3 import Vec3
 
 # ---------------------------------------------------------------- random numbers
 

@@ -1,4 +1,4 @@
-"""What names and calls in the pages stand for, looked up in the package."""
+"""What names and calls in the pages stand for, looked up in the packages."""
 
 import ast
 import importlib
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tests.docs.pages import ROOT, blocks, prose
 
-PACKAGE = ROOT / "alight"
+PACKAGE, COMPILER = ROOT / "alight", ROOT / "lanewise"
 SIGNATURE = re.compile(r"[A-Za-z_][\w.]*\([^()]*\)")
 
 
@@ -78,13 +78,13 @@ def _annotated(owner: type) -> frozenset[str]:
 
 @cache
 def definitions() -> dict[str, list[tuple[str, ...]]]:
-    """Parameters of all functions of the package, those of classes being their constructor's."""
+    """Parameters of all functions of the packages, those of classes being their constructor's."""
     found: dict[str, list[tuple[str, ...]]] = {}
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in sorted([*PACKAGE.rglob("*.py"), *COMPILER.rglob("*.py")]):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.FunctionDef):
                 found.setdefault(node.name, []).append(_parameters(node.args))
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in sorted([*PACKAGE.rglob("*.py"), *COMPILER.rglob("*.py")]):
         # A factory's kernel is documented as ``name(a, b)`` at the head of its docstring.
         for name, inside in re.findall(r"``(\w+)\(([^()`]*)\)``", path.read_text(encoding="utf-8")):
             if name in found:

@@ -45,7 +45,8 @@ def _value(name: str) -> float:
         return float(np.log2(_value(name.removeprefix("log2 "))))
     path, operator, operand = re.fullmatch(r"([\w.]+?)(?:([*/+])([-\d.e]+))?", name).groups()
     index = re.search(r"\.(\d)$", path)
-    found = import_path("alight." + (path[: index.start()] if index else path))
+    path = path[: index.start()] if index else path
+    found = import_path(path if path.startswith("lanewise.") else f"alight.{path}")
     value = float(np.ravel(found)[int(index[1]) if index else 0])
     if operator == "+":
         return value + float(operand)

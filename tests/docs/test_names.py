@@ -7,6 +7,7 @@ import pytest
 
 import alight
 from tests.docs.names import (
+    COMPILER,
     PACKAGE,
     calls,
     code_spans,
@@ -29,6 +30,7 @@ FOREIGN = {
     "embree": "rtcIntersect16",
     "usd": "upAxis materialBind fStop focusDistance colorTemperature treatAsPoint",
     "prefixes": "is_ has_",
+    "example of lanewise.md": "escape_time mandelbrot",
     "models of extending.md": "minnaert downlight kronecker headlight",
 }
 ELSEWHERE = {word.lower() for words in FOREIGN.values() for word in words.split()}
@@ -40,7 +42,7 @@ VARIABLES = {"film": alight.Film, "scene": alight.Scene}
 def _words():
     """All words of the sources and the scenes, in lower case: MTL's keys are read so."""
     files = [ROOT / "pyproject.toml", ROOT / "mkdocs.yml"]
-    for folder in ("alight", "benchmarks"):
+    for folder in ("alight", "lanewise", "benchmarks"):
         for suffix in ("py", "yaml"):
             files += (ROOT / folder).rglob(f"*.{suffix}")
     return {
@@ -70,7 +72,10 @@ def test_identifiers_occur_in_the_sources(page):
 def test_dotted_names_resolve(page):
     """``alight.metrics.own_error``, ``film.standard_error``: modules, attributes and fields."""
     for span in code_spans(page):
-        if re.fullmatch(r"alight(?:\.\w+)+(?:\(.*\))?", span) and span != "alight.biases":
+        if (
+            re.fullmatch(r"(?:alight|lanewise)(?:\.\w+)+(?:\(.*\))?", span)
+            and span != "alight.biases"
+        ):
             import_path(span.split("(")[0])
         name = re.fullmatch(r"(film|scene)\.(\w+)(?:\.\w+)*(?:\(.*\))?", span)
         if name and name[2] not in ("yaml", "xml", "pbrt", "usd", "glb", "exr", "obj"):
@@ -88,7 +93,7 @@ def test_calls_have_the_parameters_of_their_functions(page):
             continue
         # The full path names one function; a short name may be that of any.
         known = definitions().get(last, [])
-        if name.startswith("alight."):
+        if name.startswith(("alight.", "lanewise.")):
             known = [parameters_of(import_path(name))]
         if not any(fits(arguments, parameters) for parameters in known):
             wrong.append((call, known))
@@ -98,7 +103,7 @@ def test_calls_have_the_parameters_of_their_functions(page):
 @pytest.mark.parametrize("page", LIVING, ids=name_of)
 def test_python_files_exist(page):
     named = [span for span in code_spans(page) if re.fullmatch(r"[\w/]+\.py", span)]
-    bases = (ROOT, PACKAGE, ROOT / "tests", ROOT / "benchmarks", page.parent)
+    bases = (ROOT, PACKAGE, COMPILER, ROOT / "tests", ROOT / "benchmarks", page.parent)
     missing = [
         name
         for name in named
@@ -134,7 +139,7 @@ def _glossary():
 
 @pytest.mark.parametrize("row", _glossary(), ids=lambda row: row.get("term", row.get("name")))
 def test_every_term_of_the_glossary_names_its_code(row):
-    named = re.findall(r"`(alight[\w.]+)(?:\([^`]*\))?`", row["in code"])
+    named = re.findall(r"`((?:alight|lanewise)[\w.]+)(?:\([^`]*\))?`", row["in code"])
     assert named
     for name in named:
         import_path(name)

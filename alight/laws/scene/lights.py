@@ -22,8 +22,6 @@ import numpy as np
 from alight.accel import intersect_closest
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.frame import frame_from_normal
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import where
 from alight.core.vec import Vec3
 from alight.laws.materials import stacked
 from alight.laws.scene.findings import Finding
@@ -32,6 +30,8 @@ from alight.lights.sampling import LIGHTS, choose_light, environment_pdf, light_
 from alight.lights.tree import choose_by_tree
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import where
 
 #: Directions drawn in each way, for each point.
 N = 20_000

@@ -12,25 +12,28 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.marks import Specialised, is_kernel
+from lanewise.application import LANEWISE, application
+from lanewise.marks import Specialised, is_kernel
 
 
 def digest_of(functions: dict[str, Any]) -> str:
     """Short digest of named functions and values, with all that they reach.
 
     Kernels and the functions of the same packages are read; others count by their names. Other
-    sources of alight itself are another cache folder anyway (`alight.core.machine`).
+    sources of lanewise and of its application are another cache folder anyway
+    (`lanewise.machine`).
     """
     given = [value for value in functions.values() if isinstance(value, FunctionType)]
-    reader = _Reader({_top(function.__module__) for function in given} - {"alight"})
+    hashed = {LANEWISE.name, application().name}
+    reader = _Reader({_top(function.__module__) for function in given} - hashed, hashed)
     reader.feed(functions)
     return reader.hash.hexdigest()[:16]
 
 
 class _Reader:
-    def __init__(self, packages: set[str]) -> None:
+    def __init__(self, packages: set[str], hashed: set[str]) -> None:
         self.hash = hashlib.sha256()
-        self.packages = packages
+        self.packages, self.hashed = packages, hashed
         self.seen: dict[int, int] = {}
         # So that no other value gets the identity of one that was seen.
         self.kept: list[Any] = []
@@ -79,7 +82,7 @@ class _Reader:
 
     def function(self, function: FunctionType) -> None:
         top = _top(function.__module__)
-        if top in self.packages or (is_kernel(function) and top != "alight"):
+        if top in self.packages or (is_kernel(function) and top not in self.hashed):
             self.code(function.__code__)
             self.items(dict(sorted(function.__dict__.items())))
             self.feed(function.__defaults__)
@@ -103,7 +106,7 @@ class _Reader:
                 value = function.__globals__[name]
                 self.word(name)
                 self.feed(value)
-                if isinstance(value, ModuleType) and _top(value.__name__) != "alight":
+                if isinstance(value, ModuleType) and _top(value.__name__) not in self.hashed:
                     # ``constants.K``: kernel text sees the attribute.
                     self.items({key: vars(value)[key] for key in names if key in vars(value)})
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from alight.core.simd import gather, gather_row
-from alight.core.view import View
+from lanewise.simd import gather, gather_row
+from lanewise.view import View
 
 TABLE = View(np.arange(5, dtype=np.float32))
 

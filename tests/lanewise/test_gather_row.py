@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, gather, gather_row, load_lanes, store_lanes
-from alight.core.view import View
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, gather, gather_row, load_lanes, store_lanes
+from lanewise.view import View
 
 
 def _root_of(n):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from alight.core.jit import instantiate, kernel
-from alight.core.machine import lanes_of_machine
-from alight.core.simd import (
+from lanewise.jit import instantiate, kernel
+from lanewise.machine import lanes_of_machine
+from lanewise.simd import (
     LANES,
     bits_mask,
     float_bits,
@@ -14,7 +14,7 @@ from alight.core.simd import (
     permuted,
     store_lanes,
 )
-from alight.core.view import View
+from lanewise.view import View
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""The LLVM instructions that the primitives of `alight.core.simd` compile to.
+"""The LLVM instructions that the primitives of `lanewise.simd` compile to.
 
 Each intrinsic below takes scalars or lanes; `PRIMITIVES` says which primitive it stands for.
 """
@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
-from alight.core import simd
-from alight.core.lane_types import (
+from lanewise import simd
+from lanewise.lane_types import (
     FLOATS,
     I1,
     I8,
@@ -38,6 +37,7 @@ from alight.core.lane_types import (
     suffix,
     widest,
 )
+from lanewise.numba_adapter import cgutils
 
 PRIMITIVES: dict = {}
 

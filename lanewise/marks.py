@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 #: Attributes that mark a function as kernel text, and as strict.
-KERNEL, STRICT = "__alight_kernel__", "__alight_strict__"
+KERNEL, STRICT = "__lanewise_kernel__", "__lanewise_strict__"
 
 
 def kernel(function: Callable | None = None, *, strict: bool = False) -> Callable:

@@ -22,9 +22,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from alight.core.machine import cache_folder
-from alight.core.vec3 import Vec3
-from alight.core.view import View
+from lanewise.machine import cache_folder
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 #: Arguments as C sees them, by their LLVM types; every pointer is "ptr".
 C_TYPES = {

@@ -2,7 +2,7 @@
 
 A kernel is one plain Python function with two lives. Called from Python it runs on NumPy arrays
 (lanes are 1-D arrays of one common length): the functions below are what it then calls. Compiled
-by Numba it runs on packets of `LANES` lanes: `alight.core.instructions` maps each function below to
+by Numba it runs on packets of `LANES` lanes: `lanewise.instructions` maps each function below to
 machine instructions. Both lives are compared by tests.
 
 The idea is that of ISPC (Pharr and Mark 2012, "ispc: A SPMD compiler for high-performance CPU
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 
 class LaneCount(int):

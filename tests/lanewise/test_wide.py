@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from alight.core import wide_instructions
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import float_bits, permuted
-from alight.core.view import View
-from alight.core.wide import compressed, load_wide, mask_of, store_wide
+from lanewise import wide_instructions
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import float_bits, permuted
+from lanewise.view import View
+from lanewise.wide import compressed, load_wide, mask_of, store_wide
 
 N = 400
 

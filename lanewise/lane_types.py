@@ -1,6 +1,6 @@
 """Numba types of the SPMD text, their operators, and `Vec3` and `View` as kernels see them.
 
-Only `alight.core.compiler` brings this module in. Types:
+Only `lanewise.compiler` brings this module in. Types:
 
 - ``f32xN``, ``u32xN``, ``maskN``: a packet's lanes as one LLVM vector;
 - ``Vec3[f32]``, ``Vec3[f32xN]``: three of them;
@@ -15,12 +15,10 @@ from __future__ import annotations
 import operator
 
 from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.core.imputils import lower_builtin, lower_constant
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba import from_dtype, types
 from numba.extending import (
     NativeValue,
+    lower_builtin,
     make_attribute_wrapper,
     models,
     register_model,
@@ -28,11 +26,17 @@ from numba.extending import (
     typeof_impl,
     unbox,
 )
-from numba.np.numpy_support import from_dtype
 
-from alight.core.machine import lanes_of_machine
-from alight.core.vec3 import Vec3
-from alight.core.view import View
+from lanewise.machine import lanes_of_machine
+from lanewise.numba_adapter import (
+    AbstractTemplate,
+    cgutils,
+    infer_global,
+    lower_constant,
+    make_struct,
+)
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 N = lanes_of_machine()
 
@@ -146,10 +150,7 @@ def scalar(context, builder, value, source, target):
 
 def make_vec3(context, builder, kind, parts):
     """A Vec3 of type `kind` from its three components."""
-    struct = cgutils.create_struct_proxy(kind)(context, builder)
-    for name, part in zip("xyz", parts, strict=True):
-        setattr(struct, name, part)
-    return struct._getvalue()
+    return make_struct(context, builder, kind, **dict(zip("xyz", parts, strict=True)))
 
 
 def is_number(kind) -> bool:
@@ -212,7 +213,7 @@ def _register_operator(op, instruction, classes, result=None):
                 return None
             if isinstance(target, Vec3Type) and result is not None:
                 return None
-            return signature(result(target) if result else target, *args)
+            return (result(target) if result else target)(*args)
 
     def lower(context, builder, sig, args):
         return emit(context, builder, sig.args, args, widest(sig.args), instruction)
@@ -320,16 +321,16 @@ def _construct_vec3(context, builder, sig, args):
 
 @unbox(Vec3Type)
 def _unbox_vec3(kind, value, c):
-    struct = cgutils.create_struct_proxy(kind)(c.context, c.builder)
+    parts = []
     for name in "xyz":
         part = c.pyapi.object_getattr_string(value, name)
         number = c.pyapi.number_float(part)
-        double = c.pyapi.float_as_double(number)
-        setattr(struct, name, c.builder.fptrunc(double, F32))
+        parts.append(c.builder.fptrunc(c.pyapi.float_as_double(number), F32))
         c.pyapi.decref(number)
         c.pyapi.decref(part)
     return NativeValue(
-        struct._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred())
+        make_vec3(c.context, c.builder, kind, parts),
+        is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()),
     )
 
 
@@ -359,8 +360,6 @@ def _typeof_view(value, c):
 
 @unbox(ViewType)
 def _unbox_view(kind, value, c):
-    struct = cgutils.create_struct_proxy(kind)(c.context, c.builder)
-
     def number(name):
         attribute = c.pyapi.object_getattr_string(value, name)
         result = c.unbox(types.int64, attribute).value
@@ -368,16 +367,15 @@ def _unbox_view(kind, value, c):
         return result
 
     pointer = c.context.get_value_type(types.CPointer(kind.dtype))
-    struct.data = c.builder.inttoptr(number("address"), pointer)
-    struct.size = number("size")
-    return NativeValue(struct._getvalue())
+    data = c.builder.inttoptr(number("address"), pointer)
+    return NativeValue(make_struct(c.context, c.builder, kind, data=data, size=number("size")))
 
 
 @infer_global(operator.getitem)
 class _ViewGetItem(AbstractTemplate):
     def generic(self, args, kws):
         if isinstance(args[0], ViewType) and isinstance(args[1], types.Integer):
-            return signature(args[0].dtype, args[0], types.int64)
+            return args[0].dtype(args[0], types.int64)
         return None
 
 
@@ -385,7 +383,7 @@ class _ViewGetItem(AbstractTemplate):
 class _ViewSetItem(AbstractTemplate):
     def generic(self, args, kws):
         if isinstance(args[0], ViewType) and isinstance(args[1], types.Integer):
-            return signature(types.none, args[0], types.int64, args[0].dtype)
+            return types.none(args[0], types.int64, args[0].dtype)
         return None
 
 

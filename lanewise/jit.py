@@ -11,15 +11,17 @@ that were compiled before (`machine_code`) do not need a compiler.
 
 from __future__ import annotations
 
+import threading
 import types
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable
 from functools import cache, lru_cache
 from typing import Any
 
-from alight.core.machine_code import MachineCode, ObjectCode
-from alight.core.marks import STRICT, Specialised, is_kernel, kernel, specialised
-from alight.core.source_digest import digest_of
+from lanewise.application import setting, variable
+from lanewise.machine_code import MachineCode, ObjectCode
+from lanewise.marks import STRICT, Specialised, is_kernel, kernel, specialised
+from lanewise.source_digest import digest_of
 
 __all__ = ["FAST_MATH", "Specialised", "instantiate", "is_kernel", "kernel", "specialised"]
 
@@ -51,11 +53,14 @@ def instantiate(
     if not compiled:
         return _PythonBuild(program, observe).get(root)
 
+    if uses_stock_pipeline():
+        return StockKernel(root, program)
+
     def compile_for(arguments: tuple) -> ObjectCode:
-        return load_compiler().object_code(_CompiledBuild(program).get(root), arguments)
+        return load_compiler().object_code(dispatcher_of(root, program), arguments)
 
     text = root.factory if isinstance(root, Specialised) else root
-    # The digest tells a kernel that is not of alight's own from an older one of the same name.
+    # The digest tells a kernel that is in no package from an older one of the same name.
     digest = digest_of({"root": text})
     identity = f"{text.__module__}.{text.__qualname__} {digest} {program!r}"
     return MachineCode(root.__name__, identity, compile_for)
@@ -129,8 +134,9 @@ class _PythonBuild(_Build):
 
 
 class _CompiledBuild(_Build):
-    def __init__(self, program: Hashable):
+    def __init__(self, program: Hashable, stock: bool = False) -> None:
         super().__init__(program)
+        self.stock = stock
         self.compiler = load_compiler()
 
     def get(self, node: Any, strict: bool = False) -> Any:
@@ -144,12 +150,17 @@ class _CompiledBuild(_Build):
     def make(self, node: Callable, strict: bool, root: bool = False) -> Any:
         strict = strict or getattr(node, STRICT)
         shared = not depends_on_program(node)
-        if shared and (node, strict, root) in _SHARED:
-            return _SHARED[node, strict, root]
-        copy = self.clone(node, strict)
-        result = self.compiler.jit(copy, fast_math=set() if strict else set(FAST_MATH), root=root)
+        key = (node, strict, root, self.stock)
+        if shared and key in _SHARED:
+            return _SHARED[key]
+        result = self.compiler.jit(
+            self.clone(node, strict),
+            fast_math=set() if strict else set(FAST_MATH),
+            root=root,
+            stock=self.stock,
+        )
         if shared:
-            _SHARED[node, strict, root] = result
+            _SHARED[key] = result
         return result
 
     def replacement(self, value: Any, strict: bool) -> Any:
@@ -194,9 +205,52 @@ def _names(code: types.CodeType) -> set[str]:
 # ---------------------------------------------------------------- the compiler
 
 
+def uses_stock_pipeline() -> bool:
+    """Whether ``LANEWISE_PIPELINE`` asks for Numba's own pipeline ("stock"; else "lean").
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
+    asked = setting("PIPELINE") or "lean"
+    if asked not in ("lean", "stock"):
+        raise ValueError(f"{variable('PIPELINE')} must be lean or stock, got {asked!r}")
+    return asked == "stock"
+
+
+def dispatcher_of(root: Callable, program: Hashable = None, *, stock: bool = False) -> Any:
+    """Numba's dispatcher of a root kernel, not compiled for any arguments yet."""
+    return _CompiledBuild(program, stock).get(root)
+
+
+class StockKernel:
+    """A root kernel that Numba compiles with all its passes, loads and calls in its own way.
+
+    Nothing is kept on disk. To find out whether a wrong result is due to `LeanCompiler`, to
+    `MachineCode` or to the text: only the text is common to both.
+    """
+
+    def __init__(self, root: Callable, program: Hashable) -> None:
+        self._root, self._program = root, program
+        self._lock = threading.Lock()
+        self._dispatcher: Any = None
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run; the first call for arguments of new types compiles."""
+        with self._lock:
+            if self._dispatcher is None:
+                self._dispatcher = dispatcher_of(self._root, self._program, stock=True)
+        self._dispatcher(*arguments)
+
+    def fixed(self) -> Callable[..., None]:
+        """The same: Numba looks at the types of every call."""
+        return self
+
+
 @lru_cache(maxsize=1)
 def load_compiler():
     """Import Numba and our compiler."""
-    from alight.core import compiler
+    from lanewise import compiler
 
     return compiler

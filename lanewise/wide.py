@@ -1,6 +1,6 @@
 """Vectors of a fixed width, for code that treats one ray or one primitive at a time.
 
-The lanes of `alight.core.simd` are as many rays as the processor takes at once. Inside an
+The lanes of `lanewise.simd` are as many rays as the processor takes at once. Inside an
 acceleration structure it is the other way round: one ray meets 16 boxes or triangles. Here the
 width belongs to the data, so it is an argument, a whole number known when the kernel is compiled.
 All operators and elementwise functions of `simd` work on these vectors too.

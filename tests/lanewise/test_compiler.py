@@ -7,9 +7,10 @@ import numpy as np
 from numba import types
 from numba.core import event
 
-from alight.core.jit import instantiate, kernel
-from alight.core.view import View
-from alight.core.wide import lane, wide
+from lanewise.application import variable
+from lanewise.jit import instantiate, kernel
+from lanewise.view import View
+from lanewise.wide import lane, wide
 
 
 @kernel
@@ -46,7 +47,7 @@ class Compilations(event.Listener):
 
 
 def test_a_kernel_is_compiled_once_for_all_numbers_unless_it_must_know_them(tmp_path, monkeypatch):
-    monkeypatch.setenv("ALIGHT_CACHE", str(tmp_path))
+    monkeypatch.setenv(variable("CACHE"), str(tmp_path))
     call, table = instantiate(write_numbers), View(np.zeros(5, np.float32))
     with event.install_listener("numba:compile", Compilations()) as seen:
         call(table)
@@ -66,7 +67,7 @@ def add_again(table):
 
 
 def test_what_a_sum_is_is_found_out_once(tmp_path, monkeypatch):
-    monkeypatch.setenv("ALIGHT_CACHE", str(tmp_path))
+    monkeypatch.setenv(variable("CACHE"), str(tmp_path))
     asked, ask = [], types.Function.get_call_type
 
     def listen(function, context, arguments, keywords):

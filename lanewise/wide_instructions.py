@@ -1,18 +1,17 @@
-"""The LLVM instructions behind `alight.core.wide`.
+"""The LLVM instructions behind `lanewise.wide`.
 
-Only `alight.core.compiler` imports this module.
+Only `lanewise.compiler` imports this module.
 """
 
 from __future__ import annotations
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
-from alight.core import simd, wide
-from alight.core.instructions import PRIMITIVES
-from alight.core.lane_types import (
+from lanewise import simd, wide
+from lanewise.instructions import PRIMITIVES
+from lanewise.lane_types import (
     I1,
     I8,
     I32,
@@ -27,6 +26,7 @@ from alight.core.lane_types import (
     pointer_of,
     suffix,
 )
+from lanewise.numba_adapter import cgutils
 
 
 def _stands_for(primitive):

@@ -1,7 +1,12 @@
-"""How kernel text becomes machine code: Numba with float32 constants and our primitives.
+"""All that lanewise takes from Numba and llvmlite beyond what they document, in one place.
 
-Only `alight.core.jit.load_compiler` imports this module, at the first compilation.
+The rest of the package uses `numba.njit`, `numba.types`, `numba.extending`, `llvmlite.ir` and
+`llvmlite.binding`. The names below are Numba's own affair and may change with any minor version.
+Each says in one line what is assumed of it, and `lanewise.canary` tries them one by one.
 """
+
+# Numba declares infer_global and others as None until it is initialised.
+# pyright: reportOptionalCall=false
 
 from __future__ import annotations
 
@@ -9,39 +14,61 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numba import njit, types
-from numba.core import ir as numba_ir
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase
-from numba.core.compiler_lock import global_compiler_lock
-from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
-from numba.core.errors import TypingError
-from numba.core.typed_passes import (
-    NativeLowering,
-    NoPythonBackend,
-    NopythonTypeInference,
-    PreLowerStripPhis,
+from numba import njit, typeof, types
+from numba.core import cgutils  # struct proxies, `alloca_once`, `get_or_insert_function`
+from numba.core import ir as numba_ir  # Const, Global and FreeVar hold `value`, which may be set
+from numba.core.codegen import JITCodeLibrary  # optimises `_final_module`, then finalises it
+from numba.core.compiler import (
+    CompilerBase,  # runs the pass managers that `define_pipelines` returns
+    DefaultPassBuilder,  # `define_nopython_pipeline(state)` is what njit does
 )
-from numba.core.typing.typeof import typeof
+from numba.core.compiler_lock import global_compiler_lock  # is held while LLVM works
+from numba.core.compiler_machinery import (
+    FunctionPass,  # one step over a function: `run_pass(state)`
+    PassManager,  # steps in order: `add_pass`, `add_pass_after`, `finalize`
+    register_pass,  # no step runs without it
+)
+from numba.core.errors import TypingError  # what a call template raises where no type fits
+from numba.core.imputils import lower_constant  # how a global of our type becomes LLVM IR
+from numba.core.typed_passes import (
+    NativeLowering,  # lowers into `state.library` and leaves a result in ``state["cr"]``
+    NoPythonBackend,  # turns ``state["cr"]`` into what the dispatcher keeps
+    NopythonTypeInference,  # asks `state.typingctx` for the type of every call
+    PreLowerStripPhis,  # lowering knows no phi nodes
+)
+from numba.core.typing.templates import (
+    AbstractTemplate,  # `generic` gives the signature of an operator
+    infer_global,  # adds a template to an operator of Python
+)
 from numba.core.untyped_passes import (
-    DeadBranchPrune,
-    FixupArgs,
-    IRProcessing,
-    ReconstructSSA,
-    TranslateByteCode,
+    DeadBranchPrune,  # after `Float32Constants` and before SSA, as in Numba's own order
+    FixupArgs,  # needs nothing but byte code
+    IRProcessing,  # the first step after which constants can be found
+    ReconstructSSA,  # type inference wants it
+    TranslateByteCode,  # the first step
 )
 
-from alight.core import simd
-from alight.core.lane_types import N
-from alight.core.machine_code import ObjectCode
-from alight.core.wide_instructions import PRIMITIVES
+from lanewise.machine_code import ObjectCode
+
+__all__ = [
+    "AbstractTemplate", "cgutils", "infer_global", "jit", "lower_constant", "make_struct",
+    "object_code",
+]  # fmt: skip
+
+
+def make_struct(context: Any, builder: Any, kind: types.Type, **fields: Any) -> Any:
+    """A value of a type with a `StructModel`, from its fields; Numba keeps them by name."""
+    struct = cgutils.create_struct_proxy(kind)(context, builder)
+    for name, value in fields.items():
+        setattr(struct, name, value)
+    return struct._getvalue()
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class Float32Constants(FunctionPass):
     """Make Python floats in kernel text float32, so that no product becomes a double."""
 
-    _name = "alight_float32_constants"
+    _name = "lanewise_float32_constants"
 
     def __init__(self):
         super().__init__()
@@ -66,6 +93,7 @@ class OptimisedLibrary(JITCodeLibrary):
     """
 
     def _finalize_final_module(self):
+        # Numba's method of this name, without its last steps: the engine and its object cache.
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
         self._finalized = True
@@ -73,6 +101,7 @@ class OptimisedLibrary(JITCodeLibrary):
     def object_code(self) -> bytes:
         """Machine code for this processor."""
         self._ensure_finalized()
+        # `_tm` is llvmlite's TargetMachine for this processor, which knows `emit_object`.
         return self._codegen._tm.emit_object(self._final_module)
 
 
@@ -80,11 +109,11 @@ class OptimisedLibrary(JITCodeLibrary):
 class LowerToLibrary(NativeLowering):
     """Lowering to LLVM IR, without an entry point for Python."""
 
-    _name = "alight_lower_to_library"
+    _name = "lanewise_lower_to_library"
 
     def run_pass(self, state):
         """Lower one function."""
-        state.flags.no_compile = True
+        state.flags.no_compile = True  # to stop before the engine is asked for an address
         state.library = OptimisedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         super().run_pass(state)
         # The dispatcher insists on an entry point of its own, a built-in callable, to tell its
@@ -96,7 +125,7 @@ class LowerToLibrary(NativeLowering):
         return True
 
 
-class _Remembering:
+class RememberingContext:
     """Numba's typing context, which gives at once the answers that it has given before.
 
     To find out what ``a + b`` is, Numba asks everything that is known of +, ours last, and writes
@@ -114,33 +143,34 @@ class _Remembering:
         if keywords or not isinstance(function, types.Function):
             return self._context.resolve_function_type(function, arguments, keywords)
         question = function, tuple(arguments)
-        if question not in _ANSWERS:
+        if question not in ANSWERS:
             answer = self._context.resolve_function_type(function, arguments, keywords)
             if answer is None:
                 return None
-            _ANSWERS[question] = answer
-        return _ANSWERS[question]
+            ANSWERS[question] = answer
+        return ANSWERS[question]
 
 
-_ANSWERS: dict[tuple, Any] = {}
+#: Function and types of arguments -> the signature of the call.
+ANSWERS: dict[tuple, Any] = {}
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class KernelTypeInference(NopythonTypeInference):
     """Type inference that asks each question once."""
 
-    _name = "alight_type_inference"
+    _name = "lanewise_type_inference"
 
     def run_pass(self, state):
         """Infer the types of one function."""
-        context, state.typingctx = state.typingctx, _Remembering(state.typingctx)
+        context, state.typingctx = state.typingctx, RememberingContext(state.typingctx)
         try:
             return super().run_pass(state)
         finally:
             state.typingctx = context
 
 
-class KernelCompiler(CompilerBase):
+class LeanCompiler(CompilerBase):
     """Numba's nopython pipeline reduced to the passes that kernel text needs.
 
     Compile time is a user's time, and nearly all of it is Numba's own. Left out are passes for
@@ -150,7 +180,7 @@ class KernelCompiler(CompilerBase):
 
     def define_pipelines(self):
         """The passes in order."""
-        pipeline = PassManager("alight")
+        pipeline = PassManager("lanewise")
         for step in (
             TranslateByteCode,
             FixupArgs,
@@ -168,24 +198,37 @@ class KernelCompiler(CompilerBase):
         return [pipeline]
 
 
-def jit(function, *, fast_math, root):
-    """A Numba dispatcher; of root kernels `object_code` makes something that can be called."""
+class StockCompiler(CompilerBase):
+    """Numba's nopython pipeline as it is, but for the constants, which are part of the text."""
+
+    def define_pipelines(self):
+        """The passes in order."""
+        pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        pipeline.add_pass_after(Float32Constants, IRProcessing)
+        pipeline.finalize()
+        return [pipeline]
+
+
+def jit(function: Any, *, fast_math: set[str], root: bool, stock: bool = False) -> Any:
+    """A Numba dispatcher; of lean root kernels `object_code` makes something to be called."""
     dispatcher = njit(  # pyright: ignore[reportCallIssue]
         function,
         nogil=True,
         fastmath=fast_math,
         error_model="numpy",
-        pipeline_class=KernelCompiler,
-        no_cpython_wrapper=True,
+        pipeline_class=StockCompiler if stock else LeanCompiler,
+        # Only Numba's own calls from Python need these.
+        no_cpython_wrapper=not (root and stock),
         no_cfunc_wrapper=True,
         # A call would pass the state of 16 paths through memory: a fifth of the time.
         forceinline=not root,
     )
-    dispatcher.get_call_template = partial(_call_template, dispatcher)
+    if not stock:
+        dispatcher.get_call_template = partial(call_template, dispatcher)
     return dispatcher
 
 
-def _call_template(dispatcher: Any, arguments: Any, keywords: Any) -> tuple:
+def call_template(dispatcher: Any, arguments: Any, keywords: Any) -> tuple:
     """What a call of a kernel is, after Numba's method of this name: one kernel for all numbers.
 
     Numba would compile another one for each constant in a call. Inlined, they are the same machine
@@ -224,13 +267,3 @@ def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
         tuple("ptr" if t.endswith(("*", "ptr")) else t for t in plain),
         code,
     )
-
-
-def primitive(value):
-    """The compiled stand-in for a primitive or constant of `simd`; other values as they are."""
-    if isinstance(value, simd.LaneCount):
-        return N
-    try:
-        return PRIMITIVES.get(value, value)
-    except TypeError:  # not hashable, so not one of ours
-        return value
