@@ -67,7 +67,7 @@ def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
     if turn is None:
         return None
     if not keeps_angles(matrix):
-        p.report.approximated(p.directive, "is stretched by its transformation: it stays round")
+        p.report.warn(p.directive, "is stretched by its transformation: it stays round")
     light = {
         "type": "spot",
         "intensity": color,
@@ -162,7 +162,7 @@ def surroundings(
             image = read_image(path, found.values[0], p.report.approximate)
             if image.width == 2 * image.height and not p.has("illuminance"):
                 text = "is no square: it is taken for a map of latitude and longitude, as in pbrt 3"
-                p.report.approximated(found, text)
+                p.report.warn(found, text)
                 file = context.reach.name_of(path)
                 light = {"type": "environment", "file": file, "scale": color}
                 return [0.0] * 3, placed(light, matrix @ _MAP_OF_3)
