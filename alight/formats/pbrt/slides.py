@@ -17,6 +17,7 @@ import math
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
+from alight.formats.lamps import point
 from alight.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.octahedral import texel, to_square
@@ -74,7 +75,7 @@ def goniometric(context: Context, p: Parameters, matrix: np.ndarray) -> Data | N
     color = amount(context, p, "I")
     if not (p.has("filename") or p.has("mapname")):
         color = with_power(p, color, "power", 4.0 * math.pi)
-        return placed({"type": "point", "intensity": color}, matrix)
+        return placed(point(color), matrix)
     texels = _picture(context, p)
     if texels is None:
         return None

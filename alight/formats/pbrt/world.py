@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
+from alight.formats.lamps import point
 from alight.formats.pbrt import lights, materials, patterns, textures
 from alight.formats.pbrt.attributes import Attributes
 from alight.formats.pbrt.context import Context, Data
@@ -280,8 +281,8 @@ class World(Attributes):
         intensity = [c * (power / np.pi if power > 0.0 else area) / 4.0 for c in color]
         report.warn(directive, "shines without being seen: it becomes a point light")
         center = placed.matrix[:3, 3].tolist()
-        point: Data = {"light": {"type": "point", "intensity": intensity}}
-        self.add(self.nodes, "nodes", directive, {**point, "transform": {"translate": center}})
+        node = {"light": point(intensity), "transform": {"translate": center}}
+        self.add(self.nodes, "nodes", directive, node)
         return True
 
     def shine(
