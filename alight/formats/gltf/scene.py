@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from alight.core.errors import SceneError, nearest
+from alight.core.errors import SceneError
 from alight.formats.gltf.accessors import COMPRESSED
 from alight.formats.gltf.container import Document, open_document
 from alight.formats.gltf.keys import left_out, say_what_is_unknown
@@ -13,7 +13,7 @@ from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.nodes import Graph
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
-from alight.formats.report import Report
+from alight.formats.report import Report, did_you_mean
 from alight.formats.surroundings import SIZE, add_camera, add_light, say_if_empty, use_first_camera
 from alight.scene.build import FORMAT_VERSION
 
@@ -91,9 +91,7 @@ def _check_extensions(document: Document) -> None:
         if name in COMPRESSED:
             root.wrong("extensionsRequired", COMPRESSED[name])
         elif name not in COVERED:
-            near = nearest(name, COVERED)
-            hint = f'; did you mean "{near}"?' if near else ""
-            text = f'requires "{name}", which is not covered{hint}'
+            text = f'requires "{name}", which is not covered{did_you_mean(name, COVERED)}'
             root.wrong("extensionsRequired", f"{text}  (covered: {', '.join(sorted(COVERED))})")
     for name in used:
         if name not in COVERED and name not in required:
