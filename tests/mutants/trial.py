@@ -118,6 +118,8 @@ def serve(
 
     class Server:
         def pytest_runtestloop(self, session: Any) -> bool:
+            if session.testsfailed:
+                raise session.Failed("not all tests could be collected")
             # What compiles is imported once too.
             import lanewise.compiler  # noqa: F401
 
