@@ -13,12 +13,12 @@ from collections import namedtuple
 from collections.abc import Callable
 
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 from alight.shapes import cylinder, disk, plane, rectangle, sphere
 from alight.shapes.hit import Hit
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import intersect_pair, rotated, shear_of
+from lanewise.jit import kernel
+from lanewise.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 
 #: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes,
 #: cylinders: u32, shape and row in the data, of those in lists; triangles: float32, corners of

@@ -8,7 +8,6 @@ import numpy as np
 
 from alight.compiled.shapes import CompiledShapes
 from alight.core.registry import Models, Numbers
-from alight.core.view import View
 from alight.media.coefficients import Coefficients, extinction, scattering_albedo, shines
 from alight.media.tables import (
     ALBEDO,
@@ -28,6 +27,7 @@ from alight.media.tables import (
     MediaTables,
 )
 from alight.scene.flatten import FlatScene
+from lanewise.view import View
 
 
 @dataclass

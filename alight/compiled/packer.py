@@ -10,8 +10,8 @@ import numpy as np
 
 from alight.core.spec import Texture, Triple
 from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
 from alight.textures.constant import Constant
+from lanewise.vec3 import Vec3
 
 if TYPE_CHECKING:
     from alight.compiled.textures import TextureTable

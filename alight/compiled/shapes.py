@@ -13,7 +13,6 @@ from alight.accel.primitives import Moving
 from alight.compiled.motion import MotionTable
 from alight.compiled.uv_sets import uv_shifts
 from alight.core.errors import Issue, SceneError
-from alight.core.view import View
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry
 from alight.scene.motion import Motion
@@ -23,15 +22,16 @@ from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeT
 from alight.shapes.mesh import Mesh
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.surfaces import KINDS, SURFACES
+from lanewise.view import View
 
-#: Copies of a shared mesh with at most so many triangles in all are stored one by one: a second
+#: Copies of a shared mesh with at most this many triangles in all are stored one by one: a second
 #: level of the hierarchy would cost more than the memory.
 FEW_TRIANGLES = 64
 
 #: Zeros after the last row, so that a lane that reads another kind of row stays inside the table.
 PADDING = 64
 
-#: Shapes that are told of in one message.
+#: Most shapes named in one message.
 MOST_TOLD = 10
 
 ANALYTIC = {

@@ -5,7 +5,7 @@ user has registered (`alight.core.registration`) follow after them. Families are
 the first use: integrators live above the scene in the order of imports (they run on the compiled
 scene), yet a scene file names them.
 
-Everything here looks anew each time, so that a model may be registered at any moment.
+Every lookup reads the registries afresh, so that a model can be registered at any time.
 """
 
 from __future__ import annotations

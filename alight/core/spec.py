@@ -104,7 +104,7 @@ class Numbers:
     interval : Interval
         Range of each.
     spread : bool, default False
-        Whether a single number stands for `count` equal ones.
+        Whether a single number means `count` equal ones.
     other : type or tuple of types, default ()
         Values of these types are passed on unchanged (texture names and descriptions).
     """
@@ -181,7 +181,7 @@ class Model:
     family : str
         Package of its models.
     named : bool, default False
-        Whether a name may stand for a description.
+        Whether a name may replace a description.
     """
 
     kind: str
@@ -294,7 +294,7 @@ def _is_dark(color: Triple | Texture | str) -> bool:
 
 
 class Light(Spec):
-    """Base class of lights; `placement` is where one may stand in a scene."""
+    """Base class of lights; `placement` is where a scene may place one."""
 
     family: ClassVar[str] = "lights"
     kind: ClassVar[str] = "light"
@@ -349,7 +349,7 @@ class Medium(Spec):
 class Camera(Spec):
     """Base class of cameras.
 
-    `medium` is what one stands in, if not what the scene is in; `shutter` are the times at which it
+    `medium` surrounds the camera, if not the scene's own; `shutter` are the times at which it
     opens and closes, in the unit of the keyframes of what moves.
     """
 

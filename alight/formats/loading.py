@@ -100,7 +100,7 @@ def load(
                 root=root,
             )
     if changes:
-        result = fitted(result, _changed(result, changes), framed)
+        result = fitted(result, changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
     kept_root = None if root is None or is_builtin else str(Path(root).absolute())
     recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root)
@@ -197,7 +197,20 @@ def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
         raise SceneError([issue])
 
 
-def _changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
+def changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
+    """Change keys of a scene, and check it again.
+
+    Parameters
+    ----------
+    scene : Scene
+    changes : sequence of str
+        ``path.to.key=value`` assignments, as for `load`.
+
+    Raises
+    ------
+    SceneError
+        With every problem.
+    """
     manager = SceneManager(scene)
     for assignment in changes:
         manager.set_value(_with_camera_path(manager.scene, assignment))

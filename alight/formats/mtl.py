@@ -124,7 +124,7 @@ def _statement(
         numbers = _numbers([w for w in words if w != "-halo"][:1], place, key, report)
         if key == "ni" and numbers == [0.0]:
             # So programs write that there is no index.
-            report.drop("Ni 0: it is no index of refraction")
+            report.drop("Ni 0: it is not an index of refraction")
         elif numbers and not low <= numbers[0] <= high:
             report.problem(place, key, f"must be in [{low:g}, {high:g}], got {numbers[0]:g}")
         elif numbers:

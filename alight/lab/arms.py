@@ -12,7 +12,6 @@ from typing import Any
 
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import SceneError, show_value, unknown_name
-from alight.core.machine import fingerprint
 from alight.core.noise_only import noise_only_fields
 from alight.core.spec import Sampler, Spec
 from alight.formats import builtin_names, load
@@ -30,6 +29,7 @@ from alight.lab.study import (
 from alight.rendering.tile import Kernels
 from alight.samplers.sobol import Sobol
 from alight.scene import Scene, content_hash, flatten
+from lanewise.machine import fingerprint
 
 #: Longest side of pictures under ``--quick``.
 QUICK_SIZE = 128

@@ -259,5 +259,5 @@ def parse_share(value: Any) -> float:
     except ValueError:
         share = -1.0
     if not 0.0 < share < 1.0:
-        raise ValueError(f"must be a share in (0, 1) as 0.5% or 0.005, got {show_value(value)}")
+        raise ValueError(f"must be a share in (0, 1), as 0.5% or 0.005, got {show_value(value)}")
     return share

@@ -9,12 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.jit import instantiate, kernel
 from alight.core.registry import Models
-from alight.core.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes
 from alight.core.spec import Light
 from alight.core.vec import Vec3, luminance
-from alight.core.view import View
 from alight.laws.materials import stacked
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import SphereCells, length_error, unit_vectors
@@ -22,8 +19,11 @@ from alight.lights.sampling import sample_light
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import rotate, translate
 from alight.shapes.sphere import Sphere
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes
+from lanewise.view import View
 
-#: Where the light stands, and how it is turned.
+#: Position and orientation of the light.
 PLACE = (0.3, -0.2, 0.5)
 N = 4096
 CELLS = SphereCells(side=16)

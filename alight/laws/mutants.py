@@ -56,7 +56,7 @@ MUTANTS = {
         "with lights that light sampling finds",
     ),
     "pdf-per-area": Mutant(
-        "where a ray comes upon a lamp, its density is taken per area for per solid angle",
+        "where a ray hits a lamp, its density is taken per area for per solid angle",
         (
             (
                 "lights/sampling.py",
@@ -154,7 +154,7 @@ def find_mutant(name: str) -> Mutant:
     if name in MUTANTS:
         return MUTANTS[name]
     problem = unknown_name("bug", name, MUTANTS) if name else "name one of these bugs"
-    raise OptionError("--mutant: " + problem + "\n" + "\n".join(mutant_lines()))
+    raise OptionError(problem + "\n" + "\n".join(mutant_lines()), "--mutant")
 
 
 def mutant_lines() -> list[str]:

@@ -15,8 +15,6 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import PI
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 from alight.core.spec import Light, RadianceTexture, Texture, Triple
 from alight.lights.emission import sampled_color
 from alight.lights.tables import INFO, LightSample
@@ -25,6 +23,8 @@ from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import ShapeSample
 from alight.shapes.surfaces import KINDS
 from alight.textures.constant import Constant
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 
 
 class Area(Light):

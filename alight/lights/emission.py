@@ -5,8 +5,6 @@ Only programs with `TEXTURED` in their lights look at textures.
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
 from alight.core.vec import gather_vec3
 from alight.core.warps import square_to_triangle
 from alight.lights.tables import INFO, STRIDE, TEXTURED
@@ -16,6 +14,8 @@ from alight.shapes.hit import Hit
 from alight.shapes.mesh import choose_triangle
 from alight.shapes.surfaces import KINDS, surface_from_rest
 from alight.textures.fetch import texture_value
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
 
 
 @specialised

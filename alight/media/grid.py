@@ -22,23 +22,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.jit import kernel
 from alight.core.maths import log
-from alight.core.simd import (
-    any_lane,
-    floor,
-    gather,
-    lanes,
-    lanes_mask,
-    lanes_u32,
-    lanes_vec3,
-    maximum,
-    minimum,
-    minimum_u32,
-    to_float,
-    to_uint,
-    where,
-)
 from alight.core.spec import Interval, Numbers, Vector3, invalid
 from alight.core.vec import Vec3, gather_vec3
 from alight.media.coefficients import Coefficients, extinction
@@ -63,6 +47,22 @@ from alight.media.tables import (
 )
 from alight.media.volumes import Values
 from alight.phases.henyey_greenstein import HenyeyGreenstein
+from lanewise.jit import kernel
+from lanewise.simd import (
+    any_lane,
+    floor,
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    minimum_u32,
+    to_float,
+    to_uint,
+    where,
+)
 
 #: Mean free paths across a grid at most: a ray takes a step at each, through empty cells too.
 MOST_STEPS = 1e4
@@ -87,7 +87,7 @@ class Grid(Coefficients):
     low, high : Vector3, m, defaults (0, 0, 0) and (1, 1, 1)
         Corners of the box in the world.
     matrix : (12,) float, optional
-        Three rows of four, in the place of both: from the unit cube to the world.
+        Three rows of four, instead of both: from the unit cube to the world.
     """
 
     type: Literal["grid"] = "grid"
@@ -210,7 +210,7 @@ def _place(x, count):
 
 @kernel
 def _corners(scene, medium, word, p):
-    """Where the eight neighbours of a point stand in a grid: rows of x, and the fractions."""
+    """Where the eight neighbours of a point are in a grid: rows of x, and the fractions."""
     info, k = scene.media.info, medium * INFO + word
     nx, ny = gather(info, k + 1), gather(info, k + 2)
     x0, x1, fx = _place(p.x, nx)

@@ -2,7 +2,7 @@ r"""Loop's subdivision of triangle meshes, up to the limit surface.
 
 Each level cuts every triangle into four. A vertex with n neighbours moves to
 :math:`(1 - n \beta)\, v + \beta \sum v_j` with :math:`\beta = 3/16` for n = 3, else 3 / 8n; a new
-one on an edge stands at 3/8 of its ends and 1/8 of the corners opposite. On a border the weights
+one on an edge lies at 3/8 of its ends and 1/8 of the corners opposite. On a border the weights
 are 3/4, 1/8, 1/8 and 1/2, 1/2. At last all vertices move to where infinitely many levels would
 bring them, :math:`\gamma = 1 / (n + 3 / 8 \beta)` or on a border 2/3, 1/6, 1/6 as on any cubic
 B-spline, and get the normal of the limit surface.

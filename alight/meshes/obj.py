@@ -190,7 +190,7 @@ def decoded(data: bytes) -> str:
 
 
 def _whole_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Numbers and contents of lines; those that end in a backslash go on in the next one."""
+    """Numbers and contents of lines; those that end in a backslash continue on the next one."""
     if b"\\" not in data:
         yield from enumerate(data.splitlines(), 1)
         return
@@ -216,21 +216,23 @@ def _parse_row(words: list[bytes], number: int) -> list[float]:
         return [float(word) for word in words[1:8]]
     except ValueError:
         shown = quote(b" ".join(words).decode("latin-1"))
-        raise broken(f"line {number}: holds a word that is no number: {shown}") from None
+        raise broken(f"line {number}: holds a word that is not a number: {shown}") from None
 
 
 def _parse_corner(word: bytes, counts: tuple[int, int, int], number: int) -> tuple[int, int, int]:
     """Read ``v``, ``v/vt``, ``v//vn`` or ``v/vt/vn``; zero-based, -1 where there is none."""
     parts = word.split(b"/")
     if len(parts) > 3 or not parts[0]:
-        raise broken(f"line {number}: is no corner of a face: {quote(word.decode('latin-1'))}")
+        raise broken(f"line {number}: is not a corner of a face: {quote(word.decode('latin-1'))}")
     result = [-1, -1, -1]
     for i, part in enumerate(parts):
         if not part:
             continue
         digits = part[1:] if part[:1] in b"+-" else part
         if not digits.isdigit() or len(digits) > 10:
-            raise broken(f"line {number}: is no corner of a face: {quote(word.decode('latin-1'))}")
+            raise broken(
+                f"line {number}: is not a corner of a face: {quote(word.decode('latin-1'))}"
+            )
         index = int(part)
         # Positive indices count from 1, negative ones back from the last row so far.
         result[i] = index - 1 if index > 0 else counts[i] + index

@@ -110,7 +110,7 @@ def parse_header(data: bytes) -> tuple[str, list[Element], int]:
     """Read the header: byte order ("" for ascii), elements, position of the data."""
     end = data.find(b"end_header", 0, LONGEST_HEADER)
     if not data.startswith(b"ply") or end < 0:
-        raise broken("is no PLY file: it must start with ply and have an end_header")
+        raise broken("is not a PLY file: it must start with ply and have an end_header")
     start = data.find(b"\n", end) + 1 or len(data)
     order: str | None = None
     elements: list[Element] = []
@@ -277,7 +277,7 @@ def _numbers(words: list[bytes], element: Element) -> NDArray[np.float64]:
     except ValueError:
         bad = next(word for word in words if not _is_number(word))
         shown = quote(bad.decode("latin-1"))
-        raise broken(f"element {element.name} holds {shown}, which is no number") from None
+        raise broken(f"element {element.name} holds {shown}, which is not a number") from None
 
 
 def _typed(values: NDArray[np.float64], column: Property) -> NDArray[Any]:

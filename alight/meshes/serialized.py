@@ -73,7 +73,9 @@ def read(data: bytes, index: int = 0) -> SerializedMesh:
 
 def _check_header(magic: int, version: int) -> None:
     if magic != MAGIC:
-        raise broken(f"is no serialized mesh: it must start with 0x{MAGIC:04X}, got 0x{magic:04X}")
+        raise broken(
+            f"is not a serialized mesh: it must start with 0x{MAGIC:04X}, got 0x{magic:04X}"
+        )
     if version not in VERSIONS:
         raise broken(f"has version {version}; versions 3 and 4 are covered")
 

@@ -1,4 +1,4 @@
-"""STL meshes, binary and text: triangles without anything else.
+"""STL meshes, binary and text: bare triangles.
 
 Corners with equal coordinates become one vertex, so that the mesh is connected. Facet normals are
 ignored, as the corners give them, and so are the two spare bytes of a binary facet, in which a few

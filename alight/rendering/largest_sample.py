@@ -3,7 +3,7 @@ r"""The largest value that a sample of a scene can have, where that follows from
 Let Le be the largest radiance that any light emits, W the largest weight f cos / pdf of a sampled
 direction, and b_d the largest throughput after d scatterings: b_0 is the weight of the pixel
 filter, b_d = W b_{d-1}, and from the first roulette on b_d = max(1, W b_{d-1} / 0.95), because a
-path survives with the smaller of its throughput and 0.95. Light that the path comes upon at depth d
+path survives with the smaller of its throughput and 0.95. Light that the path hits at depth d
 has an MIS weight of 1 at most. Light that is sampled at the same place brings
 
 .. math:: b_{d-1} L_e \frac{f \cos}{p_l} w_l \le b_{d-1} L_e\, W\, h, \qquad

@@ -1,4 +1,4 @@
-"""The schedules that steer: until an error is reached, and to where samples are worth most."""
+"""Schedules that render until an error is reached, or where samples are worth most."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class Steered(Schedule):
         self.now, most = first_look(film.replicates), self._most(film)
         while (self._counts_at(film, min(self.now, most))[window] < held).any():
             if self.now >= most:
-                raise OptionError(f"--max-spp: {most} is less than the render holds already")
+                raise OptionError(f"{most} is less than the render holds already", "max_spp")
             self.now = next_look(self.now, film.replicates)
         self.now = min(self.now, most)
         return self
@@ -177,7 +177,7 @@ class Steered(Schedule):
 
 
 def towards(schedule: Schedule, promise: Promise, film: Film, spp: int | None) -> Steered:
-    """Make the schedule that goes on from a film until a promise is kept.
+    """Make the schedule that continues from a film until a promise is kept.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def towards(schedule: Schedule, promise: Promise, film: Film, spp: int | None) -
         return Steered(schedule.first, spp, promise).after(film)
     if not isinstance(schedule, Steered):
         name = schedule.name
-        raise OptionError(f"--error: a render by the schedule {name} cannot go on to an error")
+        raise OptionError(f"a render by the schedule {name} cannot continue to an error", "error")
     longer = Steered(schedule.first, spp, promise, schedule.adaptive)
     longer.shares = schedule.shares
     return longer.after(film)

@@ -1,4 +1,4 @@
-r"""Stopping at an error: what is promised, when one looks, and what can be said at the end.
+r"""Stopping at an error: the promise, the looks, and the final verdict.
 
 A look at a film asks for the error that the true one does not exceed. Looks may be as many as they
 like, because the error falls while one waits. Call :math:`\sigma` the deviation of the estimated
@@ -24,9 +24,9 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import OptionError
 from alight.films import CELL_SIZE, Film
 from alight.metrics.own_error import estimate_relmse
+from alight.options.render import PromiseOptions
 
 #: Samples per pixel at the first look, and their growth from look to look.
 FIRST_LOOK, GROWTH = 16, 1.25
@@ -75,14 +75,8 @@ class Promise:
     share: float = 0.95
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.error <= 10.0:
-            raise OptionError(f"error: must lie in (0, 1000 %], got {self.error:.6g}")
-        for name in ("confidence", "share"):
-            value = getattr(self, name)
-            if not 0.5 <= value < 1.0:
-                raise OptionError(f"{name}: must lie in [50 %, 100 %), got {value:.6g}")
-        if self.metric not in ("relrmse", "pixel"):
-            raise OptionError(f'metric: must be relrmse or pixel, got "{self.metric}"')
+        for name, one in PromiseOptions.options().items():
+            object.__setattr__(self, name, one.check(getattr(self, name)))
 
     @property
     def doubt(self) -> float:

@@ -87,7 +87,7 @@ class SceneManager:
         return self._put(parent, {**siblings, name: node})
 
     def replace(self, path: str, node: Node) -> Self:
-        """Put another node in the place of an existing one."""
+        """Replace an existing node."""
         self.get(path)
         parent, _, name = path.rpartition("/")
         siblings = self.get(parent).children if parent else self.scene.nodes
@@ -107,7 +107,7 @@ class SceneManager:
         Raises
         ------
         SceneError
-            If it does not exist, or would come to stand below itself.
+            If it does not exist, or would become its own descendant.
         """
         node = self.get(path)
         if to == path or to.startswith(path + "/"):

@@ -1,7 +1,7 @@
 """YAML text -> plain data with the place of every value, and back: the text of the native format.
 
 Only the plain part of YAML is read: mappings, lists and scalars. Anchors, aliases, tags and
-several documents are refused, because a file of a few lines can stand for billions of values with
+several documents are refused, because a file of a few lines can expand to billions of values with
 them. JSON files are YAML files. See docs/decisions/0003-scene-format.md.
 """
 
@@ -19,7 +19,7 @@ from alight.core.errors import Issue, SceneError, join_path, quote
 MOST_BYTES = 64 * 2**20
 MOST_DEPTH = 64
 MOST_VALUES = 4_000_000
-# Places are kept for so many items of a list; those of longer ones are reported at the list.
+# Places are kept for lists up to this length; longer ones are reported at the list.
 MOST_PLACED_ITEMS = 64
 
 # The accelerated scanner is part of PyYAML's wheels; the plain one reads the same language.
@@ -155,7 +155,7 @@ def parse(text: str, name: str) -> tuple[Any, dict[str, str], list[Issue]]:
     places : dict of str to str
         ``line:column`` of each key path's value, and with ``~`` appended of its key.
     issues : list of Issue
-        Problems after which reading could go on (keys given twice).
+        Problems after which reading could continue (keys given twice).
 
     Raises
     ------
@@ -167,7 +167,7 @@ def parse(text: str, name: str) -> tuple[Any, dict[str, str], list[Issue]]:
 
 
 def parse_value(text: str) -> Any:
-    """Read one value as it would stand behind a key, for ``--set path=value``.
+    """Read one value as it would follow a key, for ``--set path=value``.
 
     Raises
     ------
@@ -190,7 +190,7 @@ def resolve(text: str) -> float | int | bool | str | None:
         return _WORDS[text]
     if not _NUMBER.fullmatch(text):
         return text
-    # Python limits the digits of whole numbers; so many are no count of anything.
+    # Python limits the digits of whole numbers; no count has that many.
     if len(text) <= 18 and text.lstrip("+-").isdigit():
         return int(text)
     return float(text)
@@ -207,7 +207,7 @@ def _first_line(error: Exception) -> str:
 def write(data: Any) -> str:
     """Write plain data as YAML that `parse` reads back exactly.
 
-    Mappings are blocks, except small ones in lists; lists of numbers stand on one line.
+    Mappings are blocks, except small ones in lists; lists of numbers fit on one line.
     """
     lines: list[str] = []
     _write_block(data, 0, lines)
@@ -228,7 +228,7 @@ def _write_block(data: dict[str, Any], indent: int, lines: list[str]) -> None:
 
 
 def _fits(value: Any) -> bool:
-    """Whether a value is short and flat enough to stand on the line of its key."""
+    """Whether a value is short and flat enough for the line of its key."""
     if isinstance(value, dict):
         flat = not any(isinstance(item, dict) and item for item in value.values())
         return flat and len(_flow(value)) <= 80

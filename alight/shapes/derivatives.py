@@ -1,12 +1,10 @@
-"""How fast a point of a surface moves with its texture coordinates, for bump and normal maps."""
+"""Derivatives of a surface point by its texture coordinates, for bump and normal maps."""
 
 from __future__ import annotations
 
 from alight.core.constants import PI, TWO_PI
-from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
 from alight.core.motion import matrix_at, point_of_rest, turned
-from alight.core.simd import any_lane, gather, gather_row, lanes, sqrt, where
 from alight.core.uv_sets import UV_SETS, Chart, triangle_uvs
 from alight.core.vec import Vec3, gather_vec3
 from alight.shapes.cylinder import MATRIX as CYLINDER_MATRIX
@@ -16,6 +14,8 @@ from alight.shapes.mesh import along_rows, corners_of, rows_if
 from alight.shapes.sphere import MATRIX as SPHERE_MATRIX
 from alight.shapes.sphere import times
 from alight.shapes.surfaces import KINDS
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, gather_row, lanes, sqrt, where
 
 
 @specialised

@@ -245,6 +245,8 @@ class Truth:
         self.mean = np.mean(films, axis=0)
         self.variance = np.var(films, axis=0, ddof=1) / len(films)
         self.scale = self.mean**2 + (0.1 * self.mean.mean()) ** 2
+        #: relMSE of the truth itself.
+        self.noise = float((self.variance / self.scale).mean())
 
     def relmse(self, picture: np.ndarray) -> float:
         """relMSE of a picture, the truth's own variance subtracted."""

@@ -1,4 +1,4 @@
-"""What the figures share: where they go, pictures beside each other, a mesh to look at."""
+"""What the figures share: where they go, pictures in a row, a mesh to look at."""
 
 from pathlib import Path
 

@@ -12,10 +12,10 @@ from alight.bsdfs.rough_dielectric import RoughDielectric
 from alight.bsdfs.switch import concentration, refracts
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
-from alight.core.vec3 import Vec3
 from alight.formats import loads
 from alight.textures.checkerboard import Checkerboard
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 from tests.sampling.materials import Scene, Shapes, Surface
 
 # A ball that shows the same light in every direction; all of it comes through.

@@ -136,8 +136,8 @@ def test_a_number_sign_is_a_part_of_names(tmp_path):
         ("f 1 2 9", "a face uses v number 9, the file holds 4"),
         ("f 1/1 2/7 3/3", "a face uses vt number 7, the file holds 4"),
         ("f 1//1 2//1 3//2", "a face uses vn number 2, the file holds 1"),
-        ("vt -1.#IND 0", "holds a word that is no number"),
-        ("f 1 2 x", 'is no corner of a face: "x"'),
+        ("vt -1.#IND 0", "holds a word that is not a number"),
+        ("f 1 2 x", 'is not a corner of a face: "x"'),
     ],
 )
 def test_mistakes_have_their_line(line, message):

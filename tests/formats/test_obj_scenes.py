@@ -282,7 +282,7 @@ def test_names_that_no_library_holds_are_grey(tmp_path):
     assert any('a.obj:14:1: unknown material "lost"' in text for text in found.warnings)
     assert len(found.data["bsdfs"]) == 2
     # So programs write that there is no index of refraction.
-    assert "Ni 0: it is no index of refraction" in found.notes
+    assert "Ni 0: it is not an index of refraction" in found.notes
 
 
 def test_texts_of_16_bits_and_points_alone():

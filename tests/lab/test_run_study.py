@@ -220,7 +220,7 @@ def test_the_command_lists_and_refuses(tmp_path):
         app, ["reference", "cornell-box", "-o", str(tmp_path / "x.exr"), "--error", "5"]
     )
     assert bad.exit_code == 2
-    assert "share in (0, 1)" in bad.output
+    assert "--error: must lie in (0, 100 %), got 5" in bad.output
 
 
 def test_a_study_needs_no_less_than_it_says():

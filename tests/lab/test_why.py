@@ -276,10 +276,10 @@ def test_numbers_and_maps_from_the_command_line(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--spp", "16"), "spp: must be at least 32, got 16"),
-        (("--size", "4"), "size: must be in [8, 1024] pixels, got 4"),
-        (("--integrator", "ambient_occlusion"), "does not say where its light comes from"),
-        (("-o", "maps.exr"), "-o: the maps are a .png file, got maps.exr"),
+        (("--spp", "16"), "--spp: must be a whole number in [32, 2147483647], got 16"),
+        (("--size", "4"), "--size: must be a whole number in [8, 1024], got 4"),
+        (("--integrator", "ambient_occlusion"), "does not record where its light comes from"),
+        (("-o", "maps.exr"), "--output: the maps are a .png file, got maps.exr"),
     ],
 )
 def test_wrong_options(words, message, tmp_path, monkeypatch):

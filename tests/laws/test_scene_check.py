@@ -113,7 +113,7 @@ def test_bugs_are_listed_where_none_or_a_wrong_one_is_named():
     ("words", "message"),
     [
         (("--level", "1"), "--level: must be a number between 0 and 1, got 1"),
-        (("--only", "material"), 'only: unknown part "material"; did you mean "materials"?'),
+        (("--only", "material"), '--only: unknown part "material"; did you mean "materials"?'),
     ],
 )
 def test_wrong_options(words, message):

@@ -5,7 +5,6 @@ import pytest
 
 import alight
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
 from alight.formats import loads
 from alight.lights.constant import Constant
 from alight.lights.environment import Environment
@@ -15,6 +14,7 @@ from alight.lights.sun import Sun
 from alight.lights.sunsky import SunSky
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate
+from lanewise.jit import instantiate
 from tests.lights.test_environment import expected, sky
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square
 from tests.shapes.tracing import World, directions, rows, vec

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from alight.cli.info import facts
 from alight.core.errors import SceneError
 from alight.formats import dumps, loads
+from alight.lab.info import facts
 from alight.scene import content_hash, flatten, keyframes, rotate, scale, translate
 from alight.scene.keyframes import Keyframes, rotation, take_apart
 from alight.scene.transform import matrix

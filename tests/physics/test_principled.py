@@ -9,11 +9,11 @@ from alight.bsdfs.eon import Eon
 from alight.bsdfs.principled import Principled
 from alight.bsdfs.visible_facets import bounce, see_facets
 from alight.core.microfacet import Facets
-from alight.core.vec3 import Vec3
 from alight.laws.compiled import N as LANES_OF_LAW
 from alight.laws.compiled import scatter
 from alight.laws.materials import Material, direction, random_numbers, refracts
 from alight.textures.checkerboard import Checkerboard
+from lanewise.vec3 import Vec3
 
 N = 30_000
 WHITE = {"base_color": 1.0}

@@ -16,9 +16,6 @@ from alight.bsdfs.switch import STRIDE, stride_of
 from alight.bsdfs.two_sided import TwoSided
 from alight.compiled.materials import Packer, compile_materials
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
-from alight.core.vec3 import Vec3
-from alight.core.view import View
 from alight.laws.compiled import N, scatter
 from alight.shapes.hit import COLORS, INFO
 from alight.textures import vertex_color
@@ -26,6 +23,9 @@ from alight.textures.checkerboard import Checkerboard
 from alight.textures.constant import Constant
 from alight.textures.fetch import color
 from alight.textures.vertex_color import VertexColor
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 from tests.sampling.materials import (
     EXAMPLES,
     Material,

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from alight.core.vec3 import Vec3
 from alight.core.warps import (
     cosine_hemisphere_pdf,
     direction_around_z,
@@ -19,6 +18,7 @@ from alight.core.warps import (
     uniform_hemisphere_pdf,
     uniform_sphere_pdf,
 )
+from lanewise.vec3 import Vec3
 from tests.sampling.materials import random_numbers
 from tests.sampling.statistics import SIGNIFICANCE, SphereCells, chi_square, length_error
 

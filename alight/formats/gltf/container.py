@@ -110,7 +110,7 @@ def _decoded(item: Item, uri: str, head: re.Match[str]) -> bytes:
     try:
         return base64.b64decode(uri[head.end() :], validate=True)
     except (binascii.Error, ValueError) as error:
-        raise item.fatal("uri", f"is no base64: {error}") from None
+        raise item.fatal("uri", f"is not base64: {error}") from None
 
 
 def read_file(item: Item, path: Path) -> bytes:
@@ -146,14 +146,14 @@ def open_document(data: bytes, name: str, reach: Reach, report: Report) -> Docum
     Raises
     ------
     SceneError
-        If it is no glTF file.
+        If it is not a glTF file.
     """
     text, chunk = _chunks(data, name) if data[:4] == _MAGIC else (data, None)
     root = Item(_parse(text, name), "", name, report)
     document = Document(root, chunk, reach)
     asset = root.object("asset")
     if asset is None:
-        raise root.fatal("", "is no glTF file: the key asset is missing")
+        raise root.fatal("", "is not a glTF file: the key asset is missing")
     found = asset.value.get("version", "2.0")
     # Early files have a number.
     version = f"{found:g}" if isinstance(found, int | float) else asset.text("version", "2.0")
@@ -208,7 +208,7 @@ def _parse(text: bytes, name: str) -> dict[str, Any]:
 
 
 def _refuse(word: str) -> float:
-    raise ValueError(f"{word} is no number")
+    raise ValueError(f"{word} is not a number")
 
 
 def _broken(name: str, message: str) -> SceneError:

@@ -98,7 +98,7 @@ class _Writer(Store):
         else:
             made = tessellated(shape.shape)
             if made is None:
-                self.lose(f"{shape.name}: a {kind} is no mesh")
+                self.lose(f"{shape.name}: a {kind} is not a mesh")
                 return
             found, placed = made
             to_world = to_world @ placed

@@ -83,7 +83,7 @@ def _by_date(light: Draft, place: dict, time: dict) -> tuple[float, float, float
     try:
         day = datetime(int(time["year"]), int(time["month"]), int(time["day"]), tzinfo=UTC)
     except ValueError as error:
-        light.context.report.error(light.element, f"is no date: {error}")
+        light.context.report.error(light.element, f"is not a date: {error}")
         return 0.0, 1.0, 0.0
     if not abs(place["latitude"]) <= 90.0 or not abs(place["longitude"]) <= 180.0:
         text = "latitude must be in [-90, 90] and longitude in [-180, 180]"

@@ -156,7 +156,7 @@ def _coating(draft: Draft) -> None:
         roughness(draft, anisotropic=False)
         alpha, facets = draft.data.get("alpha", 0.1), draft.data["distribution"]
         if not isinstance(alpha, float):
-            report.warn(p.named["alpha"], f"is no number: {_USUAL_ALPHA:g} is taken")
+            report.warn(p.named["alpha"], f"is not a number: {_USUAL_ALPHA:g} is taken")
             alpha = _USUAL_ALPHA
     draft.color("sigma_a", role="index")
     absorbed = draft.data.get("sigma_a", [0.0] * 3)

@@ -156,7 +156,9 @@ def surroundings(
         else:
             image = read_image(path, found.values[0], p.report.approximate)
             if image.width == 2 * image.height and not p.has("illuminance"):
-                text = "is no square: it is taken for a map of latitude and longitude, as in pbrt 3"
+                text = (
+                    "is not square: it is taken for a map of latitude and longitude, as in pbrt 3"
+                )
                 p.report.warn(found, text)
                 file = context.reach.name_of(path)
                 light = {"type": "environment", "file": file, "scale": color}

@@ -185,7 +185,9 @@ def open_stage(name: str, reach: Reach, report: Report) -> Stage:
         stage = Usd.Stage.Open(path)
         del layers
     except Tf.ErrorException as error:
-        raise SceneError([Issue("", f"is no OpenUSD stage: {first_line(error)}", name)]) from None
+        raise SceneError(
+            [Issue("", f"is not an OpenUSD stage: {first_line(error)}", name)]
+        ) from None
     finally:
         warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
     errors = stage.GetCompositionErrors()

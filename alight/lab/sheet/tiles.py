@@ -106,7 +106,7 @@ def render_tile(
     try:
         loaded = load(scene, lenient=lenient, root=root)
         width, height = fitted(loaded.film.size, size)
-        # Loaded anew, so that an automatic camera is placed for this picture.
+        # Loaded again, so that an automatic camera is placed for this picture.
         changes = ["film.crop=null", f"film.size=[{width}, {height}]"]
         loaded = load(scene, changes, lenient=lenient, root=root)
         film = render(loaded, spp=spp, time_limit=time_limit, threads=threads)

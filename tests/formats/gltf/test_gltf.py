@@ -202,7 +202,7 @@ def test_written_layers_and_colors_come_back(tmp_path):
 
 def test_what_gltf_cannot_hold_is_listed(tmp_path):
     lost = write(flatten(load("infinite-plane")), tmp_path / "a.glb")
-    assert any("a plane is no mesh" in line for line in lost)
+    assert any("a plane is not a mesh" in line for line in lost)
     lost = write(flatten(load("material-ball")), tmp_path / "b.glb")
     assert any("environment" in line for line in lost)
     assert any("media" in line for line in write(flatten(load("fog")), tmp_path / "c.glb"))

@@ -59,7 +59,7 @@ def test_containers_that_are_none():
         whole[:4] + struct.pack("<I", 1) + whole[8:]: "version 2, got 1",
         b"[1]": "must be a JSON object",
         b"{": "is not JSON",
-        b'{"asset": NaN}': "NaN is no number",
+        b'{"asset": NaN}': "NaN is not a number",
         b"[" * 100_000: "nested too deeply",
         b"\xff\xfe": "must be UTF-8",
         json.dumps({"asset": {"version": "2.0"}, "nodes": 3}).encode(): "must be a list",

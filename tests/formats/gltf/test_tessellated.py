@@ -97,7 +97,7 @@ def test_spheres_share_a_mesh_and_keep_their_light(tmp_path):
 """
     )
     lost = write(flatten(loads(text)), tmp_path / "a.glb")
-    assert "d: a plane is no mesh" in lost
+    assert "d: a plane is not a mesh" in lost
     assert (tmp_path / "a.glb").stat().st_size < 600_000
     again = flatten(load(tmp_path / "a.glb"))
     np.testing.assert_allclose(again.shapes[0].light.radiance, (4.0, 2.0, 1.0))

@@ -49,7 +49,7 @@ def test_what_is_left_out_is_said():
     [issue] = issues(body)
     assert "below the horizon" in issue.message
     [issue] = issues('<emitter type="sunsky"><integer name="month" value="13"/></emitter>')
-    assert "is no date" in issue.message
+    assert "is not a date" in issue.message
     [issue] = issues('<emitter type="sunsky"><float name="latitude" value="140"/></emitter>')
     assert "latitude must be in [-90, 90]" in issue.message and "got 140" in issue.message
 

@@ -261,7 +261,7 @@ def test_coats_say_what_becomes_of_their_facets():
         scene = read(f'<shape type="sphere"><bsdf {coat}>{body}</bsdf></shape>', "0.5.0")
         return "\n".join(scene.warnings)
 
-    assert "is no number: 0.1 is taken" in said(f'{varied}<bsdf type="diffuse"/>')
+    assert "is not a number: 0.1 is taken" in said(f'{varied}<bsdf type="diffuse"/>')
     metal = '<bsdf type="{}conductor"><string name="material" value="Au"/>{}</bsdf>'
     assert "has facets of GGX" in said(rough + metal.format("", ""))
     assert "has facets of GGX" in said(metal.format("rough", ""))

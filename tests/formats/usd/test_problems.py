@@ -77,7 +77,7 @@ MISTAKES = {
         'def Camera "c" { float verticalAperture = nan }',
         "/c verticalAperture must be finite, got nan",
     ),
-    "syntax": ("def Mesh {", "is no OpenUSD stage"),
+    "syntax": ("def Mesh {", "is not an OpenUSD stage"),
     "reference": ('def "m" (references = @gone.usda@) { }', "does not fit together"),
     "reach": ('def "m" (references = @../out.usda@) { }', "layer leads out of the folder"),
     "picture": (PICTURE, '/m/picture no such picture: "p.png"'),
@@ -144,7 +144,7 @@ def test_mistakes_are_refused_with_their_prim(tmp_path, text, message):
 @pytest.mark.parametrize("data", [b"", b"garbage", b"PXR-USDC" + bytes(4)])
 def test_files_that_are_no_stage_are_refused(suffix, data, tmp_path):
     (tmp_path / f"a{suffix}").write_bytes(data)
-    with pytest.raises(SceneError, match="is no OpenUSD stage: "):
+    with pytest.raises(SceneError, match="is not an OpenUSD stage: "):
         alight.load(tmp_path / f"a{suffix}")
 
 
@@ -152,7 +152,7 @@ def test_files_that_are_no_stage_are_refused(suffix, data, tmp_path):
 def test_bytes_that_are_no_text_are_refused(inside, tmp_path):
     """OpenUSD quotes them in its message, which then is no text either."""
     (tmp_path / "a.usda").write_bytes(stage_text("HERE").encode().replace(b"HERE", inside))
-    with pytest.raises(SceneError, match="is no OpenUSD stage: "):
+    with pytest.raises(SceneError, match="is not an OpenUSD stage: "):
         alight.load(tmp_path / "a.usda")
 
 
@@ -163,7 +163,7 @@ def test_names_in_binary_files_must_be_text(tmp_path):
     data = (tmp_path / "b.usdc").read_bytes()
     assert data.count(b"abcdefghijkl") == 1
     (tmp_path / "c.usdc").write_bytes(data.replace(b"abcdefghijkl", b"\xffbcdefghijkl"))
-    with pytest.raises(SceneError, match=r"text must be in UTF-8|is no OpenUSD stage"):
+    with pytest.raises(SceneError, match=r"text must be in UTF-8|is not an OpenUSD stage"):
         alight.load(tmp_path / "c.usdc")
 
 
