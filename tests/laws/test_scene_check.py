@@ -10,13 +10,13 @@ from typer.testing import CliRunner
 
 import alight
 from alight.cli.main import app
+from alight.formats import loads
 from alight.laws.mutants import MUTANTS, plant, run_with
 from alight.laws.scene import Finding, Verdict, check_scene
 from alight.laws.scene.dump import write_failures
 from alight.laws.scene.findings import adjusted_by_holm
 from alight.laws.scene.lights import Cone, _difference
 from alight.laws.scene.pictures import SEEDS, SPP, Side, compared
-from alight.scene import loads
 
 PACKAGE = Path(alight.__file__).parent
 SCENE = Path(__file__).parent / "glass_and_lamps.yaml"
