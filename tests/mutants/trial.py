@@ -20,17 +20,17 @@ from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
-#: Added to `alight.core.jit` in the copy.
+#: Added to `lanewise.jit` in the copy.
 BY_TEXT = '''
 
 def _by_text(root, program=None, *, compiled=True, observe=None, plain=instantiate):
     """Machine code is named by the text that it is made of."""
     made = plain(root, program, compiled=compiled, observe=observe)
-    if compiled:
-        from alight.core.source_digest import _Reader
+    if compiled and hasattr(made, "identity"):
+        from lanewise.source_digest import _Reader
 
         text = _PythonBuild(program, lambda node, made: made).get(root)
-        reader = _Reader({"alight", text.__module__.split(".")[0]})
+        reader = _Reader({"alight", "lanewise", text.__module__.split(".")[0]}, set())
         reader.feed({"root": text})
         made.identity += reader.hash.hexdigest()
     return made
@@ -39,7 +39,7 @@ def _by_text(root, program=None, *, compiled=True, observe=None, plain=instantia
 instantiate = _by_text
 '''
 
-#: Added to `alight.core.machine_code`.
+#: Added to `lanewise.machine_code`.
 ONE_FOLDER = '''
 
 def cache_folder():
@@ -55,6 +55,10 @@ import alight
 
 assert Path(alight.__file__).is_relative_to(Path(__file__).parent)
 """
+
+
+#: What is imported from the copy.
+PACKAGES = ("alight", "lanewise", "tests")
 
 
 class Result(NamedTuple):
@@ -84,14 +88,14 @@ def copy_project(root: Path, folder: Path) -> Path:
     """A copy of the package, its tests and what they read, for `serve`."""
     shutil.rmtree(folder, ignore_errors=True)
     ignored = shutil.ignore_patterns("__pycache__", "mutants")
-    for name in ("alight", "tests", "docs", "benchmarks", "examples"):
+    for name in ("alight", "lanewise", "tests", "docs", "benchmarks", "examples"):
         if (root / name).is_dir():
             shutil.copytree(root / name, folder / name, ignore=ignored)
     for name in ("pyproject.toml", "README.md"):
         shutil.copy(root / name, folder)
     (folder / "conftest.py").write_text(CONFTEST)
     for file, text in (("jit", BY_TEXT), ("machine_code", ONE_FOLDER)):
-        path = folder / "alight" / "core" / f"{file}.py"
+        path = folder / "lanewise" / f"{file}.py"
         path.write_text(path.read_text("utf-8") + text, "utf-8")
     return folder
 
@@ -102,7 +106,7 @@ def serve(
     """Collect the tests of a copy and hand a `Trial` to `campaign`."""
     kernels.mkdir(parents=True, exist_ok=True)
     os.chdir(folder)
-    for name in [name for name in sys.modules if name.split(".")[0] in ("alight", "tests")]:
+    for name in [name for name in sys.modules if name.split(".")[0] in PACKAGES]:
         del sys.modules[name]
     sys.path[:] = [str(folder), *(p for p in sys.path if not (Path(p) / "alight").is_dir())]
     sys.dont_write_bytecode = True
@@ -114,8 +118,10 @@ def serve(
 
     class Server:
         def pytest_runtestloop(self, session: Any) -> bool:
+            if session.testsfailed:
+                raise session.Failed("not all tests could be collected")
             # What compiles is imported once too.
-            import alight.core.compiler  # noqa: F401
+            import lanewise.compiler  # noqa: F401
 
             gc.collect()
             gc.freeze()
