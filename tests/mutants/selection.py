@@ -15,8 +15,8 @@ FOLDERS = {
     "accel": "accel shapes motion scene images",
     "bsdfs": "unit sampling physics edges laws estimators extension rendering fuzz images",
     "cameras": "cameras unit motion rendering images",
-    "core": "unit lanewise core sampling shapes samplers lights textures media physics motion accel "
-    "images",
+    "core": "unit lanewise core sampling shapes samplers lights textures media physics motion "
+    "accel images",
     "films": "film metrics known_error rendering outputs",
     "filters": "filters cameras film images",
     "integrators": "estimators media rendering lights physics edges motion laws fuzz images",
