@@ -283,7 +283,7 @@ def test_looks_are_whole_rounds_that_grow_by_a_quarter(replicates):
 def test_with_an_empty_replicate_nothing_is_known(metric, counts):
     """No number, no verdict in favour, and no number of samples that would do."""
     counts = np.broadcast_to(counts, (8, 8, 4))
-    found = judge_means(np.ones((8, 8, 4, 3)), counts, Promise(10.0, metric=metric), 0, 1.0)
+    found = judge_means(np.ones((8, 8, 4, 3)), counts, Promise(10.0, metric=metric), 1.0)
     unknown = ("achieved", "share", "unseen", "bound", "value")
     assert all(math.isnan(getattr(found, name)) for name in unknown)
     assert (found.within, found.met, found.doubted) == (False, False, False)
