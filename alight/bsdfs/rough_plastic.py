@@ -16,7 +16,7 @@ Source: the plug-in ``roughplastic`` of Mitsuba 3 (https://mitsuba.readthedocs.i
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.coating import (
     ROWS,
@@ -62,6 +62,7 @@ class RoughPlastic(Coated):
         Roughness of the coat, in [0.0001, 1].
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["rough_plastic"] = "rough_plastic"
     distribution: Literal["ggx", "beckmann"] = "ggx"
     alpha: Roughness = 0.1

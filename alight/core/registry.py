@@ -13,12 +13,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 if TYPE_CHECKING:
     from types import ModuleType
 
     from alight.core.spec import Spec
+
+S = TypeVar("S", bound="Spec")
 
 FAMILIES = (
     "shapes",
@@ -59,6 +61,11 @@ def specs(family: str) -> dict[str, type[Spec]]:
     True
     """
     return _specs(modules(family))
+
+
+def specs_of(base: type[S]) -> dict[str, type[S]]:
+    """Map type names to description classes, for the family of a base class."""
+    return cast("dict[str, type[S]]", specs(base.family))
 
 
 @lru_cache(maxsize=64)

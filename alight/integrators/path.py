@@ -23,6 +23,7 @@ from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 from alight.core.vec import length, max_component
+from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.options import PathTracing
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
@@ -30,6 +31,7 @@ from alight.integrators.walk import (
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
+    MAX_SURVIVAL,
     ROULETTE,
     count_lanes,
     to_local,
@@ -58,9 +60,6 @@ from alight.shapes.surfaces import make_surface
 BY_LIGHT, MIS, BY_BSDF = 0, 1, 2
 STRATEGIES = {"emitter": BY_LIGHT, "mis": MIS, "bsdf": BY_BSDF}
 
-#: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
-MAX_SURVIVAL = 0.95
-
 #: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
 Listeners = namedtuple("Listeners", "meet find leave sample")
 NO_LISTENERS = Listeners(None, None, None, None)
@@ -77,6 +76,13 @@ class Path(PathTracing):
 
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
+
+    def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
+        """Bound of a sample where both ways to find light are combined."""
+        if self.light_sampling != "mis":
+            return None
+        share = 0.5 if self.heuristic == "power" else 1.0
+        return largest_of_paths(self, share, radiance, weight, start)
 
 
 EXAMPLES = (

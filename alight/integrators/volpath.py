@@ -37,7 +37,6 @@ from alight.integrators.options import PathTracing
 from alight.integrators.path import (
     BY_BSDF,
     BY_LIGHT,
-    MAX_SURVIVAL,
     MIS,
     NO_LISTENERS,
     STRATEGIES,
@@ -60,6 +59,7 @@ from alight.integrators.walk import (
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
+    MAX_SURVIVAL,
     ROULETTE,
     UNLIMITED,
     count_lanes,

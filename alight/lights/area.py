@@ -17,7 +17,7 @@ import numpy as np
 from alight.core.constants import PI
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
-from alight.core.spec import Light, RadianceTexture, Texture, Triple
+from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
 from alight.lights.emission import sampled_color
 from alight.lights.tables import INFO, LightSample
 from alight.shapes import cylinder, disk, mesh, rectangle, sphere
@@ -39,6 +39,10 @@ class Area(Light):
     placement: ClassVar[Literal["node", "shape", "environment"]] = "shape"
     type: Literal["area"] = "area"
     radiance: RadianceTexture = (1.0, 1.0, 1.0)
+
+    def largest_radiance(self) -> float | None:
+        """Bound of the radiance that it emits."""
+        return largest_channel(self.radiance)
 
 
 EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))

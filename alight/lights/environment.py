@@ -111,6 +111,12 @@ class Environment(Light):
         dark = self.pixels is not None and max(self.pixels.maximum()) == 0.0
         return dark or self.scale == (0.0, 0.0, 0.0)
 
+    def largest_radiance(self) -> float | None:
+        """Bound of the radiance that it emits."""
+        if self.pixels is None:
+            return None
+        return max(p * s for p, s in zip(self.pixels.maximum(), self.scale, strict=True))
+
 
 _SUNSET = ((0.2, 0.3, 0.4, 0.3), (0.5, (9.0, 6.0, 3.0), 0.5, 0.1), (0.1, 0.2, 0.1, 0.1))
 

@@ -7,9 +7,9 @@ import pytest
 
 from alight.compiled.scene import compile_scene
 from alight.core.constants import ONE_MINUS_EPSILON
+from alight.core.fields import LARGEST
 from alight.core.jit import instantiate
 from alight.core.registry import Models, modules, type_name_of
-from alight.core.spec import LARGEST
 from alight.core.vec3 import Vec3
 from alight.laws.lights import PLACE
 from alight.laws.materials import stacked

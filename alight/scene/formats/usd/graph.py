@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError
-from alight.core.spec import LARGEST
+from alight.core.fields import LARGEST
 from alight.scene.formats.glow import Glow
 from alight.scene.formats.names import free_name
 from alight.scene.formats.polygons import Triangles

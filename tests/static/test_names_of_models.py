@@ -1,0 +1,215 @@
+"""Nobody asks for a model by its name: what others must know of it stands in its own file.
+
+Outside its own file a model is named by its family's registry (``__init__.py``) and by the readers
+of scene formats. A model may be made of others of its family. `OFFENDERS` are still to go, and must
+leave the list when they do; `OTHER_MEANINGS` are words that happen to be the name of a model too.
+"""
+
+import ast
+from functools import cache
+from importlib import import_module
+
+import pytest
+
+from tests.static.sources import FAMILIES, PACKAGE, assigned_names, package_files, tree
+
+#: Folders of scenes, which name what they are made of, as files of scenes do.
+SCENES = ("scene/formats", "scene/builtin", "lab/random_scenes")
+
+#: Words of another meaning, by file.
+OTHER_MEANINGS: dict[str, set[str]] = {
+    "core/lane_types.py": {"add", "mask"},
+    "core/spec.py": {"environment"},
+    "integrators/queue.py": {"direct"},
+    "integrators/volume_walk.py": {"channel"},
+    "lab/arms.py": {"environment"},
+    "lab/steering.py": {"threshold"},
+    "lab/why/trials.py": {"environment"},
+    "lights/area.py": {"environment"},
+    "lights/constant.py": {"constant", "environment"},
+    "lights/daylight.py": {"environment"},
+    "lights/portal.py": {"environment"},
+    "lights/sampling.py": {"environment"},
+    "rendering/cycles.py": {"threshold"},
+    "rendering/options.py": {"direct"},
+    "rendering/tile.py": {"direct"},
+    "rendering/tile_kernel.py": {"direct"},
+    "scene/flatten.py": {"environment"},
+    "scene/moving.py": {"environment"},
+    "scene/validation.py": {"environment"},
+    "textures/bitmap.py": {"clamp", "mirror"},
+    "textures/constant.py": {"constant"},
+}
+
+#: Files that still name models, by family.
+OFFENDERS: dict[str, dict[str, set[str]]] = {
+    "shapes": {
+        "accel/accelerator.py": {"mesh"},
+        "accel/forest.py": {"mesh"},
+        "accel/layout.py": {"cylinder", "disk", "mesh", "rectangle", "sphere"},
+        "accel/lists.py": {"cylinder", "disk", "plane", "rectangle", "sphere"},
+        "accel/mixed.py": {"cylinder", "disk", "rectangle", "sphere"},
+        "accel/moving.py": {"mesh"},
+        "compiled/light_tree.py": {"cylinder", "mesh", "sphere"},
+        "compiled/lights.py": {"mesh"},
+        "compiled/shapes.py": {"cube", "cylinder", "disk", "mesh", "plane", "rectangle", "sphere"},
+        "lab/acceleration.py": {"mesh", "rectangle", "sphere"},
+        "laws/lights.py": {"sphere"},
+        "lights/area.py": {"cylinder", "disk", "mesh", "rectangle", "sphere"},
+        "lights/emission.py": {"disk", "mesh", "rectangle"},
+        "scene/build.py": {"rectangle"},
+        "scene/dump.py": {"mesh"},
+        "scene/files.py": {"mesh"},
+        "scene/flatten.py": {"mesh"},
+        "scene/meshes.py": {"mesh"},
+        "scene/validation.py": {"mesh"},
+        "shapes/derivatives.py": {"cylinder", "disk", "mesh", "plane", "rectangle", "sphere"},
+        "shapes/surfaces.py": {"cylinder", "disk", "mesh", "plane", "rectangle", "sphere"},
+    },
+    "bsdfs": {
+        "bsdfs/nesting.py": {"mask"},
+        "bsdfs/phong.py": {"diffuse"},
+        "bsdfs/switch.py": {"null", "two_sided"},
+        "core/registration.py": {"diffuse"},
+        "laws/others.py": {"diffuse"},
+        "rendering/trace.py": {"null"},
+        "scene/build.py": {"diffuse", "null"},
+        "scene/flatten.py": {"diffuse"},
+        "scene/validation.py": {"two_sided"},
+    },
+    "textures": {
+        "bsdfs/bump_map.py": {"checkerboard"},
+        "bsdfs/principled.py": {"constant"},
+        "bsdfs/rough_plastic.py": {"constant"},
+        "compiled/packer.py": {"constant"},
+        "compiled/program.py": {"constant"},
+        "compiled/textures.py": {"bitmap", "constant"},
+        "core/registration.py": {"checkerboard"},
+        "laws/scene/materials.py": {"constant"},
+        "lights/area.py": {"constant"},
+        "scene/build.py": {"constant"},
+        "textures/composed.py": {"constant"},
+    },
+    "lights": {
+        "compiled/lights.py": {"area", "environment", "portal", "sun", "sunsky"},
+        "compiled/program.py": {"constant"},
+        "compiled/textures.py": {"constant"},
+        "core/registration.py": {"point"},
+        "integrators/path.py": {"area"},
+        "integrators/volpath.py": {"area"},
+        "laws/scene/materials.py": {"constant"},
+        "lights/sampling.py": {"area"},
+        "scene/build.py": {"area", "constant", "environment"},
+        "scene/images.py": {"ies"},
+        "scene/validation.py": {"portal"},
+        "textures/composed.py": {"constant"},
+    },
+    "cameras": {
+        "compiled/program.py": {"pinhole"},
+        "core/registration.py": {"pinhole"},
+        "lab/acceleration.py": {"pinhole"},
+        "laws/lights.py": {"pinhole"},
+        "scene/build.py": {"pinhole"},
+    },
+    "samplers": {
+        "compiled/program.py": {"sobol"},
+        "core/registration.py": {"independent"},
+        "lab/arms.py": {"sobol"},
+        "lab/integrals.py": {"halton", "independent", "sobol"},
+        "laws/scene/pictures.py": {"independent"},
+        "scene/description.py": {"sobol"},
+    },
+    "filters": {
+        "compiled/program.py": {"box"},
+        "core/registration.py": {"tent"},
+        "scene/description.py": {"box"},
+    },
+    "phases": {
+        "media/coefficients.py": {"isotropic"},
+        "media/grid.py": {"henyey_greenstein"},
+        "media/homogeneous.py": {"henyey_greenstein"},
+    },
+    "media": {
+        "integrators/volpath.py": {"grid"},
+        "scene/media.py": {"grid"},
+        "scene/moving.py": {"grid"},
+    },
+    "integrators": {
+        "compiled/program.py": {"path"},
+        "core/registration.py": {"path"},
+        "lab/acceleration.py": {"ambient_occlusion"},
+        "laws/scene/pictures.py": {"direct", "path", "random_walk"},
+        "rendering/depth_cap.py": {"random_walk"},
+        "scene/description.py": {"path", "volpath"},
+    },
+}
+
+
+@cache
+def models(family):
+    """Type name -> (module, name of the description's class)."""
+    found = {}
+    for module in import_module(f"alight.{family}").MODELS:
+        spec = type(module.EXAMPLES[0])
+        found[spec.type_name()] = module.__name__, spec.__name__
+    return found
+
+
+@cache
+def words(path):
+    """Texts and imports of a file: (strings, imported modules)."""
+    strings, imported = set(), set()
+    for node in ast.walk(tree(path)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            strings.add(node.value)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            imported |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            imported |= {alias.name for alias in node.names}
+    return strings, imported
+
+
+def named_models(family, path):
+    """Models of a family that a file names and should not."""
+    place = path.relative_to(PACKAGE).as_posix()
+    own = f"alight.{place[:-3].replace('/', '.')}"
+    if place.startswith(SCENES) or place == f"{family}/__init__.py":
+        return set()
+    strings, imported = words(path)
+    # A model may be made of others of its family.
+    related = place.startswith(f"{family}/") and "EXAMPLES" in assigned_names(path)
+    return {
+        name
+        for name, (module, _) in models(family).items()
+        if own != module
+        and (
+            (name in strings and name not in OTHER_MEANINGS.get(place, set()))
+            or (module in imported and not related)
+        )
+    }
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_models_are_named_in_their_own_files_only(family):
+    found = {
+        path.relative_to(PACKAGE).as_posix(): names
+        for path in package_files()
+        if (names := named_models(family, path))
+    }
+    assert found == OFFENDERS.get(family, {})
+
+
+def test_a_name_is_found_as_a_text_and_as_an_import(tmp_path, monkeypatch):
+    monkeypatch.setattr("tests.static.test_names_of_models.PACKAGE", tmp_path)
+    path = tmp_path / "compiled.py"
+    for text, found in {
+        "kind == 'sphere'": {"sphere"},
+        "from alight.shapes.sphere import Sphere": {"sphere"},
+        "from alight.shapes import disk, sphere": {"disk", "sphere"},
+        "import alight.shapes.disk": {"disk"},
+        "kind == 'spheres'": set(),
+    }.items():
+        path.write_text(text)
+        tree.cache_clear()
+        words.cache_clear()
+        assert named_models("shapes", path) == found
