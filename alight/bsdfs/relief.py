@@ -31,7 +31,8 @@ from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, floor, gather, lanes, maximum, minimum, sqrt, to_uint, where
 from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import Vec3, cross, dot, normalize, renormalize
-from alight.shapes.derivatives import moved_chart, uv_derivatives
+from alight.shapes.charts import moved_chart
+from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import BENT as BENT
 from alight.shapes.hit import Surface
 from alight.textures.fetch import color, scalar, textured_scalar

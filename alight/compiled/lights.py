@@ -29,6 +29,7 @@ from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
 from alight.lights.tree_build import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.model import SHAPES
 
 Selection = Literal["auto", "power", "uniform", "tree"]
 
@@ -144,7 +145,7 @@ def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: Compiled
     cdf = by_power(weights) if rows else np.zeros(2, np.float32)
     tables, starts = [cdf], np.zeros(len(rows), np.uint32)
     for i, row in enumerate(rows):
-        if row.shape >= 0 and shapes.rows[row.shape].kind == "mesh":
+        if row.shape >= 0 and not SHAPES[shapes.rows[row.shape].kind].has_formula:
             starts[i] = sum(table.size for table in tables)
             tables.append(cumulative(row.areas))
     return Choosing(tables, starts, np.diff(cdf)[: len(rows)])
@@ -168,7 +169,7 @@ def _names(rows: list[LightRow]) -> tuple[str, ...]:
 
 def _shining(rows: list[LightRow], shapes: CompiledShapes) -> tuple[str, ...]:
     kinds = {shapes.rows[row.shape].kind for row in rows if row.shape >= 0}
-    return tuple(name for name in area.SHAPES if name in kinds)
+    return tuple(name for name in SHAPES if name in kinds)
 
 
 def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:

@@ -169,6 +169,10 @@ class Shape(Spec):
     finite: ClassVar[bool] = True
     flip_normals: Truth = False
 
+    def parts(self) -> tuple[tuple[Shape, np.ndarray], ...]:
+        """The shapes that it is made of, each with its (4, 4) matrix; none for most."""
+        return ()
+
 
 class PhaseFunction(Spec):
     """Base class of phase functions: where light goes that a medium scatters."""

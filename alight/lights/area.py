@@ -20,10 +20,9 @@ from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, wh
 from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
 from alight.lights.emission import sampled_color
 from alight.lights.tables import INFO, LightSample
-from alight.shapes import cylinder, disk, mesh, rectangle, sphere
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import ShapeSample
-from alight.shapes.surfaces import KINDS
+from alight.shapes.model import SHAPES, ShapeModel
 from alight.textures.constant import Constant
 
 
@@ -46,16 +45,6 @@ class Area(Light):
 
 
 EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))
-
-#: Shapes that can shine.
-SHAPES = {
-    "sphere": sphere,
-    "rectangle": rectangle,
-    "disk": disk,
-    "mesh": mesh,
-    "cylinder": cylinder,
-}
-
 
 #: Rays hit its shape.
 DELTA = False
@@ -111,13 +100,15 @@ def no_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     return lanes(0.0)
 
 
-def _sample_by_kind(names: tuple[str, ...]):
+def _sample_by_kind(shapes: tuple[ShapeModel, ...]):
     """A kernel that runs each shape's `sample` where it was chosen."""
-    if not names:
+    if not shapes:
         return no_sample
-    if len(names) == 1:
-        return SHAPES[names[0]].sample
-    own, number, others = SHAPES[names[0]].sample, KINDS[names[0]], _sample_by_kind(names[1:])
+    own, number = shapes[0].sample, shapes[0].number
+    assert own is not None
+    if len(shapes) == 1:
+        return own
+    others = _sample_by_kind(shapes[1:])
 
     @kernel
     def choose(tables, cdf, start, shape, p, u, u2):
@@ -130,13 +121,15 @@ def _sample_by_kind(names: tuple[str, ...]):
     return choose
 
 
-def _pdf_by_kind(names: tuple[str, ...]):
+def _pdf_by_kind(shapes: tuple[ShapeModel, ...]):
     """A kernel that runs each shape's `pdf` where it was hit."""
-    if not names:
+    if not shapes:
         return no_pdf
-    if len(names) == 1:
-        return SHAPES[names[0]].pdf
-    own, number, others = SHAPES[names[0]].pdf, KINDS[names[0]], _pdf_by_kind(names[1:])
+    own, number = shapes[0].pdf, shapes[0].number
+    assert own is not None
+    if len(shapes) == 1:
+        return own
+    others = _pdf_by_kind(shapes[1:])
 
     @kernel
     def choose(tables, cdf, start, shape, prim, p, wi, distance, cosine):
@@ -153,13 +146,13 @@ def _pdf_by_kind(names: tuple[str, ...]):
 @specialised
 def sample_shape(program):
     """``sample_shape(tables, cdf, start, shape, p, u, u2) -> ShapeSample``."""
-    return _sample_by_kind(tuple(name for name in SHAPES if name in program.light_shapes))
+    return _sample_by_kind(tuple(SHAPES[name] for name in program.light_shapes))
 
 
 @specialised
 def shape_pdf(program):
     """``shape_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine)``, per solid angle."""
-    return _pdf_by_kind(tuple(name for name in SHAPES if name in program.light_shapes))
+    return _pdf_by_kind(tuple(SHAPES[name] for name in program.light_shapes))
 
 
 @kernel

@@ -52,7 +52,7 @@ def mixed_scene(seed):
     below = np.eye(4)
     below[2, 3] = -2.0
     rows.append(plane.pack(plane.Plane(), below))
-    planes = [(5, sum(len(r) for r in rows[:-1]))]
+    planes = [("plane", 5, sum(len(r) for r in rows[:-1]))]
     return (triangles, shapes, planes), np.concatenate(rows)
 
 
