@@ -110,7 +110,7 @@ def test_structures_of_a_scene_follow_from_its_size():
         np.repeat([0, 1], [2, len(big.faces)]),
     )
     _, plan, stats = build_accelerator(room)
-    assert plan == ("triangles", "tree")
+    assert plan == ("list triangles", "tree")
     assert stats["listed"] == 2
     o, d = random_rays(3, 10_000)
     assert same_bits(World(room).trace(o, d), World(room, structure="list").trace(o, d))
