@@ -52,6 +52,8 @@ class LightRow(NamedTuple):
         Of a lamp at a point: its axis, and the angles of `Leaves` in radians.
     motion : Motion or None
         While the shutter is open.
+    dark : float
+        Of a shape that shines: the angle from its normal at which it is dark, radians.
     table : (n,) float32 or None
         Further numbers of it, such as a picture: they start where its `LightTables.info` says.
     """
@@ -65,6 +67,7 @@ class LightRow(NamedTuple):
     areas: NDArray[np.float64] = np.zeros(0)
     cone: tuple[NDArray[np.float64], float, float] | None = None
     motion: Motion | None = None
+    dark: float = 0.5 * PI
     table: NDArray[np.float32] | None = None
 
     @property
@@ -144,7 +147,7 @@ def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -
     word = np.array([number], np.uint32)
     half = 0.5 * np.linalg.norm(high - low, axis=1)
     # What is flat has its middle in its plane.
-    behind, spreads, dark = np.zeros(1), np.array([spread]), np.array([0.5 * PI])
+    behind, spreads, dark = np.zeros(1), np.array([spread]), np.array([row.dark])
     if row.motion is not None and spread < PI:
         axis, turn = row.motion.turned(axis)
         spreads = np.minimum(spread + turn, PI)
@@ -175,7 +178,7 @@ def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndar
         high,
         normal,
         spread,
-        np.full(n, 0.5 * PI),
+        np.full(n, row.dark),
         behind,
         row.brightness * row.areas[kept],
         np.full(n, number, np.uint32),

@@ -49,6 +49,7 @@ from alight.lights.sampling import (
     has_delta_lights,
     light_pdf,
     lit_normal,
+    on_shapes,
     sample_light,
     shadow_ray,
 )
@@ -145,7 +146,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
     listeners = Listeners(*record) if record else NO_LISTENERS
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
-    area_lights = "area" in program.lights
+    area_lights = bool(on_shapes(program))
     environment = bool(environments_of(program))
     holes = has_null(program)
     reach_environment = write_reach_environment(bsdf_weight, listeners)

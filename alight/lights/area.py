@@ -18,7 +18,7 @@ from alight.core.constants import PI
 from alight.core.jit import kernel, specialised
 from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
-from alight.lights.emission import sampled_color
+from alight.lights.emission import emitted_color, sampled_color
 from alight.lights.tables import INFO, LightSample
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import ShapeSample
@@ -190,3 +190,9 @@ def pdf(scene, index, prim, p, wi, distance, cosine):
     shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
     density = shape_pdf(scene.shapes, scene.lights.cdf, start, shape, prim, p, wi, distance, cosine)
     return where(cosine > 0.0, density, 0.0)
+
+
+@kernel
+def emitted(scene, index, surface, wo):
+    """Radiance on the outer side: the same in all directions."""
+    return emitted_color(scene, index, surface)

@@ -141,7 +141,7 @@ def power(luminance: float, area: float, radius: float) -> float:
     return 4.0 * PI * PI * radius * radius * luminance
 
 
-def make_map(spec: Environment, to_world: np.ndarray, compensated: bool) -> EnvironmentMap:
+def map_of(spec: Environment, to_world: np.ndarray, compensated: bool) -> EnvironmentMap:
     """The tables of a light whose picture has been read.
 
     Parameters

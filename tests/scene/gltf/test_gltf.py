@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
-from alight.lights.environment import make_map
+from alight.lights.environment import map_of
 from alight.scene import content_hash, flatten, load, loads, save
 from alight.scene.formats.gltf.accessors import read_accessor
 from alight.scene.formats.gltf.container import open_document
@@ -328,7 +328,7 @@ def test_the_studio_looks_the_same_from_any_camera(azimuth, tmp_path):
     flat = flatten(load(tmp_path / "a.glb"))
     (light,) = flat.environments
     # A direction of the studio's picture, seen from the camera: columns are to_world's axes.
-    to_studio = make_map(light.light, light.to_world, compensated=False).table[:9].reshape(3, 3)
+    to_studio = map_of(light.light, light.to_world, compensated=False).table[:9].reshape(3, 3)
     seen = flat.camera.to_world[:3, :3].T @ to_studio.T @ [0.0, 0.0, 1.0]
     # Its front is 30 degrees to the left of the viewer.
     np.testing.assert_allclose(seen, [-0.5, 0.0, np.sqrt(0.75)], atol=1e-6)

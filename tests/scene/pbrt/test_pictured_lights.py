@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.lights.area import mean_color
-from alight.lights.sampling import LIGHTS
+from alight.lights.model import LIGHTS
 from alight.scene.flatten import flatten
 from alight.scene.formats.pbrt.octahedral import to_sphere
 from alight.scene.formats.pbrt.transforms import rotation, scaling, translation
