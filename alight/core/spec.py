@@ -182,10 +182,18 @@ class PhaseFunction(Spec):
 
 
 class Medium(Spec):
-    """Base class of media: what fills the space between surfaces."""
+    """Base class of media: what fills the space between surfaces.
+
+    `has_place`: what it is like at a point does not move with the shapes that bound it.
+    """
 
     family: ClassVar[str] = "media"
     kind: ClassVar[str] = "medium"
+    has_place: ClassVar[bool] = False
+
+    def problem(self) -> str | None:
+        """Say why it cannot be rendered, now that its files are read."""
+        return None
 
 
 class Camera(Spec):

@@ -74,9 +74,9 @@ from alight.lights.sampling import (
     sample_light,
     shadow_ray,
 )
-from alight.media.grid import emission
 from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.media.tables import EMISSIVE, stream_of
+from alight.media.voxels import emission
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface

@@ -29,7 +29,7 @@ MEDIA = (
     ),
     Mutant(
         "cells looked up at their corners",
-        "media/grid.py",
+        "media/voxels.py",
         (("to_float(count) - 0.5", "to_float(count)"),),
         f"{FLIGHTS}::test_shadow_rays_come_through_as_the_transmittance_says[grid]",
     ),
