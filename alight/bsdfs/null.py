@@ -25,6 +25,7 @@ class Null(Bsdf):
 
     transmissive = True
     one_sided: ClassVar[bool] = True
+    unseen: ClassVar[bool] = True
     type: Literal["null"] = "null"
 
     def largest_weight(self) -> float | None:

@@ -42,10 +42,9 @@ from alight.core.microfacet import (
     visible_area,
 )
 from alight.core.simd import lanes, lanes_u32, maximum, minimum, where
-from alight.core.spec import SMOOTHEST, Roughness
+from alight.core.spec import SMOOTHEST, Roughness, Texture
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.constant import Constant
 from alight.textures.fetch import color, scalar, textured_scalar
 
 
@@ -115,7 +114,7 @@ def features(spec: RoughPlastic) -> tuple[str, ...]:
 
 
 def _is_textured(spec: RoughPlastic) -> bool:
-    return not isinstance(spec.alpha, float | Constant)
+    return spec.alpha.varies if isinstance(spec.alpha, Texture) else isinstance(spec.alpha, str)
 
 
 @kernel

@@ -14,7 +14,7 @@ from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.jit import kernel, specialised
 from alight.core.maths import exp
-from alight.core.registry import Models, Numbers, modules
+from alight.core.registry import Models, Numbers, modules, specs_of
 from alight.core.simd import (
     any_lane,
     as_int,
@@ -29,6 +29,7 @@ from alight.core.simd import (
     to_float,
     where,
 )
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
 
 #: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
@@ -43,8 +44,6 @@ INNER_INDEX = "inner_index"
 #: Attribute of such models: what programs call it that one of its materials refracts. Without the
 #: attribute all of them do.
 REFRACTING = "REFRACTING"
-#: Name of the surface that is not there.
-NULL_NAME = "null"
 #: Kernel of models with an inside: ``(scene, base, surface)``, absorption coefficients per metre.
 ABSORPTION = "absorption"
 
@@ -122,21 +121,40 @@ def _relief(scene, row):
 
 def has_null(program) -> bool:
     """Whether there are surfaces, or holes in them, that light passes as if nothing was there."""
-    return NULL_NAME in program.bsdfs
+    return bool(_unseen(program))
+
+
+def _unseen(program) -> list[str]:
+    """Models of surfaces that are not there."""
+    return [
+        name for name, model in specs_of(Bsdf).items() if name in program.bsdfs and model.unseen
+    ]
 
 
 @specialised
 def is_null(program):
     """``(scene, row) -> mask``: the model of this row is `null`."""
-    if not has_null(program):
+    return _one_of([Numbers("bsdfs")[name] for name in _unseen(program)])
+
+
+def _one_of(numbers: list[int]):
+    """``(scene, row) -> mask``: the model of this row has one of the numbers."""
+    if not numbers:
         return _never
-    number = Numbers("bsdfs")[NULL_NAME]
+    number, others = numbers[0], _one_of(numbers[1:])
+    if len(numbers) == 1:
+
+        @kernel
+        def by_kind(scene, row):
+            return _kind(scene, row) == number
+
+        return by_kind
 
     @kernel
-    def by_kind(scene, row):
-        return _kind(scene, row) == number
+    def by_kinds(scene, row):
+        return (_kind(scene, row) == number) | others(scene, row)
 
-    return by_kind
+    return by_kinds
 
 
 @kernel

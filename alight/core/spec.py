@@ -84,6 +84,8 @@ class Bsdf(Spec):
     one_sided : bool
         Other than by delta lobes, only light from the viewer's side of the shading normal reaches
         it. What is made of other materials leaves that to them.
+    unseen : bool
+        Light passes it as if nothing was there.
     """
 
     family: ClassVar[str] = "bsdfs"
@@ -91,6 +93,7 @@ class Bsdf(Spec):
     transmissive: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
     one_sided: ClassVar[bool] = False
+    unseen: ClassVar[bool] = False
 
     def largest_weight(self) -> float | None:
         """Bound of f cos / pdf of sampled directions; None if none is known."""
@@ -162,11 +165,12 @@ class Texture(Spec):
 
 
 class Shape(Spec):
-    """Base class of shapes; `finite` ones can be lights."""
+    """Base class of shapes; `finite` ones can be lights, `closed` ones have an inside."""
 
     family: ClassVar[str] = "shapes"
     kind: ClassVar[str] = "shape"
     finite: ClassVar[bool] = True
+    closed: ClassVar[bool] = False
     flip_normals: Truth = False
 
     def parts(self) -> tuple[tuple[Shape, np.ndarray], ...]:

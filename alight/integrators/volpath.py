@@ -114,7 +114,7 @@ def step(program):
     by_light = strategy in (BY_LIGHT, MIS) and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     found_weight, chosen_weight = _weights_of(strategy)
-    area_lights, nulls = "area" in program.lights, has_null(program)
+    area_lights, nulls = bool(on_shapes(program)), has_null(program)
     environment = bool(environments_of(program))
     roulette = program.option("russian_roulette") == "throughput"
     reach_environment = write_reach_environment(found_weight, NO_LISTENERS)

@@ -15,15 +15,12 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import PI
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
+from alight.core.jit import kernel
+from alight.core.simd import gather, lanes_mask, lanes_vec3, where
 from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
 from alight.lights.emission import emitted_color, sampled_color
+from alight.lights.shining import sample_shape, shape_pdf
 from alight.lights.tables import INFO, LightSample
-from alight.shapes.hit import INFO as SHAPE_INFO
-from alight.shapes.hit import ShapeSample
-from alight.shapes.model import SHAPES, ShapeModel
-from alight.textures.constant import Constant
 
 
 class Area(Light):
@@ -58,7 +55,7 @@ def place(spec: Area, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
 
 def texture(spec: Area) -> Texture | None:
     """The texture of its radiance; its values take the place of the colour."""
-    if isinstance(spec.radiance, Texture) and not isinstance(spec.radiance, Constant):
+    if isinstance(spec.radiance, Texture) and spec.radiance.varies:
         return spec.radiance
     return None
 
@@ -73,86 +70,6 @@ def mean_color(spec: Area) -> Triple:
 def power(luminance: float, area: float, radius: float) -> float:
     """Emitted power in W: the cosine integrates to pi over the hemisphere."""
     return PI * area * luminance
-
-
-@kernel
-def blend(mask, a, b):
-    """Lane-wise choice between two `ShapeSample`."""
-    return ShapeSample(
-        where(mask, a.wi, b.wi),
-        where(mask, a.distance, b.distance),
-        where(mask, a.cosine, b.cosine),
-        where(mask, a.error, b.error),
-        where(mask, a.pdf, b.pdf),
-    )
-
-
-@kernel
-def no_sample(tables, cdf, start, shape, p, u, u2):
-    """A `ShapeSample` of zeros in every lane."""
-    zero = lanes(0.0)
-    return ShapeSample(lanes_vec3(0.0), zero, zero, zero, zero)
-
-
-@kernel
-def no_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Zero in every lane."""
-    return lanes(0.0)
-
-
-def _sample_by_kind(shapes: tuple[ShapeModel, ...]):
-    """A kernel that runs each shape's `sample` where it was chosen."""
-    if not shapes:
-        return no_sample
-    own, number = shapes[0].sample, shapes[0].number
-    assert own is not None
-    if len(shapes) == 1:
-        return own
-    others = _sample_by_kind(shapes[1:])
-
-    @kernel
-    def choose(tables, cdf, start, shape, p, u, u2):
-        result = others(tables, cdf, start, shape, p, u, u2)
-        mine = gather(tables.info, shape * SHAPE_INFO) == number
-        if any_lane(mine):
-            result = blend(mine, own(tables, cdf, start, shape, p, u, u2), result)
-        return result
-
-    return choose
-
-
-def _pdf_by_kind(shapes: tuple[ShapeModel, ...]):
-    """A kernel that runs each shape's `pdf` where it was hit."""
-    if not shapes:
-        return no_pdf
-    own, number = shapes[0].pdf, shapes[0].number
-    assert own is not None
-    if len(shapes) == 1:
-        return own
-    others = _pdf_by_kind(shapes[1:])
-
-    @kernel
-    def choose(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-        result = others(tables, cdf, start, shape, prim, p, wi, distance, cosine)
-        mine = gather(tables.info, shape * SHAPE_INFO) == number
-        if any_lane(mine):
-            found = own(tables, cdf, start, shape, prim, p, wi, distance, cosine)
-            result = where(mine, found, result)
-        return result
-
-    return choose
-
-
-@specialised
-def sample_shape(program):
-    """``sample_shape(tables, cdf, start, shape, p, u, u2) -> ShapeSample``."""
-    return _sample_by_kind(tuple(SHAPES[name] for name in program.light_shapes))
-
-
-@specialised
-def shape_pdf(program):
-    """``shape_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine)``, per solid angle."""
-    return _pdf_by_kind(tuple(SHAPES[name] for name in program.light_shapes))
 
 
 @kernel

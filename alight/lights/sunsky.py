@@ -91,8 +91,12 @@ def _share_of_sun(spec: SunSky) -> float:
     sky = float(luminance(Vec3(*half.astype(float)))) * np.pi
     sun = [a * b for a, b in zip(spec.of_the_sun, spec.sun_scale, strict=True)]
     direct = float(luminance(Vec3(*sun))) * solid_angle(DIAMETER) * float(spec.to_sun[1])
-    if sky <= 0.0 or spec.sun_scale == (0.0, 0.0, 0.0):
-        return 1.0 if sky <= 0.0 else 0.0
+    none = (0.0, 0.0, 0.0)
+    if spec.sun_scale == none:
+        return 0.0
+    # Below a black sky the ground may still shine.
+    if sky <= 0.0 and spec.ground == none:
+        return 1.0
     return min(max(direct / (direct + sky), _LEAST_SHARE), _MOST_SHARE)
 
 

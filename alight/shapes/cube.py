@@ -7,7 +7,7 @@ Source: the plug-in ``cube`` of Mitsuba 3 for the canonical placement.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -24,6 +24,7 @@ class Cube(Shape):
         Point the normals inwards.
     """
 
+    closed: ClassVar[bool] = True
     type: Literal["cube"] = "cube"
 
     def parts(self) -> tuple[tuple[Shape, np.ndarray], ...]:

@@ -38,7 +38,7 @@ for Direct Lighting Calculations, for sampling the cone.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -92,6 +92,7 @@ class Sphere(Shape):
         Point the normals inwards.
     """
 
+    closed: ClassVar[bool] = True
     type: Literal["sphere"] = "sphere"
     center: Vector3 = (0.0, 0.0, 0.0)
     radius: Positive = 1.0

@@ -99,7 +99,7 @@ def test_vertices_that_no_face_uses_do_not_enlarge_an_instance():
 def test_structures_of_a_scene_follow_from_its_size():
     small = triangle_set(icosphere(0)[0], icosphere(0)[1])
     big = triangle_set(*icosphere(3))
-    assert build_accelerator(small)[1] == ("triangles",)
+    assert build_accelerator(small)[1] == ("list triangles",)
     assert build_accelerator(big)[1] == ("tree",)
     assert build_accelerator()[1] == ()
     # Walls around a fine mesh stay in the list; the mesh goes into the tree.
