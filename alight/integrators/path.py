@@ -41,6 +41,7 @@ from alight.integrators.walk import (
 from alight.integrators.walk import (
     Path as WalkPath,
 )
+from alight.lights.hits import on_shapes
 from alight.lights.sampling import (
     emitted,
     environment_pdf,
@@ -49,7 +50,6 @@ from alight.lights.sampling import (
     has_delta_lights,
     light_pdf,
     lit_normal,
-    on_shapes,
     sample_light,
     shadow_ray,
 )

@@ -67,6 +67,7 @@ from alight.integrators.walk import (
     to_world,
     vertex_dimension,
 )
+from alight.lights.hits import on_shapes
 from alight.lights.sampling import (
     environments_of,
     has_delta_lights,

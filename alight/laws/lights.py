@@ -188,7 +188,7 @@ def rays_find_what_samples_bring(spec: Light) -> None:
     same = np.asarray(np.isclose(found, pdf, rtol=2e-3))[ok]
     demand(same.mean() > 0.998, f"pdf differs from the sample's in {(~same).sum()} directions")
     seen, brought = (stacked(v, n) for v in (run(scene, environment_radiance, d), light.radiance))
-    same = np.asarray(np.isclose(seen, brought, rtol=2e-3, atol=1e-6)).all(axis=0)[ok]
+    same = np.all(np.isclose(seen[:, ok], brought[:, ok], rtol=2e-3, atol=1e-6), axis=0)
     demand(same.mean() > 0.998, f"radiance differs in {(~same).sum()} directions")
 
 

@@ -24,8 +24,9 @@ from alight.core.simd import (
 )
 from alight.core.vec import dot, gather_vec3, row_vec3
 from alight.lights.halves import one_after_another, sum_of
-from alight.lights.model import LIGHTS, LightModel
-from alight.lights.moving import moving_pdf, moving_sample
+from alight.lights.hits import on_shapes, pdf_of_shape, radiance_of_shape
+from alight.lights.model import LIGHTS
+from alight.lights.moving import moving_sample
 from alight.lights.tables import INFO, STRIDE, LightSample, row_of
 from alight.lights.tree import choose_by_tree, plain_probability
 from alight.shapes.hit import shadow_length, spawn_origin
@@ -122,62 +123,6 @@ def sample_chosen(program):
     alone = not several and len(names) == 1
     own = _sample_of(names[0]) if alone else _by_row(several, _by_kind(names))
     return moving_sample(own) if "lights" in program.motion else own
-
-
-def on_shapes(program) -> tuple[LightModel, ...]:
-    """The lights of the program that are shapes which shine."""
-    return tuple(m for name, m in LIGHTS.items() if name in program.lights and m.is_on_shape)
-
-
-@specialised
-def pdf_of_shape(program):
-    """``pdf_of_shape(scene, index, prim, p, wi, distance, cosine)`` of the lights `index`."""
-    chain = _pdf_chain(on_shapes(program))
-    return moving_pdf(chain) if "lights" in program.motion else chain
-
-
-def _pdf_chain(models: tuple[LightModel, ...]):
-    """A kernel that runs each light's `pdf` where it was hit."""
-    own, number = models[0].pdf, models[0].number
-    assert own is not None
-    if len(models) == 1:
-        return own
-    others = _pdf_chain(models[1:])
-
-    @kernel
-    def choose(scene, index, prim, p, wi, distance, cosine):
-        result = others(scene, index, prim, p, wi, distance, cosine)
-        mine = lanes_u32(0) + gather(scene.lights.info, index * INFO) == number
-        if any_lane(mine):
-            result = where(mine, own(scene, index, prim, p, wi, distance, cosine), result)
-        return result
-
-    return choose
-
-
-@specialised
-def _radiance_of_shape(program):
-    """``(scene, index, surface, wo)``: what the lights `index` emit on their outer side."""
-    return _emission_chain(on_shapes(program))
-
-
-def _emission_chain(models: tuple[LightModel, ...]):
-    """A kernel that runs each light's `emitted` where it was hit."""
-    own, number = models[0].emitted, models[0].number
-    assert own is not None
-    if len(models) == 1:
-        return own
-    others = _emission_chain(models[1:])
-
-    @kernel
-    def choose(scene, index, surface, wo):
-        result = others(scene, index, surface, wo)
-        mine = lanes_u32(0) + gather(scene.lights.info, index * INFO) == number
-        if any_lane(mine):
-            result = where(mine, own(scene, index, surface, wo), result)
-        return result
-
-    return choose
 
 
 def has_delta_lights(program) -> bool:
@@ -419,7 +364,7 @@ def emitted(program):
     @kernel
     def on_outer_side(scene, surface, wo):
         shines = (surface.light > 0) & (dot(wo, surface.ng) > 0.0)
-        radiance = _radiance_of_shape(scene, light_index(surface.light), surface, wo)
+        radiance = radiance_of_shape(scene, light_index(surface.light), surface, wo)
         return where(shines, radiance, lanes_vec3(0.0))
 
     return on_outer_side
