@@ -1,9 +1,11 @@
-# The words of the project. Each sets up what it needs in .venv (once: the stamp files remember)
-# and then does its work; none needs a compiler, a GPU, OpenGL or a separate LLVM.
+# Developer targets. Each first installs what it needs into .venv (once: stamp files remember);
+# none needs a compiler, a GPU, OpenGL or a separate LLVM.
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 SEEDS ?= 0-1
+SEED ?= 1
+COUNT ?= 500
 BIN := $(VENV)/bin
 # --require-hashes: only the very files that were locked; --only-binary: never start a compiler.
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
@@ -13,17 +15,19 @@ PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-ch
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock clean
+.PHONY: help setup setup-dev demo test proofs campaign mutants lint format types docs figures peers lock canary clean
 
 help:
-	@echo "make demo     set up, then render the built-in Cornell box to cornell.png"
-	@echo "make test     set up, then run the test suite (at most 10 minutes on 2 cores)"
-	@echo "make proofs   long statistics, planted bugs and the 8-lane build (at most 30 minutes)"
-	@echo "make campaign random scenes against what must hold of every one (SEEDS=0-1)"
-	@echo "make lint     style and direction of imports      make format   let ruff mend the style"
-	@echo "make types    static types                        make docs     build the pages in site/"
-	@echo "make figures  render the pictures of docs/        make peers    install Mitsuba and Embree"
-	@echo "make lock     write requirements/*.txt anew       make clean    remove what was built"
+	@echo "make demo      install into .venv and render the Cornell box to cornell.png"
+	@echo "make test      run the test suite (at most 10 minutes on 2 cores)"
+	@echo "make proofs    run the long statistics, the planted bugs and the 8-lane build (30 minutes)"
+	@echo "make campaign  check the invariants of rendering on random scenes (SEEDS=0-1)"
+	@echo "make mutants   try random slips in the code against the tests (SEED=1 COUNT=500)"
+	@echo "make lint      check style and import layers        make format  fix formatting with ruff"
+	@echo "make types     check static types                   make docs    build the site in site/"
+	@echo "make figures   render the figures of docs/          make peers   install Mitsuba and Embree"
+	@echo "make canary    try the newest Numba and NumPy: what would they break in lanewise?"
+	@echo "make lock      regenerate requirements/*.txt        make clean   remove everything built"
 
 $(VENV)/.created:
 	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(None if (3, 11) <= v < (3, 14) else \
@@ -69,6 +73,9 @@ campaign: setup-dev
 	$(BIN)/python benchmarks/campaign/run.py --seeds $(SEEDS)
 	$(BIN)/python benchmarks/known_error/random_scenes.py --seeds $(SEEDS) --save campaign.jsonl
 
+mutants: setup-dev
+	$(BIN)/python -m tests.mutants.campaign --seed $(SEED) --count $(COUNT) --save mutants.jsonl
+
 lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -91,6 +98,9 @@ peers: $(VENV)/.peers
 
 lock:
 	requirements/lock.sh
+
+canary:
+	PYTHON=$(PYTHON) requirements/canary.sh
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -6,7 +6,7 @@ Examples
 >>> film = alight.render("cornell-box", spp=16)  # doctest: +SKIP
 >>> film.save("cornell.png")  # doctest: +SKIP
 
-Everything that a user can mend is an `AlightError`, with the place and the remedy:
+Every mistake that a user can fix is an `AlightError`, with its place and remedy:
 
 >>> try:
 ...     alight.load("cornell-bx")
@@ -20,14 +20,25 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from alight.core.version import VERSION as __version__
+from lanewise.application import set_application
+
+# Kernels heed ALIGHT_LANES, ALIGHT_CACHE and ALIGHT_PIPELINE.
+set_application("alight", __path__[0])
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {
+    "check": "alight.laws.scene",
+    "compare": "alight.lab.compare",
     "denoise": "alight.films.denoising",
+    "info": "alight.lab.info",
     "merge": "alight.rendering",
+    "plan": "alight.rendering.plan",
     "render": "alight.rendering",
     "resume": "alight.rendering",
+    "study": "alight.lab.report.outcome",
+    "why": "alight.lab.why",
+    "RenderOptions": "alight.options.render",
     "Progress": "alight.rendering",
     "Trace": "alight.rendering.trace",
     "trace": "alight.rendering.trace",
@@ -39,8 +50,8 @@ _PUBLIC = {
     "SceneError": "alight.core.errors",
     "check_laws": "alight.laws",
     "Film": "alight.films",
-    "load": "alight.scene",
-    "save": "alight.scene",
+    "load": "alight.formats",
+    "save": "alight.formats",
     "Scene": "alight.scene",
     "SceneManager": "alight.scene",
 }
@@ -50,10 +61,18 @@ if TYPE_CHECKING:
     from alight.core.registration import register
     from alight.films import Film
     from alight.films.denoising import denoise
+    from alight.formats import load, save
+    from alight.lab.compare import compare
+    from alight.lab.info import info
+    from alight.lab.report.outcome import study
+    from alight.lab.why import why
     from alight.laws import check_laws
+    from alight.laws.scene import check
+    from alight.options.render import RenderOptions
     from alight.rendering import Progress, merge, render, resume
+    from alight.rendering.plan import plan
     from alight.rendering.trace import Trace, trace
-    from alight.scene import Scene, SceneManager, load, save
+    from alight.scene import Scene, SceneManager
 
 __all__ = [
     "AlightError",
@@ -62,20 +81,27 @@ __all__ = [
     "OptionError",
     "OutputError",
     "Progress",
+    "RenderOptions",
     "Scene",
     "SceneError",
     "SceneManager",
     "Trace",
     "__version__",
+    "check",
     "check_laws",
+    "compare",
     "denoise",
+    "info",
     "load",
     "merge",
+    "plan",
     "register",
     "render",
     "resume",
     "save",
+    "study",
     "trace",
+    "why",
 ]
 
 

@@ -96,7 +96,7 @@ def their_picture(
     resolver = mitsuba.file_resolver()
     resolver.prepend(str(path.parent.resolve()))
     config = mitsuba.parser.ParserConfig(arguments.variant)
-    # Loading in parallel stands still now and then (3.9.1).
+    # Loading in parallel sometimes hangs (3.9.1).
     config.parallel = False
     names = dict(text.split("=", 1) for text in arguments.define)
     state = mitsuba.parser.parse_file(config, str(path), **names)
@@ -124,7 +124,7 @@ def their_picture(
 
 
 def replace(mitsuba: Any, node: Any, plugin: str) -> None:
-    """Put another plug-in with default parameters in the place of one."""
+    """Replace a plug-in by another with default parameters."""
     node.props = mitsuba.Properties(plugin)
 
 

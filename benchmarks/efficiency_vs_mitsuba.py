@@ -5,7 +5,7 @@
 relMSE = mean of (x - r)^2 / (r^2 + 0.01) over pixels and channels. The noise of the reference is
 subtracted: with two independent references A (Mitsuba) and B (alight), the mean of (x - A)(x - B)
 is the error of x alone, because the noises of x, A and B are uncorrelated. Both references are kept
-in the temporary folder (--fresh makes them anew).
+in the temporary folder (--fresh remakes them).
 """
 
 import argparse
@@ -54,7 +54,7 @@ def main() -> None:
     parser.add_argument("--sampler", help="of alight; its default otherwise")
     parser.add_argument("--mitsuba-sampler", default="multijitter")
     parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba")
-    parser.add_argument("--fresh", action="store_true", help="make the references anew")
+    parser.add_argument("--fresh", action="store_true", help="remake the references")
     arguments = parser.parse_args()
 
     size = ["--size", str(arguments.size)]

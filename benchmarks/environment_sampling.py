@@ -25,8 +25,8 @@ from harness import print_json, print_table
 from numpy.typing import NDArray
 
 import alight
+from alight.formats import loads
 from alight.lights.environment import Environment
-from alight.scene import loads
 
 #: Half-width of a 95 % interval for eight values, in standard errors of their mean: Student's t.
 GROUPS, T = 8, 2.365

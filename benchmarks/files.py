@@ -30,7 +30,7 @@ def mitsuba_file(mi: Any, path: Path, height: int, sampler: str) -> Any:
     """Open a file with Mitsuba, whose variant must have been set."""
     mi.file_resolver().prepend(str(path.parent.resolve()))
     config = mi.parser.ParserConfig(mi.variant())
-    # Loading in parallel stands still now and then (3.9.1).
+    # Loading in parallel sometimes hangs (3.9.1).
     config.parallel = False
     state = mi.parser.parse_file(config, str(path))
     mi.parser.transform_all(config, state)

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 import alight
 from alight import Scene
+from alight.formats import loads
 from alight.lights.area import Area
-from alight.scene import loads
 from alight.scene.description import Node
 from alight.shapes.mesh import Mesh
 

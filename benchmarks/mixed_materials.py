@@ -19,7 +19,7 @@ from harness import alternate, print_json, print_table
 
 import alight
 from alight import Scene
-from alight.scene import loads
+from alight.formats import loads
 
 MATERIALS = {
     "diffuse": "{type: diffuse, reflectance: [0.6, 0.4, 0.2]}",

@@ -1,4 +1,4 @@
-"""Acceleration structures find the surface that a ray meets first, or whether it meets any.
+"""Acceleration structures find the first surface that a ray hits, or whether it hits any.
 
 `build` makes a bounding volume hierarchy of wide nodes, `traversal` follows one ray
 through it, `accelerator` puts it together with flat lists, planes and instances for a whole scene,

@@ -29,7 +29,7 @@ from alight.accel.primitives import (
     first_of_pairs,
     in_order,
 )
-from alight.core.view import View
+from lanewise.view import View
 
 #: Most primitives in lists altogether.
 LIST_LIMIT = 64

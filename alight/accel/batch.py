@@ -16,8 +16,9 @@ from alight.accel.single import NONE, is_traceable
 from alight.accel.turns import write_packet
 from alight.accel.visits import any_of_hits, closest_of_hits
 from alight.core.constants import INFINITY
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import (
     LANES,
     as_float,
     as_int,
@@ -32,8 +33,7 @@ from alight.core.simd import (
     minimum_u32,
     where,
 )
-from alight.core.vec import Vec3
-from alight.core.view import View
+from lanewise.view import View
 
 _CHUNK = 16384
 

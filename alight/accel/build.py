@@ -36,8 +36,8 @@ from alight.accel.layout import (
 from alight.accel.references import COUNTS, MARGIN, ROUNDING, TABLE, refer_to_triangles
 from alight.accel.splitting import MEDIAN, SAH, Rules, Workspace, divide_alone, halve
 from alight.accel.subtree import Source, build_subtree, pack
-from alight.core.jit import instantiate
-from alight.core.view import View
+from lanewise.jit import instantiate
+from lanewise.view import View
 
 #: Primitives that one thread takes at a time while all work on the same set.
 CHUNK = 65536
@@ -50,7 +50,7 @@ TOGETHER = 8
 
 METHODS = {"sah": SAH, "median": MEDIAN}
 
-#: What tells how many vertices triangles share: so many runs of so many triangles.
+#: How shared vertices are estimated: RUNS runs of RUN triangles.
 RUNS, RUN = 4, 2048
 
 #: Any big odd numbers: what the bits of coordinates are multiplied by.
@@ -401,7 +401,7 @@ class _Builder:
 
         ends = [start + int(n) for start, n in zip(starts, totals[:, 0], strict=True)]
         self.pool.run(lambda k: pack_rows(starts[k], ends[k], int(block_at[k])), range(len(starts)))
-        # Between the tasks stand the rows of the top.
+        # The rows of the top lie between the tasks.
         for start, end in zip([0, *sorted(ends)], [*sorted(starts), count], strict=True):
             pack_rows(start, end, 0)
         return bvh, {

@@ -7,7 +7,7 @@ Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, section
 surface areas: one for each node, and one for each block of a leaf, as a ray takes about as long for
 either.
 
-*Rows* of the binary tree stand in preorder, so the left part of row v is row v + 1:
+*Rows* of the binary tree are in preorder, so the left part of row v is row v + 1:
 
 ======  ==================================================================
 word    meaning (32 words, two cache lines)
@@ -30,8 +30,8 @@ from __future__ import annotations
 from alight.accel.layout import CHILDREN, CHOSEN_LEVELS
 from alight.accel.references import half_area
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_float,
     as_int,
     as_uint,
@@ -40,7 +40,7 @@ from alight.core.simd import (
     local_floats,
     minimum,
 )
-from alight.core.wide import lane, load_wide, store_wide, wide
+from lanewise.wide import lane, load_wide, store_wide, wide
 
 ROW = 32
 RIGHT, FIRST, COUNT, BLOCKS, COLUMN, OWNER, NUMBER, LEVEL = range(8, 16)
@@ -105,7 +105,7 @@ def write_costs_of(rows, listed, count, scale):
 
 @kernel(strict=True)
 def cost_of_share(rows, left, right, columns, k):
-    """What two rows cost in so many columns, k of them for the left one."""
+    """The cost of two rows in the given columns, k of them for the left one."""
     return rows[ROW * left + COSTS + k - 1] + rows[ROW * right + COSTS + columns - k - 1]
 
 

@@ -1,4 +1,4 @@
-"""What a finished tree costs its rays."""
+"""The expected cost of a finished tree for its rays."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from alight.accel.layout import (
     number_of,
 )
 from alight.accel.primitives import Analytic, Instance, Moving, TriangleSet
-from alight.core.view import View
+from lanewise.view import View
 
 #: An instance's box is enlarged by this part of the coordinates: rays are rounded on their way to
 #: object space.
@@ -114,7 +114,7 @@ class Forest:
             boxes[row] = np.asarray([a.low, a.high])
 
     def _describe_instances(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
-        """Fill the further rows; the root stands in once the trees are joined."""
+        """Fill the further rows; the root is filled in once the trees are joined."""
         boxes_of = {g: own_box(*self.geometries[g]) for g in {i.geometry for i in self.instances}}
         for row, one in enumerate(self.instances, len(self.analytic)):
             blocks.view(np.uint32)[row, 0] = number_of(INSTANCE)
@@ -122,7 +122,7 @@ class Forest:
             boxes[row] = placed_box(one, boxes_of[one.geometry])
 
     def _describe_moving(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
-        """The same for what moves; of meshes the root stands in once the trees are joined."""
+        """The same for what moves; of meshes the root is filled in once the trees are joined."""
         for row, one in enumerate(self.moving, len(self.analytic) + len(self.instances)):
             words = blocks.view(np.uint32)[row]
             words[:3] = MOVING + number_of(one.kind), one.row, one.motion

@@ -1,4 +1,4 @@
-"""How the bounding volume hierarchy lies in memory.
+"""The memory layout of the bounding volume hierarchy.
 
 A *node* is 112 words of 4 bytes (448 bytes, seven cache lines), one column a child:
 
@@ -34,7 +34,7 @@ from alight.shapes.model import SHAPES
 #: node 0, else 0.
 Bvh = namedtuple("Bvh", "nodes blocks ids waits")
 
-#: Most children of a node: so many boxes a ray meets at once. Words where the upper bounds and the
+#: Most children of a node: the boxes that a ray tests at once. Words where the upper bounds and the
 #: children start, and words of a node.
 CHILDREN = 16
 UPPER = 3 * CHILDREN
@@ -91,7 +91,7 @@ MOVING = 1 << 20
 
 
 def check_blocks(count: int) -> None:
-    """Raise ValueError if the codes of leaves cannot number so many blocks."""
+    """Raise ValueError if the codes of leaves cannot number this many blocks."""
     if count > MAX_BLOCKS:
         raise ValueError(
             f"{count} blocks of primitives, more than {MAX_BLOCKS}: some 1e9 triangles are the most"

@@ -14,12 +14,12 @@ from collections.abc import Callable
 
 from alight.accel.layout import TRIANGLES
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 from alight.shapes.hit import Hit
 from alight.shapes.model import SHAPES
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import intersect_pair, rotated, shear_of
+from lanewise.jit import kernel
+from lanewise.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 
 #: What `alight.accel.accelerator` makes and kernels are given. shapes: of each kind with a formula
 #: in the plan's lists, u32, shape and row in the data of each; triangles: float32, corners of those

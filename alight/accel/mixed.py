@@ -1,4 +1,4 @@
-"""Leaves that hold analytic shapes and instances beside triangles.
+"""Leaves that hold analytic shapes and instances as well as triangles.
 
 One ray meets an analytic shape in packet arithmetic, all lanes alike, so that its numbers are those
 that the flat lists get. An instance is met by moving the ray to the space of its geometry, whose
@@ -14,11 +14,11 @@ from alight.accel.layout import IDS, INSTANCE, TRIANGLES, number_of
 from alight.accel.single import NONE, SingleHit
 from alight.accel.traversal import write_single
 from alight.accel.visits import SOMETHING_ELSE, any_of_hits, closest_of_hits
-from alight.core.jit import kernel
-from alight.core.simd import as_int, float_bits, lanes, mask_bits
 from alight.core.vec import Vec3
-from alight.core.wide import lane
 from alight.shapes.model import SHAPES
+from lanewise.jit import kernel
+from lanewise.simd import as_int, float_bits, lanes, mask_bits
+from lanewise.wide import lane
 
 
 @kernel(strict=True)

@@ -1,4 +1,4 @@
-"""What moves while the shutter is open, met by rays at their times.
+"""Rays against objects that move while the shutter is open, each at its own time.
 
 Each ray goes to what it meets as it is at rest, by the inverse of the motion at its time
 (`alight.core.motion`); the direction keeps its length, so that t means the same. In a list all
@@ -28,9 +28,13 @@ from alight.accel.mixed import (
     write_chain,
 )
 from alight.accel.rays import MOST
-from alight.core.jit import kernel
 from alight.core.motion import direction_at_rest, inverse_rows, matrix_at, point_at_rest
-from alight.core.simd import (
+from alight.shapes.hit import Hit
+from alight.shapes.model import SHAPES
+from alight.shapes.triangle import intersect as intersect_triangle
+from alight.shapes.triangle import rotated, shear_of
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_int,
     float_bits,
     lanes,
@@ -39,10 +43,6 @@ from alight.core.simd import (
     store_lanes,
     where,
 )
-from alight.shapes.hit import Hit
-from alight.shapes.model import SHAPES
-from alight.shapes.triangle import intersect as intersect_triangle
-from alight.shapes.triangle import rotated, shear_of
 
 #: An `Accelerator`, and moving: u32, kind (`number_of`), shape, motion, row or first triangle and
 #: number of triangles of those in the list; moving_corners: float32, of their triangles.

@@ -1,4 +1,4 @@
-"""What integrators call: packets of rays against a whole scene.
+"""The interface for integrators: packets of rays against a whole scene.
 
 A packet first meets the flat lists, then the box of the tree; the lanes that enter it go down
 together as long as they go the same way, then each on 8 boxes at a time.
@@ -31,8 +31,11 @@ from alight.accel.single import NONE, STRETCH, is_traceable, safe_reciprocal
 from alight.accel.turns import write_packet
 from alight.accel.visits import any_of_hits, closest_of_hits, data_of_all
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from alight.shapes.hit import Hit
+from alight.shapes.model import SHAPES, ShapeModel
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     gather_row,
     lanes,
     lanes_u32,
@@ -45,9 +48,6 @@ from alight.core.simd import (
     store_lanes,
     where,
 )
-from alight.core.vec import Vec3
-from alight.shapes.hit import Hit
-from alight.shapes.model import SHAPES, ShapeModel
 
 
 @kernel(strict=True)

@@ -1,4 +1,4 @@
-"""The rays of a packet in memory, so that each can be taken up alone."""
+"""The rays of a packet in memory, so that each can continue alone."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections import namedtuple
 
 from alight.accel.layout import CHILDREN, UPPER, WIDTH
 from alight.accel.single import BoxRay, TriangleRay, safe_reciprocal
-from alight.core.jit import kernel
-from alight.core.simd import as_int, lanes_u32, store_lanes, where
 from alight.core.vec import Vec3
-from alight.core.wide import wide
 from alight.shapes.triangle import Shear, rotated, shear_of
+from lanewise.jit import kernel
+from lanewise.simd import as_int, lanes_u32, store_lanes, where
+from lanewise.wide import wide
 
 #: Most lanes that a packet can have.
 MOST = 16
@@ -59,7 +59,7 @@ def _store(numbers, k, v):
 
 @kernel(strict=True)
 def vector_of(rays, k, i):
-    """One vector of ray i, which stands in the rows from k on."""
+    """One vector of ray i, from row k on."""
     numbers = rays.numbers
     return Vec3(numbers[k + i], numbers[k + MOST + i], numbers[k + 2 * MOST + i])
 

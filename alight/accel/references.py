@@ -9,8 +9,8 @@ their order counts.
 from __future__ import annotations
 
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     absolute,
     as_float,
     as_int,
@@ -21,7 +21,7 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.wide import (
+from lanewise.wide import (
     four,
     high_half,
     join,

@@ -14,8 +14,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.accel.layout import BLOCK, CHILDREN, CORNERS, IDS, LEAF, NODE, UPPER, WIDTH
-from alight.core.jit import kernel
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from alight.shapes.triangle import Shear, component, edge_functions, shear_of, sheared, where_met
+from lanewise.jit import kernel
+from lanewise.simd import (
     absolute,
     as_int,
     copysign,
@@ -27,9 +29,7 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.vec import Vec3
-from alight.core.wide import lane, load_wide, prefetch, wide
-from alight.shapes.triangle import Shear, component, edge_functions, shear_of, sheared, where_met
+from lanewise.wide import lane, load_wide, prefetch, wide
 
 #: Found by one ray: t; index of the primitive in the tree (NONE: nothing up to t); face: triangle
 #: of an instance's mesh, else 0; u, v: barycentrics or local coordinates.

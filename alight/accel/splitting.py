@@ -26,8 +26,8 @@ from alight.accel.references import (
     union_of_references,
 )
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_float,
     local_floats,
     local_longs,
@@ -35,7 +35,7 @@ from alight.core.simd import (
     minimum,
     where,
 )
-from alight.core.wide import lane, load_wide, store_wide, wide
+from lanewise.wide import lane, load_wide, store_wide, wide
 
 #: How splits are chosen.
 SAH, MEDIAN = 0, 1

@@ -1,4 +1,4 @@
-"""What waits for a ray: opening a node onto its stack."""
+"""The traversal stack of a ray: opening a node onto it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from functools import lru_cache
 from alight.accel.layout import CHILD, CHILDREN, NODE, STACK
 from alight.accel.single import fetch_ahead, meet_boxes
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_int,
     count_bits,
     float_bits,
@@ -19,7 +19,7 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.wide import compressed, load_wide, mask_of, store_wide
+from lanewise.wide import compressed, load_wide, mask_of, store_wide
 
 #: What waits: codes of children (`layout`; local uints) and, if order matters, where the ray enters
 #: them (entries, local floats).
@@ -67,7 +67,7 @@ def write_open_node(nearest_first: bool) -> Callable:
         """Put the children of a node that a ray meets before t on its stack, the nearest on top.
 
         entries: CHILDREN local floats; in_order: whether the others are in order, too, which takes
-        branches, or as they stand in the node.
+        branches, or in the order of the node.
         """
         at = NODE * code
         enter, met = meet_boxes(tree.nodes, at, ray, t)

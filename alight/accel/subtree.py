@@ -1,6 +1,6 @@
 """Build kernels: the binary tree over a set of primitives, and its leaves as blocks.
 
-A tree is built as rows (`collapse`). Its leaves say where their primitives stand in `order`; `pack`
+A tree is built as rows (`collapse`). Its leaves say where their primitives are in `order`; `pack`
 turns them into blocks, and writes all rows that have become children to their nodes.
 """
 
@@ -37,8 +37,8 @@ from alight.accel.layout import (
 )
 from alight.accel.references import COUNTS, TABLE
 from alight.accel.splitting import Rules, divide
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_int,
     as_uint,
     bits_float,
@@ -48,7 +48,7 @@ from alight.core.simd import (
     mask_bits,
     trailing_zeros,
 )
-from alight.core.wide import load_wide, store_wide
+from lanewise.wide import load_wide, store_wide
 
 #: What blocks are made from. Views vertices (float32) and faces (int32); triangles: how many;
 #: others: rows of BLOCK floats, the blocks of primitives number `triangles` and on.

@@ -1,13 +1,13 @@
-"""The rays of a packet through the bounding volume hierarchy as long as they go the same way.
+"""The rays of a packet descend the bounding volume hierarchy together while they agree.
 
-Rays of neighbouring samples, and of one point to one light, look at the same nodes. One box against
-all of them is one test, and what a step costs besides, mostly the guess of which child comes next,
-is paid once. So a packet opens a node together while enough of its rays are in it (`FEW`); a
-subtree that only few enter waits until they come to it alone (`turns`). The choice is made anew at
-every node, so nothing depends on a guess about the scene.
+Rays of neighbouring samples, and from one point to one light, visit the same nodes. One box against
+all of them is one test, and the overhead of a step, mostly the misprediction of the next child, is
+paid once. So a packet opens a node together while enough of its rays are in it (`FEW`); a subtree
+that only few enter waits until they reach it alone (`turns`). The choice is made at every node, so
+nothing depends on a guess about the scene.
 
-Which rays travel along decides the order of the visits, but not what is met: the nearest hit, of
-equal ones the lowest, is the same in any order, as no box is culled wrongly (`single`).
+The companions of a ray change the order of its visits, but not its hit: the nearest one, the lowest
+among equals, is the same in any order, as no box is culled wrongly (`single`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, MAX_DEPTH, NODE, S
 from alight.accel.rays import MOST, RECIPROCAL
 from alight.accel.single import SHRINK, STRETCH, fetch_ahead
 from alight.accel.stacks import ROOM
-from alight.core.jit import kernel
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import (
     LANES,
     as_int,
     as_uint,
@@ -36,14 +37,13 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.vec import Vec3
-from alight.core.wide import load_wide
+from lanewise.wide import load_wide
 
 #: So many sixteenths of the lanes, or fewer, go alone: a test for all takes as long as theirs
 #: (decision 11).
 FEW = 12
 
-#: Subtrees that may wait for a ray alone; when there are so many, all go on together.
+#: Subtrees that may wait for a ray alone; beyond that, all continue together.
 WAITING = 32
 
 #: Room for the stack of a ray alone: what waits, then what it puts on it itself.
@@ -101,7 +101,7 @@ def write_push_places(nearest_first: bool) -> Callable:
     def push_places(tree, at, place, children, entries, masks, codes, keys, size):
         """Put the children in the bits `children` on the stack, nearest on top.
 
-        How near is said by the first ray that meets a child.
+        The first ray that hits a child determines its distance.
         """
         base = size
         while children != 0:
@@ -142,7 +142,7 @@ def write_together(visit_all: Callable, nearest_first: bool) -> Callable:
         stacks : Stacks
         bases : local uints
             Subtrees for ray i, at most `WAITING`, are put in front of number bases[i] of the
-            stacks, the nearest first, so that it stands highest; bases[i] becomes the lowest used.
+            stacks, the nearest first, so that it is on top; bases[i] becomes the lowest used.
         visits : Visits
             Room for them.
         """

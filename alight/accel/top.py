@@ -9,9 +9,9 @@ from __future__ import annotations
 from alight.accel.references import BINS, COUNTS, TABLE, fill_bins, partition
 from alight.accel.splitting import bin_count, choose_split, write_box
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import local_floats, local_longs, minimum
-from alight.core.wide import load_wide, store_wide, wide
+from lanewise.jit import kernel
+from lanewise.simd import local_floats, local_longs, minimum
+from lanewise.wide import load_wide, store_wide, wide
 
 
 @kernel(strict=True)

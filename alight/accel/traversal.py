@@ -22,8 +22,8 @@ from alight.accel.single import (
     triangle_ray,
 )
 from alight.accel.stacks import ROOM, Stacks, write_open_node
-from alight.core.jit import kernel
-from alight.core.simd import as_float, as_int, as_uint, local_floats, local_uints, mask_bits
+from lanewise.jit import kernel
+from lanewise.simd import as_float, as_int, as_uint, local_floats, local_uints, mask_bits
 
 
 @kernel(strict=True)

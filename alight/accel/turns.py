@@ -1,10 +1,10 @@
-"""The rays of a packet through the bounding volume hierarchy: together, then by turns.
+"""The rays of a packet through the bounding volume hierarchy: together, then in turns.
 
-What enough of them enter they open together (`together`). For the rest of its way each goes alone,
-but all of them take a step at the same time: a turn takes what is next from the stack of each ray,
-opens all nodes, then visits all leaves. Which children a ray meets, and whether it hits anything,
-is anybody's guess; so neither is asked in a branch, and while one ray waits the others go on.
-Decision 11 has the figures.
+Nodes that enough of them enter they open together (`together`). After that each continues alone,
+but all take their steps at the same time: a turn pops the next entry from the stack of each ray,
+opens all nodes, then visits all leaves. Which children a ray hits, and whether it hits anything, is
+unpredictable; so no branch depends on it, and the latencies of all rays overlap. Decision 11 has
+the reasons.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from alight.accel.single import SHRINK
 from alight.accel.stacks import Stacks, write_open_node
 from alight.accel.together import OWN, WAITING, write_together
 from alight.accel.visits import data_of_all, no_visits, write_visit_all
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_int,
     as_uint,
     bits_mask,

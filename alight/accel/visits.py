@@ -1,8 +1,8 @@
 """Visits of rays to blocks of triangles, many at a time.
 
-What a visit finds is anybody's guess, and a processor that has guessed wrongly starts anew once the
+The outcome of a visit is unpredictable, and a mispredicted branch restarts the pipeline once the
 long chain of operations up to the answer is over. So all visits are made first, without a branch;
-then those that found something are gone through, when the answers lie ready in memory.
+then those with a hit are processed, when the answers are ready in memory.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Callable
 from alight.accel.layout import IDS, OTHER, WIDTH
 from alight.accel.rays import DIRECTION, MOST, ORIGIN, triangle_ray_of, vector_of
 from alight.accel.single import SingleHit, meet_triangles
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     as_float,
     as_int,
     as_uint,
@@ -25,7 +25,7 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.core.wide import store_wide
+from lanewise.wide import store_wide
 
 #: rays, places: local longs, number of the ray and word where the block starts; bits: local longs,
 #: the triangles that are hit; numbers: local floats, rows of WIDTH: t, u, v of visit 0, of visit 1

@@ -1,12 +1,12 @@
-r"""What the inside of a clear body takes away: Beer and Lambert's law.
+r"""Absorption inside a clear body: Beer and Lambert's law.
 
 .. math:: T(t) = c^{t / d} = e^{-\sigma t}, \qquad \sigma = -\ln(c) / d
 
-Light keeps the colour c after the distance d inside. Which body a piece of a path lies in is told
-by the surface at its end: where it arrives at the inner side of a surface, that surface's material
-absorbs along the whole piece. No list of media is kept, so this is right for closed bodies, also
-one in another where each boundary is one surface that names the media on both of its sides
-(`int_ior`, `ext_ior`); what opaque things inside of a body send out is dimmed on its way out, but
+Light keeps the colour c after the distance d inside. The surface at the end of a path segment
+determines the body that contains it: if the segment arrives at the inner side of a surface, that
+surface's material absorbs along the whole segment. No list of media is kept, so this is right for
+closed bodies, nested ones included if each boundary is one surface that names the media on both
+sides (`int_ior`, `ext_ior`); light from opaque things inside a body is dimmed on its way out, but
 not the light that comes to them. Shadow rays do not pass boundaries that refract.
 
 Source: Lambert, Photometria (1760); PBR4 section 11.2.
@@ -18,9 +18,9 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from alight.core.jit import kernel
 from alight.core.spec import Bsdf, Interval, Reflectance
 from alight.core.vec import gather_vec3
+from lanewise.jit import kernel
 
 #: What programs call a material that absorbs inside.
 ABSORBING = "absorbing"

@@ -1,4 +1,4 @@
-r"""How much light facets send back or let through after one bounce, in tables over the cosine.
+r"""How much light facets reflect or transmit after one bounce, in tables over the cosine.
 
 Single scattering reflects and transmits the parts W (of white facets), R and T of the light, and of
 the part V there is a refracted direction (`alight.bsdfs.visible_facets`). What W and R + T lack to
@@ -7,9 +7,9 @@ albedos a W + b R and V - a V - b (V - T).
 
 A row holds these at `STEPS` cosines (j / (STEPS - 1))^4, dense where masking changes quickly: W, R,
 T, V from outside, then R, T, V from inside, and last the means 2 ∫ W mu dmu and 2 ∫ R mu dmu. Rows
-stand at equal steps of the root of alpha, and are interpolated linearly both ways.
+lie at equal steps of the root of alpha, and are interpolated linearly both ways.
 
-Of facets whose roughness depends on the direction, rows stand along three axes: the root of the
+Of facets whose roughness depends on the direction, rows lie along three axes: the root of the
 lesser alpha, the anisotropy (`alpha_along`), and the root of the cosine between the azimuth and the
 rougher direction, which changes first: grazing light across it sees a smooth surface. An axis along
 which nothing varies has one row. The means are those over all azimuths.
@@ -31,8 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.bsdfs.visible_facets import LATTICE, Seen, bounce, entering, see_facets
-from alight.core.jit import kernel
 from alight.core.microfacet import Facets
+from lanewise.jit import kernel
 
 Array = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ FEWEST, COARSE = (377, 233), 32
 LEAST_ALPHA = 1e-3
 
 
-#: Where the last rows along the second and third axis stand in `Grid.axes`.
+#: Where the last rows along the second and third axis are in `Grid.axes`.
 ANISOTROPY_BIT, AZIMUTH_BIT = 6, 10
 
 
@@ -147,7 +147,7 @@ def albedo_row(
 def albedo_rows(root: float | None, needs: Needs) -> NDArray[np.float32]:
     """Rows of facets: one, or where their roughness varies (None) `ROWS`.
 
-    Row i of many stands for the root i / (ROWS - 1) of alpha, which is at least `LEAST_ALPHA`.
+    Row i holds the root i / (ROWS - 1) of alpha, which is at least `LEAST_ALPHA`.
     """
     if root is not None:
         return albedo_row(_alpha(root), needs)

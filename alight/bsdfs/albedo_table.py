@@ -27,9 +27,9 @@ from alight.bsdfs.rows import (
     rows_at,
     rows_between,
 )
-from alight.core.jit import kernel, specialised
-from alight.core.simd import absolute, gather, lanes_u32, maximum, minimum, sqrt, to_float, to_uint
 from alight.core.vec import lerp
+from lanewise.jit import kernel, specialised
+from lanewise.simd import absolute, gather, lanes_u32, maximum, minimum, sqrt, to_float, to_uint
 
 #: Rows along three axes: where they start, and the number of the last one along each (floats).
 Grid = namedtuple("Grid", "curves start last anisotropy azimuth")

@@ -1,4 +1,4 @@
-r"""Burley's principled material as Mitsuba has it: the look of scenes that were made for it.
+r"""Burley's principled material as in Mitsuba, for scenes made for it.
 
 .. math::
     f &= (1 - m)(1 - t) \left[ \tfrac{\rho}{\pi} f_d \right] + (1 - m)\, s\, c_s F_d
@@ -46,14 +46,14 @@ from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
-from alight.core.jit import kernel
 from alight.core.maths import exp, log, sincos_2pi
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
-from alight.core.simd import absolute, lanes, lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.vec import Vec3, dot, lerp, luminance, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar, textured_scalar
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes, lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
 
 #: Glass has at least this index: the facet that refracts is found from it.
 LEAST_IOR = 1.001

@@ -36,13 +36,13 @@ from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
-from alight.core.simd import lanes, lanes_u32, lanes_vec3, maximum, minimum, where
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.vec import Vec3, dot, lerp, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar, textured_scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, lanes_vec3, maximum, minimum, where
 
 #: What a white sheet sends out at most of the light that it gets, measured.
 MOST_SENT_OUT = 1.61

@@ -8,7 +8,7 @@ r"""Coated metal: rough or polished metal under a rough or smooth clear coat.
 First what the coat reflects. Then the metal's lobe: directions with a dash are refracted into the
 coat, of relative index eta, as if it were smooth; D is a little wider than the metal's own, by what
 a rough coat scatters on both ways. Light goes to and fro between the layers, and is coloured by the
-metal each time. How much of it leaves at last is known, see `alight.bsdfs.layered`; the scales s,
+metal each time. How much of it finally leaves is known, see `alight.bsdfs.layered`; the scales s,
 one for each channel, give the lobe just that albedo from every side, within 0.002 (within 0.01 in
 the last degree above the surface). How it is spread is nearly right under smooth coats, and too
 narrow at grazing angles under rough ones.
@@ -38,13 +38,13 @@ from alight.bsdfs.layered import CURVES, SCALE, SHARE, Layers, lobe_alpha, round
 from alight.bsdfs.rows import load_table, rows_at
 from alight.core.constants import INV_PI
 from alight.core.fresnel import cos_transmitted, fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
-from alight.core.simd import lanes, lanes_u32, maximum, minimum, sqrt, where
 from alight.core.spec import Interval, invalid
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import constant_color, scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, maximum, minimum, sqrt, where
 
 Alpha = Annotated[float, Interval(LEAST_ALPHA, 1.0)]
 
@@ -201,7 +201,7 @@ def _share(params, cosine):
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
     above = (wo.z > 0.0) & (wi.z > 0.0)
-    # Below the surface, the overhead direction stands in: nothing there is used.
+    # Below the surface, the overhead direction replaces it; the result is not used.
     up = Vec3(0.0, 0.0, 1.0)
     wo, wi = where(above, wo, up), where(above, wi, up)
     cosine, kept, coat_pdf = _mirrored(params.coat, wo, wi)

@@ -1,11 +1,11 @@
-r"""Matte stuff under a clear coat: what `plastic` and `rough_plastic` share.
+r"""A matte base under a clear coat: what `plastic` and `rough_plastic` share.
 
 Light that enters the coat scatters at the base, is partly thrown back by the coat from inside, and
 scatters again. With the internal reflectance R (for diffuse light) the sum over all rounds is
 
 .. math:: \rho' = \rho\,(1 + \rho R + \rho^2 R^2 + \dots) = \frac{\rho}{1 - \rho R},
 
-where each round colours the light anew. The linear version keeps the colour of one round:
+where each round colours the light again. The linear version keeps the colour of one round:
 rho / (1 - R).
 
 For a rough coat the part T(mu) that enters at the cosine mu, and
@@ -31,9 +31,10 @@ from alight.bsdfs.rows import load_table, read_row, rows_at
 from alight.bsdfs.visible_facets import bounce, see_facets
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import Facets
-from alight.core.simd import (
+from alight.core.vec import luminance
+from lanewise.jit import kernel
+from lanewise.simd import (
     lanes_u32,
     lanes_vec3,
     maximum,
@@ -43,7 +44,6 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.vec import luminance
 
 #: Cosines in a table of transmittances.
 STEPS = 64
@@ -101,7 +101,7 @@ def coat_table(distribution: str, alpha: float | None, eta: float) -> NDArray[np
 
 @kernel
 def base_reflectance(reflectance, internal, nonlinear):
-    """Reflectance of the base with all rounds inside of the coat, as if seen from there."""
+    """Reflectance of the base with all rounds inside the coat, as if seen from there."""
     colored = where(nonlinear > 0.0, reflectance, 1.0)
     return reflectance / (lanes_vec3(1.0) - colored * internal)
 
@@ -124,7 +124,7 @@ def share_of_coat(reflected, specular, matte):
 
 @kernel
 def load_coat(scene, slot, alpha):
-    """The `Rows` of a coat, whose start and last row stand in two slots."""
+    """The `Rows` of a coat, whose start and last row are in two slots."""
     return rows_at(load_table(scene, slot), sqrt(alpha), ROW)
 
 

@@ -26,8 +26,6 @@ from alight.bsdfs.flags import DELTA, REFLECTION
 from alight.bsdfs.tints import WHITE, tint, tint_features
 from alight.core.errors import unknown_name
 from alight.core.fresnel import fresnel_conductor
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_u32, where
 from alight.core.spec import (
     Bsdf,
     Color,
@@ -39,6 +37,8 @@ from alight.core.spec import (
 )
 from alight.core.vec import Vec3
 from alight.textures.fetch import constant_color
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, where
 
 # metal: (eta, k) for red, green and blue
 METALS: dict[str, tuple[Triple, Triple]] = {

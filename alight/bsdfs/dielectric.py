@@ -7,10 +7,10 @@ r"""Smooth dielectric (glass, water): reflects and refracts, both without blur.
 Two Dirac lobes. Radiance that is refracted is scaled by 1 / eta^2, because the beam's solid angle
 changes. `int_ior` lies on the side that the normal points away from.
 
-Bodies in each other, as water in a glass: every boundary is one surface, whose `int_ior` and
-`ext_ior` name the media on its two sides. Surfaces that overlap have no priorities; where two
-boundaries coincide only one may be there. What absorbs is told by the side of the surface that
-light arrives at, see `alight.bsdfs.absorption`.
+Nested bodies, such as water in a glass: every boundary is one surface, whose `int_ior` and
+`ext_ior` name the media on its two sides. Overlapping surfaces have no priorities; where two
+boundaries coincide, use only one. The side of the surface that light arrives at determines the
+absorbing body, see `alight.bsdfs.absorption`.
 
 Source: PBR4 section 9.5; Veach, Robust Monte Carlo Methods (1997), section 5.2 for the factor.
 """
@@ -34,10 +34,10 @@ from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import is_lossless as is_lossless
 from alight.bsdfs.interface import load as load
 from alight.core.fresnel import fresnel_dielectric, refract
-from alight.core.jit import kernel
-from alight.core.simd import absolute, lanes_u32, where
 from alight.core.vec import Vec3
 from alight.textures.fetch import scalar
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes_u32, where
 
 
 class Dielectric(Interface, Absorbing):

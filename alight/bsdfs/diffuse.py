@@ -25,12 +25,12 @@ from typing import Annotated, ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
-from alight.core.jit import kernel, specialised
 from alight.core.noise_only import NoiseOnly
-from alight.core.simd import any_lane, lanes, lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture, largest_channel
 from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
 from alight.textures.fetch import color, scalar
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, lanes, lanes_u32, where
 
 
 class Diffuse(Bsdf):

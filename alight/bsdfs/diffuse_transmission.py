@@ -21,12 +21,12 @@ from typing import ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
-from alight.core.jit import kernel
-from alight.core.simd import absolute, lanes_u32, maximum, where
 from alight.core.spec import Bsdf, ColorTexture
 from alight.core.vec import Vec3, luminance
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes_u32, maximum, where
 
 
 class DiffuseTransmission(Bsdf):
@@ -37,7 +37,7 @@ class DiffuseTransmission(Bsdf):
     reflectance : ColorTexture, default 0.25
         Part of the light that goes back, each channel in [0, 1].
     transmittance : ColorTexture, default 0.25
-        Part of the light that goes on, each channel in [0, 1].
+        Part of the light that is transmitted, each channel in [0, 1].
     """
 
     transmissive: ClassVar[bool] = True
@@ -120,7 +120,7 @@ def sample(params, wo, u, u2):
     pdf = INV_PI * wi.z * chance
     # (rho / pi) cos / (share cos / pi): the cosine cancels.
     weight = where(goes_back, params.reflectance, params.transmittance) / maximum(chance, 1e-20)
-    # Above the surface if wo is above and goes back, or is below and goes on.
+    # Above the surface if wo is above and is reflected, or is below and is transmitted.
     above = wo.z > 0.0
     turned = (above & ~goes_back) | (~above & goes_back)
     wi = Vec3(wi.x, wi.y, where(turned, -wi.z, wi.z))

@@ -1,9 +1,9 @@
-"""Models of Dirac lobes only, whose directions are met by sampling alone."""
+"""Models of Dirac lobes only, whose directions only sampling can find."""
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_vec3
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_vec3
 
 
 @kernel

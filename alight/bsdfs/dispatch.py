@@ -30,8 +30,9 @@ from alight.bsdfs.switch import (
     sample_row,
 )
 from alight.core.constants import ONE_MINUS_EPSILON
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.textures.fetch import textured_scalar
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     gather,
     lanes,
@@ -42,7 +43,6 @@ from alight.core.simd import (
     minimum,
     where,
 )
-from alight.textures.fetch import textured_scalar
 
 #: What programs call it that materials have more than one model.
 LAYERED_NAME = "layered"
@@ -185,7 +185,7 @@ def _albedo_layers(scene, surface, active):
 
 @specialised
 def open_share(program):
-    """``(scene, surface, active) -> float``: what part of light goes on as if nothing was there.
+    """``(scene, surface, active) -> float``: what part of light continues as if nothing were there.
 
     1 for `null`, 1 - opacity for a mask.
     """
@@ -214,7 +214,7 @@ def _open_layers(scene, surface, active):
 
 @specialised
 def is_mixed(program):
-    """``(scene, surface) -> mask``: the material may have Dirac lobes beside smooth ones."""
+    """``(scene, surface) -> mask``: the material may have both Dirac and smooth lobes."""
     return _is_mixed if DELTA_AND_SMOOTH in program.bsdfs else _never_mixed
 
 

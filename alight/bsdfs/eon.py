@@ -28,13 +28,13 @@ from typing import ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
-from alight.core.jit import kernel
 from alight.core.maths import arccos
-from alight.core.simd import lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Bsdf, ColorTexture, UnitTexture
 from alight.core.vec import Vec3
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, textured_scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
 
 
 class Eon(Bsdf):

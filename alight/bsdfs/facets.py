@@ -1,4 +1,4 @@
-"""What the rough models have in common: how rough they are, and by which distribution of facets.
+"""What the rough models share: their roughness and their distribution of facets.
 
 Scenes whose roughness is the same in all directions do not look tangents up, and only the
 distributions in use are compiled.
@@ -10,11 +10,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import model_validator
 
-from alight.core.jit import kernel, specialised
 from alight.core.microfacet import FEATURES, Facets
-from alight.core.simd import maximum
 from alight.core.spec import SMOOTHEST, Bsdf, Interval, NumberOrTexture, Texture, invalid
 from alight.textures.fetch import scalar, textured_scalar
+from lanewise.jit import kernel, specialised
+from lanewise.simd import maximum
 
 #: What programs call roughness that depends on the direction.
 ANISOTROPIC = "anisotropic"

@@ -1,4 +1,4 @@
-"""Boundaries between two clear media: what smooth, thin and rough dielectrics have in common."""
+"""Boundaries between two clear media: what smooth, thin and rough dielectrics share."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pydantic import BeforeValidator
 
 from alight.bsdfs.tints import WHITE, tint, tint_features
 from alight.core.errors import unknown_name
-from alight.core.jit import kernel
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, invalid
 from alight.textures.fetch import scalar
+from lanewise.jit import kernel
 
 # Indices at 589.3 nm (sodium D), from the CRC Handbook of Chemistry and Physics and the
 # catalogue of Schott AG (bk7: 1.5168, at the green 546 nm line 1.5187).

@@ -1,4 +1,4 @@
-r"""How much light a clear coat and what lies below it send back, all rounds between them summed up.
+r"""How much light a clear coat and its base reflect, with all bounces between them summed up.
 
 Both layers are rough alike in all directions, so what they do to power depends on cosines alone.
 With a direction for each point of a grid of cosines, R and T the matrices of what the coat reflects
@@ -40,7 +40,7 @@ from alight.bsdfs.visible_facets import LATTICE, Seen, see_facets
 from alight.core.fresnel import fresnel_conductor, fresnel_dielectric
 from alight.core.microfacet import Facets
 from alight.core.spec import Triple
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 Array = NDArray[np.float64]
 

@@ -15,11 +15,11 @@ from typing import ClassVar, Literal
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
-from alight.core.jit import kernel
-from alight.core.simd import lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture, largest_channel
 from alight.core.vec import Vec3
 from alight.textures.fetch import color
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, where
 
 
 class Mirror(Bsdf):

@@ -1,4 +1,4 @@
-"""Materials made of other materials: what they are made of, down to models that scatter light.
+"""Materials made of other materials, resolved down to the models that scatter light.
 
 A blend is a sum w_0 f_0 + w_1 f_1 + ..., and a blend of blends is one too: each model at the bottom
 (a leaf) has a share that is a product of weights and of complements 1 - weight. Kernels only see
@@ -14,9 +14,9 @@ from pydantic import model_validator
 
 from alight.core.spec import Bsdf, invalid, largest_of
 
-#: A material has at most so many leaves: kernels visit them one after the other.
+#: Most leaves of a material: kernels visit them one after the other.
 MOST_LEAVES = 32
-#: And at most so many levels: what goes through them calls itself.
+#: Most levels of a material: functions that walk them recurse.
 MOST_LEVELS = 64
 
 
@@ -45,7 +45,7 @@ class Nested(Bsdf):
     weight_field : str
         Name of the field that holds the weight, or "" without one.
     bends_normals : bool
-        Whether it puts other normals in the place of the surface's, see `alight.bsdfs.relief`.
+        Whether it replaces the surface's normals, see `alight.bsdfs.relief`.
     """
 
     bends_normals: ClassVar[bool] = False

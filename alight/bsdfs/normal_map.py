@@ -1,4 +1,4 @@
-r"""Normal map: the normals of another surface in the place of the own ones, from a picture.
+r"""Normal map: replaces the surface's normals by those of a picture.
 
 .. math:: n \propto (c\,(2 r - 1),\; c\,(2 g - 1),\; 2 b - 1)
 

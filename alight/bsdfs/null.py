@@ -15,9 +15,9 @@ from typing import ClassVar, Literal
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_u32, lanes_vec3
 from alight.core.spec import Bsdf
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, lanes_vec3
 
 
 class Null(Bsdf):

@@ -25,11 +25,11 @@ from typing import Annotated, ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
-from alight.core.jit import kernel
-from alight.core.simd import lanes_u32, maximum, where
 from alight.core.spec import Bsdf, ColorTexture, Interval
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, maximum, where
 
 
 class OrenNayar(Bsdf):

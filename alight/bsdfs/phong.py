@@ -22,13 +22,13 @@ from pydantic import model_validator
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
 from alight.core.frame import frame_from_normal, to_world
-from alight.core.jit import kernel
 from alight.core.maths import exp, expm1, log1p
-from alight.core.simd import lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture, ScalarTexture, energy_problem, invalid
 from alight.core.vec import Vec3, length_squared, luminance, quotient
 from alight.core.warps import direction_around_z, square_to_cosine_hemisphere
 from alight.textures.fetch import color, textured_scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, where
 
 
 class Phong(Bsdf):

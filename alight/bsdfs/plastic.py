@@ -29,12 +29,12 @@ from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH, REFLECTION
 from alight.bsdfs.interface import MEDIA, Medium
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_u32, maximum, where
 from alight.core.spec import Bsdf, ColorTexture, Truth
 from alight.core.vec import Vec3
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, maximum, where
 
 
 class Coated(Bsdf):
@@ -49,7 +49,7 @@ class Coated(Bsdf):
     specular_reflectance : ColorTexture, default 1
         Factor of the coat's reflection; 1 for real coats.
     nonlinear : bool, default False
-        Whether light is coloured by each round inside of the coat.
+        Whether light is coloured by each round inside the coat.
     """
 
     int_ior: Medium = MEDIA["acrylic"]

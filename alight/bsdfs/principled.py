@@ -75,10 +75,8 @@ from alight.bsdfs.rows import MANY_ROWS, load_table, rows_at
 from alight.bsdfs.sheen import ROW as SHEEN_ROW
 from alight.bsdfs.sheen import ROWS as SHEEN_ROWS
 from alight.bsdfs.sheen import sheen_rows
-from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos
 from alight.core.microfacet import Facets
-from alight.core.simd import lanes, lanes_vec3, maximum, minimum, where
 from alight.core.spec import (
     ColorTexture,
     IndexOfRefraction,
@@ -89,11 +87,13 @@ from alight.core.spec import (
     UnitTexture,
 )
 from alight.textures.fetch import color, constant_color, scalar, textured_scalar
+from lanewise.jit import kernel, specialised
+from lanewise.simd import lanes, lanes_vec3, maximum, minimum, where
 
 #: Programs in which none is glass or a sheet have nothing that refracts.
 REFRACTING = GLASS
 #: What programs call it that metallic or roughness are textured, and that any of the others is:
-#: each lookup of a texture is compiled where it stands.
+#: each lookup of a texture is compiled inline.
 TEXTURED, VARIED = "principled:textured", "principled:varied"
 RARELY_TEXTURED = (
     "specular", "specular_color", "anisotropy", "anisotropy_rotation", "transmission", "clearcoat",

@@ -24,18 +24,7 @@ from alight.bsdfs.sheen import sheen_f_cos
 from alight.core.constants import INV_PI, INV_TWO_PI
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel, specialised
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
-from alight.core.simd import (
-    absolute,
-    lanes,
-    lanes_mask,
-    lanes_u32,
-    lanes_vec3,
-    maximum,
-    minimum,
-    where,
-)
 from alight.core.vec import (
     Vec3,
     dot,
@@ -47,6 +36,17 @@ from alight.core.vec import (
     renormalize,
 )
 from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    absolute,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    where,
+)
 
 # ---------------------------------------------------------------- facets of the base
 
@@ -209,7 +209,7 @@ def _values(program):
         valid = above
         if glass:
             valid = above | (view.seen & (wi.z < 0.0))
-        # Elsewhere the overhead direction stands in: nothing there is used.
+        # Elsewhere the overhead direction replaces it; the result is not used.
         wi = where(valid, wi, Vec3(0.0, 0.0, 1.0))
         f_cos, pdf = _facets_f_cos(params, view, wi)
         f_cos, pdf = f_cos * view.base, pdf * view.to_facets

@@ -23,8 +23,14 @@ from alight.bsdfs.sheen import sheen_albedo
 from alight.bsdfs.thin_film import film_fresnel
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.core.vec import (
+    Vec3,
+    lerp,
+    luminance,
+    max_component,
+)
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     lanes,
     lanes_mask,
@@ -33,12 +39,6 @@ from alight.core.simd import (
     maximum,
     minimum,
     where,
-)
-from alight.core.vec import (
-    Vec3,
-    lerp,
-    luminance,
-    max_component,
 )
 
 #: What programs call lobes that not every material has.
@@ -185,7 +185,7 @@ def _one_side(params, wo):
 
 @kernel
 def rows_from(params, w):
-    """Where the base's albedos stand, seen from w."""
+    """Where the base's albedos are stored, seen from w."""
     return facet_rows_at(params.table, params.facets, params.turn.anisotropy, w)
 
 

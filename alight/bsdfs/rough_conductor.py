@@ -25,11 +25,11 @@ from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets,
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.tints import tint_features
 from alight.core.fresnel import fresnel_conductor
-from alight.core.jit import kernel
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
-from alight.core.simd import lanes, lanes_u32, where
 from alight.core.spec import largest_channel
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, where
 
 
 class RoughConductor(Metallic, Rough):
@@ -105,7 +105,7 @@ def load(scene, base, surface):
 def _scatter(params, wo, wi):
     """(f cos theta_i / pdf, pdf per steradian)."""
     above = (wo.z > 0.0) & (wi.z > 0.0)
-    # Below the surface, the overhead direction stands in: nothing there is used.
+    # Below the surface, the overhead direction replaces it; the result is not used.
     wo, wi = where(above, wo, Vec3(0.0, 0.0, 1.0)), where(above, wi, Vec3(0.0, 0.0, 1.0))
     wm = normalize(wo + wi)
     # The density D (wo . wm) / sigma of normals, over the Jacobian 4 (wo . wm) of reflection.

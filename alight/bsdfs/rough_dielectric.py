@@ -41,11 +41,11 @@ from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import load as load_interface
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
-from alight.core.simd import absolute, lanes_u32, maximum, where
 from alight.core.spec import invalid
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes_u32, maximum, where
 
 #: Both indices differ by at least this part: the facet that refracts is found from how far.
 LEAST_DIFFERENCE = 1e-3
@@ -152,7 +152,7 @@ def _scatter(params, eta, wo, wi):
     refracted = (fresnel - 1.0) * cos_o * cos_i * (stretched * stretched)
     jacobian = where(reflects, 0.25 * fresnel, refracted)
     pdf = jacobian * facet_density(params.facets, wm) / visible_area(params.facets, wo)
-    # Facets are seen from their outer side by wo, and by wi if it goes on where it should.
+    # Facets are seen from their outer side by wo, and by wi if it leaves on the right side.
     turned = (reflects & (cos_i > 0.0)) | ((wi.z < 0.0) & (cos_i < 0.0))
     valid = (wo.z > 0.0) & (cos_o > 0.0) & turned
     masking = absolute(wi.z) / visible_area(params.facets, wi)

@@ -5,7 +5,7 @@ r"""Rough plastic: a matte base under a clear coat of tiny facets.
         G_1(\omega_o)\, G_1(\omega_i)}{4 \cos\theta_o \cos\theta_i}
         + \frac{T(\cos\theta_o)\, T(\cos\theta_i)}{\eta^2}\, \frac{\rho'}{\pi}
 
-with T the part of light that enters the coat, and rho' the base with all rounds inside of it (see
+with T the part of light that enters the coat, and rho' the base with all rounds inside it (see
 `alight.bsdfs.coating`). Light that meets two facets is lost (single scattering). One smooth
 mixture of two lobes; black from behind.
 
@@ -33,7 +33,6 @@ from alight.bsdfs.plastic import COAT_SLOTS, Coated, pack_coat
 from alight.bsdfs.rows import MANY_ROWS
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
 from alight.core.microfacet import (
     FEATURES,
     Facets,
@@ -41,11 +40,12 @@ from alight.core.microfacet import (
     sample_visible_facet,
     visible_area,
 )
-from alight.core.simd import lanes, lanes_u32, maximum, minimum, where
 from alight.core.spec import SMOOTHEST, Roughness, Texture
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color, scalar, textured_scalar
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32, maximum, minimum, where
 
 
 class RoughPlastic(Coated):
@@ -147,7 +147,7 @@ def _share(params, through):
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
     above = (wo.z > 0.0) & (wi.z > 0.0)
-    # Below the surface, the overhead direction stands in: nothing there is used.
+    # Below the surface, the overhead direction replaces it; the result is not used.
     up = Vec3(0.0, 0.0, 1.0)
     wo, wi = where(above, wo, up), where(above, wi, up)
     # The coat. The density D (wo . wm) / sigma of normals, over the Jacobian 4 (wo . wm).

@@ -1,6 +1,6 @@
 """Rows of numbers for each material, in `materials.curves`: how kernels look them up.
 
-Where a roughness is the same everywhere one row serves; where it varies rows stand at equal steps
+Where a roughness is the same everywhere one row serves; where it varies rows lie at equal steps
 of a coordinate in [0, 1], and are interpolated linearly. Programs in which nothing varies do not
 compile that.
 """
@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import gather, lanes, lanes_u32, maximum, minimum, to_float, to_uint
+from lanewise.jit import kernel, specialised
+from lanewise.simd import gather, lanes, lanes_u32, maximum, minimum, to_float, to_uint
 
 #: What programs call it that a table has more than one row.
 MANY_ROWS = "rows:many"
@@ -23,7 +23,7 @@ Rows = namedtuple("Rows", "curves row step part")
 
 @kernel
 def load_table(scene, slot):
-    """The `Table` whose start and last row stand in two slots."""
+    """The `Table` whose start and last row are in two slots."""
     data = scene.materials.data
     return Table(scene.materials.curves, to_uint(gather(data, slot)), gather(data, slot + 1))
 
@@ -32,7 +32,7 @@ def load_table(scene, slot):
 def rows_at(program):
     """``(table, root, size) -> Rows``.
 
-    `root` is the coordinate in [0, 1] along which rows stand, `size` their length.
+    `root` is the coordinate in [0, 1] along which rows lie, `size` their length.
     """
     return rows_between if MANY_ROWS in program.bsdfs else _one_row
 

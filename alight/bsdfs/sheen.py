@@ -6,7 +6,7 @@ r"""Sheen: fibres that stand on a surface and shine towards its rim, as velvet a
 
 s >= 1 is the largest albedo of the lobe alone, where that is larger than 1. What lies below gets
 the part 1 - E(o), with the directional albedo E from a table made by our own quadrature. A row
-holds E at `STEPS` cosines (j / (STEPS - 1))^2 and s; rows stand at equal steps of the roughness.
+holds E at `STEPS` cosines (j / (STEPS - 1))^2 and s; rows lie at equal steps of the roughness.
 
 Source: Estevez and Kulla 2017, Production Friendly Microfacet Sheen BRDF; Ashikhmin and Premoze
 2007, Distribution-based BRDFs for the denominator; KHR_materials_sheen of glTF for both together.
@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from alight.bsdfs.rows import read_row
 from alight.core.constants import INV_TWO_PI
-from alight.core.jit import kernel
 from alight.core.maths import exp, log
-from alight.core.simd import lanes_u32, maximum, minimum, sqrt, to_float, to_uint
 from alight.core.vec import dot
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, maximum, minimum, sqrt, to_float, to_uint
 
 #: Cosines of a row, its length, and rows where the roughness is textured.
 STEPS = 48

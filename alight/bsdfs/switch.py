@@ -12,10 +12,12 @@ from typing import Any, NamedTuple
 from alight.bsdfs.absorption import ABSORBING
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
-from alight.core.jit import kernel, specialised
 from alight.core.maths import exp
 from alight.core.registry import Models, Numbers, modules, specs_of
-from alight.core.simd import (
+from alight.core.spec import Bsdf
+from alight.core.vec import Vec3
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     as_int,
     as_uint,
@@ -29,12 +31,10 @@ from alight.core.simd import (
     to_float,
     where,
 )
-from alight.core.spec import Bsdf
-from alight.core.vec import Vec3
 
 #: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
 STRIDE = 16
-#: Bits of a material's flags: the back looks like the front; Dirac lobes beside smooth ones; and
+#: Bits of a material's flags: the back looks like the front; both Dirac and smooth lobes; and
 #: from bit `RELIEF` on, the row of its normal or bump map + 1.
 TWO_SIDED, MIXED, RELIEF = 1, 2, 2
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
@@ -319,7 +319,7 @@ def refracts(program) -> bool:
 
 
 def _refracting(program) -> list[Used]:
-    """The models of which a material of the program may refract."""
+    """The models with a material in the program that may refract."""
     with_index = [used for used in models_of(program) if hasattr(used.model, INNER_INDEX)]
     return [
         used

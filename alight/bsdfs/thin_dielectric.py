@@ -26,9 +26,9 @@ from alight.bsdfs.interface import is_lossless as is_lossless
 from alight.bsdfs.interface import load as load
 from alight.bsdfs.interface import pack as pack
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.jit import kernel
-from alight.core.simd import absolute, lanes_u32, where
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import absolute, lanes_u32, where
 
 
 class ThinDielectric(Interface):

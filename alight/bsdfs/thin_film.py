@@ -1,7 +1,7 @@
 r"""Colours of a thin film on a surface: soap, oil, tempered steel.
 
 A film of index n2 and thickness d lies between air and a base that reflects R23 by itself. The
-paths inside of it add up with the phase 2 pi (2 n2 d cos theta_2) / wavelength, plus a half turn at
+paths inside it add up with the phase 2 pi (2 n2 d cos theta_2) / wavelength, plus a half turn at
 each reflection from a denser medium. Summed over all rounds and over the eye's response,
 
 .. math::
@@ -20,10 +20,10 @@ from __future__ import annotations
 
 from alight.core.constants import PI, TWO_PI
 from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
-from alight.core.jit import kernel
 from alight.core.maths import exp, sincos
-from alight.core.simd import maximum, minimum, sqrt, where
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import maximum, minimum, sqrt, where
 
 
 @kernel
@@ -66,7 +66,7 @@ def film_fresnel(cos_1, eta2, thickness, f0):
     Parameters
     ----------
     cos_1 : float in [0, 1]
-        Cosine outside of the film.
+        Cosine outside the film.
     eta2 : float
         Index of the film.
     thickness : float

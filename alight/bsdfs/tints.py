@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import lanes_vec3
 from alight.core.spec import Texture, Triple
 from alight.textures.fetch import color
+from lanewise.jit import kernel, specialised
+from lanewise.simd import lanes_vec3
 
 #: What programs call a material with a tint other than 1.
 TINTED = "tinted"

@@ -18,11 +18,11 @@ from typing import Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_TWO_PI
-from alight.core.jit import kernel
-from alight.core.simd import lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture
 from alight.core.warps import square_to_uniform_hemisphere
 from alight.textures.fetch import color
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, where
 
 
 class UniformScatter(Bsdf):

@@ -21,9 +21,9 @@ from alight.cameras.table import (
     film_offset,
     vector,
 )
-from alight.core.jit import kernel
-from alight.core.simd import lanes_vec3
 from alight.core.spec import Camera, Positive
+from lanewise.jit import kernel
+from lanewise.simd import lanes_vec3
 
 
 class Orthographic(Camera):

@@ -17,10 +17,10 @@ from typing import Literal
 
 from alight.cameras.basis import camera_table, perspective_half_extents
 from alight.cameras.table import DOWN, FORWARD, ORIGIN, RIGHT, film_offset, vector
-from alight.core.jit import kernel
-from alight.core.simd import lanes_vec3
 from alight.core.spec import Camera, FieldOfView
 from alight.core.vec import normalize
+from lanewise.jit import kernel
+from lanewise.simd import lanes_vec3
 
 
 class Pinhole(Camera):

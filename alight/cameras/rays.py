@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alight.cameras.basis import project_points, unproject_points
-from alight.core.jit import kernel, specialised
 from alight.core.motion import matrix_at, placed, turned
 from alight.core.registry import Models
-from alight.core.simd import lanes_u32
 from alight.core.vec import normalize
+from lanewise.jit import kernel, specialised
+from lanewise.simd import lanes_u32
 
 if TYPE_CHECKING:
     from alight.core.spec import Camera

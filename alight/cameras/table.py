@@ -1,9 +1,9 @@
-"""Where the numbers of a camera stand in ``scene.camera`` (float32), and how kernels read them."""
+"""Where the numbers of a camera are in ``scene.camera`` (float32), and how kernels read them."""
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
 
 #: Half the film's width and height in pixels; distance of the plane of focus.
 HALF_WIDTH, HALF_HEIGHT, FOCUS = 0, 1, 2

@@ -27,10 +27,10 @@ from alight.cameras.table import (
     film_offset,
     vector,
 )
-from alight.core.jit import kernel
 from alight.core.spec import Camera, FieldOfView, NonNegative, Positive
 from alight.core.vec import normalize
 from alight.core.warps import square_to_disk_concentric
+from lanewise.jit import kernel
 
 
 class ThinLens(Camera):

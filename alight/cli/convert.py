@@ -1,4 +1,4 @@
-"""``alight convert``: any scene that can be read, in the native format or as far as glTF goes."""
+"""``alight convert``: any readable scene in the native format, or as far as glTF can hold it."""
 
 from __future__ import annotations
 
@@ -7,32 +7,29 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
 from alight.cli.reporting import show_remarks
+from alight.cli.words import SceneName, takes_words
+from alight.options.laboratory import ConvertOptions
 
 
+@takes_words(ConvertOptions)
 def convert(
-    scene: arguments.SceneName,
+    options: ConvertOptions,
+    scene: SceneName,
     output: Annotated[
         Path,
         typer.Argument(help="File to write: .yaml, .yml, .json or .glb."),
     ],
-    camera: arguments.CameraName = None,
-    assignments: arguments.Assignments = None,
-    define: arguments.Definitions = None,
-    lenient: arguments.Lenient = False,
-    root: arguments.Root = None,
 ) -> None:
-    """Write a scene in the native format with its meshes and pictures beside it, or as glTF."""
-    from alight.cli.loading import load_scene
-    from alight.cli.options import changes_of
+    """Write a scene in the native format with its meshes and pictures next to it, or as glTF."""
     from alight.core.errors import OutputError
-    from alight.scene import flatten, save
-    from alight.scene.formats.gltf.write import write
+    from alight.formats import save
+    from alight.formats.gltf.write import write
+    from alight.rendering.loading import scene_of
+    from alight.scene import flatten
 
     check_suffix(output)
-    changes = changes_of({"camera": camera}, assignments or [])
-    description = load_scene(scene, changes, define=define, lenient=lenient, root=root)
+    description = scene_of(scene, options)
     show_remarks(description)
     try:
         if output.suffix.lower() == ".glb":
@@ -56,7 +53,7 @@ def check_suffix(output: Path) -> None:
         With the endings that there are.
     """
     from alight.core.errors import OutputError, unknown_name
-    from alight.scene.files import SUFFIXES
+    from alight.formats.native import SUFFIXES
 
     if output.suffix.lower() not in (*SUFFIXES, ".glb"):
         text = unknown_name("suffix", output.suffix, (*SUFFIXES, ".glb"))

@@ -1,4 +1,4 @@
-"""``alight doctor``: what this machine offers, and how to mend what is missing."""
+"""``alight doctor``: what this machine supports, and how to get what is missing."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _compiler() -> Iterator[Check]:
     try:
         import llvmlite.binding as llvm
 
-        from alight.core.machine import cache_folder, lanes_of_machine
+        from lanewise.machine import cache_folder, lanes_of_machine
     except ImportError as error:
         yield "compiler", f"{error}; pip install numba", False
         return
@@ -67,7 +67,7 @@ def _cache(folder: Path) -> Check:
     try:
         check_folder(existing / "probe")
     except OutputError:
-        text = f"{folder} cannot be written: every run compiles anew; set ALIGHT_CACHE"
+        text = f"{folder} cannot be written: every run compiles again; set ALIGHT_CACHE"
         return "kernel cache", text, False
     files = [path for path in folder.rglob("*") if path.is_file()]
     size = sum(path.stat().st_size for path in files) / 1e6

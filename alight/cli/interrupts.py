@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM end a render in order: what has been rendered is kept."""
+"""Ctrl-C and SIGTERM end a render cleanly: everything rendered so far is kept."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Interruption:
     Attributes
     ----------
     exit_code : int
-        128 + the signal's number, as shells expect; 130 where nobody sent one.
+        128 + the signal's number, as shells expect; 130 if there was none.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""The program `alight`: its commands, and what all of them share.
+"""The program `alight`: its commands, and what they share.
 
 Heavy modules are imported inside the commands, so that help is there at once.
 """
@@ -30,7 +30,7 @@ from alight.cli.why import why
 
 app = typer.Typer(
     name="alight",
-    help="Render true pictures of light, each with its error bar.",
+    help="Physically based rendering with error bars.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -56,7 +56,7 @@ for command in (
     app.command()(reporting_errors(command))
 app.command(cls=MutantCommand)(reporting_errors(check))
 
-scene = typer.Typer(name="scene", help="Make up scenes.", no_args_is_help=True)
+scene = typer.Typer(name="scene", help="Generate scenes.", no_args_is_help=True)
 scene.command()(reporting_errors(random))
 app.add_typer(scene)
 
@@ -73,4 +73,4 @@ def main(
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show version.")
     ] = False,
 ) -> None:
-    """Render true pictures of light, each with its error bar."""
+    """Physically based rendering with error bars."""

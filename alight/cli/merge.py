@@ -7,38 +7,34 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
+from alight.cli.words import Quiet, takes_words
+from alight.options.render import DisplayOptions
 
 
+@takes_words(DisplayOptions)
 def merge(
+    options: DisplayOptions,
     films: Annotated[
         list[Path], typer.Argument(help="Film files (.alight) and checkpoints, in any order.")
     ],
     output: Annotated[
         list[Path],
         typer.Option(
-            "-o", "--output", help="Picture, or film (.alight) to merge again. May be repeated."
+            "-o", "--output", help="Picture, or film (.alight) to merge again. Repeatable."
         ),
     ],
-    exposure: arguments.Exposure = "0",
-    white_balance: arguments.WhiteBalance = "none",
-    tone_map: arguments.ToneMap = "none",
-    bits: arguments.Bits = 8,
-    denoise: arguments.Denoise = False,
-    quiet: arguments.Quiet = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Add films of different samples of the same picture; one film alone is only converted."""
-    from alight.cli.finishing import Results, write_outputs
+    """Merge films of different samples of the same picture, or convert a single film."""
     from alight.cli.reporting import warn
-    from alight.cli.summary import bias_lines, error_line, warnings_of
-    from alight.outputs.display import Display
     from alight.rendering import merge as merge_films
+    from alight.rendering.summary import bias_lines, error_line, warnings_of
+    from alight.rendering.writing import Targets, write_outputs
 
-    display = Display(exposure, tone_map, bits, white_balance)
-    results = Results(output, display, denoise)
-    results.check()
+    targets = Targets(output, options.display, options.denoise)
+    targets.check()
     film = merge_films(*films)
-    denoiser = write_outputs(film, results)
+    denoiser = write_outputs(film, targets)
     for warning in warnings_of(film):
         warn(warning)
     if not quiet:

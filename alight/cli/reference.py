@@ -7,40 +7,34 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
+from alight.cli.words import Quiet, SceneName, takes_words
+from alight.options.laboratory import ReferenceOptions
 
 
+@takes_words(ReferenceOptions)
 def reference(
-    scene: arguments.SceneName,
+    options: ReferenceOptions,
+    scene: SceneName,
     output: Annotated[Path, typer.Option("-o", "--output", help="EXR file to write.")],
-    error: Annotated[str, typer.Option(help="relRMSE wanted, as 0.5%.")] = "1%",
-    seed: arguments.Seed = 0,
-    threads: arguments.Threads = None,
-    size: arguments.Size = None,
-    assignments: arguments.Assignments = None,
-    root: arguments.Root = None,
-    quiet: arguments.Quiet = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Render until the picture's own error is as small as wanted, for comparisons with it."""
-    from alight.cli.loading import load_scene
-    from alight.cli.options import changes_of
+    """Render a reference picture to a given error."""
     from alight.cli.progress import ProgressBar
     from alight.core.errors import OptionError
-    from alight.lab.study_file import parse_share
     from alight.outputs.image import check_writable
+    from alight.rendering.loading import scene_of
 
     if output.suffix.lower() != ".exr":
-        raise OptionError(f"--output: must end in .exr, which keeps standard errors, got {output}")
+        text = f"must end in .exr, which keeps standard errors, got {output}"
+        raise OptionError(text, "--output")
     check_writable(output)
-    try:
-        wanted = parse_share(error)
-    except ValueError as problem:
-        raise OptionError(f"--error: {problem}") from None
-    description = load_scene(scene, changes_of({"size": size}, assignments or []), root=root)
+    description = scene_of(scene, options)
     from alight.lab.make_reference import make_reference
 
     with ProgressBar(quiet) as bar:
-        made = make_reference(description, wanted, seed=seed, threads=threads, progress=bar)
+        made = make_reference(
+            description, options.error, seed=options.seed, threads=options.threads, progress=bar
+        )
     path = made.film.save(output)
     if not quiet:
         found = made.film.relmse_estimate(literature=False).relrmse

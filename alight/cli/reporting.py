@@ -1,4 +1,4 @@
-"""Errors that a user can mend: one message on stderr, exit code 2, no traceback."""
+"""Errors that a user can fix: one message on stderr, exit code 2, no traceback."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from alight.core.errors import AlightError
+from alight.cli.words import spelling_of
+from alight.core.errors import AlightError, OptionError
 
 if TYPE_CHECKING:
     from alight.scene import Scene
@@ -25,6 +26,8 @@ def reporting_errors(command: Callable[..., Any]) -> Callable[..., Any]:
     def wrapped(*args: Any, **options: Any) -> Any:
         try:
             return command(*args, **options)
+        except OptionError as error:
+            message = error.spelled(spelling_of(command))
         except AlightError as error:
             message = str(error)
         except MemoryError as error:

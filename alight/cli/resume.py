@@ -1,124 +1,35 @@
-"""``alight resume``: a render goes on from its checkpoint, to the same bits."""
+"""``alight resume``: continues a render from its checkpoint, to the same bits."""
 
 from __future__ import annotations
 
-import functools
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from alight.cli import arguments, promises
+from alight.cli.reporting import warn
+from alight.cli.words import Quiet, spelling_of, takes_words
+from alight.options.resume import ResumeOptions
 
 
+@takes_words(ResumeOptions)
 def resume(
-    checkpoint: Annotated[Path, typer.Argument(help="File that --checkpoint has written.")],
-    output: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="File to write; may be repeated.",
-            show_default="as for the first part of the render",
-        ),
-    ] = None,
-    spp: Annotated[
-        int | None,
-        typer.Option(help="Samples per pixel in all.", min=1, show_default="as asked for first"),
-    ] = None,
-    error: promises.Error = None,
-    confidence: promises.Confidence = "95%",
-    metric: promises.Metric = "relrmse",
-    share: promises.Share = "95%",
-    max_spp: promises.MaxSpp = None,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            "--time",
-            help="Seconds after which no pass starts.",
-            show_default="what is left of the first limit",
-        ),
-    ] = None,
-    scene: Annotated[
-        str | None, typer.Option(help="Where the scene file is now, if it was moved.")
-    ] = None,
-    root: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="Files that the scene names may lie in this folder and below.",
-            show_default="as the render began",
-        ),
-    ] = None,
-    to: Annotated[
-        Path | None,
-        typer.Option("--checkpoint", help="Write checkpoints to another file."),
-    ] = None,
-    every: arguments.Every = "60s",
-    threads: arguments.Threads = None,
-    plugin: arguments.Plugins = None,
-    stats: arguments.Stats = None,
-    quiet: arguments.Quiet = False,
+    options: ResumeOptions,
+    file: Annotated[
+        Path, typer.Argument(metavar="CHECKPOINT", help="File written by --checkpoint.")
+    ],
+    quiet: Quiet = False,
 ) -> None:
-    """Go on with a render that was stopped or killed, or render more samples."""
-    from alight.cli.finishing import Results, run_and_finish
-    from alight.cli.options import parse_seconds
-    from alight.cli.plugins import load_plugins
-    from alight.cli.reporting import warn
-    from alight.outputs.display import Display
-    from alight.rendering import resume as resume_render
-    from alight.rendering.checkpoint import read_checkpoint
+    """Resume a stopped or killed render, or add samples to it."""
+    from alight.cli.finishing import run_and_finish
+    from alight.rendering.resume import prepare_resume
 
-    promise = promises.promise_to_resume(error, confidence, metric, share, spp, max_spp)
-    saved = read_checkpoint(checkpoint)
-    notes = _Notes(saved.origin.notes)
-    # Only now: what they register decides how the scene is understood.
-    load_plugins([*notes.plugins, *(plugin or [])])
-    results = Results(
-        outputs=output or notes.outputs or [checkpoint.with_suffix(".png")],
-        display=Display(**notes.display),
-        denoise=notes.denoise,
-        stats=stats,
-        checkpoint=to or checkpoint,
-        quiet=quiet,
-    )
-    results.check()
-    held = saved.state.rounds[0].spp
-    if spp is not None and spp <= held:
-        warn(f"there are {held:g} samples per pixel already; --spp {spp} adds none")
-    render = functools.partial(
-        resume_render,
-        saved,
-        scene=scene,
-        root=root,
-        spp=max_spp if promise else spp,
-        promise=promise,
-        time_limit=time_limit,
-        threads=threads,
-        checkpoint=to,
-        every=parse_seconds("--every", every),
-    )
-    run_and_finish(render, results, time_limit)
-
-
-class _Notes:
-    """What ``alight render`` has noted in the checkpoint; a render in Python notes nothing."""
-
-    def __init__(self, notes: Any) -> None:
-        self.outputs = [Path(path) for path in notes.get("outputs", [])]
-        self.plugins = [Path(path) for path in notes.get("plugins", [])]
-        self.display = dict(notes.get("display", {}))
-        self.denoise = bool(notes.get("denoise", False))
-
-
-def notes_of(
-    outputs: list[Path], plugins: list[Path] | None, display: Any, denoise: bool
-) -> dict[str, Any]:
-    """Gather what a checkpoint keeps for `resume`; it may be called from another folder."""
-    return {
-        "outputs": [str(path.absolute()) for path in outputs],
-        "plugins": [str(path.absolute()) for path in plugins or []],
-        "display": asdict(display),
-        "denoise": denoise,
-    }
+    prepared = prepare_resume(file, options)
+    targets = prepared.targets
+    if not targets.outputs:
+        targets = replace(targets, outputs=(file.with_suffix(".png"),))
+    targets.check()
+    for warning in prepared.warnings(spelling_of(resume)):
+        warn(warning)
+    run_and_finish(prepared.render, targets, quiet=quiet, time_limit=options.time_limit)

@@ -1,4 +1,4 @@
-"""``alight scene random``: a scene that nobody made, from a number."""
+"""``alight scene random``: a random scene from a seed."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
-
 #: What `--kind` takes to show the kinds.
 LIST = "list"
 
 
 def random(
-    seed: Annotated[int, typer.Option(help="Any whole number; each is another scene.")] = 0,
+    seed: Annotated[int, typer.Option(help="Any whole number; each gives another scene.")] = 0,
     kind: Annotated[
         str | None,
         typer.Option(
@@ -26,25 +24,25 @@ def random(
         typer.Option(
             "-o",
             "--output",
-            help="File to write, .yaml, .yml or .json; large meshes and pictures beside it.",
+            help="File to write, .yaml, .yml or .json; large meshes and pictures next to it.",
             show_default="printed",
         ),
     ] = None,
-    size: arguments.Size = None,
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.")] = None,
 ) -> None:
-    """Make up a scene that can be rendered, of any registered shapes, materials and lights."""
-    from alight.cli.options import parse_size
+    """Generate a random scene from all registered shapes, materials and lights."""
     from alight.core.errors import OutputError
+    from alight.formats import dumps, save
     from alight.lab.random_scenes import random_scene
     from alight.lab.random_scenes.kinds import KINDS, summary
-    from alight.scene import dumps, save
+    from alight.options.scene import SizedOptions
 
     if kind == LIST:
         width = max(map(len, KINDS))
         for name in KINDS:
             typer.echo(f"{name:<{width}}  {summary(name)}")
         return
-    scene = random_scene(seed, kind, parse_size(size) if size else None)
+    scene = random_scene(seed, kind, SizedOptions.options()["size"].parse(size))
     if output is None:
         typer.echo(dumps(scene), nl=False)
         return

@@ -9,7 +9,7 @@ import typer
 
 def scenes() -> None:
     """List the built-in scenes."""
-    from alight.scene.files import builtin_names
+    from alight.formats import builtin_names
 
     names = builtin_names()
     width = max(len(name) for name in names)

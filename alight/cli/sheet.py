@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
 from alight.cli.reporting import INTERRUPTED
 
 #: Exit code when a scene has no picture.
@@ -27,7 +26,7 @@ def sheet(
         typer.Option(
             "-o",
             "--output",
-            help=".png or .jpg: one picture; .html: a page. May be repeated.",
+            help=".png or .jpg: one picture; .html: a page. Repeatable.",
             show_default="sheet.png",
         ),
     ] = None,
@@ -36,34 +35,41 @@ def sheet(
     spp: Annotated[int, typer.Option(min=1, help="Samples per pixel.")] = 64,
     time_limit: Annotated[
         float | None,
-        typer.Option("--time", help="Seconds after which no pass starts, of each scene."),
+        typer.Option("--time", help="Start no pass after this many seconds, of each scene."),
     ] = None,
-    threads: Annotated[int | None, typer.Option(help="Default: all processors.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Threads; by default all processors.")] = None,
     exposure: Annotated[str, typer.Option(metavar="STOPS", help="Stops, or auto.")] = "0",
     note: Annotated[
         list[str] | None,
-        typer.Option(help="Line below, as the scenes' origin. May be repeated."),
+        typer.Option(help="Line below the sheet, such as the scenes' origin. Repeatable."),
     ] = None,
     lenient: Annotated[
-        bool, typer.Option("--lenient", help="Replace what is not covered, and list it.")
+        bool, typer.Option("--lenient", help="Replace unsupported parts, and list them.")
     ] = False,
-    root: arguments.Root = None,
+    root: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Folder whose files the scenes may read; must contain them.",
+            show_default="each scene's own folder",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")] = False,
 ) -> None:
-    """Show scenes side by side: a contact sheet, on which what fails has its message."""
-    from alight.cli.options import parse_size
+    """Make a contact sheet of scenes; a scene that fails shows its error message."""
     from alight.core.errors import OptionError
     from alight.lab.report.targets import check_target
     from alight.lab.sheet import SUFFIXES, Tile, find_scenes, render_tile, write_sheet
+    from alight.options.kinds import Size
     from alight.outputs.display import Display
 
     outputs = output or [Path("sheet.png")]
     try:
-        size = parse_size(tile)
-    except OptionError as error:
-        raise OptionError(str(error).replace("--size", "--tile")) from None
+        size = Size().check(tile)
+    except ValueError as error:
+        raise OptionError(str(error), "--tile") from None
     if not all(16 <= length <= 4096 for length in size):
-        raise OptionError(f"--tile: must be 16 to 4096 pixels wide and high, got {tile}")
+        raise OptionError(f"must be 16 to 4096 pixels wide and high, got {tile}", "--tile")
     display = Display(exposure)
     for path in outputs:
         check_target(path, SUFFIXES)

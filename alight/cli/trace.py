@@ -8,52 +8,29 @@ from typing import Annotated
 
 import typer
 
-from alight.cli import arguments
+from alight.cli.words import SceneName, takes_words
+from alight.options.laboratory import TraceOptions
 
 
+@takes_words(TraceOptions)
 def trace(
-    scene: arguments.SceneName,
-    pixel: Annotated[str, typer.Option(metavar="X,Y", help="On the film, from the top left.")],
-    sample: Annotated[int, typer.Option(help="Which sample of the pixel.")] = 0,
-    seed: arguments.Seed = 0,
-    size: arguments.Size = None,
-    camera: arguments.CameraName = None,
-    integrator: arguments.IntegratorName = None,
-    sampler: arguments.SamplerName = None,
-    filter_name: arguments.FilterName = None,
-    max_depth: arguments.MaxDepth = None,
-    rr_depth: arguments.RrDepth = None,
-    replicates: arguments.Replicates = None,
-    assignments: arguments.Assignments = None,
-    plugin: arguments.Plugins = None,
-    define: arguments.Definitions = None,
-    lenient: arguments.Lenient = False,
-    root: arguments.Root = None,
-    as_json: Annotated[bool, typer.Option("--json", help="All numbers, as JSON.")] = False,
+    options: TraceOptions,
+    scene: SceneName,
+    pixel: Annotated[
+        str, typer.Option(metavar="X,Y", help="Pixel of the film, from the top left.")
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
 ) -> None:
     """Follow one sample of a pixel, one path vertex a line; breakpoints in kernels work."""
-    from alight.cli.loading import load_scene
-    from alight.cli.options import changes_of
+    import alight
     from alight.cli.reporting import warn
-    from alight.rendering.trace import trace as trace_sample
+    from alight.rendering.loading import scene_of
 
     position = parse_pixel(pixel)
-    options = {
-        "size": size, "camera": camera, "integrator": integrator, "sampler": sampler,
-        "filter": filter_name, "max_depth": max_depth, "rr_depth": rr_depth,
-        "replicates": replicates,
-    }  # fmt: skip
-    description = load_scene(
-        scene,
-        changes_of(options, assignments or []),
-        plugin=plugin,
-        define=define,
-        lenient=lenient,
-        root=root,
-    )
+    description = scene_of(scene, options)
     for warning in description.warnings:
         warn(warning)
-    found = trace_sample(description, position, sample=sample, seed=seed)
+    found = alight.trace(description, position, options.with_loaded_scene())
     typer.echo(json.dumps(found.to_dict(), indent=1) if as_json else str(found))
 
 
@@ -69,5 +46,5 @@ def parse_pixel(text: str) -> tuple[int, int]:
 
     found = re.fullmatch(r"(-?\d{1,9}),(-?\d{1,9})", text.replace(" ", ""))
     if found is None:
-        raise OptionError(f"--pixel: must be X,Y in pixels as 12,7, got {quote(text)}")
+        raise OptionError(f"must be X,Y in pixels, such as 12,7, got {quote(text)}", "--pixel")
     return int(found[1]), int(found[2])

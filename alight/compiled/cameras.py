@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from alight.cameras.rays import camera_module
 from alight.core.spec import Camera
-from alight.core.view import View
+from lanewise.view import View
 
 
 def compile_camera(camera: Camera, to_world: ArrayLike, size: tuple[int, int]) -> View:

@@ -1,4 +1,4 @@
-r"""Whether a light tree pays: what could be gained by choosing lights by the place that they light.
+r"""Whether a light tree pays: the possible gain from choosing lights for each point they light.
 
 Of n lights a point x is lit by :math:`c_i = I_i w_i(x)`, with the intensity I and what distance and
 direction make of it, w. One light chosen by its power, :math:`p_i \propto I_i`, estimates the sum
@@ -30,17 +30,17 @@ POINTS = 128
 #: A point that gains more counts as if it gained so much: one of them does not speak for all.
 MOST_GAIN = 10.0
 
-#: Lights that stand for all, by their intensity.
+#: Lights that represent all, sampled by intensity.
 MOST_LIGHTS = 2048
 
 #: A group of a tree is even if it could gain less: some of what can be gained is given for time.
 LEAST_IN_GROUP = 0.03
 
-#: What is said of a group must come from so many points at least, and of so many lights that stand
-#: for others.
+#: A verdict on a group needs at least this many points, and this many lights that represent
+#: others.
 LEAST_POINTS, LEAST_LIGHTS = 16.0, 32
 
-#: Triangles that stand for all.
+#: Triangles that represent all.
 MOST_TRIANGLES = 1 << 14
 
 

@@ -14,20 +14,20 @@ from alight.core.constants import PI
 from alight.core.distributions import cumulative
 from alight.core.spec import Triple
 from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
 from alight.lights.tree import LEAVES, OUTER_CDF
 from alight.lights.tree_build import Leaves, build_tree
 from alight.scene.motion import Motion
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.model import SHAPES
+from lanewise.vec3 import Vec3
 
 #: Shares of the samples that lights without a place get, if there are others: their power counts
 #: the whole scene, of which one point sees little.
 LEAST_OUTER, MOST_OUTER = 0.15, 0.85
 
 #: Of an equal share, the part that each light gets at least which is chosen by its power. The power
-#: of a sun counts miles of ground; beside it a lamp would never be asked.
+#: of a sun counts miles of ground; a lamp would never be chosen against it.
 LEAST_SHARE = 0.01
 
 
@@ -86,7 +86,7 @@ class Choosing(NamedTuple):
     starts : (lights,) uint32
         Where the triangles of each light begin in them.
     probabilities : (lights,) float
-        Of each light; in a program with a tree only of those beside it.
+        Of each light; in a program with a tree only of those outside it.
     """
 
     tables: list[NDArray[np.float32]]
@@ -217,7 +217,7 @@ def chosen_by_tree(
     *,
     walked: bool,
 ) -> Choosing:
-    """The tree, the lights beside it, and for each triangle the way to its leaf.
+    """The tree, the lights outside it, and for each triangle the way to its leaf.
 
     Parameters
     ----------

@@ -18,7 +18,6 @@ from alight.compiled.light_tree import (
 from alight.compiled.shapes import CompiledShapes
 from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
-from alight.core.view import View
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
 from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
@@ -26,6 +25,7 @@ from alight.lights.tree_build import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.model import SHAPES
+from lanewise.view import View
 
 Selection = Literal["auto", "power", "uniform", "tree"]
 

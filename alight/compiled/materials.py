@@ -2,7 +2,7 @@
 
 `info` holds (kind, flags) for each material: kind is the index of its model in
 `alight.bsdfs.MODELS`, flags has the bits of `alight.bsdfs.switch`. Behind the materials that shapes
-refer to stand normal and bump maps, then those that they are made of; `layers` says which (see
+refer to come normal and bump maps, then those that they are made of; `layers` says which (see
 `alight.bsdfs.dispatch`; without blends and masks nothing reads it). `data` holds `stride_of`
 numbers for each material, laid out by the model's `SLOTS`. `texture` is as long as `data`: 0, or at
 the first slot of a colour or number the index of its texture plus 1. The rest is described in
@@ -25,7 +25,7 @@ from alight.compiled.packer import Packer
 from alight.compiled.textures import TextureTable
 from alight.core.registry import Models, Numbers
 from alight.core.spec import Bsdf, Texture
-from alight.core.view import View
+from lanewise.view import View
 
 
 class MaterialTables(NamedTuple):

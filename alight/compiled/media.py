@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from alight.compiled.shapes import CompiledShapes
-from alight.core.view import View
 from alight.media.coefficients import Coefficients, extinction, scattering_albedo, shines
 from alight.media.model import MEDIA
 from alight.media.tables import (
@@ -29,6 +28,7 @@ from alight.media.tables import (
 )
 from alight.phases.model import PHASES
 from alight.scene.flatten import FlatScene
+from lanewise.view import View
 
 
 @dataclass

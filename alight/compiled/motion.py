@@ -1,4 +1,4 @@
-"""What moves while the shutter is open -> tables for kernels (`alight.core.motion`)."""
+"""Motion while the shutter is open -> tables for kernels (`alight.core.motion`)."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from alight.core.motion import (
     TURN,
     Motions,
 )
-from alight.core.view import View
 from alight.scene.keyframes import Parts, Track, arc
 from alight.scene.motion import Link, Motion
+from lanewise.view import View
 
 #: Part of the shutter's time below which float32 tells no two moments apart.
 SHORTEST = 2.0**-24

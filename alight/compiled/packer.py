@@ -10,7 +10,7 @@ import numpy as np
 
 from alight.core.spec import Texture, Triple
 from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 if TYPE_CHECKING:
     from alight.compiled.textures import TextureTable

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 
 class Program(NamedTuple):
-    """What factories marked with `alight.core.jit.specialised` are given.
+    """What factories marked with `lanewise.jit.specialised` are given.
 
     All fields are hashable; the tuples of names are in the order of the family's registry.
 

@@ -14,21 +14,21 @@ from alight.accel.primitives import Moving
 from alight.compiled.motion import MotionTable
 from alight.compiled.uv_sets import uv_shifts
 from alight.core.errors import Issue, SceneError
-from alight.core.view import View
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.scene.meshes import Geometry
 from alight.scene.motion import Motion
 from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeTables
 from alight.shapes.model import SHAPES
+from lanewise.view import View
 
-#: Copies of a shared mesh with at most so many triangles in all are stored one by one: a second
+#: Copies of a shared mesh with at most this many triangles in all are stored one by one: a second
 #: level of the hierarchy would cost more than the memory.
 FEW_TRIANGLES = 64
 
 #: Zeros after the last row, so that a lane that reads another kind of row stays inside the table.
 PADDING = 64
 
-#: Shapes that are told of in one message.
+#: Most shapes named in one message.
 MOST_TOLD = 10
 
 

@@ -2,7 +2,7 @@
 
 `texture_info` holds (kind, start in `texture_data`) for each texture; kind is the index of its
 model in `alight.textures.MODELS`. For a texture made of others it holds what
-`alight.textures.composed` says; the steps stand behind all textures. `texture_data` begins with a
+`alight.textures.composed` says; the steps follow all textures. `texture_data` begins with a
 blank row: lanes that look at no texture, or at one of another kind, read zeros there, from which
 every model finds valid indices.
 
@@ -23,12 +23,12 @@ from alight.compiled.packer import Packer
 from alight.core.errors import Issue, SceneError
 from alight.core.registry import Models, Numbers
 from alight.core.spec import Texture
-from alight.core.view import View
 from alight.textures.bitmap import TILE
 from alight.textures.composed import COMPOSED
 from alight.textures.constant import Constant
 from alight.textures.images import Image, decoded_levels
 from alight.textures.nesting import Composed, Value, most
+from lanewise.view import View
 
 #: Kernels count words with 31 bits.
 MOST_WORDS = 2**31 - 1
@@ -62,7 +62,7 @@ class TextureTable:
 
     def __init__(self) -> None:
         self._numbers: dict[Texture, int] = {}
-        # A zero comes first. What stands where is written once all is known: the largest pictures
+        # A zero comes first. Offsets are written once all is known: the largest pictures
         # fill half of what a process may take.
         self._fill: list[tuple[int, int, Callable[[np.ndarray], None]]] = []
         self._end = 1

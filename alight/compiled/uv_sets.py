@@ -1,4 +1,4 @@
-"""Where the further sets of texture coordinates of meshes stand in the tables."""
+"""Where the tables hold the further sets of texture coordinates of meshes."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def uv_shifts(
     info : (s, 8) uint32
         Rows of the shapes, see `alight.shapes.hit.INFO`.
     further : dict of int to (k, n, 2) float32
-        First vertex of a mesh -> its sets after the own one. They stand one below the other, in
-        this order, after the own coordinates of all meshes.
+        First vertex of a mesh -> its sets after its own. They are stored one after the other, in
+        this order, after the meshes' own coordinates.
     vertices : int
         Rows of the own coordinates.
 

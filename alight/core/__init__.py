@@ -1,1 +1,1 @@
-"""What every layer above stands on: value types, random numbers, warps, errors."""
+"""What every layer above builds on: value types, random numbers, warps, errors."""

@@ -15,6 +15,9 @@ ONE_MINUS_EPSILON = 1.0 - 2.0**-24
 #: Half the distance from 1 to the next float32 (the "u" of error analysis).
 MACHINE_EPSILON = 2.0**-24
 
+#: Weights of red, green and blue in the luminance Y of linear sRGB (Rec. 709 primaries, D65).
+LUMINANCE = (0.212671, 0.715160, 0.072169)
+
 
 def gamma(n: int) -> float:
     """Bound of the relative error of ``n`` float32 operations in a row.

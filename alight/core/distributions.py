@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alight.core.constants import ONE_MINUS_EPSILON
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     any_lane,
     as_float,
     as_int,

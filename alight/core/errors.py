@@ -1,13 +1,13 @@
-"""Errors that a user can act on: place, value, allowed range, nearest valid name.
+"""Errors that a user can fix: place, value, allowed range, nearest valid name.
 
 All problems of one scene are collected and raised together as one `SceneError`, so that a
-user mends a file in one go instead of one message per run.
+user fixes a file in one go instead of one message per run.
 """
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 
@@ -43,7 +43,7 @@ class Issue:
 
 
 class AlightError(Exception):
-    """Base of every error that a user can mend: the command line shows it without a traceback."""
+    """Base of every error that a user can fix: the command line shows it without a traceback."""
 
 
 class FilmError(AlightError, ValueError):
@@ -55,7 +55,40 @@ class OutputError(AlightError, OSError):
 
 
 class OptionError(AlightError, ValueError):
-    """An option of a render with a value that does not exist or is out of range."""
+    """An option with a value that does not exist or is out of range, or that another excludes.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong, with the value and what is allowed.
+    option : str, default ""
+        Name of the culprit in Python; it goes before the problem.
+    names : tuple of str, default ()
+        Further options that the problem speaks of, as ``{spp}``.
+
+    Examples
+    --------
+    >>> str(OptionError("must be > 0 seconds, got 0", "time_limit"))
+    'time_limit: must be > 0 seconds, got 0'
+    >>> both = OptionError("{error} and {spp} contradict each other", names=("error", "spp"))
+    >>> both.spelled(lambda name: f"--{name}")
+    '--error and --spp contradict each other'
+    """
+
+    def __init__(self, problem: str, option: str = "", names: tuple[str, ...] = ()) -> None:
+        super().__init__(problem, option, names)
+        self.problem, self.option, self.names = problem, option, names
+
+    def __str__(self) -> str:
+        """Options by their names in Python."""
+        return self.spelled(str)
+
+    def spelled(self, spell: Callable[[str], str]) -> str:
+        """Write the message with the options spelled as the user has written them."""
+        text = self.problem
+        for name in self.names:
+            text = text.replace(f"{{{name}}}", spell(name))
+        return f"{spell(self.option)}: {text}" if self.option else text
 
 
 class SceneError(AlightError, ValueError):
@@ -64,7 +97,7 @@ class SceneError(AlightError, ValueError):
     Parameters
     ----------
     issues : sequence of Issue
-        At least one; what stands in it several times is kept once.
+        At least one; duplicates are kept once.
     """
 
     def __init__(self, issues: Sequence[Issue]) -> None:

@@ -5,9 +5,9 @@ The local z axis is the normal; (s, t, n) is right-handed: s x t = n.
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import copysign, sqrt, where
 from alight.core.vec import Vec3, cross, dot
+from lanewise.jit import kernel
+from lanewise.simd import copysign, sqrt, where
 
 
 @kernel

@@ -9,9 +9,9 @@ Source: PBR4 section 9.3.3 to 9.3.6 (equations 9.3 to 9.8); Schlick 1994, An Ine
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import absolute, maximum, minimum, sqrt, where
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import absolute, maximum, minimum, sqrt, where
 
 
 @kernel

@@ -29,8 +29,8 @@ Higham, Accuracy and Stability of Numerical Algorithms (2002), section 1.14.1 (`
 from __future__ import annotations
 
 from alight.core.constants import HALF_PI, INFINITY, PI, TWO_PI
-from alight.core.jit import kernel
-from alight.core.simd import (
+from lanewise.jit import kernel
+from lanewise.simd import (
     absolute,
     bits_float,
     copysign,

@@ -1,4 +1,4 @@
-r"""Surfaces made of tiny mirrors: distributions of their normals, and which of them are seen.
+r"""Microfacets: distributions of their normals, and of the visible ones.
 
 A distribution D(wm) has roughness alpha_x along x and alpha_y along y, both > 0, and obeys
 
@@ -25,10 +25,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import INV_PI
-from alight.core.jit import kernel, specialised
 from alight.core.maths import exp, log, sincos_2pi
-from alight.core.simd import absolute, any_lane, maximum, minimum, sqrt, where
 from alight.core.vec import Vec3, normalize
+from lanewise.jit import kernel, specialised
+from lanewise.simd import absolute, any_lane, maximum, minimum, sqrt, where
 
 #: Roughness along x and y, and whether the distribution is Beckmann's (1) or GGX (0).
 Facets = namedtuple("Facets", "alpha_x alpha_y beckmann")

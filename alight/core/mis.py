@@ -8,8 +8,8 @@ Source: Veach, Robust Monte Carlo Methods (1997), section 9.2.2 (power heuristic
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import maximum, minimum, where
+from lanewise.jit import kernel
+from lanewise.simd import maximum, minimum, where
 
 
 @kernel(strict=True)

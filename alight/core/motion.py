@@ -1,4 +1,4 @@
-r"""What moves while the shutter is open: transforms at the times of rays, and what they do to hits.
+r"""Motion while the shutter is open: transforms at the times of rays, and their effect on hits.
 
 A moving shape is stored as it is *at rest*, before its motion M(t). Rays go to it by the inverse,
 with the direction's length unchanged, so that t means the same; what they find there goes back:
@@ -20,10 +20,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import gamma
-from alight.core.jit import kernel, specialised
 from alight.core.maths import sincos_octant
-from alight.core.simd import any_lane, as_int, gather, maximum, sqrt, where
 from alight.core.vec import Vec3, absolute_vec3
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, as_int, gather, maximum, sqrt, where
 
 #: Tables of what moves. rows: float32, the motions one after another; sizes: u32, links of each
 #: motion and segments of each link, the same for all; of_shape, of_light: u32, the number of the
@@ -41,7 +41,7 @@ BEFORE, SEGMENTS = 0, 12
 BEGIN, RATE, ANGLE, SHIFT, TRAVEL, TURN, ASIDE, STRETCH, CHANGE = 0, 1, 2, 3, 6, 9, 13, 17, 23
 SEGMENT = 32
 
-#: Name in `Program.motion` beside what moves: all motions only shift and turn.
+#: Name in `Program.motion` next to what moves: all motions only shift and turn.
 RIGID = "rigid"
 
 _GAMMA_48 = gamma(48)

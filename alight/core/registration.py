@@ -20,10 +20,10 @@ from types import CellType, FunctionType, ModuleType
 from typing import Any, TypeVar
 
 from alight.core.errors import AlightError, nearest, show_value
-from alight.core.jit import Specialised, is_kernel
 from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models, type_name_of
-from alight.core.source_digest import digest_of
 from alight.core.spec import Light, Spec
+from lanewise.jit import Specialised, is_kernel
+from lanewise.source_digest import digest_of
 
 T = TypeVar("T")
 
@@ -117,7 +117,7 @@ def register(model: T) -> T:
     Returns
     -------
     model
-        As given, so that ``@alight.register`` may stand over a class.
+        As given, so that ``@alight.register`` can decorate a class.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def unregister(family: str, name: str) -> None:
 
 
 def registered_module(model: object) -> ModuleType:
-    """Find the registered or built-in module that a module, namespace or name stands for.
+    """Find the registered or built-in module that a module, namespace or name denotes.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def _form_problems(source: Mapping[str, Any], family: str) -> list[str]:
         if function is None:
             continue
         if name in form.kernels + form.more_kernels and not is_kernel(function):
-            problems.append(f"{name} must be a function marked with @kernel (alight.core.jit)")
+            problems.append(f"{name} must be a function marked with @kernel (lanewise.jit)")
         elif not callable(function):
             problems.append(f"{name} must be a function, got {show_value(function)}")
         else:
@@ -440,4 +440,4 @@ class _Copier:
 
 
 def _is_ours(value: FunctionType | type) -> bool:
-    return (value.__module__ or "").split(".")[0] == "alight"
+    return (value.__module__ or "").split(".")[0] in ("alight", "lanewise")

@@ -5,7 +5,7 @@ user has registered (`alight.core.registration`) follow after them. Families are
 the first use: integrators live above the scene in the order of imports (they run on the compiled
 scene), yet a scene file names them.
 
-Everything here looks anew each time, so that a model may be registered at any moment.
+Every lookup reads the registries afresh, so that a model can be registered at any time.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound="Spec")
 R = TypeVar("R", bound="Record")
 
-#: A function marked with `alight.core.jit.kernel`, or with `specialised`.
+#: A function marked with `lanewise.jit.kernel`, or with `specialised`.
 Kernel = Callable[..., Any]
 
 FAMILIES = (

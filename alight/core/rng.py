@@ -1,6 +1,6 @@
 r"""Counter-based random numbers: a hash of (pixel, sample, dimension), without any state.
 
-Two keys of 32 bits stand for a stream; a number is a hash of the keys and a counter. A counter in
+Two keys of 32 bits identify a stream; a number is a hash of the keys and a counter. A counter in
 place of a state means that any number can be asked for in any order, by any lane or machine.
 
 The hash is a multiply-xorshift chain: xorshifts carry high bits down and multiplications by odd
@@ -15,8 +15,8 @@ of the chain were found by search (Wellons, hash-prospector), bias of its avalan
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import lanes_u32, to_float
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, to_float
 
 # Multipliers of the two-round chain, and those of the round that makes a second word.
 M1 = 0x21F0AAAD

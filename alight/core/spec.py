@@ -130,7 +130,7 @@ def _is_dark(color: Triple | Texture | str) -> bool:
 
 
 class Light(Spec):
-    """Base class of lights; `placement` is where one may stand in a scene."""
+    """Base class of lights; `placement` is where a scene may place one."""
 
     family: ClassVar[str] = "lights"
     kind: ClassVar[str] = "light"
@@ -203,7 +203,7 @@ class Medium(Spec):
 class Camera(Spec):
     """Base class of cameras.
 
-    `medium` is what one stands in, if not what the scene is in; `shutter` are the times at which it
+    `medium` surrounds the camera, if not the scene's own; `shutter` are the times at which it
     opens and closes, in the unit of the keyframes of what moves.
     """
 

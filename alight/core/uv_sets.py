@@ -1,4 +1,4 @@
-"""Further sets of texture coordinates, which meshes may have beside their own.
+"""Further sets of texture coordinates, in addition to a mesh's own.
 
 Textures name a set by its number: 0 is the mesh's own, ``uvs``; `alight.shapes.mesh.Mesh.more_uvs`
 holds the others. Where a shape has no such set (formulas have one only), its own is taken.
@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Annotated
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, gather_row, to_uint, where
 from alight.core.spec import Interval
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, gather_row, to_uint, where
 
 #: What programs call it that a texture names another set than 0.
 UV_SETS = "uv_sets"
@@ -65,7 +65,7 @@ def triangle_uvs(tables, surface, number):
 def uv_of_texture(program):
     """``uv_of_texture(scene, slot, surface) -> (u, v)``.
 
-    The number of the set stands at `slot` of `texture_data`.
+    The number of the set is at `slot` of `texture_data`.
     """
     if UV_SETS not in program.textures:
         return _own_uv

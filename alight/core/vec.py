@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import absolute, gather_row, maximum, minimum, rsqrt, sqrt, where
-from alight.core.vec3 import Vec3 as Vec3
+from alight.core.constants import LUMINANCE
+from lanewise.jit import kernel
+from lanewise.simd import absolute, gather_row, maximum, minimum, rsqrt, sqrt, where
+from lanewise.vec3 import Vec3 as Vec3
 
 
 @kernel
@@ -68,7 +69,7 @@ def absolute_vec3(a):
 @kernel
 def luminance(a):
     """Relative luminance Y of linear sRGB (Rec. 709 primaries, D65)."""
-    return 0.212671 * a.x + 0.715160 * a.y + 0.072169 * a.z
+    return LUMINANCE[0] * a.x + LUMINANCE[1] * a.y + LUMINANCE[2] * a.z
 
 
 @kernel

@@ -13,9 +13,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import INV_FOUR_PI, INV_PI, INV_TWO_PI, TWO_PI
-from alight.core.jit import kernel
 from alight.core.maths import arctan2, sincos, sincos_2pi, sincos_octant
-from alight.core.simd import (
+from alight.core.vec import Vec3, cross, dot
+from lanewise.jit import kernel
+from lanewise.simd import (
     absolute,
     bits_float,
     float_bits,
@@ -25,7 +26,6 @@ from alight.core.simd import (
     sqrt,
     where,
 )
-from alight.core.vec import Vec3, cross, dot
 
 _QUARTER_PI = 0.785398163397448310
 
@@ -145,7 +145,7 @@ def square_to_triangle(u2):
 #: A rectangle as seen from a point p. x, y: its unit directions, z its unit normal away from p;
 #: x0 < x1, y0 < y1: its extent along them relative to p; z0 >= 0: distance of its plane; cosine,
 #: sine: of the angle at which the sweep begins; solid_angle in steradians; area in square metres;
-#: by_area: mask, the solid angle is too small to be told from rounding.
+#: by_area: mask, the solid angle is too small to distinguish from rounding.
 SphericalRectangle = namedtuple(
     "SphericalRectangle", "x y z x0 x1 y0 y1 z0 cosine sine solid_angle area by_area"
 )

@@ -1,4 +1,4 @@
-"""A file of arrays and plain JSON that is either what was written or refused.
+"""A file of arrays and plain JSON, read back exactly or refused.
 
 ::
 
@@ -108,9 +108,9 @@ def read_archive(path: str | os.PathLike[str]) -> Archive:
         raise OutputError(f"cannot read {name}: {error.strerror or error}") from error
     start = len(MAGIC) + hashlib.sha256().digest_size
     if bytes(data[: len(MAGIC)]) != MAGIC[: len(data)]:
-        raise FilmError(f"{name} is no film or checkpoint of alight")
+        raise FilmError(f"{name} is not a film or checkpoint of alight")
     if hashlib.sha256(data[start:]).digest() != bytes(data[len(MAGIC) : start]):
-        raise FilmError(f"{name} is damaged or cut off: its checksum is wrong")
+        raise FilmError(f"{name} is damaged or truncated: its checksum is wrong")
     return _decode(name, data[start:])
 
 

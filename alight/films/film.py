@@ -1,4 +1,4 @@
-"""The film: exact sums of samples by replicate, their counts, and what was asked for.
+"""The film: exact sums of samples by replicate, their counts, and the request.
 
 Sample i belongs to replicate i mod R. ``sums[y, x, replicate, channel]`` are whole numbers
 (`fixed_point`), so tiles, passes, resumed parts and films of other machines are added in any order
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from alight.core.errors import FilmError
-from alight.core.view import View
 from alight.films import fixed_point, ledger, merging, notebook, readout, statistics, storage
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import (
@@ -30,6 +29,7 @@ from alight.metrics.own_error import ErrorEstimate, estimate_relmse
 from alight.metrics.pixel_bars import PixelBars, pixel_bars
 from alight.outputs.image import write_image
 from alight.outputs.picture import Picture
+from lanewise.view import View
 
 if TYPE_CHECKING:
     import os

@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alight.core.jit import kernel
-from alight.core.simd import absolute, copysign, floor, is_finite, minimum, rint, where
+from lanewise.jit import kernel
+from lanewise.simd import absolute, copysign, floor, is_finite, minimum, rint, where
 
 #: Limb 0 counts units of 2^-8, limb 1 units of 2^-48.
 LOW_BITS = 40

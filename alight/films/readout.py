@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alight.core.jit import instantiate, kernel
-from alight.core.view import View
 from alight.films import statistics
 from alight.films.fixed_point import HIGH_UNIT, LOW_BITS, LOW_MASK, LOW_UNIT, MAX_SAMPLES
+from lanewise.jit import instantiate, kernel
+from lanewise.view import View
 
 if TYPE_CHECKING:
     from alight.films.film import Film

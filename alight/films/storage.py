@@ -107,7 +107,7 @@ def unpack_films(make: type[Film], path: str | os.PathLike[str], archive: Archiv
             for number, described in enumerate(archive.content["films"])
         ]
     except (KeyError, TypeError, ValueError) as error:
-        raise FilmError(f"{os.fspath(path)} holds no film that can be understood") from error
+        raise FilmError(f"{os.fspath(path)} holds no readable film") from error
 
 
 def _unpack(
@@ -137,7 +137,7 @@ def _joined(arrays: Mapping[str, np.ndarray], name: str, like: np.ndarray) -> np
 
 def _shaped(array: np.ndarray, like: np.ndarray) -> np.ndarray:
     if array.shape != like.shape:
-        raise ValueError(f"shape {array.shape} in the place of {like.shape}")
+        raise ValueError(f"shape {array.shape} instead of {like.shape}")
     return array
 
 

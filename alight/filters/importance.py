@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
 from alight.core.spec import Filter
-from alight.core.view import View
+from lanewise.jit import kernel, specialised
+from lanewise.view import View
 
 
 def compile_filter(spec: Filter) -> View:

@@ -16,8 +16,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.core.jit import kernel
-from alight.core.simd import absolute, gather, minimum, sqrt, to_float, to_uint, where
+from lanewise.jit import kernel
+from lanewise.simd import absolute, gather, minimum, sqrt, to_float, to_uint, where
 
 CELLS = 512
 # The table: |weight| of a sample, distance beyond which g < 0, then the distances.

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.jit import kernel
-from alight.core.simd import lanes, sqrt, where
 from alight.core.spec import Filter, FilterRadius
+from lanewise.jit import kernel
+from lanewise.simd import lanes, sqrt, where
 
 
 class Tent(Filter):

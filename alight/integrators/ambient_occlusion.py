@@ -13,8 +13,6 @@ from typing import ClassVar, Literal
 
 from alight.accel import intersect_closest, is_occluded
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import any_lane, lanes, lanes_mask, where
 from alight.core.spec import Integrator, Positive
 from alight.core.vec import dot
 from alight.core.warps import square_to_cosine_hemisphere
@@ -22,6 +20,8 @@ from alight.integrators.walk import BSDF_DIRECTION, Path, count_lanes, to_world,
 from alight.samplers.sampling import get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, lanes, lanes_mask, where
 
 
 class AmbientOcclusion(Integrator):

@@ -1,4 +1,4 @@
-r"""Layers beside the picture (AOVs): what the camera sees first, without light.
+r"""Layers (AOVs): what the camera sees first, without light.
 
 A separate pass over the same samples as the picture's, one layer at a time, so that asking for
 layers never changes the picture. Where a ray meets nothing a layer is 0. Layers are means over the
@@ -17,7 +17,7 @@ chosen at random with its probability, from the very random numbers of the pictu
 blend of what is reflected and what is refracted by Fresnel's factors, for one ray a bounce, and the
 layer shows the same edges as the picture at few samples too. (Always following the likelier lobe
 would lose reflections altogether and put seams where Fresnel's factor is 1/2.) Of a material with
-delta lobes beside smooth ones the smooth part counts with the weight of its sample. Normals are
+both delta and smooth lobes the smooth part counts with the weight of its sample. Normals are
 those of the surface that is seen, in the world, not mirrored back: they tell surfaces apart, and
 mirroring them would need one convention a lobe. The surface at which the number of bounces is used
 up counts as it is.
@@ -32,8 +32,6 @@ from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import albedo_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import any_lane, lanes, lanes_mask, lanes_vec3, to_float, where
 from alight.core.vec import Vec3, max_component
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -47,6 +45,8 @@ from alight.integrators.walk import (
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, lanes, lanes_mask, lanes_vec3, to_float, where
 
 #: Layers and their channels. ids count from 1; 0 is nothing. depth: metres along the ray.
 LAYERS = {
@@ -107,7 +107,7 @@ def first_hit(scene, settings, path, hit, surface, active):
 
 @kernel
 def follow_delta(scene, settings, path, surface, wo, active):
-    """Value of a layer that looks through delta lobes, and how they go on where there are some."""
+    """Value of a layer that looks through delta lobes, and how paths continue at those."""
     dimension = vertex_dimension(path.depth + 1)
     wi, weight, _, flags = sample_bsdf(
         scene,

@@ -1,4 +1,4 @@
-"""Where the light of a path comes from: a log of every contribution, beside the picture.
+"""Where the light of a path comes from: a log of every contribution to the picture.
 
 A pass of its own over the same samples as the picture's, as for AOVs (`alight.integrators.aov`):
 the path tracer's own text, which also calls the kernels below wherever it adds to the radiance of a
@@ -14,9 +14,13 @@ from __future__ import annotations
 import inspect
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
-from alight.core.simd import (
+from alight.integrators.walk import LIGHT_CHOICE, LIGHT_POINT, vertex_dimension
+from alight.lights.sampling import choose_light_at
+from alight.lights.tables import INFO as LIGHT_INFO
+from alight.samplers.sampling import get_1d, get_2d
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     LANES,
     as_int,
     gather,
@@ -29,16 +33,12 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.integrators.walk import LIGHT_CHOICE, LIGHT_POINT, vertex_dimension
-from alight.lights.sampling import choose_light_at
-from alight.lights.tables import INFO as LIGHT_INFO
-from alight.samplers.sampling import get_1d, get_2d
 
-#: Name of this pass in the place of an integrator's, and of the option that names the integrator.
+#: Name of this pass instead of an integrator's, and of the option that names the integrator.
 PASS, RECORDED = "contributions", "recorded"
 
 #: words: four u32 a contribution (see `FIELDS`); values: red, green, blue; count: [contributions so
-#: far, those for which there was no room too]; first: a u32 a sample, number of the first material;
+#: far, including those that did not fit]; first: a u32 a sample, number of the first material;
 #: window: u32, first column and row of the tile, its columns, samples a pixel, replicates.
 Log = namedtuple("Log", "words values count first window")
 
@@ -76,9 +76,9 @@ def sample_number(log, sampler, mask):
 
 @kernel
 def meet(scene, path, surface, depth, mask):
-    """Note the material that the camera's rays meet; 0 stands for none.
+    """Record the material that the camera rays hit; 0 means none.
 
-    A path changes its lane while it waits, so the note stands by its sample.
+    A path changes its lane while it waits, so the record is indexed by its sample.
     """
     log, numbers, materials = scene.log, local_uints(16), local_uints(16)
     new = mask & (depth == 1)
@@ -93,7 +93,7 @@ def meet(scene, path, surface, depth, mask):
 
 @kernel
 def find(scene, path, light, depth, mask, value):
-    """Log light that the rays came upon; `light` is its number + 1."""
+    """Log light that the rays hit; `light` is its number + 1."""
     how = where(path.delta, lanes_u32(BY_DELTA), lanes_u32(BY_BSDF))
     how = where(depth == 1, lanes_u32(SEEN), how)
     number = sample_number(scene.log, path.sampler, mask)

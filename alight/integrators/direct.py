@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from alight.core.jit import kernel
 from alight.core.noise_only import NoiseOnly
 from alight.integrators import path
 from alight.integrators.options import LightSampling
 from alight.integrators.walk import Settings
+from lanewise.jit import kernel
 
 #: The camera sees a light (1), or a surface that a light shines on (2).
 MAX_DEPTH = 2

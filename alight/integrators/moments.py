@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
 from alight.samplers.sampling import get_1d
+from lanewise.jit import kernel, specialised
 
 #: Dimension of the time, see `alight.integrators.walk`.
 TIME = 4

@@ -1,7 +1,45 @@
 r"""Path tracing: unidirectional, with light sampling combined by multiple importance sampling.
 
+Each vertex estimates the rendering equation (Kajiya 1986)
+
 .. math::
-    L_o = L_e + \int f(\omega_o, \omega_i)\, L_i(\omega_i)\, |\cos\theta_i|\, d\omega_i
+    L_o = L_e + \int f(\omega_o, \omega_i)\, L_i(\omega_i)\, |\cos\theta_i|\, d\omega_i .
+
+Following :math:`L_i` to the next surface and repeating gives a sum over path lengths. The term of
+length k is the light that reaches the camera over k edges; a path with throughput
+:math:`\beta = \prod f |\cos\theta| / p` estimates it without bias by :math:`\beta L_e`.
+
+Two techniques find the light at the end of the same edge, seen from the vertex x before it:
+
+* the *BSDF* draws a direction with density :math:`p_b` and the ray happens to hit a light
+  (`write_reach_lamp`, `write_reach_environment`): :math:`w_b\, \beta\, f |\cos\theta|\, L_e / p_b`,
+  the factor :math:`f |\cos\theta| / p_b` being in `beta` already;
+* *light sampling* draws a point on a light with density :math:`p_l` and tests whether it is visible
+  (`_write_add_direct_light`): :math:`w_l\, \beta\, f |\cos\theta|\, L_e / p_l`.
+
+Both densities are per solid angle at x, and :math:`p_l` includes the probability of choosing that
+light. For a direction that both techniques can draw, the weights are (`weights_of`)
+
+.. math:: w_b = \frac{p_b^\alpha}{p_b^\alpha + p_l^\alpha}, \qquad
+    w_l = \frac{p_l^\alpha}{p_b^\alpha + p_l^\alpha}, \qquad w_b + w_l = 1
+
+with :math:`\alpha = 2` ("power") or 1 ("balance"). The sum of both techniques has the mean
+
+.. math:: \int w_b \frac{f L_e |\cos\theta|}{p_b} p_b + w_l \frac{f L_e |\cos\theta|}{p_l} p_l
+    \; d\omega = \int (w_b + w_l)\, f L_e |\cos\theta| \; d\omega,
+
+which is the wanted integral because the weights sum to one, wherever light can arrive. A direction
+that only one technique can draw must get the whole weight: a mirror (`path.delta`) and camera rays
+leave all to the BSDF, a delta light (`light.delta`) leaves all to light sampling. With
+``light_sampling`` "bsdf" or "emitter" one technique gets weight 1 and the other 0: the sum is still
+one. `path.pdf` carries :math:`p_b` along the edge to the vertex where the light is found.
+
+Weights may use any function of the direction in place of :math:`p_l`, as long as both techniques
+use the same one. A light tree chooses with the normal at x, which `reach_lamp` no longer knows: so
+both weights use the probability that the tree has without the normal, and only the estimate is
+divided by the true :math:`p_l` (the factor that `alight.lights.sampling` puts into the radiance).
+
+Russian roulette ends a path with probability 1 - q and divides `beta` by q, so the mean stays.
 
 Source: Kajiya, The rendering equation, SIGGRAPH 1986; Veach and Guibas, Optimally combining
 sampling techniques, SIGGRAPH 1995; Arvo and Kirk, Particle transport and image synthesis, SIGGRAPH
@@ -18,10 +56,8 @@ from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
-from alight.core.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 from alight.core.vec import length, max_component
 from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.options import PathTracing
@@ -56,6 +92,8 @@ from alight.lights.sampling import (
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 
 #: Strategies of light sampling, as numbers that kernels compare.
 BY_LIGHT, MIS, BY_BSDF = 0, 1, 2
@@ -72,7 +110,7 @@ class Path(PathTracing):
     Parameters
     ----------
     heuristic : {"power", "balance"}, default "power"
-        How both ways to find light are weighted under "mis".
+        How "mis" weights the two techniques that find light.
     """
 
     type: Literal["path"] = "path"
@@ -97,7 +135,7 @@ EXAMPLES = (
 
 
 def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=None):
-    """The kernel that carries paths on by one vertex; parameters as of `stages`."""
+    """The kernel that extends paths by one vertex; parameters as for `stages`."""
     trace, shade = stages(
         program, scatter=scatter, strategy=strategy, roulette=roulette, record=record
     )
@@ -114,7 +152,7 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
 def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=None):
     """The two halves of a step, for the options of a program.
 
-    Between them paths end whose rays left the scene, so that the others may be packed anew.
+    Between them, paths whose rays left the scene end, so that the others can be repacked.
 
     Parameters
     ----------
@@ -122,19 +160,20 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
     scatter : kernel, default `sample_bsdf`
         How the next direction is chosen.
     strategy : {"mis", "bsdf", "emitter"}, optional
-        In place of the program's ``light_sampling``.
+        Overrides the program's ``light_sampling``.
     roulette : bool, optional
-        In place of the program's ``russian_roulette``.
+        Overrides the program's ``russian_roulette``.
     record : tuple of kernels, optional
-        (meet, find, leave, sample) of `alight.integrators.contributions`, which are told of every
+        (meet, find, leave, sample) of `alight.integrators.contributions`, which receive every
         contribution.
 
     Returns
     -------
     trace : kernel (scene, settings, path) -> (path, hit)
-        The rays to the next surface, and what those find that meet none, whose paths end.
+        Traces rays to the next surface; adds the environment for those that hit none and ends
+        their paths.
     shade : kernel (scene, settings, path, hit) -> path
-        What is found there, and where the path goes on.
+        Adds the light found at the surface, and samples where the path continues.
     """
     strategy = strategy or program.option("light_sampling")
     if roulette is None:
@@ -188,26 +227,26 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
         if recorded:
             meet(scene, path, surface, depth, active)
 
-        # The camera looks through lights: such a path goes on as if it had met nothing.
+        # The camera looks through lights: the path continues as if it had hit nothing.
         hidden = lanes_mask(False)
         if hides:
             hidden = active & (path.depth == 0) & (surface.light != 0)
             active = active & ~hidden
 
-        # The ray came upon a light.
+        # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
             L, L_direct = reach_lamp(scene, path, hit, surface, depth, active, L, L_direct)
 
-        # The longest path ends here: one more edge would be too many.
+        # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
 
-        # Direct light, by sampling the lights.
+        # Direct light by light sampling, weighted by w_l.
         if samples_lights:
             L, L_direct, rays = add_direct_light(
                 scene, settings, path, surface, wo, depth, active, L, L_direct, rays
             )
 
-        # Where the path goes on.
+        # Where the path continues: beta gains f cos / p_b.
         dimension = vertex_dimension(depth)
         wi, weight, pdf, flags = scatter(
             scene,
@@ -227,7 +266,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
             beta, active = play_roulette(scene, settings, path, surface, wi, depth, beta, active)
         p, delta = surface.p, (flags & DELTA) != 0
         if holes:
-            # Straight on, as if nothing was there: light is looked for from the vertex before.
+            # Straight on, as if nothing were there: the vertex before still looks for light.
             on = (flags & NULL) != 0
             p, pdf, delta = (
                 where(on, path.p, p),
@@ -246,7 +285,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
 
 
 def _write_through(absorbing):
-    """``(scene, surface, wo, t, active, path) -> path``: dimmed by what it came through."""
+    """``(scene, surface, wo, t, active, path) -> path``: dimmed by the glass it crossed."""
     if not absorbing:
         return _unchanged
 
@@ -273,7 +312,7 @@ def write_reach_environment(bsdf_weight, listeners):
     @kernel
     def reach_environment(scene, path, depth, missed, L, L_direct):
         if any_lane(missed):
-            # Other lanes look at one place of a map: that costs no memory traffic.
+            # Idle lanes all read the same texel, which costs no memory traffic.
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
             w = bsdf_weight(path, environment_pdf(scene, path.p, d))
@@ -296,7 +335,7 @@ def write_reach_lamp(bsdf_weight, holes, listeners):
         if any_lane(shining):
             distance = hit.t
             if holes:
-                # From the last vertex, not from the hole that the path came through.
+                # From the last vertex, not from the hole in between.
                 distance = length(surface.p - path.p)
             Le = emitted(scene, surface, -path.d)
             pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
@@ -313,10 +352,8 @@ def write_reach_lamp(bsdf_weight, holes, listeners):
 def _write_add_direct_light(light_weight, by_light, holes, listeners):
     """Light sampling.
 
-    ``(scene, settings, path, surface, wo, depth, active, L, L_direct, rays)`` gives the last three
-    anew.
-
-    Only delta lights count unless `by_light`.
+    ``(scene, settings, path, surface, wo, depth, active, L, L_direct, rays) -> (L, L_direct,
+    rays)``. Only delta lights count unless `by_light`.
     """
     recorded, sample = listeners.sample is not None, listeners.sample
 
@@ -361,14 +398,14 @@ def _write_add_direct_light(light_weight, by_light, holes, listeners):
 def _write_play_roulette(refracting):
     """``(scene, settings, path, surface, wi, depth, beta, active) -> (beta, active)``.
 
-    Ends dim paths at random, and lets the survivors carry their light.
+    Ends dim paths at random and weights up the survivors.
     """
 
     @kernel
     def play_roulette(scene, settings, path, surface, wi, depth, beta, active):
         bright = max_component(beta)
         if refracting:
-            # A path in glass is not dim: what it lost on the way in comes back on the way out.
+            # A path in glass is not dim: it regains on the way out what it lost on the way in.
             bright = bright * concentration(scene, surface, wi)
         survival = minimum(bright, MAX_SURVIVAL)
         playing = depth >= settings.rr_depth
@@ -380,11 +417,11 @@ def _write_play_roulette(refracting):
 
 
 def weights_of(strategy, heuristic):
-    """The kernels (bsdf_weight, light_weight) of a strategy."""
+    """The kernels (bsdf_weight, light_weight) of a strategy: w_b and w_l, whose sum is one."""
 
     @kernel
     def bsdf_weight(path, light_pdf):
-        """MIS weight of light that the BSDF's direction came upon."""
+        """w_b: weight of light that a BSDF sample hit."""
         if strategy == MIS:
             return where(path.delta, 1.0, heuristic(path.pdf, light_pdf))
         if strategy == BY_BSDF:
@@ -393,7 +430,7 @@ def weights_of(strategy, heuristic):
 
     @kernel
     def light_weight(light, bsdf_pdf):
-        """MIS weight of light that light sampling chose."""
+        """w_l: weight of light that light sampling chose."""
         if strategy == MIS:
             return where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))
         return where(light.delta, 1.0, lanes(1.0))

@@ -1,11 +1,15 @@
-"""Paths that wait for their next step, until there are enough for a packet."""
+"""Paths waiting for their next step until they fill a packet."""
 
 from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from alight.integrators.walk import Path, count_lanes, module_of
+from alight.samplers.state import SamplerState
+from alight.shapes.hit import Hit
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     as_int,
     lane_index,
     lanes_u32,
@@ -16,10 +20,6 @@ from alight.core.simd import (
     store_lanes,
     where,
 )
-from alight.core.vec import Vec3
-from alight.integrators.walk import Path, count_lanes, module_of
-from alight.samplers.state import SamplerState
-from alight.shapes.hit import Hit
 
 #: Rows of floats (o, d, p, L, beta, pdf, L_direct) and of u32 (x, y, index, scramble and the keys
 #: a, b of the sampler, depth and whether it was a delta lobe). A row has room for two packets, so
@@ -27,10 +27,10 @@ from alight.shapes.hit import Hit
 Queue = namedtuple("Queue", "floats uints")
 ROOM = 32
 
-#: Where the rows of a `Hit` (t, u, v; shape, prim) stand in a queue of paths that have met one.
+#: Where the rows of a `Hit` (t, u, v; shape, prim) are in a queue of paths that hit something.
 HIT_FLOATS, HIT_UINTS = 19, 7
 
-#: The first rows that an integrator may have for what it keeps beside a `Path`, and how many.
+#: The first rows that an integrator may have for what it keeps beyond a `Path`, and how many.
 MORE_FLOATS, MORE_UINTS = 19, 7
 FLOATS, UINTS = (MORE_FLOATS + 6) * ROOM, (MORE_UINTS + 3) * ROOM
 
@@ -89,13 +89,13 @@ def _take_nothing(queue, at, path):
 
 @specialised
 def put_more(program):
-    """``put_more(queue, at, order, path)``: write what the integrator keeps beside a `Path`."""
+    """``put_more(queue, at, order, path)``: write what the integrator keeps beyond a `Path`."""
     return getattr(module_of(program), "put_more", _put_nothing)
 
 
 @specialised
 def take_more(program):
-    """``take_more(queue, at, path)``: the `Path` with what the integrator keeps beside it."""
+    """``take_more(queue, at, path)``: the `Path` with what the integrator keeps beyond it."""
     return getattr(module_of(program), "take_more", _take_nothing)
 
 
@@ -103,7 +103,7 @@ def take_more(program):
 def put(program):
     """``put(queue, at, path)``: append the active paths from number `at` on; the new length.
 
-    The others stand behind them, where nothing is read but by lanes that are not active.
+    The others follow them, where only inactive lanes read.
     """
     split_direct = "direct" in program.aovs
 

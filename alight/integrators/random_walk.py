@@ -14,11 +14,11 @@ from typing import Literal
 from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.core.constants import INV_FOUR_PI
-from alight.core.jit import kernel
-from alight.core.simd import where
 from alight.core.spec import Depth, Integrator
 from alight.core.warps import square_to_uniform_sphere
 from alight.integrators import path
+from lanewise.jit import kernel
+from lanewise.simd import where
 
 
 class RandomWalk(Integrator):

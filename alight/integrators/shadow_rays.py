@@ -14,8 +14,6 @@ from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import open_share
 from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, lanes, lanes_u32, lanes_vec3, where
 from alight.core.vec import dot, max_component
 from alight.integrators.volume_walk import medium_beyond
 from alight.integrators.walk import count_lanes
@@ -23,6 +21,8 @@ from alight.media.sampling import cross
 from alight.media.tables import Crossing, Stream, segment_of
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, lanes, lanes_u32, lanes_vec3, where
 
 
 @specialised

@@ -21,17 +21,6 @@ from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
-    any_lane,
-    lanes,
-    lanes_mask,
-    lanes_u32,
-    lanes_vec3,
-    maximum,
-    minimum,
-    where,
-)
 from alight.core.vec import max_component
 from alight.integrators.options import PathTracing
 from alight.integrators.path import (
@@ -81,6 +70,17 @@ from alight.media.voxels import emission
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    any_lane,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    where,
+)
 
 
 class VolPath(PathTracing):
@@ -158,13 +158,13 @@ def step(program):
                 scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays
             )
 
-        # Where the path goes on.
+        # Where the path continues.
         dimension = vertex_dimension(path.steps)
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
         turning = active & ~scattered
         if nulls:
-            # The last surface may be a hole, behind which the last edge goes on.
+            # The last surface may be a hole, behind which the last edge continues.
             turning = met & ~passing
         wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, turning)
         d = to_world(surface, wi)
@@ -385,7 +385,7 @@ def _write_play_roulette(refracting):
 def _weights_of(strategy):
     """The kernels (found_weight, chosen_weight) of a strategy.
 
-    Both are 1 over the mean density over the channels: of the path that came upon a light, and of
+    Both are 1 over the mean density over the channels: of the path that hit a light, and of
     one that light sampling chose.
     """
 

@@ -1,4 +1,4 @@
-"""What paths through media keep beside a `Path`, and how they cross borders.
+"""What paths through media keep beyond a `Path`, and how they cross borders.
 
 **The rule of borders.** A path is in one medium. A shape with an interior or an exterior is a
 border: whoever leaves it against its outer normal, in whatever way, is in its interior then, and
@@ -17,15 +17,6 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
-    gather,
-    lanes_u32,
-    lanes_vec3,
-    load_lanes,
-    to_uint,
-    where,
-)
 from alight.integrators.queue import (
     MORE_FLOATS,
     MORE_UINTS,
@@ -38,6 +29,15 @@ from alight.integrators.walk import Path, begin_paths, no_paths
 from alight.media.tables import CHROMATIC, KEEP
 from alight.samplers.sampling import get_1d
 from alight.shapes.hit import side_of
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    gather,
+    lanes_u32,
+    lanes_vec3,
+    load_lanes,
+    to_uint,
+    where,
+)
 
 #: A `Path`, and: medium (u32), row of the tables that the path is in, 0 for none; channel (u32),
 #: which chooses distances; steps (u32), surfaces and collisions so far, borders too; ours (Vec3):
@@ -87,7 +87,7 @@ def take_more(queue, at, path):
 
 @kernel
 def empty_paths():
-    """Paths of which none is active."""
+    """Paths, none of them active."""
     zero = lanes_u32(0)
     return with_media(no_paths(), zero, zero, zero, lanes_vec3(1.0), lanes_vec3(0.0))
 

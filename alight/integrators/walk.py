@@ -1,7 +1,7 @@
 """What all integrators share: the state of a path, and the random numbers of its vertices.
 
-An integrator is one kernel, ``step(scene, settings, path) -> path``: it carries every lane's path
-on by one vertex and clears `active` where the path has ended. The main loop starts paths, calls
+An integrator is one kernel, ``step(scene, settings, path) -> path``: it extends every lane's path
+by one vertex and clears `active` where the path has ended. The main loop starts paths, calls
 `step`, and adds finished ones to the film.
 """
 
@@ -12,9 +12,13 @@ from importlib import import_module
 
 import numpy as np
 
-from alight.core.jit import kernel, specialised
 from alight.core.registry import Models
-from alight.core.simd import (
+from alight.core.spec import Integrator
+from alight.core.vec import Vec3, dot, normalize
+from alight.integrators.moments import at_times_of
+from alight.samplers.state import SamplerState
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     as_int,
     count_bits,
     lanes,
@@ -24,10 +28,6 @@ from alight.core.simd import (
     mask_bits,
     where,
 )
-from alight.core.spec import Integrator
-from alight.core.vec import Vec3, dot, normalize
-from alight.integrators.moments import at_times_of
-from alight.samplers.state import SamplerState
 
 #: One path per lane.
 #:
@@ -44,7 +44,7 @@ Path = namedtuple("Path", "o d p L L_direct beta pdf delta depth sampler active 
 #: for `alight.integrators.aov`), distance (float32, metres).
 Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance layer")
 
-#: Modules of this package that stand in the place of an integrator.
+#: Modules of this package that can replace an integrator.
 PASSES = ("aov", "contributions")
 
 #: Depth of paths that only roulette ends.
@@ -78,7 +78,7 @@ def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Sett
 
 @kernel
 def no_paths():
-    """Paths of which none is active."""
+    """Paths, none of them active."""
     zero = lanes_u32(0)
     black = lanes_vec3(0.0)
     return Path(
@@ -110,7 +110,7 @@ def begin_paths(new, o, d, weight, sampler, path):
         Of the pixel filter.
     sampler : SamplerState
     path : Path
-        What goes on in the other lanes.
+        What continues in the other lanes.
     """
     black = lanes_vec3(0.0)
     return Path(
@@ -131,7 +131,7 @@ def begin_paths(new, o, d, weight, sampler, path):
 
 @specialised
 def empty_paths(program):
-    """``empty_paths()``: paths of which none is active, with all that the integrator keeps."""
+    """``empty_paths()``: inactive paths, with all that the integrator keeps."""
     return getattr(module_of(program), "empty_paths", no_paths)
 
 
@@ -171,7 +171,7 @@ def to_world(surface, w):
 
 @specialised
 def step(program):
-    """The step of the program's integrator, or of a pass beside the picture.
+    """The step of the program's integrator, or of a pass that replaces it.
 
     Where things move, it sees the scene at the times of its paths.
     """

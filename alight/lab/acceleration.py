@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.machine import fingerprint
 from alight.lab.arms import digest, seed_of
 from alight.lab.measure import compiled_kernels, render_ladder
 from alight.lab.pictures import Session, StudyProgress
@@ -26,6 +25,7 @@ from alight.metrics.relmse import Estimate
 from alight.scene import Scene, flatten
 from alight.scene.build import Builder
 from alight.shapes.mesh import Mesh
+from lanewise.machine import fingerprint
 
 #: Name -> (label, structure, builder, most triangles of the ball).
 METHODS: dict[str, tuple[str, str, str, int]] = {
@@ -34,14 +34,14 @@ METHODS: dict[str, tuple[str, str, str, int]] = {
     "sah": ("surface area heuristic", "bvh", "sah", 1 << 19),
 }
 
-#: Rings of the ball are doubled until it has so many triangles.
+#: Rings of the ball are doubled until it has this many triangles.
 _QUICK_MOST = 32768
 
 _SIZE, _SPP, _QUICK_SPP = 128, 4, 1
 
 
 def ball(triangles: int) -> Mesh:
-    """A bumpy ball of about so many triangles."""
+    """A bumpy ball of about this many triangles."""
     rings = max(2, round((triangles / 4.0) ** 0.5))
     sectors = 2 * rings
     theta, phi = np.meshgrid(

@@ -1,4 +1,4 @@
-"""Which arms compute another picture than the others, when nobody knows the true one.
+"""Which arms compute a different picture from the others, when nobody knows the true one.
 
 Arms without a reference from elsewhere can only be compared with each other. The one assumption is
 that *most of them are right*. Then there is a majority whose members all have the same mean
@@ -58,7 +58,7 @@ def vote(
     arms : mapping of str to PictureStatistics
         Of the replicates of each arm.
     references : mapping of str to PictureStatistics
-        Of references that some of the arms rendered: they stand for these arms, who must agree
+        Of references that some of the arms rendered: they represent these arms, which must agree
         with them too.
     level : float
         Largest probability that a right arm is called biased.

@@ -12,9 +12,9 @@ from typing import Any
 
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import SceneError, show_value, unknown_name
-from alight.core.machine import fingerprint
 from alight.core.noise_only import noise_only_fields
 from alight.core.spec import Sampler, Spec
+from alight.formats import builtin_names, load
 from alight.lab.measure import Rung, compiled_kernels, render_ladder
 from alight.lab.steering import is_steered, problem_of, steered_ladder
 from alight.lab.study import (
@@ -28,8 +28,8 @@ from alight.lab.study import (
 )
 from alight.rendering.tile import Kernels
 from alight.samplers.sobol import Sobol
-from alight.scene import Scene, content_hash, flatten, load
-from alight.scene.files import builtin_names
+from alight.scene import Scene, content_hash, flatten
+from lanewise.machine import fingerprint
 
 #: Longest side of pictures under ``--quick``.
 QUICK_SIZE = 128

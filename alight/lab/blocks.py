@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.lab.decomposition import Moments
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
 from alight.lab.statistics import holm_adjusted, quantile
@@ -33,10 +34,8 @@ LEVEL = 0.01
 #: 1 % (without: up to 100 %), and noise that is nearly normal keeps its 64 blocks.
 _LARGEST_SKEWNESS = 0.2
 
-#: Seeds that stand for a variance that is known exactly.
+#: Seeds that represent an exactly known variance.
 _MANY = 1e6
-
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass
@@ -149,7 +148,7 @@ def block_row(picture: np.ndarray) -> np.ndarray:
     inner = picture[: rows * block, : columns * block].astype(np.float64)
     sums = inner.reshape(rows, block, columns, block, 3).mean(axis=(1, 3))
     channels = picture.mean(axis=(0, 1), dtype=np.float64)
-    return np.concatenate([channels, (sums @ _LUMINANCE).ravel()])
+    return np.concatenate([channels, (sums @ LUMINANCE).ravel()])
 
 
 def exact_statistics(picture: np.ndarray, variance: np.ndarray | None) -> PictureStatistics:
@@ -159,7 +158,7 @@ def exact_statistics(picture: np.ndarray, variance: np.ndarray | None) -> Pictur
     row = block_row(picture)
     noise = np.zeros_like(picture) if variance is None else variance
     # Channels of a pixel share their paths: their errors add up as they are, not as squares.
-    luminance = (np.sqrt(np.maximum(noise, 0.0)) @ _LUMINANCE) ** 2
+    luminance = (np.sqrt(np.maximum(noise, 0.0)) @ LUMINANCE) ** 2
     shape = (height // block, width // block)
     inner = luminance[: shape[0] * block, : shape[1] * block]
     sums = inner.reshape(shape[0], block, shape[1], block).sum(axis=(1, 3)) / block**4

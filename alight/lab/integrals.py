@@ -23,7 +23,6 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
 from alight.core.spec import Sampler
 from alight.lab.arms import seed_of
 from alight.lab.pictures import Session, StudyProgress
@@ -34,6 +33,7 @@ from alight.samplers.halton import Halton
 from alight.samplers.independent import Independent
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state
 from alight.samplers.sobol import Sobol
+from lanewise.jit import instantiate
 
 #: Dimensions of the integrals; nodes or samples at most, without and with ``--quick``.
 DIMENSIONS, MOST, QUICK_MOST = (1, 2, 3, 4, 6), 4096, 1024

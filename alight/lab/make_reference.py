@@ -1,7 +1,7 @@
 """A reference of a wanted error, for others to use.
 
 A pilot is extended until its replicates say that its relRMSE lies below the wanted one with 95 %
-confidence. The picture is then rendered anew with as many samples of another seed: samples that
+confidence. The picture is then rendered again with as many samples of another seed: samples that
 had a say in when to stop are not in it, so stopping cannot bias it.
 """
 

@@ -1,9 +1,9 @@
 """Studies of pictures: pilot, reference, interleaved replicates, evaluation.
 
-Block k holds replicate k of every arm, in an order drawn at random: what the machine does over
-minutes (clock rates, neighbours) falls on all arms alike. Everything measured goes to the store at
-once, under keys of content, so that an interrupted study goes on and an arm that was added is all
-that runs.
+Block k holds replicate k of every arm, in random order, so that fluctuations of the machine over
+minutes (clock rates, neighbours) affect all arms alike. Every measurement goes to the store at
+once, keyed by content, so that an interrupted study continues and only a newly added arm has to
+run.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ QUICK_REPLICATES, QUICK_SPP = 8, 16
 #: differs from one replicate to the next.
 _FLIPS = 2
 
-#: Processor seconds of a reference from which a way out is told.
+#: Processor seconds of a reference above which a shortcut is suggested.
 _LONG = 600.0
 
 #: Slope of the MSE that a pilot is extrapolated with, to the steps of equal time: between
@@ -226,7 +226,7 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
 def _notes(results: Sequence) -> list[str]:
     notes = []
     if all(point.flip is None for arm in results for point in arm.times or arm.samples):
-        notes.append("FLIP is left out: the package flip-evaluator is not installed")
+        notes.append("FLIP is skipped: the package flip-evaluator is not installed")
     return notes + [
         f"{arm.label}: {arm.invalid} samples were NaN or infinite, counted as 0"
         for arm in results
@@ -252,7 +252,7 @@ def _compiled(session: Session, scene: SceneSpec) -> dict[str, Arm]:
 def _pilot(session: Session, arm: Arm, ladder: Sequence[int]) -> Pilot:
     """Cost and noise of an arm, from two pictures at the last step of the ladder.
 
-    Shorter ones would not do: how fast the error of a net falls nobody knows beforehand.
+    Shorter ones would not do: nobody knows in advance how fast the error of a net falls.
     """
     spp, own = ladder[-1], (arm.key, arm.spec.name, session.study.seed)
     key = f"pilot {digest(*own)} {spp}"

@@ -1,7 +1,7 @@
 """Reference pictures that know their own noise.
 
 A reference is rendered with 16 independent seeds; their spread gives the variance of every pixel,
-which the statistics subtract. References are kept beside the compiled kernels, under the content
+which the statistics subtract. References are kept next to the compiled kernels, under the content
 hash of everything that decides them, so that the next study finds them.
 """
 
@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 
 from alight.core.errors import OutputError
-from alight.core.machine import cache_folder
 from alight.lab.arms import Arm, digest, seed_of
 from alight.lab.blocks import BlockMoments, block_row, exact_statistics
 from alight.lab.decomposition import Moments
@@ -27,6 +26,7 @@ from alight.lab.study import SCHEDULE, ReferenceSpec, SceneSpec, Study, StudyErr
 from alight.metrics.comparison import PictureStatistics
 from alight.metrics.relmse import default_epsilon
 from alight.outputs.atomic import replacing
+from lanewise.machine import cache_folder
 
 #: Independent seeds of a reference.
 SEEDS = 16
@@ -176,7 +176,7 @@ def reference_arm(study: Study, scene: SceneSpec) -> str:
     if name not in fit:
         different = found.declares_different
         why = "is declared different" if different else "decides by the samples that it keeps"
-        raise study.fail(path, f'arm "{name}" {why}: it is no reference')
+        raise study.fail(path, f'arm "{name}" {why}: it cannot be a reference')
     return name
 
 

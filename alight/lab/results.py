@@ -1,6 +1,6 @@
 """What a study found, as plain data: everything that a report, a table or a test needs.
 
-`save` writes one JSON file with the numbers and one npz file with the arrays beside it; `load`
+`save` writes one JSON file with the numbers and one npz file with the arrays next to it; `load`
 gives equal results back. NaN means unknown.
 """
 
@@ -401,7 +401,7 @@ def load(path: str | Path) -> StudyResult:
     Raises
     ------
     AlightError
-        If it is no result of a study.
+        If it is not a result of a study.
     """
     path = Path(path)
     try:
@@ -410,7 +410,7 @@ def load(path: str | Path) -> StudyResult:
             arrays = {name: stored[name] for name in stored.files}
         return _restored(StudyResult, data, arrays)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise AlightError(f"{path}: is no result of a study: {error}") from error
+        raise AlightError(f"{path}: is not a result of a study: {error}") from error
 
 
 def _plain(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:

@@ -14,7 +14,6 @@ import numpy as np
 
 import alight
 from alight.core.errors import OutputError
-from alight.core.machine import fingerprint, lanes_of_machine
 from alight.lab.pictures import QUICK_REPLICATES, Session, StudyProgress, run_scene
 from alight.lab.results import SceneResult, StudyResult, TableResult, save
 from alight.lab.store import Store
@@ -22,6 +21,7 @@ from alight.lab.study import Study
 from alight.lab.study_file import load_study, ready_names
 from alight.metrics.relmse import Estimate
 from alight.rendering.main_loop import usable_processors
+from lanewise.machine import fingerprint, lanes_of_machine
 
 #: Name of the results file in a study's folder.
 STORE = "results.sqlite"
@@ -57,7 +57,7 @@ def run_study(
     ------
     AlightError
         For a study that is wrong, an arm without noise, a reference with too much, or a full disk.
-        What was measured is kept, and the same call goes on from there.
+        What was measured is kept, and the same call continues from there.
     """
     study = (study if isinstance(study, Study) else load_study(study)).checked()
     # Ready studies have a name instead of a path.
@@ -111,7 +111,7 @@ def run_study(
 def variance_ratios(
     scenes: list[SceneResult], expected: Mapping[str, Mapping[str, float]]
 ) -> list[TableResult]:
-    """Measured variances over the baseline's beside those that theory gives.
+    """Measured variances over the baseline's next to the theoretical ones.
 
     Parameters
     ----------

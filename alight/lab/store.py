@@ -1,7 +1,7 @@
 """Results of a study as they come, in one SQLite file.
 
 A replicate is one transaction: after a crash or ``kill -9`` everything but the replicate in flight
-is there, and the same command goes on. Pictures are kept as running sums, so that neither memory
+is there, and the same command continues. Pictures are kept as running sums, so that neither memory
 nor the file grows by pictures with the number of replicates.
 """
 

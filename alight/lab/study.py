@@ -12,20 +12,17 @@ from pathlib import Path
 from typing import Any
 
 from alight.core.errors import AlightError, Issue, unknown_name
+from alight.options.laboratory import TraceOptions
 
 #: Options of an arm by a word of their own, as for `alight render`; all other keys of a scene
 #: file are options by their path.
 NAMED_OPTIONS = {
-    "integrator": "integrator.type",
-    "sampler": "sampler.type",
-    "filter": "film.filter",
-    "max_depth": "integrator.max_depth",
-    "rr_depth": "integrator.rr_depth",
+    name: one.key for name, one in TraceOptions.options().items() if "." in one.key
+} | {
     "light_sampling": "integrator.light_sampling",
     "heuristic": "integrator.heuristic",
     "russian_roulette": "integrator.russian_roulette",
     "light_choice": "integrator.light_choice",
-    "replicates": "film.replicates",
     "size": "film.size",
 }
 

@@ -21,7 +21,7 @@ from typing import Any
 
 from alight.core.errors import Issue, nearest, show_value, unknown_name
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
-from alight.scene.formats import native
+from alight.scene import plain_yaml
 
 _KEYS = {
     "title", "description", "teaches", "kind", "scenes", "arms", "baseline", "spp", "equal_time",
@@ -116,7 +116,7 @@ def parse_study(text: str, name: str = "study.yaml", folder: Path = Path()) -> S
     SceneError
         If it is not YAML.
     """
-    data, places, issues = native.parse(text, name)
+    data, places, issues = plain_yaml.parse(text, name)
     reader = _Reader(Study(Path(name).stem, file=name, places=places))
     reader.issues += issues
     study = reader.study(data, folder)
@@ -259,5 +259,5 @@ def parse_share(value: Any) -> float:
     except ValueError:
         share = -1.0
     if not 0.0 < share < 1.0:
-        raise ValueError(f"must be a share in (0, 1) as 0.5% or 0.005, got {show_value(value)}")
+        raise ValueError(f"must be a share in (0, 1), as 0.5% or 0.005, got {show_value(value)}")
     return share

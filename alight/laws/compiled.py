@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from alight.bsdfs.dispatch import albedo_bsdf, evaluate_bsdf, sample_bsdf
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, lanes, lanes_u32, lanes_vec3, load_lanes, store_lanes, to_float
 from alight.core.spec import Bsdf
-from alight.core.vec3 import Vec3
-from alight.core.view import View
 from alight.laws.materials import Material, random_numbers
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import unit_vectors
 from alight.shapes.hit import Surface
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, lanes_u32, lanes_vec3, load_lanes, store_lanes, to_float
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 N = 2048
 RESULTS = 15

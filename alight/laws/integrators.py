@@ -13,11 +13,12 @@ import numpy as np
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.spec import Integrator
 from alight.films.fixed_point import carry, to_float
+from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.laws.report import demand, demand_close
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
-from alight.scene import flatten, loads
+from alight.scene import flatten
 
 SPP, REPLICATES = 8, 4
 

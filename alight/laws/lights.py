@@ -16,12 +16,9 @@ from alight.accel import intersect_closest
 from alight.cameras import MODELS as CAMERAS
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.constants import PI
-from alight.core.jit import instantiate, kernel
 from alight.core.registry import specs_of
-from alight.core.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes
 from alight.core.spec import Light, Shape
 from alight.core.vec import Vec3, luminance
-from alight.core.view import View
 from alight.laws.materials import stacked
 from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.statistics import (
@@ -45,6 +42,9 @@ from alight.lights.sampling import (
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import rotate, translate
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes
+from lanewise.view import View
 
 #: Where the light stands; where the ball is that is no light, in m.
 PLACE, FAR = (0.3, -0.2, 0.5), 1000.0

@@ -11,12 +11,12 @@ from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
 from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
 from alight.core.registry import Models, versions
 from alight.core.spec import Bsdf
-from alight.core.vec3 import Vec3
-from alight.core.view import View
 from alight.shapes.hit import INFO, Surface
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 #: What kernels of materials read of a scene.
 Scene = namedtuple("Scene", "materials shapes")
@@ -81,7 +81,7 @@ class Material:
         )
 
     def open_share(self):
-        """What part of light goes on as if nothing was there."""
+        """What part of light continues as if nothing were there."""
         kernel = instantiate(open_share, self.program, compiled=False)
         return float(np.ravel(kernel(self.scene, self.surface(1), np.ones(1, bool)))[0])
 

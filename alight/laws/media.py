@@ -12,10 +12,8 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.jit import instantiate
 from alight.core.registry import specs_of
 from alight.core.spec import Bsdf, Integrator, Medium, Shape
-from alight.core.vec3 import Vec3
 from alight.laws.report import demand
 from alight.laws.shapes import scene_of
 from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
@@ -25,6 +23,8 @@ from alight.media.sampling import cross, fly
 from alight.media.tables import Stream
 from alight.scene import Node, flatten
 from alight.scene.transform import scale, translate
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 
 #: Lanes that follow one ray, rays, and steps of the integral along each.
 N, RAYS, STEPS = 40_000, 6, 20_000

@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import alight
 from alight.core.errors import AlightError, OptionError, unknown_name
 
 
@@ -57,7 +56,7 @@ MUTANTS = {
         "with lights that light sampling finds",
     ),
     "pdf-per-area": Mutant(
-        "where a ray comes upon a lamp, its density is taken per area for per solid angle",
+        "where a ray hits a lamp, its density is taken per area for per solid angle",
         (
             (
                 "lights/sampling.py",
@@ -155,7 +154,7 @@ def find_mutant(name: str) -> Mutant:
     if name in MUTANTS:
         return MUTANTS[name]
     problem = unknown_name("bug", name, MUTANTS) if name else "name one of these bugs"
-    raise OptionError("--mutant: " + problem + "\n" + "\n".join(mutant_lines()))
+    raise OptionError(problem + "\n" + "\n".join(mutant_lines()), "--mutant")
 
 
 def mutant_lines() -> list[str]:
@@ -171,7 +170,7 @@ def plant(mutant: Mutant, folder: Path) -> None:
     AlightError
         If the package is not made of the source files that the bug was written for.
     """
-    package = Path(alight.__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     shutil.copytree(package, folder / "alight", ignore=shutil.ignore_patterns("__pycache__"))
     for file, old, new in mutant.edits:
         path = folder / "alight" / file

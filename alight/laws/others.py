@@ -7,12 +7,12 @@ import numpy as np
 from alight.cameras.rays import generate_ray
 from alight.compiled.cameras import compile_camera
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
 from alight.core.registry import versions
 from alight.core.spec import Camera, Filter, Texture
 from alight.filters.importance import compile_filter, sample_filter
 from alight.laws.report import demand
 from alight.laws.statistics import LARGEST_Z, length_error, z_of_mean
+from lanewise.jit import instantiate
 
 N = 60_000
 
@@ -56,9 +56,9 @@ def rays_have_unit_directions(spec: Camera) -> None:
 def values_lie_below_the_maximum(spec: Texture) -> None:
     """Values of a texture are finite and lie in [0, maximum()]."""
     from alight.bsdfs.diffuse import Diffuse
-    from alight.core.vec3 import Vec3
     from alight.laws.materials import Material, stacked
     from alight.textures.fetch import texture_value
+    from lanewise.vec3 import Vec3
 
     material = Material(Diffuse(reflectance=spec))
     u, v = (4.0 * c - 2.0 for c in _u2(4))

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.program import Program
-from alight.core.jit import instantiate, kernel
-from alight.core.machine import lanes_of_machine
 from alight.core.registry import Models, versions
-from alight.core.simd import LANES, load_lanes, store_lanes
 from alight.core.spec import Sampler
-from alight.core.view import View
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import chi_square_tail, uniform_p_value
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state
+from lanewise.jit import instantiate, kernel
+from lanewise.machine import lanes_of_machine
+from lanewise.simd import LANES, load_lanes, store_lanes
+from lanewise.view import View
 
 #: A dimension of a long path.
 FAR = 1000
@@ -64,10 +64,10 @@ def numbers_lie_in_the_unit_interval(spec: Sampler) -> None:
         for dimension in (0, 1, 8, 38, 39, 40, FAR):
             for u in (twin(spec, False)(state, dimension), *twin(spec)(state, dimension)):
                 demand(u.dtype == np.float32, f"numbers must be float32, are {u.dtype}")
-                demand((u >= 0.0) & (u < 1.0), f"a number is outside of [0, 1): {u.max()}")
+                demand((u >= 0.0) & (u < 1.0), f"a number is outside [0, 1): {u.max()}")
     many = sequence(1 << 16)
     u = np.stack([*twin(spec)(many, 4), twin(spec, False)(many, 4)])
-    demand((u >= 0.0) & (u < 1.0), f"a number is outside of [0, 1): {u.max()}")
+    demand((u >= 0.0) & (u < 1.0), f"a number is outside [0, 1): {u.max()}")
     demand(u.min() < 1e-4 and u.max() > 1.0 - 1e-4, f"{u.min():.3g} to {u.max():.3g} only")
 
 

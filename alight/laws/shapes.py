@@ -17,11 +17,7 @@ from alight.cameras import MODELS as CAMERAS
 from alight.compiled.scene import compile_scene
 from alight.compiled.shapes import compile_shapes
 from alight.core.constants import INFINITY
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes, to_float, where
 from alight.core.spec import Shape
-from alight.core.vec3 import Vec3
-from alight.core.view import View
 from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
 from alight.lights.emission import coordinates
@@ -32,6 +28,10 @@ from alight.scene.transform import Transform, matrix, rotate, scale, translate
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import Hit, spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes, to_float, where
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 #: Affine maps that keep, move and turn, stretch and mirror, and slant.
 PLACEMENTS: dict[str, Transform] = {

@@ -1,7 +1,7 @@
 """Tests of hypotheses for samples, without SciPy, at one significance for a whole suite.
 
 A suite may fail by chance with probability `FAMILY`; a single test among at most `TESTS` gets
-Sidak's share of it. Seeds are fixed, so a test that passes goes on passing.
+Sidak's share of it. Seeds are fixed, so a test that passes keeps passing.
 """
 
 from __future__ import annotations

@@ -15,12 +15,12 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import PI
-from alight.core.jit import kernel
-from alight.core.simd import gather, lanes_mask, lanes_vec3, where
 from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
 from alight.lights.emission import emitted_color, sampled_color
 from alight.lights.shining import sample_shape, shape_pdf
 from alight.lights.tables import INFO, LightSample
+from lanewise.jit import kernel
+from lanewise.simd import gather, lanes_mask, lanes_vec3, where
 
 
 class Area(Light):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import lanes, maximum, sqrt, where
 from alight.core.vec import Vec3, length_squared
+from lanewise.jit import kernel
+from lanewise.simd import lanes, maximum, sqrt, where
 
 #: Square of the distance, in m^2, below which one is at the light itself. The strongest light that
 #: a description may hold, 1e15 W/sr, is a float32 from there on.

@@ -12,11 +12,11 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import INV_FOUR_PI, PI
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_vec3
 from alight.core.spec import Color, Light, Triple
 from alight.core.warps import square_to_uniform_sphere
 from alight.lights.tables import from_infinity
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_vec3
 
 
 class Constant(Light):

@@ -98,7 +98,7 @@ class Daylight(Light):
 
 
 def solid_angle(diameter: float) -> float:
-    """Of a disk of so many degrees across, sr."""
+    """Solid angle of a disk this many degrees across, sr."""
     return float(4.0 * np.pi * np.sin(np.radians(0.25 * diameter)) ** 2)
 
 

@@ -15,11 +15,11 @@ from typing import Literal
 import numpy as np
 
 from alight.core.constants import INFINITY, PI
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask, lanes_vec3
 from alight.core.spec import Color, Light, Triple
 from alight.core.vec import gather_vec3
 from alight.lights.tables import STRIDE, LightSample
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_mask, lanes_vec3
 
 
 class Directional(Light):

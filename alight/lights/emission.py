@@ -5,8 +5,6 @@ Only programs with `TEXTURED` in their lights look at textures.
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
 from alight.core.vec import gather_vec3
 from alight.lights.tables import INFO, STRIDE, TEXTURED
 from alight.shapes.hit import INFO as SHAPE_INFO
@@ -14,6 +12,8 @@ from alight.shapes.hit import Hit
 from alight.shapes.model import SHAPES, ShapeModel
 from alight.shapes.surfaces import surface_from_rest
 from alight.textures.fetch import texture_value
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
 
 
 @specialised

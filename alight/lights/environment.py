@@ -34,22 +34,8 @@ from pydantic import model_validator
 
 from alight.core.constants import INV_PI, INV_TWO_PI, PI
 from alight.core.distributions import bilinear, pmf_cell, sample_bilinear, sample_cell
-from alight.core.jit import kernel, specialised
 from alight.core.maths import arctan2, sincos_2pi
 from alight.core.noise_only import NoiseOnly
-from alight.core.simd import (
-    absolute,
-    as_float,
-    as_int,
-    gather_row,
-    maximum,
-    minimum,
-    minimum_u32,
-    sqrt,
-    to_float,
-    to_uint,
-    where,
-)
 from alight.core.spec import Color, Degrees, Light, Triple, Truth, invalid
 from alight.core.vec import Vec3, dot, row_vec3
 from alight.lights.environment_map import (
@@ -63,6 +49,20 @@ from alight.lights.environment_map import (
 )
 from alight.lights.tables import INFO, from_infinity
 from alight.textures.images import Image, Pixels, source_problem
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    absolute,
+    as_float,
+    as_int,
+    gather_row,
+    maximum,
+    minimum,
+    minimum_u32,
+    sqrt,
+    to_float,
+    to_uint,
+    where,
+)
 
 #: A place on the map. column, row: of its cell; x: fraction of the cell's width, y: of the angle
 #: from its upper to its lower edge, c: of the solid angle between them.

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from alight.core.distributions import cumulative_2d
 from alight.core.spec import Triple
 from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 # The table starts with the rotation from the world to the map, row by row.
 COLUMNS, ROWS = 9, 10  # of cells: rows is one less than the picture's
 FIRST_BAND, BAND = 12, 2  # after the header: numbers of each row of cells
-TEXEL = 4  # at last: red, green, blue and weight, row by row of the picture
+TEXEL = 4  # finally: red, green, blue and weight, row by row of the picture
 
 #: What scenes without a map hold.
 EMPTY = np.zeros(FIRST_BAND, np.float32)

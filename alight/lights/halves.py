@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
+from lanewise.jit import kernel
 
 
 def one_after_another(steps: list):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes_u32, where
 from alight.lights.model import LIGHTS, LightModel
 from alight.lights.moving import moving_pdf
 from alight.lights.tables import INFO
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes_u32, where
 
 
 def on_shapes(program) -> tuple[LightModel, ...]:

@@ -18,20 +18,7 @@ from numpy.typing import NDArray
 from pydantic import Strict, model_validator
 
 from alight.core.constants import PI
-from alight.core.jit import kernel
 from alight.core.maths import arctan2
-from alight.core.simd import (
-    gather,
-    lanes,
-    lanes_mask,
-    lanes_vec3,
-    maximum,
-    minimum,
-    sqrt,
-    to_float,
-    to_uint,
-    where,
-)
 from alight.core.spec import Color, Light, Triple, invalid
 from alight.core.vec import Vec3, dot, gather_vec3
 from alight.lights.at_point import way_to
@@ -43,6 +30,19 @@ from alight.lights.photometry import (
     profile_problem,
 )
 from alight.lights.tables import INFO, STRIDE, LightSample
+from lanewise.jit import kernel
+from lanewise.simd import (
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_vec3,
+    maximum,
+    minimum,
+    sqrt,
+    to_float,
+    to_uint,
+    where,
+)
 
 #: Lumens a watt: how candelas become W/sr.
 LUMENS = 683.0

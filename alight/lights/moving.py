@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from alight.core.jit import kernel
 from alight.core.motion import (
     direction_at_rest,
     inverse_rows,
@@ -16,13 +15,14 @@ from alight.core.motion import (
     point_at_rest,
     turned,
 )
-from alight.core.simd import any_lane, gather, lanes_u32, where
 from alight.core.vec import normalize
 from alight.lights.tables import LightSample
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, gather, lanes_u32, where
 
 
 def moving_sample(sample: Callable) -> Callable:
-    """The kernel `sample` of a light, for lights of which some move."""
+    """The kernel `sample` of a light type of which some lights move."""
 
     @kernel
     def sample_moving(scene, index, p, u, u2):

@@ -114,7 +114,7 @@ def parse_profile(text: str) -> Profile:
     """
     found = re.search(r"^[ \t]*TILT[ \t]*=[ \t]*(.*?)[ \t]*$", text, re.MULTILINE)
     if found is None:
-        raise ValueError("is no file of LM-63: a line TILT= is missing")
+        raise ValueError("is not an LM-63 file: a line TILT= is missing")
     numbers = _Numbers(text[found.end() :])
     tilt = found[1].upper()
     if tilt == "INCLUDE":
@@ -198,7 +198,7 @@ def grid(profile: Profile) -> NDArray[np.float64]:
 
 
 def folded(around: NDArray[np.float64], horizontal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles in [0, 360] degrees as those of a file stand for them by symmetry."""
+    """Angles in [0, 360] degrees, mapped to those of a file by symmetry."""
     first, last = horizontal[0], horizontal[-1]
     if first == 90.0:
         turned = (around - 90.0) % 360.0

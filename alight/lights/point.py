@@ -2,7 +2,7 @@ r"""Point light: the same intensity in every direction, from one point.
 
 .. math:: E(x) = I \cos\theta / |x - x_\text{light}|^2
 
-A path cannot hit it, so it is always sampled as a light. It stands at the origin of its node.
+A path cannot hit it, so it is always sampled as a light. It sits at the origin of its node.
 
 Source: PBR4 section 12.2.
 """
@@ -14,12 +14,12 @@ from typing import Literal
 import numpy as np
 
 from alight.core.constants import PI
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask, lanes_vec3
 from alight.core.spec import Color, Light, Triple
 from alight.core.vec import gather_vec3
 from alight.lights.at_point import way_to
 from alight.lights.tables import STRIDE, LightSample
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_mask, lanes_vec3
 
 
 class Point(Light):

@@ -1,4 +1,4 @@
-r"""Portal: a window through which the light of the surroundings is looked for.
+r"""Portal: a window through which directions to the surroundings are sampled.
 
 A rectangle without substance, which itself sends nothing. Where a scene has portals, a direction to
 the surroundings is drawn through one of them, uniform in the solid angle :math:`\Omega` that it
@@ -8,7 +8,7 @@ surroundings, with the density of the mixture of all,
 .. math::
     p(\omega) = \sum_k P_k p_k(\omega) + \sum_j P_j \frac{[\omega \in \Omega_j]}{|\Omega_j|}
 
-So no light is lost where there is a way in that has no portal, and a portal that stands elsewhere
+So no light is lost where there is a way in that has no portal, and a portal placed elsewhere
 costs samples and nothing else.
 
 Source: Veach and Guibas, Optimally combining sampling techniques for Monte Carlo rendering,
@@ -23,8 +23,6 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
-from alight.core.simd import is_finite, lanes_vec3, rsqrt, where
 from alight.core.spec import Light, Triple
 from alight.core.vec import dot, length_squared, row_vec3
 from alight.core.warps import (
@@ -33,6 +31,8 @@ from alight.core.warps import (
     square_to_spherical_rectangle,
 )
 from alight.lights.tables import from_infinity, row_of
+from lanewise.jit import kernel
+from lanewise.simd import is_finite, lanes_vec3, rsqrt, where
 
 #: Numbers of the light's row: a corner and two edges.
 CORNER, EDGE_X, EDGE_Y = 4, 7, 10

@@ -3,7 +3,7 @@ r"""Projector: a picture thrown through a pinhole.
 .. math:: E(x) = P(u, v)\, d / z^3 \cdot \cos\theta_x, \qquad I(\omega) = P(u, v) / \cos^3\theta
 
 z is the distance along +z of its node, d that to the point: on a screen at right angles to the axis
-the picture has the same brightness up to its corners, :math:`P / z^2`. The picture stands upright
+the picture has the same brightness up to its corners, :math:`P / z^2`. The picture is upright
 where +y is up; seen along +z its left edge is towards +x. With a cutoff it is a spot light with a
 texture: the picture fades between the angles of beam and cutoff.
 
@@ -19,9 +19,15 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from alight.core.constants import PI
-from alight.core.jit import kernel
 from alight.core.maths import arctan2
-from alight.core.simd import (
+from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
+from alight.core.vec import dot, gather_vec3
+from alight.lights.at_point import way_to
+from alight.lights.ies import axes_of
+from alight.lights.tables import INFO, STRIDE, LightSample
+from alight.textures.images import Image, Pixels, source_problem
+from lanewise.jit import kernel
+from lanewise.simd import (
     gather,
     lanes,
     lanes_mask,
@@ -34,12 +40,6 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
-from alight.core.vec import dot, gather_vec3
-from alight.lights.at_point import way_to
-from alight.lights.ies import axes_of
-from alight.lights.tables import INFO, STRIDE, LightSample
-from alight.textures.images import Image, Pixels, source_problem
 
 #: Of its table: width and height of the picture; cutoff and 1 / (cutoff - beam), radians; 1 if
 #: it is even on a screen, else 0; then the picture, row by row.
@@ -129,7 +129,7 @@ def _texels(spec: Projector) -> NDArray[np.float32]:
 
 
 def place(spec: Projector, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
-    """Colour; position, and axes of which x and y are stretched so that the picture is [-1, 1]."""
+    """Colour; position, and axes, x and y stretched so that the picture is [-1, 1]."""
     axes = axes_of(to_world)
     stretched = axes / np.array([[*tangents(spec), 1.0]]).T
     return spec.scale, np.concatenate([to_world[:3, 3], stretched.ravel()])

@@ -1,4 +1,4 @@
-"""Light for next-event estimation, and what rays find that hit a light by themselves.
+"""Light sampling (next event estimation), and the light that rays hit by chance.
 
 All densities are per solid angle at the lit point and include the probability of choosing the
 light, so `sample_light`, `light_pdf` and `environment_pdf` agree with each other.
@@ -7,8 +7,16 @@ light, so `sample_light`, `light_pdf` and `environment_pdf` agree with each othe
 from __future__ import annotations
 
 from alight.core.distributions import sample_discrete
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.core.vec import dot, gather_vec3, row_vec3
+from alight.lights.halves import one_after_another, sum_of
+from alight.lights.hits import on_shapes, pdf_of_shape, radiance_of_shape
+from alight.lights.model import LIGHTS
+from alight.lights.moving import moving_sample
+from alight.lights.tables import INFO, STRIDE, LightSample, row_of
+from alight.lights.tree import choose_by_tree, plain_probability
+from alight.shapes.hit import shadow_length, spawn_origin
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     as_int,
     as_uint,
@@ -22,14 +30,6 @@ from alight.core.simd import (
     to_float,
     where,
 )
-from alight.core.vec import dot, gather_vec3, row_vec3
-from alight.lights.halves import one_after_another, sum_of
-from alight.lights.hits import on_shapes, pdf_of_shape, radiance_of_shape
-from alight.lights.model import LIGHTS
-from alight.lights.moving import moving_sample
-from alight.lights.tables import INFO, STRIDE, LightSample, row_of
-from alight.lights.tree import choose_by_tree, plain_probability
-from alight.shapes.hit import shadow_length, spawn_origin
 
 
 @kernel

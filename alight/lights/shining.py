@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_vec3, where
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import ShapeSample
 from alight.shapes.model import SHAPES, ShapeModel
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_vec3, where
 
 
 @kernel

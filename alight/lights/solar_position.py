@@ -1,4 +1,4 @@
-r"""Where the sun stands, by time and place.
+r"""Position of the sun, by time and place.
 
 With n days since noon (UT) of 1 January 2000, the sun's mean longitude L and anomaly g give its
 ecliptic longitude :math:`\lambda = L + 1.915° \sin g + 0.020° \sin 2g`; the obliquity of the

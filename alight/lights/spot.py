@@ -5,7 +5,7 @@ r"""Spot light: a point light that shines into a cone and fades out towards its 
     t = \min\left(1, \max\left(0,
     \frac{m_\text{cutoff} - m(\theta)}{m_\text{cutoff} - m_\text{beam}}\right)\right)
 
-It stands at the origin of its node and shines along the local +z axis. A path cannot hit it, so it
+It sits at the origin of its node and shines along the local +z axis. A path cannot hit it, so it
 is always sampled as a light. Renderers fade out differently, so there is a choice of
 
 ============= ====================== ===================
@@ -30,13 +30,13 @@ import numpy as np
 from pydantic import model_validator
 
 from alight.core.constants import PI
-from alight.core.jit import kernel
 from alight.core.maths import arctan2
-from alight.core.simd import gather, lanes, lanes_mask, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Color, Interval, Light, Triple, invalid
 from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.lights.at_point import way_to
 from alight.lights.tables import STRIDE, LightSample
+from lanewise.jit import kernel
+from lanewise.simd import gather, lanes, lanes_mask, lanes_vec3, maximum, minimum, sqrt, where
 
 CutoffAngle = Annotated[float, Interval(0.001, 180.0)]
 BeamWidth = Annotated[float, Interval(0.0, 180.0)]

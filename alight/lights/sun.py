@@ -15,13 +15,13 @@ import numpy as np
 
 from alight.core.constants import INV_TWO_PI, PI
 from alight.core.frame import frame_from_normal
-from alight.core.jit import kernel
-from alight.core.simd import lanes_vec3, where
 from alight.core.spec import Color, Triple
 from alight.core.vec import length_squared, renormalize, row_vec3
 from alight.core.warps import square_to_uniform_cone
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, solid_angle
 from alight.lights.tables import from_infinity, row_of
+from lanewise.jit import kernel
+from lanewise.simd import lanes_vec3, where
 
 #: Numbers of the light's row: unit vector to the sun, 1 - cos of its half angle, its radiance over
 #: the light's colour; of a sky's sun also the probability that it is sampled.

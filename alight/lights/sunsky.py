@@ -14,11 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
-from alight.core.simd import where
 from alight.core.spec import Color, Reflectance, Triple
 from alight.core.vec import luminance
-from alight.core.vec3 import Vec3
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, picture, solid_angle
 from alight.lights.environment import Environment
 from alight.lights.environment import map_of as map_of_picture
@@ -32,6 +29,9 @@ from alight.lights.sun import pdf as pdf_of_sun
 from alight.lights.sun import radiance as radiance_of_sun
 from alight.lights.tables import from_infinity, row_of
 from alight.textures.images import Image
+from lanewise.jit import kernel
+from lanewise.simd import where
+from lanewise.vec3 import Vec3
 
 
 class SunSky(Daylight):

@@ -1,12 +1,12 @@
-"""What lights look like to kernels: tables and samples."""
+"""Lights as kernels see them: tables and samples."""
 
 from __future__ import annotations
 
 from collections import namedtuple
 
 from alight.core.constants import INFINITY
-from alight.core.jit import kernel
-from alight.core.simd import lanes, lanes_mask
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_mask
 
 #: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
 #: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that
@@ -19,7 +19,7 @@ LightTables = namedtuple("LightTables", "info data cdf map")
 #: of the radiance + 1 (0: none), start of its table in cdf.
 INFO = 4
 
-#: Name in `Program.lights` beside the models: the radiance of an area light has a texture.
+#: Name in `Program.lights` next to the models: the radiance of an area light has a texture.
 TEXTURED = "textured"
 
 #: Numbers of `LightTables.data` a light: red, green and blue, probability of being chosen, and up

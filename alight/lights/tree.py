@@ -1,22 +1,22 @@
-"""Light tree: which light a point is lit by, chosen by where the lights are and where they face.
+"""Light tree: chooses a light for a point by the positions and orientations of the lights.
 
 A tree over all lights that have a place; each triangle of a shining mesh is one of them. The root
 has up to four children, which all lanes look at together, others two. From the root a path goes
 down at random, to each child in proportion to a guess at the light that it sends to the point
 (`alight.lights.tree_bounds`).
 
-A path that comes upon a lamp weighs itself against light sampling by a density that leaves the
-normal out: paths do not keep the normals of the vertices that they come from. Both sides of
-multiple importance sampling use that one (`Choice.plain`), so that the weights add up to 1; light
-sampling divides by the probability that it really had.
+A path that hits a lamp is weighted against light sampling by a density without the normal: paths
+do not keep the normals of the vertices that they come from. Both sides of multiple importance
+sampling use that density (`Choice.plain`), so the weights sum to one; light sampling divides by
+its true probability.
 
 Once the sphere of a group is small from where it is seen, and its lights face much the same way,
 they only differ by their intensity, and that alone decides: a leaf is found by bisection in a table
-of sums, as the table of powers is. So it is below groups of which the surfaces of the scene see
-little else than their intensity (`alight.compiled.light_gain`), however near they are. Where either
+of sums, as the table of powers is. The same holds for groups of which the scene's surfaces see
+little but their intensity (`alight.compiled.light_gain`), however near they are. Where either
 holds for all lights together, no node is looked at.
 
-Lights without a place (environments, directional ones) are chosen beside the tree, by their power.
+Lights without a place (environments, directional ones) are chosen outside the tree, by their power.
 
 Source: Conty Estevez and Kulla, Importance sampling of many lights with adaptive tree splitting,
 Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018 (without the splitting); PBR4 section 12.6.3.
@@ -28,10 +28,15 @@ from collections import namedtuple
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.distributions import UNIT, sample_discrete
-from alight.core.jit import kernel, specialised
 from alight.core.registry import specs_of
 from alight.core.rng import unit_float
-from alight.core.simd import (
+from alight.core.spec import Bsdf
+from alight.core.vec import dot, row_vec3
+from alight.lights.tables import INFO
+from alight.lights.tree_bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
+from alight.shapes.hit import BENT
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     as_int,
     float_bits,
@@ -47,38 +52,33 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.spec import Bsdf
-from alight.core.vec import dot, row_vec3
-from alight.lights.tables import INFO
-from alight.lights.tree_bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
-from alight.shapes.hit import BENT
 
-#: `LightTables.cdf` of a program with a tree starts with: probability of the lights beside the
+#: `LightTables.cdf` of a program with a tree starts with: probability of the lights outside the
 #: tree; how many rows of `LightTables.info` there are; start of the root's children, which the
 #: binary nodes follow; start of the leaves (bits); middle of all lights, and the squared distance
-#: from which only intensity counts; then the distribution of the lights beside the tree. After the
+#: from which only intensity counts; then the distribution of the lights outside the tree. After the
 #: tree follow the leaves, group by group: sums of their intensities (bits; one more than there are
-#: leaves), row and triangle of each (bits); at last, light by light and triangle by triangle, way
+#: leaves), row and triangle of each (bits); finally, light by light and triangle by triangle, way
 #: and number of the leaf (bits).
 OUTER, ROWS, START, LEAVES, MIDDLE, FAR_FROM_ALL, OUTER_CDF = 0, 1, 2, 3, 4, 7, 8
 
 #: What the intensities add up to: each leaf has at least 1. Not NaN as bits.
 WHOLE = 1 << 30
 
-#: Words of a child: those of `alight.lights.tree_bounds`, where to go on, and the triangle of a
+#: Words of a child: those of `alight.lights.tree_bounds`, where to continue, and the triangle of a
 #: light. Two children are a node, with the numbers of its first leaf and the one behind its last.
 CHILD, FIRST_LEAF, NODE = WORDS + 2, 2 * WORDS + 4, 2 * WORDS + 6
 NEXT, PRIM = WORDS, WORDS + 1
 
 #: Children of the root, and numbers of each: those of `alight.lights.tree_bounds.unpack`, then as
-#: bits where to go on and the triangle.
+#: bits where to continue and the triangle.
 TOP, TOP_ROW = 4, ROW + 2
 TOP_NEXT, TOP_PRIM = ROW, ROW + 1
 
 #: In NEXT: the rest of the word is the row of a light, not the offset of a node.
 LEAF = 0x80000000
 
-#: A way: the root's child (the lowest bits), then for each node whether it goes on to the second
+#: A way: the root's child (the lowest bits), then for each node whether it continues to the second
 #: one. The deepest way fits a float32 that is not NaN.
 TOP_BITS, MOST_LEVELS = 2, 28
 

@@ -1,4 +1,4 @@
-r"""What a light tree knows of a group of lights, packed for kernels, and a guess at its light.
+r"""Bounds of a group of lights in a light tree, packed for kernels, and an estimate of its light.
 
 A group is known by a sphere around its lights, a cone of the directions they face, how far they
 reach behind its middle, and their intensity. To a point p, at the distance d from its middle c, it
@@ -18,8 +18,8 @@ dark behind the planes of its lights, not behind a sphere around them, and the b
 square root.
 
 Source: Conty Estevez and Kulla, Importance sampling of many lights with adaptive tree splitting,
-Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018, whose measure this is but for h and for r / d
-in the place of the sphere's angle.
+Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018, whose measure this is, except for h and for
+r / d instead of the sphere's angle.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.core.jit import kernel
-from alight.core.simd import (
+from alight.core.vec import dot, gather_vec3, row_vec3
+from lanewise.jit import kernel
+from lanewise.simd import (
     absolute,
     bits_float,
     float_bits,
@@ -44,8 +45,7 @@ from alight.core.simd import (
     to_float,
     where,
 )
-from alight.core.vec import dot, gather_vec3, row_vec3
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 
 #: Words of a group: centre; radius and h (bfloat16 each); axis (10 bits a coordinate) and whether
 #: far away only intensity counts; cosine and sine of the cone's half angle (15 bits each) and

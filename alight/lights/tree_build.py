@@ -1,4 +1,4 @@
-"""Building the light tree: from lights with bounds to the table that kernels walk.
+"""Building the light tree: from lights with bounds to the table that kernels traverse.
 
 Level by level from the root, all nodes of a level at once: the lights of each node are counted into
 bins along the three axes, and split where the sum over both sides of intensity times squared
@@ -44,7 +44,7 @@ from alight.lights.tree_bounds import (
     unpack,
 )
 
-#: Radians: lights of which the directions differ by less face much the same way.
+#: Radians: lights whose directions differ by less face much the same way.
 SAME_WAY = 0.5
 
 BINS = 12

@@ -1,4 +1,4 @@
-"""How much a medium extinguishes and scatters: what all media have in common."""
+"""Extinction and scattering coefficients: what all media share."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Coefficients(Medium):
     albedo : Reflectance, optional
         Share of the extinction that is scattering. 0.75 by default.
     sigma_a, sigma_s : Color, 1/m, optional
-        Absorption and scattering, in the place of both; one alone leaves the other 0.
+        Absorption and scattering, instead of both; one alone leaves the other 0.
     scale : float > 0, default 1
         Factor of all coefficients.
     emission : Color, W m^-2 sr^-1, default 0

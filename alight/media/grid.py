@@ -22,19 +22,7 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.jit import kernel
 from alight.core.maths import log
-from alight.core.simd import (
-    any_lane,
-    gather,
-    lanes,
-    lanes_mask,
-    lanes_u32,
-    lanes_vec3,
-    maximum,
-    minimum,
-    where,
-)
 from alight.core.spec import Interval, Numbers, Vector3, invalid
 from alight.core.vec import gather_vec3
 from alight.media.coefficients import Coefficients, extinction
@@ -58,6 +46,18 @@ from alight.media.tables import (
 from alight.media.volumes import Values
 from alight.media.voxels import color_at, density, into_cube
 from alight.phases.henyey_greenstein import HenyeyGreenstein
+from lanewise.jit import kernel
+from lanewise.simd import (
+    any_lane,
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    where,
+)
 
 #: Mean free paths across a grid at most: a ray takes a step at each, through empty cells too.
 MOST_STEPS = 1e4
@@ -82,7 +82,7 @@ class Grid(Coefficients):
     low, high : Vector3, m, defaults (0, 0, 0) and (1, 1, 1)
         Corners of the box in the world.
     matrix : (12,) float, optional
-        Three rows of four, in the place of both: from the unit cube to the world.
+        Three rows of four, instead of both: from the unit cube to the world.
     """
 
     has_place: ClassVar[bool] = True

@@ -11,9 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
 from alight.core.maths import exp, log
-from alight.core.simd import lanes, lanes_vec3, maximum, minimum, where
 from alight.core.vec import Vec3, gather_vec3
 from alight.media.coefficients import Coefficients
 from alight.media.tables import (
@@ -28,6 +26,8 @@ from alight.media.tables import (
     share,
 )
 from alight.phases.henyey_greenstein import HenyeyGreenstein
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_vec3, maximum, minimum, where
 
 
 class Homogeneous(Coefficients):

@@ -7,13 +7,13 @@ lanes that are not active are arbitrary, but for the crossing of empty space, wh
 from __future__ import annotations
 
 from alight.core.frame import frame_from_normal
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 from alight.core.vec import length_squared
 from alight.core.warps import direction_around_z
 from alight.media.model import MEDIA
 from alight.media.tables import INFO, KIND, PARAMETER, PHASE, STRIDE, Crossing, Flight
 from alight.phases.model import PHASES
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 
 
 def _models(records, names):
@@ -117,7 +117,7 @@ def _come_through(scene, medium, kind, o, d, t_max, channel, stream, active):
 
 @specialised
 def evaluate_phase(program):
-    """``(scene, medium, d, wi, active) -> density``: light along -wi goes on along -d, or back.
+    """``(scene, medium, d, wi, active) -> density``: light along -wi continues along -d, or back.
 
     Both are unit vectors; d is the direction of the path before, wi that after.
     """

@@ -1,6 +1,6 @@
-"""What media look like to kernels: tables, flights through them, and their random numbers.
+"""Media as kernels see them: tables, flights through them, and their random numbers.
 
-Rows are numbered from 1: row 0 stands for empty space and is blank, so that lanes outside of all
+Rows are numbered from 1: row 0 means empty space and is blank, so that lanes outside all
 media read valid numbers.
 """
 
@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel, specialised
 from alight.core.maths import exp
 from alight.core.rng import hash_2, sample_keys, unit_float
-from alight.core.simd import lanes_vec3, maximum, where
 from alight.core.vec import Vec3
+from lanewise.jit import kernel, specialised
+from lanewise.simd import lanes_vec3, maximum, where
 
 #: info, data: a row a medium; voxels: values of all grids; borders: for each shape the media on its
 #: inner and outer side (`KEEP` where it is no border); start: the medium of the camera.

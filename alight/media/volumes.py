@@ -1,6 +1,6 @@
 """Numbers on a regular grid in a cube: checked once, never changed.
 
-The values stand at the centres of the cells. In scene files small grids can be written out as
+Values are at the centres of the cells. In scene files small grids can be written out as
 nested lists, ``[z][y][x]``, each value a number or three.
 """
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import (
+from alight.core.vec import Vec3, gather_vec3
+from alight.media.tables import DENSITIES, EMISSION, EMISSIONS, INFO, MATRIX, STRIDE
+from lanewise.jit import kernel
+from lanewise.simd import (
     any_lane,
     floor,
     gather,
@@ -14,8 +16,6 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.vec import Vec3, gather_vec3
-from alight.media.tables import DENSITIES, EMISSION, EMISSIONS, INFO, MATRIX, STRIDE
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Metrics: how far two pictures are apart, and whether that is more than noise."""
+"""Metrics: how much two pictures differ, and whether that is more than noise."""
 
 from alight.metrics.agreement import Agreement, compare_measured
 from alight.metrics.block_sums import Measured

@@ -26,7 +26,7 @@ import numpy as np
 from alight.metrics.block_sums import LARGEST_SKEWNESS, BlockSums, Measured
 from alight.metrics.statistics import holm, sum_of_squares_tails
 
-#: At most so many blocks.
+#: Most blocks.
 _MOST_BLOCKS = 1024
 
 #: Degrees of freedom that the errors of a block must have at least, if its pixels are alike. With

@@ -43,7 +43,7 @@ from alight.metrics.statistics import t_to_z
 #: Stored means are float32, and renderers add in different orders: relative rounding of a mean.
 _ROUNDING = 1e-6
 
-#: Standard deviations by which one estimate of a variance must exceed the other to be believed.
+#: One estimate of a variance must exceed the other by this many standard deviations to count.
 _BELIEVED = 4.0
 
 #: Largest skewness of a block's difference: above, four blocks become one.

@@ -19,7 +19,7 @@ from alight.core.srgb import encode_srgb
 #: Dynamic ranges: values on a display, cut at 1, or the scene's own.
 RANGES = ("ldr", "hdr")
 
-#: What mends the missing package.
+#: How to get the missing package.
 REMEDY = "FLIP needs the package flip-evaluator: pip install 'alight[lab]'"
 
 

@@ -41,7 +41,7 @@ _GUARD = 0.5
 #: Rows that are worked on at a time: whole cells, and few enough to stay in the processor's cache.
 _BAND = 32
 
-#: Above so many pixels one way to halve the replicates is enough.
+#: Above this number of pixels, one way to halve the replicates is enough.
 _LARGE = 2**16
 
 _NORMAL = NormalDist()

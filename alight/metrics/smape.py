@@ -1,4 +1,4 @@
-"""Symmetric mean absolute percentage error, a figure that a single firefly cannot rule.
+"""Symmetric mean absolute percentage error, a figure that a single firefly cannot dominate.
 
     SMAPE = mean over pixels and channels of |a - b| / (|a| + |b| + epsilon)
 

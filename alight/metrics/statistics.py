@@ -1,4 +1,4 @@
-"""The few distributions and tests that pictures are judged by, without SciPy.
+"""The few distributions and tests that judge pictures, without SciPy.
 
 Student's t by the regularised incomplete beta function (NIST Digital Library of Mathematical
 Functions, 8.17.22: continued fraction, evaluated by Lentz's method); relative error of the tail
@@ -16,7 +16,7 @@ import numpy as np
 
 _NORMAL = NormalDist()
 
-#: Smallest tail that is told apart: |z| stops at 37.
+#: Smallest tail that is resolved: |z| stops at 37.
 _SMALLEST_TAIL = 1e-300
 
 

@@ -1,4 +1,4 @@
-r"""Brightness around a pixel, over a window as large as its noise asks for.
+r"""Brightness around a pixel, over a window as large as its noise requires.
 
 A window of n pixels, each with the relative variance v, knows its brightness to :math:`\sqrt{v/n}`.
 Small windows follow edges, large ones hold enough samples: each pixel takes the smallest of 3x3

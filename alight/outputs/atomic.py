@@ -1,6 +1,6 @@
 """Writing a file whole or not at all.
 
-The new file is written beside the old one, forced to the disk, and then renamed over it: a full
+The new file is written next to the old one, synced to disk, and then renamed over it: a full
 disk, a crash or Ctrl-C leaves the old file as it was, and nothing half-written behind.
 """
 
@@ -32,7 +32,7 @@ _REASONS = {
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a new path beside `path` to write to, and move it over `path` at the end.
+    """Give a temporary path next to `path` to write to, and move it over `path` at the end.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def check_folder(path: str | os.PathLike[str]) -> None:
 
 
 def remove_abandoned(folder: Path) -> None:
-    """Remove files beside their targets whose writers on this machine were killed."""
+    """Remove temporary files whose writers on this machine were killed."""
     # Elsewhere asking for a process by its number might end it.
     if os.name != "posix":
         return

@@ -1,7 +1,7 @@
 """OpenEXR: float32, lossless, with the error, AOVs and sample counts as layers.
 
 Channels ``R G B`` are the picture, ``standard_error.R`` and so on the layers. A crop is written
-with the full film as display window. Provenance stands in the header as strings ``alight.<key>``.
+with the full film as display window. Provenance is in the header as strings ``alight.<key>``.
 """
 
 from __future__ import annotations

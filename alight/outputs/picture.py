@@ -23,7 +23,7 @@ class Picture:
     attributes : dict of str to str
         Provenance.
     size : (int, int), optional
-        Width and height of the full film, of which the picture may be a crop.
+        Width and height of the full film; the picture may be a crop of it.
     offset : (int, int), default (0, 0)
         Pixel of the full film that the upper left corner is.
     """

@@ -1,6 +1,6 @@
 """Reading pictures as they are stored: whole numbers stay encoded, one grey channel stays one.
 
-The kind of a file is told by its first bytes, not by its name.
+The first bytes of a file determine its format, not its name.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
         If the file cannot be read, is of another kind, or is broken.
     """
     if path.exists() and not path.is_file():
-        raise ValueError("is no file")
+        raise ValueError("is not a file")
     with path.open("rb") as file:
         start = file.read(8)
     readers = [read for magic, read in _READERS if start.startswith(magic)]
@@ -65,7 +65,7 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
         # The one kind whose files do not say what they are.
         readers = [_read_targa]
     if not readers:
-        raise ValueError(f"is no {KINDS} picture")
+        raise ValueError(f"is not a {KINDS} picture")
     try:
         return readers[0](path, check_size)
     except (OSError, ValueError):
@@ -86,7 +86,7 @@ def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray
         If it is of another kind, or broken.
     """
     if not bytes(data[:4]).startswith((b"\x89PNG", b"\xff\xd8\xff")):
-        raise ValueError("is no PNG or JPEG picture")
+        raise ValueError("is not a PNG or JPEG picture")
     try:
         return _read_with_pillow(data, check_size, ("PNG", "JPEG"))
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Tone curves: from scene light without bound to what a display can show.
+"""Tone curves: from unbounded scene light to what a display can show.
 
 ===========  =====================================================================================
 ``none``     clip at 1
@@ -20,8 +20,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-#: Luminance of linear sRGB (Rec. 709 primaries, D65).
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+from alight.outputs.white_balance import XYZ_FROM_RGB
+
+#: Luminance as the sRGB standard rounds it: pictures for displays keep its digits.
+LUMINANCE = XYZ_FROM_RGB[1]
 
 
 def clip(rgb: np.ndarray) -> np.ndarray:

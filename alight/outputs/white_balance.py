@@ -1,4 +1,4 @@
-r"""White balance: the colour of the light that is to look white.
+r"""White balance: the colour of the light that should look white.
 
 The eye takes the colour of the light around it for white; a screen's white is D65. A picture lit by
 a lamp of 2 800 K is therefore adapted: the lamp's white goes to D65 and everything else with it, by
@@ -21,13 +21,13 @@ import numpy as np
 from alight.core.errors import OptionError, quote
 
 #: XYZ from linear sRGB, IEC 61966-2-1.
-_XYZ_FROM_RGB = np.array(
+XYZ_FROM_RGB = np.array(
     [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
 )
 _CONES_FROM_XYZ = np.array(
     [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
 )
-_CONES_FROM_RGB = _CONES_FROM_XYZ @ _XYZ_FROM_RGB
+_CONES_FROM_RGB = _CONES_FROM_XYZ @ XYZ_FROM_RGB
 
 #: Kelvin; where Krystek's approximation holds.
 COOLEST, HOTTEST = 1000.0, 15000.0
@@ -88,7 +88,7 @@ def black_body_white(temperature: float) -> np.ndarray:
     Returns
     -------
     ndarray of float64, shape (3,)
-        Linear sRGB; a channel is negative where the colour lies outside of sRGB (below 1900 K).
+        Linear sRGB; a channel is negative where the colour lies outside sRGB (below 1900 K).
     """
     t = temperature
     u = (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) / (
@@ -99,7 +99,7 @@ def black_body_white(temperature: float) -> np.ndarray:
     )
     # From CIE 1960 uv to xy, then to XYZ of Y = 1.
     x, y = 3.0 * u / (2.0 * u - 8.0 * v + 4.0), 2.0 * v / (2.0 * u - 8.0 * v + 4.0)
-    return np.linalg.solve(_XYZ_FROM_RGB, np.array([x / y, 1.0, (1.0 - x - y) / y]))
+    return np.linalg.solve(XYZ_FROM_RGB, np.array([x / y, 1.0, (1.0 - x - y) / y]))
 
 
 def adaptation(white: np.ndarray) -> np.ndarray:
@@ -115,7 +115,7 @@ def adaptation(white: np.ndarray) -> np.ndarray:
     ndarray of float64, shape (3, 3)
         For column vectors of linear sRGB; the identity for a neutral colour.
     """
-    luminance = _XYZ_FROM_RGB[1] @ white
+    luminance = XYZ_FROM_RGB[1] @ white
     gains = (_CONES_FROM_RGB @ np.ones(3)) * luminance / (_CONES_FROM_RGB @ white)
     return np.linalg.solve(_CONES_FROM_RGB, gains[:, None] * _CONES_FROM_RGB)
 

@@ -1,4 +1,4 @@
-r"""Where light goes that a medium scatters, one model per file; a new one is a line here too.
+r"""Phase functions, one model per file; a new one is a line here too.
 
 With :math:`\mu` the cosine between the direction before and after, a phase function p is a density
 on the sphere. Kernels work with :math:`1 - \mu`, which is accurate where forward peaks are sharp.

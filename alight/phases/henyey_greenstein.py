@@ -17,9 +17,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from alight.core.constants import INV_FOUR_PI
-from alight.core.jit import kernel
-from alight.core.simd import sqrt
 from alight.core.spec import Interval, PhaseFunction
+from lanewise.jit import kernel
+from lanewise.simd import sqrt
 
 
 class HenyeyGreenstein(PhaseFunction):
@@ -28,7 +28,7 @@ class HenyeyGreenstein(PhaseFunction):
     Parameters
     ----------
     g : float in [-0.99, 0.99], default 0
-        Mean cosine: 0 is isotropic, towards 1 light goes on nearly straight.
+        Mean cosine: 0 is isotropic, towards 1 light continues nearly straight.
     """
 
     type: Literal["henyey_greenstein"] = "henyey_greenstein"

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.constants import INV_FOUR_PI
-from alight.core.jit import kernel
-from alight.core.simd import lanes
 from alight.core.spec import PhaseFunction
+from lanewise.jit import kernel
+from lanewise.simd import lanes
 
 
 class Isotropic(PhaseFunction):

@@ -13,10 +13,10 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.constants import INV_FOUR_PI
-from alight.core.jit import kernel
 from alight.core.maths import pow
-from alight.core.simd import absolute, sqrt, where
 from alight.core.spec import PhaseFunction
+from lanewise.jit import kernel
+from lanewise.simd import absolute, sqrt, where
 
 
 class Rayleigh(PhaseFunction):

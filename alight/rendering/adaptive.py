@@ -60,7 +60,7 @@ def shares_of(pilot: Film) -> np.ndarray:
     Returns
     -------
     ndarray of float64, shape (cells_y, cells_x)
-        Of the full film; their mean over the pixels of the window is 1, and 0 outside of it.
+        Of the full film; their mean over the pixels of the window is 1, and 0 outside it.
     """
     means, counts = pilot.replicate_means()
     m, k = planes_of(means, same_everywhere(counts))

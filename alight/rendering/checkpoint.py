@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alight.core.errors import FilmError
-from alight.core.machine import describe_machine
 from alight.films import Film
 from alight.films.archive import Archive, read_archive, write_archive
 from alight.films.storage import as_tuples, pack_films, unpack_films
@@ -32,6 +31,7 @@ from alight.rendering.schedules import restored_schedule
 from alight.scene import Scene
 from alight.scene.content import describe_content
 from alight.scene.description import Recipe
+from lanewise.machine import describe_machine
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Origin:
     content : mapping of str to str
         What the scene says, key by key, and digests of the files that it names.
     machine : mapping of str to str
-        See `alight.core.machine.describe_machine`.
+        See `lanewise.machine.describe_machine`.
     notes : mapping of str to plain JSON
     """
 
@@ -164,7 +164,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     films = unpack_films(Film, path, archive)
     if "job" not in content:
         raise FilmError(
-            f"{os.fspath(path)} is a film, not a checkpoint: it does not know how to go on; "
+            f"{os.fspath(path)} is a film, not a checkpoint: it does not record how to continue; "
             "alight merge adds other samples to it"
         )
     job, recipe = content["job"], content["recipe"]

@@ -1,6 +1,6 @@
 """When checkpoints are written: at the start, from time to time in the background, at the end.
 
-Rendering waits only while the films are copied. Should writing fail, rendering goes on: the last
+Rendering waits only while the films are copied. If writing fails, rendering continues: the last
 checkpoint that was written stays as it is, the failure is logged, and the next one is tried.
 """
 
@@ -30,7 +30,7 @@ class CheckpointWriter:
     every : float, seconds
         Between two checkpoints; 0 writes without a pause.
     origin : Origin
-        What goes into every checkpoint beside the state.
+        What goes into every checkpoint besides the state.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class CheckpointWriter:
     def _failed(self, error: OutputError) -> None:
         # The same message every minute would bury all others.
         if str(error) != str(self.failure):
-            _LOG.warning("%s; the checkpoint before is untouched, rendering goes on", error)
+            _LOG.warning("%s; the checkpoint before is untouched, rendering continues", error)
         self.failure = error
 
     def statistics(self) -> dict[str, Any]:

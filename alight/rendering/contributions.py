@@ -1,4 +1,4 @@
-"""Every contribution to a picture by itself: how long its path was, and how its light was found."""
+"""Every single contribution to a picture: the length of its path, and how its light was found."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 
 from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene, SceneTables
-from alight.core.jit import instantiate
-from alight.core.view import View
 from alight.films import CELL_SIZE
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.contributions import FIELDS, HALF, PASS, RECORDED, Log
@@ -19,6 +17,8 @@ from alight.integrators.walk import Settings, make_settings
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import Tile, render_tile_kernel
 from alight.rendering.tiles import tiles_of
+from lanewise.jit import instantiate
+from lanewise.view import View
 
 #: `SceneTables`, and the log that the kernels of contributions write.
 RecordedTables = namedtuple("RecordedTables", (*SceneTables._fields, "log"))
@@ -33,7 +33,7 @@ def recorded_tables(scene: CompiledScene, log: Log) -> RecordedTables | Recorded
     return kind(*scene.tables, log)
 
 
-#: Room in a log for so many contributions a sample at first; a tile that needs more runs again.
+#: Contributions per sample that a log has room for at first; a tile that needs more runs again.
 _ROOM = 6
 
 

@@ -1,4 +1,4 @@
-r"""The adaptive rule of Blender's Cycles, to be compared with: its pictures are biased.
+r"""The adaptive rule of Blender's Cycles, for comparison: its pictures are biased.
 
 With I the mean of a pixel's samples and A that of every second one, the pixel's error is
 
@@ -6,12 +6,12 @@ With I the mean of a pixel's samples and A that of every second one, the pixel's
     s = \begin{cases} \sqrt{I_r + I_g + I_b} & \text{below 1} \\
     I_r + I_g + I_b & \text{above} \end{cases}
 
-and it is finished where that is below 5 times the noise threshold. A pixel in noise lets the eight
-around it go on as well. Decisions come every 16 samples, the first after ceil(16 / threshold^0.3)
+and it is finished where that is below 5 times the noise threshold. A noisy pixel lets the eight
+around it continue, too. Decisions come every 16 samples, the first after ceil(16 / threshold^0.3)
 samples: 80 at the threshold 0.01.
 
-All that is Cycles'. But Cycles decides for pixels, and here samples are given to 8x8 cells: a cell
-goes on as long as one of its pixels does, and its finished pixels with it. Such a cell sees 64
+All that is Cycles'. But Cycles decides for pixels, and here samples go to 8x8 cells: a cell
+continues as long as one of its pixels does, and its finished pixels with it. Such a cell sees 64
 times as much before it stops, so what is lost by stopping early is less than Cycles loses.
 
 Source: Blender, intern/cycles: kernel/film/adaptive_sampling.h (error, and the filter in x and y),
@@ -67,7 +67,7 @@ def cycles_error(means: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 
 def in_noise(error: np.ndarray, threshold: float, active: np.ndarray) -> np.ndarray:
-    """Which pixels go on: those in noise of those that were active, and the eight around each."""
+    """Which pixels continue: noisy ones among those that were active, and the eight around each."""
     return box((active & (error >= _SCALE * threshold)).astype(np.float64)) > 0.0
 
 

@@ -35,18 +35,18 @@ if TYPE_CHECKING:
     from alight.core.spec import Integrator
     from alight.rendering.job import Job
 
-#: One sample of the pilot for so many pixels, and the least and most samples. They depend on the
+#: Pixels per sample of the pilot, and the least and most samples. They depend on the
 #: picture's size alone: parts of a render, and their sum, say the same.
 _PIXELS, _LEAST, _MOST = 8, 2048, 2**16
 
 #: So many times more where light is found by chance alone.
 _BY_CHANCE = 8
 
-#: Edges by which paths without roulette are followed further, twice.
+#: Extra edges along which paths without roulette are followed, twice.
 _FURTHER = 8
 
 
-#: Standard deviations that the rule of three (95 %) stands for.
+#: Standard deviations that correspond to the rule of three (95 %).
 _RULE_OF_THREE = 3.0 / 1.96
 
 

@@ -11,21 +11,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import alight
 from alight.compiled.scene import CompiledScene
-from alight.core.machine import fingerprint
+from alight.core.version import VERSION
 from alight.films import Film
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
-from alight.rendering.options import AOVS
+from alight.rendering.layers import AOVS
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedule import Goal, Schedule, Verdict
 from alight.rendering.tile import Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
+from lanewise.machine import fingerprint
 
-#: Names the random numbers of the ledger's pilot; no schedule has so many rounds.
+#: Names the random numbers of the ledger's pilot; no schedule has that many rounds.
 _PILOT_ROUND = 2**16
 
 
@@ -60,7 +60,7 @@ def seed_of_round(seed: int, round: int) -> int:
 
 
 class JobState(NamedTuple):
-    """One moment of a job: all that going on with it needs, beside the scene.
+    """One moment of a job: all that resuming it needs, besides the scene.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Job:
     Attributes
     ----------
     time_limit : float or None
-        Start no pass after so many `seconds`.
+        Start no pass after this many `seconds`.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class Job:
             seed=seed_of_round(self.seed, round),
             options=dict(scene.integrator),
             fingerprint=fingerprint(),
-            version=alight.__version__,
+            version=VERSION,
         )
         film.recorded = depth_cap.unmeasured(scene.integrator)
         film.largest_sample = self.largest_sample

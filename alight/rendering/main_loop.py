@@ -10,114 +10,54 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 from alight.compiled.scene import compile_scene
 from alight.films import Film
+from alight.options.render import RenderOptions
 from alight.rendering.checkpoint import Origin
 from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.job import Job, Progress
 from alight.rendering.largest_sample import largest_sample
-from alight.rendering.options import check_options, layers_of
+from alight.rendering.layers import layers_of
 from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
-from alight.rendering.schedule import Schedule, Uniform
-from alight.scene import Scene, content_hash, flatten, load
+from alight.rendering.schedule import Schedule
+from alight.rendering.schedules import schedule_of, time_limit_of
+from alight.scene import Scene, content_hash, flatten
 
-#: Seconds between two checkpoints, and between two reports of progress.
-EVERY, REPORT_EVERY = 60.0, 0.1
+#: Seconds between two reports of progress.
+REPORT_EVERY = 0.1
 
 
-def render(
-    scene: Scene | str | os.PathLike,
-    *,
-    spp: int | None = None,
-    time_limit: float | None = None,
-    seed: int = 0,
-    threads: int | None = None,
-    replicates: int | None = None,
-    spp_per_pass: int | None = None,
-    first_sample: int = 0,
-    aovs: Sequence[str] = (),
-    schedule: Schedule | None = None,
-    checkpoint: str | os.PathLike[str] | None = None,
-    every: float = EVERY,
-    notes: Mapping[str, Any] | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    cancel: threading.Event | None = None,
-) -> Film:
-    """Render a scene.
+def render_film(scene: Scene, options: RenderOptions) -> Film:
+    """Render a scene until its schedule, a time limit or a cancellation ends it.
 
     Parameters
     ----------
-    scene : Scene, path or name of a built-in scene
-    spp : int, optional
-        Samples per pixel; what the scene's file asks for, or 64, if no time limit is given either.
-    time_limit : float, seconds, optional
-        Start no pass after this time.
-    seed : int in [0, 2^32)
-        Another seed, other random numbers.
-    threads : int, optional
-        All processors that this process may use by default. Does not change the picture.
-    replicates : int, optional
-        R of the film, the scene's ``film.replicates`` (4) by default: independent scrambles whose
-        spread gives the error bars.
-    spp_per_pass : int, optional
-        Samples per pixel between two reports of progress. Does not change the picture.
-    first_sample : int, default 0
-        Index of the first sample, to extend an earlier film (`Film.merge`).
-    aovs : sequence of str
-        Further layers: "direct" (depth <= 2) and "indirect", whose sum is the picture, and those
-        of `alight.integrators.aov.LAYERS`.
-    schedule : Schedule, optional
-        Decides which samples are rendered, in place of `spp`.
-    checkpoint : path, optional
-        File to write the state of the render to, at the start, from time to time and at the end,
-        also when it is cancelled or fails: `alight.resume` goes on from there.
-    every : float, seconds, default 60
-        Time between two checkpoints.
-    notes : mapping of str to plain JSON, optional
-        Kept in checkpoints, for whoever resumes.
-    progress : callable, optional
-        Called with a `Progress` from time to time, in the calling thread.
-    cancel : threading.Event, optional
-        Ends the render early when set; the film holds what was finished.
-
-    Returns
-    -------
-    Film
-        With the times in ``film.stats``.
-
-    Raises
-    ------
-    AlightError
-        For a scene or an option that is wrong.
-    KeyboardInterrupt
-        After the running tiles are in the film, which `progress` has been given.
+    scene : Scene
+        With the options' changes in it.
+    options : RenderOptions
+        Those that decide samples, time, layers and checkpoints.
     """
     clock = Clock()
-    if not isinstance(scene, Scene):
-        scene = load(scene)
-    check_options(
-        spp=spp, time_limit=time_limit, seed=seed, threads=threads, replicates=replicates,
-        spp_per_pass=spp_per_pass, first_sample=first_sample, aovs=aovs, every=every,
-    )  # fmt: skip
-    if schedule is None:
-        spp = spp or (None if time_limit else scene.source.remarks.spp or 64)
-        schedule = Uniform(first_sample, spp)
     job = make_job(
-        scene, schedule, clock, seed=seed, threads=threads, replicates=replicates, aovs=aovs
-    )
-    job.time_limit = time_limit
+        scene, schedule_of(options, scene.source.remarks.spp), clock,
+        seed=options.seed, threads=options.threads, replicates=options.replicates,
+        aovs=options.aovs,
+    )  # fmt: skip
+    job.time_limit = time_limit_of(options)
     writer = None
-    if checkpoint is not None:
-        writer = CheckpointWriter(checkpoint, every, Origin.of(scene, notes or {}))
-    return run(job, clock, Pace(spp_per_pass), writer=writer, progress=progress, cancel=cancel)
+    if options.checkpoint is not None:
+        origin = Origin.of(scene, options.notes)
+        writer = CheckpointWriter(options.checkpoint, options.every, origin)
+    return run(
+        job, clock, Pace(options.spp_per_pass), writer=writer, progress=options.progress,
+        cancel=options.cancel,
+    )  # fmt: skip
 
 
 def make_job(

@@ -1,7 +1,7 @@
 """Looking at the kernels of the NumPy twin while they run: calls, arguments, results.
 
 Nothing is computed here a second time. The twin's kernels are the text that the compiled renderer
-runs; an `Observer` puts itself between them (`alight.core.jit.instantiate`, ``observe``) and notes
+runs; an `Observer` puts itself between them (`lanewise.jit.instantiate`, ``observe``) and notes
 what happens in one lane.
 """
 
@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from alight.accel.lists import closest_of_triangles, occlude_by_triangles
-from alight.core.jit import Specialised
-from alight.core.vec3 import Vec3
 from alight.shapes.hit import Hit
 from alight.shapes.triangle import rotated, shear_of, sheared_hit
+from lanewise.jit import Specialised
+from lanewise.vec3 import Vec3
 
 #: Triangles that are tested at once: a few arrays of this length are held at a time.
 BATCH = 1 << 18
@@ -81,7 +81,7 @@ class Observer:
         self._open: list[Event] = []
 
     def __call__(self, node: Any, function: Callable) -> Callable:
-        """What is called in the place of a kernel."""
+        """What is called instead of a kernel."""
         if node is closest_of_triangles:
             return closest_of_all
         if node is occlude_by_triangles:

@@ -103,7 +103,7 @@ class Pace:
         self.step = spp_per_pass or 1
 
     def count(self, missing: int) -> int:
-        """Samples per pixel of the next pass, where so many are missing."""
+        """Samples per pixel of the next pass, given how many are missing."""
         if self._exact:
             return min(self.step, missing)
         # Equal passes: a short one at the end would cost as much to add to the film as a long one.

@@ -1,4 +1,4 @@
-"""What a promise will cost, predicted from a pilot.
+"""The cost of a promise, predicted from a pilot.
 
 The pilot's relMSE is measured at three numbers of samples, each twice the last. Its slope in
 logarithms (-1 for independent samples, steeper for better ones) is carried on to the error that is
@@ -10,16 +10,24 @@ of the rule, which in small pictures is most of it.
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
 from alight.core.errors import OptionError
 from alight.films import Film
 from alight.metrics.relmse import Estimate
-from alight.rendering.main_loop import render
+from alight.options.entry import takes
+from alight.options.laboratory import PlanOptions
+from alight.options.render import RenderOptions
+from alight.outputs import html
+from alight.rendering.loading import scene_of
+from alight.rendering.main_loop import render_film
+from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.schedules import promise_of
 from alight.rendering.stopping import GROWTH, Promise, first_look, judge, next_look
 from alight.scene import Scene
 
@@ -59,7 +67,7 @@ class Pilot(Schedule):
         now, film = time.process_time(), rounds[0]
         if self.begin is not None:
             self.passes.append(now - self.begin)
-            self.need = judge(film, self.promise, 8).factor
+            self.need = judge(film, self.promise).factor
             self.looks.append(time.process_time() - now)
             figure = film.relmse_estimate(literature=False).figure
             spread = math.log(math.sqrt(figure.quantile(0.841) / figure.value)) if (
@@ -96,6 +104,8 @@ class Plan:
     pilot_error : float
         relRMSE of the pilot.
     pilot_spp : int
+    threads : int, default 1
+        That the picture will be rendered with.
     """
 
     spp: Estimate
@@ -103,6 +113,55 @@ class Plan:
     slope: Estimate
     pilot_error: float
     pilot_spp: int
+    threads: int = 1
+
+    def __str__(self) -> str:
+        """What ``alight plan`` prints."""
+        return "\n".join(f"{name}: {text}" for name, text in self._lines())
+
+    def _repr_html_(self) -> str:
+        """Show the figures as a table in a notebook."""
+        return html.table(self._lines())
+
+    def _lines(self) -> list[tuple[str, str]]:
+        spp, seconds, threads = self.spp, self.seconds, self.threads
+        samples = f"{spp.value:.0f} per pixel (95 %: {spp.low:.0f} to {spp.high:.0f})"
+        interval = f"(95 %: {seconds.low:.3g} to {seconds.high:.3g} s)"
+        wall = f"on {threads} threads about {seconds.value / threads:.3g} s"
+        return [
+            ("pilot", f"{self.pilot_spp} spp, relRMSE {self.pilot_error:.2%}"),
+            ("samples", samples),
+            ("processor time", f"{seconds.value:.3g} s {interval}, {wall}"),
+        ]
+
+
+@takes(PlanOptions)
+def plan(scene: Scene | str | os.PathLike[str], options: PlanOptions) -> Plan:
+    """Predict what a picture of a given error will cost.
+
+    Parameters
+    ----------
+    scene : Scene, path or name of a built-in scene
+    {options}
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    OptionError
+        If the pilot has seen no light, so that nothing can be said.
+
+    Examples
+    --------
+    >>> print(alight.plan("cornell-box", error="1%"))  # doctest: +SKIP
+    """
+    promise = promise_of(options)
+    assert promise is not None
+    threads = options.threads or usable_processors()
+    description = scene_of(scene, options)
+    return make_plan(description, promise, seed=options.seed, threads=threads)
 
 
 def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
@@ -121,10 +180,11 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
         If the pilot has seen no light, so that nothing can be said.
     """
     pilot = Pilot(promise)
-    film = render(scene, schedule=pilot, **options)
+    asked = RenderOptions(schedule=pilot, **options)
+    film = render_film(scene_of(scene, asked), asked)
     if not pilot.seen or not math.isfinite(pilot.seen[-1][2]):
-        raise OptionError("error: the pilot has seen no light; nothing can be predicted")
-    return plan_of(pilot, film.replicates)
+        raise OptionError("the pilot has seen no light; nothing can be predicted", "error")
+    return replace(plan_of(pilot, film.replicates), threads=film.stats["threads"])
 
 
 def plan_of(pilot: Pilot, replicates: int) -> Plan:
@@ -149,7 +209,7 @@ def plan_of(pilot: Pilot, replicates: int) -> Plan:
 
 
 def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
-    """Processor time of so many samples per pixel and of the looks on the way there."""
+    """Processor time of the given samples per pixel and of the looks on the way there."""
     at = [0, *(seen[0] for seen in pilot.seen)]
     rates = [t / (b - a) for t, a, b in zip(pilot.passes, at, at[1:], strict=False)]
     # The first pass touches all memory for the first time; threads begin, clock rates rise.

@@ -1,4 +1,4 @@
-"""What this process may use of the machine, and has used."""
+"""The resources that this process may use, and has used."""
 
 from __future__ import annotations
 

@@ -1,72 +1,94 @@
-"""Going on with a render from its checkpoint, to the same bits as if it had never stopped."""
+"""Resuming a render from its checkpoint, to the same bits as if it had never stopped."""
 
 from __future__ import annotations
 
 import os
-import threading
+import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from alight.core.errors import FilmError, SceneError
-from alight.core.machine import describe_machine, fingerprint
 from alight.films import Film
+from alight.formats import load
+from alight.options.entry import takes
+from alight.options.kinds import Files
+from alight.options.resume import ResumeOptions
 from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoint_writer import CheckpointWriter
-from alight.rendering.job import Progress
-from alight.rendering.main_loop import EVERY, Clock, make_job, run
-from alight.rendering.options import check_options
+from alight.rendering.main_loop import Clock, make_job, run
 from alight.rendering.passes import Pace
-from alight.rendering.schedule import Schedule
-from alight.rendering.schedules import restored_schedule
+from alight.rendering.plugins import load_plugins
+from alight.rendering.schedules import promise_of, restored_schedule
 from alight.rendering.steering import towards
-from alight.rendering.stopping import Promise
-from alight.scene import Scene, content_hash, flatten, load
+from alight.rendering.writing import Targets, finish
+from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
+from lanewise.machine import describe_machine, fingerprint
 
 #: So many changes are named; more are counted.
 _MOST_NAMED = 8
 
 
-def resume(
-    path: str | os.PathLike[str] | Checkpoint,
-    *,
-    scene: Scene | str | os.PathLike[str] | None = None,
-    spp: int | None = None,
-    time_limit: float | None = None,
-    promise: Promise | None = None,
-    schedule: Schedule | None = None,
-    root: str | os.PathLike[str] | None = None,
-    threads: int | None = None,
-    spp_per_pass: int | None = None,
-    checkpoint: str | os.PathLike[str] | None = None,
-    every: float = EVERY,
-    progress: Callable[[Progress], None] | None = None,
-    cancel: threading.Event | None = None,
-) -> Film:
+@dataclass(frozen=True)
+class PreparedResume:
+    """A render that can go on.
+
+    Attributes
+    ----------
+    saved : Checkpoint
+    options : ResumeOptions
+    targets : Targets
+        As noted in the checkpoint, where the options say nothing else.
+    """
+
+    saved: Checkpoint
+    options: ResumeOptions
+    targets: Targets
+
+    def warnings(self, spell: Callable[[str], str] = str) -> list[str]:
+        """What is legal but suspicious."""
+        held, spp = self.saved.state.rounds[0].spp, self.options.spp
+        if spp is None or self.options.promise or spp > held:
+            return []
+        return [f"there are {held:g} samples per pixel already; {spell('spp')} {spp} adds none"]
+
+    def render(self, **seen: object) -> Film:
+        """Render; `seen` may replace `progress` and `cancel`."""
+        return _go_on(self.saved, self.options.changed(**seen))
+
+
+def prepare_resume(
+    path: str | os.PathLike[str] | Checkpoint, options: ResumeOptions
+) -> PreparedResume:
+    """Check options and targets, and read the checkpoint.
+
+    Raises
+    ------
+    AlightError
+        For an option that is wrong, or a checkpoint that cannot be read.
+    """
+    saved = path if isinstance(path, Checkpoint) else read_checkpoint(path)
+    notes = saved.origin.notes
+    # Only now: what they register decides how the scene is understood.
+    load_plugins([*map(Path, notes.get("plugins", ())), *Files().check(options.plugins)])
+    noted = Targets.noted(notes)
+    checkpoint = Path(options.checkpoint or saved.path)
+    targets = replace(
+        noted, outputs=options.output or noted.outputs, stats=options.stats, checkpoint=checkpoint
+    )
+    return PreparedResume(saved, options, targets)
+
+
+@takes(ResumeOptions)
+def resume(path: str | os.PathLike[str] | Checkpoint, options: ResumeOptions) -> Film:
     """Go on with a render, to the same bits as if it had never stopped.
 
     Parameters
     ----------
     path : path or Checkpoint
         What ``render(..., checkpoint=path)`` wrote. It is written on, too.
-    scene : Scene or path, optional
-        The same scene, where it was made in Python or has been moved.
-    spp : int, optional
-        Samples per pixel in all, to render more (or fewer) than was asked for first; with
-        `promise` the largest number of them.
-    time_limit : float, seconds, optional
-        For this part of the render; what is left of the first time limit by default.
-    promise : Promise, optional
-        Go on until it is kept.
-    schedule : Schedule, optional
-        Another rule instead of the one in the checkpoint.
-    root : path, optional
-        As for `alight.load`, where the scene and its files have been moved; as the render began
-        by default.
-    checkpoint : path, optional
-        Write checkpoints to this file, not to `path`.
-    threads, spp_per_pass, every, progress, cancel
-        As for `alight.render`.
+    {options}
 
     Returns
     -------
@@ -78,15 +100,28 @@ def resume(
         If the checkpoint cannot be read, the scene is another one, or this machine or this
         version of alight would give other bits: the message names what differs.
     """
-    check_options(
-        spp=spp, time_limit=time_limit, threads=threads, spp_per_pass=spp_per_pass, every=every
-    )
-    saved = path if isinstance(path, Checkpoint) else read_checkpoint(path)
+    begin = time.perf_counter()
+    prepared = prepare_resume(path, options)
+    targets = prepared.targets
+    if not options.output:
+        # What the command line noted is not Python's to overwrite.
+        targets = replace(targets, outputs=())
+    targets.check()
+    film = prepared.render()
+    if options.cancel is None or not options.cancel.is_set():
+        finish(film, targets, begin, prepared.warnings())
+    return film
+
+
+def _go_on(saved: Checkpoint, options: ResumeOptions) -> Film:
+    """Render what is left."""
     clock = Clock()
     _check_machine(saved)
-    scene = _load_scene(saved, scene, root)
+    scene = _load_scene(saved, options.scene, options.root)
     state, film = saved.state, saved.state.rounds[0]
     own = restored_schedule(state.schedule, state.schedule_state)
+    promise, schedule = options.promise or promise_of(options), options.schedule
+    spp = options.max_spp if options.error is not None else options.spp
     goes_on = spp is None and promise is None and schedule is None
     if schedule is None:
         if promise is not None:
@@ -94,19 +129,22 @@ def resume(
         else:
             schedule = own if spp is None else own.extended(spp)
     job = make_job(
-        scene, schedule, clock, seed=film.seed, threads=threads, replicates=film.replicates,
-        aovs=tuple(film.aov_channels),
+        scene, schedule, clock, seed=film.seed, threads=options.threads,
+        replicates=film.replicates, aovs=tuple(film.aov_channels),
     )  # fmt: skip
     job.restore(state, state.goal if goes_on else None)
-    if time_limit is not None:
-        job.time_limit = state.seconds + time_limit
+    if options.time_limit is not None:
+        job.time_limit = state.seconds + float(options.time_limit)
     elif goes_on:
         job.time_limit = state.time_limit
     origin = Origin.of(scene, saved.origin.notes)
     if origin.recipe is None:
         origin = replace(origin, recipe=saved.origin.recipe)
-    writer = CheckpointWriter(checkpoint or saved.path, every, origin)
-    return run(job, clock, Pace(spp_per_pass), writer=writer, progress=progress, cancel=cancel)
+    writer = CheckpointWriter(options.checkpoint or saved.path, options.every, origin)
+    return run(
+        job, clock, Pace(options.spp_per_pass), writer=writer, progress=options.progress,
+        cancel=options.cancel,
+    )  # fmt: skip
 
 
 def _check_machine(saved: Checkpoint) -> None:
@@ -115,7 +153,7 @@ def _check_machine(saved: Checkpoint) -> None:
         return
     changed = differences(saved.origin.machine, describe_machine())
     raise FilmError(
-        f"cannot go on with {saved.path}: here the same samples would have other bits\n"
+        f"cannot resume {saved.path}: here the same samples would have other bits\n"
         + listed(changed or ["kernel fingerprint: is another one"])
         + f"\nits picture is whole: alight merge {saved.path} -o picture.exr"
     )
@@ -130,7 +168,7 @@ def _load_scene(
     recipe = saved.origin.recipe
     if scene is None and recipe is None:
         raise FilmError(
-            f"cannot go on with {saved.path}: its scene was made in Python; give it as well: "
+            f"cannot resume {saved.path}: its scene was made in Python; give it as well: "
             "alight.resume(path, scene=scene)"
         )
     if not isinstance(scene, Scene):
@@ -138,7 +176,7 @@ def _load_scene(
             scene = _loaded(recipe, scene, root)
         except SceneError as error:
             raise FilmError(
-                f"cannot go on with {saved.path}: its scene cannot be loaded\n{error}\n"
+                f"cannot resume {saved.path}: its scene cannot be loaded\n{error}\n"
                 "a scene that was moved is found again with --scene, and --root where it has one"
             ) from error
     if content_hash(flatten(scene)) != saved.state.rounds[0].scene_hash:
@@ -162,7 +200,7 @@ def changed_scene(path: str, before: Mapping[str, str], scene: Scene) -> str:
     """Say that a scene is not that of a checkpoint, and why."""
     changed = differences(before, describe_content(scene))
     named = listed(changed or ["its content"])
-    return f"cannot go on with {path}: the scene has changed since\n{named}"
+    return f"cannot resume {path}: the scene has changed since\n{named}"
 
 
 def listed(lines: list[str]) -> str:

@@ -93,14 +93,14 @@ class Schedule(ABC):
         return ()
 
     def extended(self, spp: int) -> Schedule:
-        """Make the schedule that goes on to `spp` samples per pixel in all.
+        """Make the schedule that continues to `spp` samples per pixel in all.
 
         Raises
         ------
         OptionError
             If that has no meaning for it.
         """
-        raise OptionError(f"--spp: a render by the schedule {self.name} has no fixed number")
+        raise OptionError(f"a render by the schedule {self.name} has no fixed number", "spp")
 
     @property
     def total_spp(self) -> float | None:

@@ -1,15 +1,20 @@
-"""The schedules, by the names that checkpoints call them."""
+"""The schedules: by the options of a render, and by the names that checkpoints call them."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from alight.core.errors import FilmError, unknown_name
-from alight.rendering.cycles import Cycles
+from alight.options.render import PromiseOptions, RenderOptions
+from alight.rendering.cycles import MOST, THRESHOLD, Cycles
 from alight.rendering.schedule import Schedule, Uniform
 from alight.rendering.steering import Steered
+from alight.rendering.stopping import Promise
 
 SCHEDULES: tuple[type[Schedule], ...] = (Uniform, Steered, Cycles)
+
+#: Samples per pixel where nothing says how many.
+SPP = 64
 
 
 def restored_schedule(name: str, state: dict[str, Any]) -> Schedule:
@@ -24,3 +29,39 @@ def restored_schedule(name: str, state: dict[str, Any]) -> Schedule:
     if name not in known:
         raise FilmError(unknown_name("schedule", name, known))
     return known[name].restored(state)
+
+
+def promise_of(options: PromiseOptions) -> Promise | None:
+    """The promise that the options ask for; None where no error is given."""
+    if options.error is None:
+        return None
+    return Promise(options.error, options.confidence, options.metric, options.share)
+
+
+def time_limit_of(options: RenderOptions) -> float | None:
+    """Seconds after which no pass starts, if there is such a limit."""
+    limit = options.time_limit if options.max_time is None else options.max_time
+    return None if limit is None else float(limit)
+
+
+def schedule_of(options: RenderOptions, own_spp: int | None) -> Schedule:
+    """The schedule that the options ask for.
+
+    Parameters
+    ----------
+    options : RenderOptions
+    own_spp : int or None
+        Samples per pixel that the scene's file asks for.
+    """
+    first, spp = options.first_sample, options.spp
+    if options.schedule is not None:
+        return options.schedule
+    if options.criterion == "cycles":
+        threshold = THRESHOLD if options.error is None else options.error
+        return Cycles(first, options.max_spp or spp or MOST, threshold)
+    promise = promise_of(options)
+    if promise is not None:
+        return Steered(first, options.max_spp, promise, options.adaptive)
+    if options.adaptive:
+        return Steered(first, spp or own_spp or SPP, None, True)
+    return Uniform(first, spp or (None if time_limit_of(options) else own_spp or SPP))

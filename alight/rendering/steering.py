@@ -1,4 +1,4 @@
-"""The schedules that steer: until an error is reached, and to where samples are worth most."""
+"""Schedules that render until an error is reached, or where samples are worth most."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ class Steered(Schedule):
             raise OptionError("adaptive: give spp or an error, or it would never end")
         self.first, self.spp, self.promise, self.adaptive = first, spp, promise, adaptive
         self.shares, self.piloted = np.zeros(0), False
-        # Number of the look, its samples per pixel, and whether they have been asked for.
-        self.look, self.now, self.asked = 0, 0, False
+        # Samples per pixel of the look, and whether they have been asked for.
+        self.now, self.asked = 0, False
 
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
         """First the pilot, then look after look."""
@@ -74,7 +74,7 @@ class Steered(Schedule):
             verdict = self._verdict(film, most)
             if verdict is not None:
                 return verdict
-            self.look, self.now = self.look + 1, min(next_look(self.now, film.replicates), most)
+            self.now = min(next_look(self.now, film.replicates), most)
         elif not self.now:
             self.now = most if self.promise is None else min(first_look(film.replicates), most)
         self.asked = True
@@ -96,7 +96,7 @@ class Steered(Schedule):
     def _verdict(self, film: Film, most: int) -> Verdict | None:
         if self.promise is None:
             return Verdict("done")
-        judgement = judge(film, self.promise, self.look)
+        judgement = judge(film, self.promise)
         if not judgement.met and self.now < most:
             return None
         return self._say(film, judgement)
@@ -115,7 +115,7 @@ class Steered(Schedule):
         film = rounds[0]
         if self.promise is None or word != "time" or not film.sample_count.all():
             return Verdict(word)
-        return self._say(film, judge(film, self.promise, self.look + 1))
+        return self._say(film, judge(film, self.promise))
 
     def biases(self, rounds: Sequence[Film]) -> tuple[Bias, ...]:
         """An error that ends the render makes the number of samples depend on them, a little."""
@@ -136,8 +136,8 @@ class Steered(Schedule):
         self.now, most = first_look(film.replicates), self._most(film)
         while (self._counts_at(film, min(self.now, most))[window] < held).any():
             if self.now >= most:
-                raise OptionError(f"--max-spp: {most} is less than the render holds already")
-            self.look, self.now = self.look + 1, next_look(self.now, film.replicates)
+                raise OptionError(f"{most} is less than the render holds already", "max_spp")
+            self.now = next_look(self.now, film.replicates)
         self.now = min(self.now, most)
         return self
 
@@ -159,7 +159,6 @@ class Steered(Schedule):
             "spp": self.spp,
             "promise": self.promise.state() if self.promise else None,
             "adaptive": self.adaptive,
-            "look": self.look,
             "now": self.now,
             "asked": self.asked,
             "piloted": self.piloted,
@@ -171,14 +170,14 @@ class Steered(Schedule):
         """From the fields."""
         promise = Promise(**state["promise"]) if state["promise"] else None
         self = cls(int(state["first"]), state["spp"], promise, bool(state["adaptive"]))
-        self.look, self.now = int(state["look"]), int(state["now"])
+        self.now = int(state["now"])
         self.asked, self.piloted = bool(state["asked"]), bool(state["piloted"])
         self.shares = np.asarray(state["shares"], np.float64)
         return self
 
 
 def towards(schedule: Schedule, promise: Promise, film: Film, spp: int | None) -> Steered:
-    """Make the schedule that goes on from a film until a promise is kept.
+    """Make the schedule that continues from a film until a promise is kept.
 
     Parameters
     ----------
@@ -199,7 +198,7 @@ def towards(schedule: Schedule, promise: Promise, film: Film, spp: int | None) -
         return Steered(schedule.first, spp, promise).after(film)
     if not isinstance(schedule, Steered):
         name = schedule.name
-        raise OptionError(f"--error: a render by the schedule {name} cannot go on to an error")
+        raise OptionError(f"a render by the schedule {name} cannot continue to an error", "error")
     longer = Steered(schedule.first, spp, promise, schedule.adaptive)
     longer.shares = schedule.shares
     return longer.after(film)

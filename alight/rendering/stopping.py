@@ -1,10 +1,19 @@
-"""Stopping at an error: what is promised, when one looks, and what can be said at the end.
+r"""Stopping at an error: the promise, the looks, and the final verdict.
 
-A look at a film asks for the error that the true one does not exceed, with a confidence of which
-each look spends its part: looks may then be as many as they like (alpha spending; Lan and DeMets
-1983, "Discrete sequential boundaries for clinical trials"). Light that has hardly been seen yet is
-in no error estimate, so there is a second figure, the unseen energy, which has to be as small.
-`docs/known-error.md` has how often the promise was kept.
+A look at a film asks for the error that the true one does not exceed. Looks may be as many as they
+like, because the error falls while one waits. Call :math:`\sigma` the deviation of the estimated
+error's logarithm. A render can only be ended too early by a look that comes before the error is
+reached: the m-th of these, counted backwards, finds a true error that is :math:`g^m` times too
+large, g being the growth from look to look, and has to be wrong by so much more:
+
+.. math:: P \le \sum_{m \ge 0} \bar\Phi(z + m \log(g) / \sigma)
+
+With half of the doubt for each look this sum stays below a doubt of 5 % up to
+:math:`\sigma = 0.8`, even if the looks were independent. They are not: each holds the samples of
+those before it.
+
+Light that has hardly been seen yet is in no error estimate, so there is a second figure, the unseen
+energy, which has to be as small. `docs/known-error.md` has how often the promise was kept.
 """
 
 from __future__ import annotations
@@ -15,9 +24,9 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import OptionError
 from alight.films import CELL_SIZE, Film
 from alight.metrics.own_error import estimate_relmse
+from alight.options.render import PromiseOptions
 
 #: Samples per pixel at the first look, and their growth from look to look.
 FIRST_LOOK, GROWTH = 16, 1.25
@@ -66,18 +75,13 @@ class Promise:
     share: float = 0.95
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.error <= 10.0:
-            raise OptionError(f"error: must lie in (0, 1000 %], got {self.error:.6g}")
-        for name in ("confidence", "share"):
-            value = getattr(self, name)
-            if not 0.5 <= value < 1.0:
-                raise OptionError(f"{name}: must lie in [50 %, 100 %), got {value:.6g}")
-        if self.metric not in ("relrmse", "pixel"):
-            raise OptionError(f'metric: must be relrmse or pixel, got "{self.metric}"')
+        for name, one in PromiseOptions.options().items():
+            object.__setattr__(self, name, one.check(getattr(self, name)))
 
-    def doubt_at(self, look: int) -> float:
-        """Probability of a wrong statement that look number 0, 1, ... may spend: 1 in all."""
-        return (1.0 - self.confidence) / ((look + 1) * (look + 2))
+    @property
+    def doubt(self) -> float:
+        """Probability that one look may be wrong; with all the others, at most `1 - confidence`."""
+        return 0.5 * (1.0 - self.confidence)
 
     def state(self) -> dict[str, Any]:
         """Copy the fields."""
@@ -132,24 +136,21 @@ def next_look(spp: int, replicates: int) -> int:
     return replicates * math.ceil(GROWTH * spp / replicates)
 
 
-def judge(film: Film, promise: Promise, look: int) -> Judgement:
+def judge(film: Film, promise: Promise) -> Judgement:
     """Look at a film whose pixels hold whole rounds of all replicates.
 
     Parameters
     ----------
     film : Film
     promise : Promise
-    look : int
-        Number of the look, from 0.
     """
-    return judge_means(*film.replicate_means(), promise, look, film.largest_sample)
+    return judge_means(*film.replicate_means(), promise, film.largest_sample)
 
 
 def judge_means(
     means: np.ndarray,
     counts: np.ndarray,
     promise: Promise,
-    look: int,
     largest: float | None = None,
 ) -> Judgement:
     """Judge as `judge`, from means (h, w, R, 3) and counts (h, w, R) of a film's replicates.
@@ -159,11 +160,11 @@ def judge_means(
     estimate = estimate_relmse(means, counts)
     if math.isnan(estimate.figure.value):
         return Judgement(math.nan, math.nan, math.nan, 1.0, math.nan, False, False, math.inf)
-    achieved = estimate.relrmse_below(1.0 - promise.doubt_at(look))
+    achieved = estimate.relrmse_below(1.0 - promise.doubt)
     share, doubted = math.nan, False
     if promise.metric == "relrmse":
         within = achieved <= promise.error
-        sure = estimate.figure._replace(brightness=0.0).quantile(1.0 - promise.doubt_at(look))
+        sure = estimate.figure._replace(brightness=0.0).quantile(1.0 - promise.doubt)
         doubted = not within and sure <= promise.error**2
         factor = (achieved / promise.error) ** 2
     else:

@@ -1,4 +1,4 @@
-"""`render_tile`: the one entry that everything which renders goes through."""
+"""`render_tile`: the single entry point of everything that renders."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ import numpy as np
 
 from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
-from alight.core.jit import instantiate
-from alight.core.machine_code import MachineCode
-from alight.core.view import View
 from alight.films import PartialFilm
 from alight.films.fixed_point import add_rows
 from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_number
@@ -26,6 +23,9 @@ from alight.rendering.tile_kernel import (
     render_step_by_step,
     render_tile_kernel,
 )
+from lanewise.jit import StockKernel, instantiate
+from lanewise.machine_code import MachineCode
+from lanewise.view import View
 
 #: What the kernel writes: flat int64 tables of one tile.
 TileFilm = namedtuple("TileFilm", "sums counts direct tally")
@@ -54,14 +54,14 @@ def make_kernels(
 ) -> Kernels:
     """The main loop specialised on a scene's program; compiled False gives the NumPy twin.
 
-    `observe` is for the twin, see `alight.core.jit.instantiate`; what it sees are whole steps.
+    `observe` is for the twin, see `lanewise.jit.instantiate`; what it sees are whole steps.
     """
     root = render_step_by_step if observe else render_tile_kernel
 
     def make(program: Program) -> Callable:
         kernel = instantiate(root, program, compiled=compiled, observe=observe)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
-        if isinstance(kernel, MachineCode):
+        if isinstance(kernel, MachineCode | StockKernel):
             return kernel.fixed()
         return np.errstate(all="ignore")(kernel)
 
@@ -78,7 +78,7 @@ def make_kernels(
 def compiled_add_rows() -> Callable:
     """`add_rows` as machine code, ready to run: it is the same for all scenes."""
     kernel, nothing = instantiate(add_rows), View(np.zeros(2, np.int64))
-    assert isinstance(kernel, MachineCode)
+    assert isinstance(kernel, MachineCode | StockKernel)
     call = kernel.fixed()
     call(nothing, 0, 0, nothing, 0, 0)
     return call

@@ -1,4 +1,4 @@
-"""The main loop inside a tile: start paths, carry them on, add the finished ones to the film.
+"""The main loop inside a tile: start paths, extend them, add the finished ones to the film.
 
 A packet's samples take their first step together. Where some paths end, the others wait in a queue,
 from which the next packet is taken as soon as they fill one; so packets stay full although paths
@@ -12,8 +12,24 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.cameras.rays import generate_ray
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.films.fixed_point import split
+from alight.filters.importance import sample_filter
+from alight.integrators.moments import at_times_of
+from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, put_hit, take, take_hit
+from alight.integrators.walk import (
+    FILTER,
+    LENS,
+    count_lanes,
+    empty_paths,
+    is_staged,
+    shade,
+    start_paths,
+    step,
+    trace,
+)
+from alight.samplers.sampling import get_2d, sampler_state
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     LANES,
     any_lane,
     as_int,
@@ -31,22 +47,6 @@ from alight.core.simd import (
     trailing_zeros,
     where,
 )
-from alight.films.fixed_point import split
-from alight.filters.importance import sample_filter
-from alight.integrators.moments import at_times_of
-from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, put_hit, take, take_hit
-from alight.integrators.walk import (
-    FILTER,
-    LENS,
-    count_lanes,
-    empty_paths,
-    is_staged,
-    shade,
-    start_paths,
-    step,
-    trace,
-)
-from alight.samplers.sampling import get_2d, sampler_state
 
 #: A tile: the pixels [x0, x1) x [y0, y1) of the full film.
 Tile = namedtuple("Tile", "x0 y0 x1 y1")
@@ -82,7 +82,7 @@ def next_sample(settings, cursor):
 def next_pixel(settings, tile, ranges, cursor):
     """The first sample of the next pixel: along the rows of a cell, then cell by cell.
 
-    A cursor with x < 0 stands before the first pixel of its cell.
+    A cursor with x < 0 is before the first pixel of its cell.
     """
     x, y, cell = cursor.x, cursor.y, cursor.cell
     columns, cells = count_cells(tile)

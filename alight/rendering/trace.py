@@ -32,15 +32,19 @@ from alight.lights.sampling import (
     sample_light,
 )
 from alight.media.sampling import evaluate_phase, fly, sample_phase
+from alight.options.entry import takes
+from alight.options.laboratory import TraceOptions
+from alight.outputs import html
+from alight.rendering.loading import scene_of
 from alight.rendering.observation import Event, Observer
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile, add_finished
-from alight.scene import FlatScene, Scene, flatten, load
+from alight.scene import FlatScene, Scene, flatten
 from alight.shapes.surfaces import make_surface
 
 Triple = tuple[float, float, float]
 
-#: Without a tree every ray is tested against every triangle; so many take about ten seconds a ray.
+#: Without a tree every ray tests every triangle: this many take about ten seconds a ray.
 MOST_TRIANGLES = 30_000_000
 
 WATCHED = {
@@ -68,7 +72,7 @@ WEIGHTS = ("bsdf_weight", "light_weight")
 
 @dataclass(frozen=True)
 class Emission:
-    """Light that the ray came upon: radiance, density of light sampling for it, and MIS weight."""
+    """Light that the ray hit: radiance, density of light sampling for it, and MIS weight."""
 
     radiance: Triple
     light_pdf: float | None
@@ -106,7 +110,7 @@ class LightSample:
 
 @dataclass(frozen=True)
 class Scattering:
-    """How the path goes on: local direction, weight f cos / pdf, density, and the lobe's name.
+    """How the path continues: local direction, weight f cos / pdf, density, and the lobe's name.
 
     In a medium the direction is that in the world, and the lobe "phase".
     """
@@ -213,13 +217,14 @@ class Trace:
 
         return "\n".join(table_of(self))
 
+    def _repr_html_(self) -> str:
+        """Show the table in a notebook."""
+        return html.preformatted(str(self).splitlines())
 
+
+@takes(TraceOptions)
 def trace(
-    scene: Scene | str | os.PathLike,
-    pixel: tuple[int, int],
-    *,
-    sample: int = 0,
-    seed: int = 0,
+    scene: Scene | str | os.PathLike[str], pixel: tuple[int, int], options: TraceOptions
 ) -> Trace:
     """Follow one sample of one pixel in plain Python.
 
@@ -228,10 +233,7 @@ def trace(
     scene : Scene, path or name of a built-in scene
     pixel : (int, int)
         x and y on the full film, from the top left.
-    sample : int in [0, 2^31), default 0
-        Which sample of the pixel.
-    seed : int in [0, 2^32), default 0
-        As of the render.
+    {options}
 
     Returns
     -------
@@ -244,11 +246,9 @@ def trace(
     AlightError
         For a scene, pixel or number that is wrong.
     """
-    if not isinstance(scene, Scene):
-        scene = load(scene)
+    scene = scene_of(scene, options)
     x, y = _checked_pixel(pixel, scene.film.size)
-    _whole("sample", sample, 2**31 - 1)
-    _whole("seed", seed, 2**32 - 1)
+    sample, seed = options.sample, options.seed
     flat = flatten(scene)
     _check_triangles(flat)
     compiled = compile_scene(flat, structure="list")
@@ -412,15 +412,9 @@ def _checked_pixel(pixel: tuple[int, int], size: tuple[int, int]) -> tuple[int, 
     whole = len(pixel) == 2 and all(isinstance(c, int | np.integer) for c in pixel)
     if not whole or not (0 <= pixel[0] < width and 0 <= pixel[1] < height):
         shown = ",".join(map(str, pixel))
-        raise OptionError(
-            f"pixel: must be x,y with x in [0, {width - 1}] and y in [0, {height - 1}], got {shown}"
-        )
+        allowed = f"x in [0, {width - 1}] and y in [0, {height - 1}]"
+        raise OptionError(f"must be x,y with {allowed}, got {shown}", "pixel")
     return int(pixel[0]), int(pixel[1])
-
-
-def _whole(name: str, value: Any, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
-        raise OptionError(f"{name}: must be a whole number in [0, {most}], got {value!r}")
 
 
 def _check_triangles(flat: FlatScene) -> None:

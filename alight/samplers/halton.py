@@ -15,12 +15,12 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.constants import ONE_MINUS_EPSILON
-from alight.core.jit import kernel
 from alight.core.rng import M3, hash_1, mix
-from alight.core.simd import any_lane, lanes, lanes_u32, minimum, to_float, to_uint, where
 from alight.core.spec import Sampler
 from alight.samplers.sobol import get_1d as padded_number
 from alight.samplers.sobol import get_2d as padded_pair
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, lanes, lanes_u32, minimum, to_float, to_uint, where
 
 
 class Halton(Sampler):

@@ -1,4 +1,4 @@
-r"""Independent sampler: every number is drawn anew, without regard to the others.
+r"""Independent sampler: every number is drawn independently of the others.
 
 The error of a mean of N samples falls as N^{-1/2}, whatever the integrand: the baseline.
 
@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from alight.core.jit import kernel
 from alight.core.rng import hash_1, hash_2, sample_keys, unit_float
 from alight.core.spec import Sampler
+from lanewise.jit import kernel
 
 
 class Independent(Sampler):

@@ -11,13 +11,13 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.core.constants import ONE_MINUS_EPSILON
-from alight.core.jit import kernel
 from alight.core.rng import hash_2, mix, sample_keys, unit_float
-from alight.core.simd import minimum, to_float
 from alight.core.spec import Sampler, Strata
 from alight.samplers import stratified
 from alight.samplers.permutation import make_permute
 from alight.samplers.stratified import block_and_keys
+from lanewise.jit import kernel
+from lanewise.simd import minimum, to_float
 
 
 class Multijittered(Sampler):

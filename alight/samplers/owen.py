@@ -12,8 +12,8 @@ scrambling, JCGT 9(4) (2020); the constants are those of Vegdahl, Building a bet
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
-from alight.core.simd import reverse_bits
+from lanewise.jit import kernel
+from lanewise.simd import reverse_bits
 
 
 @kernel

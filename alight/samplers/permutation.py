@@ -1,4 +1,4 @@
-"""Random permutations of 0 ... n - 1 by hashing: each value is found alone, without a table.
+"""Random permutations of 0 ... n - 1 by hashing: each value is computed alone, without a table.
 
 A keyed bijection of the smallest power of two that holds n is applied again and again until the
 value is below n ("cycle walking"), which makes a permutation of the values below n.
@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
-from alight.core.jit import kernel
-from alight.core.simd import any_lane, where
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, where
 
 _ROUNDS = 4
 

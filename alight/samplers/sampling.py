@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from functools import cache
 
-from alight.core.jit import specialised
 from alight.core.registry import Models
 from alight.core.spec import Sampler
 from alight.samplers.state import SamplerState as SamplerState
 from alight.samplers.state import sampler_state as sampler_state
+from lanewise.jit import specialised
 
 
 def sampler_key(spec: Sampler) -> tuple:

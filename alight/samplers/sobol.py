@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-from alight.core.jit import kernel
 from alight.core.rng import hash_2, unit_float
-from alight.core.simd import reverse_bits
 from alight.core.spec import Sampler
 from alight.samplers.owen import scramble_reversed, shuffle_index
+from lanewise.jit import kernel
+from lanewise.simd import reverse_bits
 
 
 class Sobol(Sampler):

@@ -1,11 +1,11 @@
-"""What names one sample: the argument of every sampler."""
+"""The identity of one sample: the argument of every sampler."""
 
 from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel
 from alight.core.rng import pixel_keys
+from lanewise.jit import kernel
 
 #: Pixel coordinates x, y on the full film; `index` of the sample within its replicate; `scramble`,
 #: the replicate; `seed` of the picture; a, b: keys of the pixel's stream (`rng.pixel_keys`), worked

@@ -1,4 +1,4 @@
-"""What a scene says, key by key, to name what has changed since a picture was begun."""
+"""The content of a scene, key by key, to report what changed since a render began."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from alight.scene.dump import dump_scene
 #: Longer values are kept as digests.
 _MOST_CHARACTERS = 120
 
-#: What stands before the names of files and of registered models, which no key begins with.
+#: Prefix of the names of files and of registered models, which no key begins with.
 _FILE, _MODEL = "file ", "registered "
 
 

@@ -156,7 +156,7 @@ VACUUM = "vacuum"
 
 
 class Node(Spec):
-    """A place in the scene graph, with what stands there.
+    """A place in the scene graph, with its contents.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ class Node(Spec):
     bsdf : Bsdf or str, optional
         Material, described or named; a node without one takes its parent's, at the top Diffuse().
     light : Light, optional
-        Area light: the shape shines. Others stand at the node's origin.
+        Area light: the shape shines. Others sit at the node's origin.
     camera : Camera, optional
         Viewpoint, looking along -z.
     interior, exterior : Medium or str, optional
@@ -295,7 +295,7 @@ class Source:
 
 
 def _default_integrator() -> Integrator:
-    # By name: integrators stand above the scene in the order of imports.
+    # By name: integrators are above the scene in the order of imports.
     integrator = specs("integrators")["path"]()
     assert isinstance(integrator, Integrator)
     return integrator

@@ -17,7 +17,7 @@ from alight.shapes.mesh import Mesh
 from alight.textures.images import Image, holds_image
 from alight.textures.uv import UvTransform
 
-#: Gives the description to write in the place of one that holds arrays or names a file.
+#: Gives the description to write instead of one that holds arrays or names a file.
 FileWriter = Callable[[Any, str], Any]
 
 

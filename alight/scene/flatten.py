@@ -116,7 +116,7 @@ class FlatScene:
     media : list of Coefficients
         Different media, grids read.
     start_medium : int
-        Index + 1 of what the camera stands in, or 0.
+        Index + 1 of the medium around the camera, or 0.
     notes : list of str
         What had to be changed in pictures.
     """
@@ -276,7 +276,7 @@ class _Flattener:
 
 
 def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, images: ImageStore) -> Bsdf:
-    """Put textures, pictures and nested materials in the place of their names."""
+    """Replace the names of textures, pictures and nested materials by what they name."""
     bsdf = images.resolved(scene.bsdfs[bsdf] if isinstance(bsdf, str) else bsdf, scene.textures)
     changes: dict[str, Any] = {}
     for name, value in bsdf:
@@ -288,7 +288,7 @@ def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, images: ImageStore) -> Bsdf:
 
 
 def place_camera(scene: Scene) -> PlacedCamera:
-    """The camera of a scene, where it stands; the names on its path must be right."""
+    """The camera of a scene, in its place; the names on its path must be right."""
     assert scene.camera is not None
     nodes = [scene.camera] if isinstance(scene.camera, Node) else []
     children = scene.nodes

@@ -106,9 +106,9 @@ def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = 
     path : Path
         The file.
     name : str, optional
-        How messages call it; names such as ``builtin:sky`` stand for computed pictures.
+        How messages call it; names such as ``builtin:sky`` mean computed pictures.
     note : callable, optional
-        Is told what had to be changed.
+        Called with what had to be changed.
 
     Raises
     ------

@@ -12,10 +12,10 @@ from typing import Any, Self
 from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
 from alight.core.registry import FAMILIES, specs
 from alight.core.spec import Bsdf, Texture
+from alight.scene import plain_yaml
 from alight.scene.build import Builder
 from alight.scene.description import Node, Scene
 from alight.scene.dump import dump_scene
-from alight.scene.formats import native
 
 _KEY = re.compile(r"([^.\[\]]+)|\[(\d{1,9})\]")
 
@@ -87,7 +87,7 @@ class SceneManager:
         return self._put(parent, {**siblings, name: node})
 
     def replace(self, path: str, node: Node) -> Self:
-        """Put another node in the place of an existing one."""
+        """Replace an existing node."""
         self.get(path)
         parent, _, name = path.rpartition("/")
         siblings = self.get(parent).children if parent else self.scene.nodes
@@ -107,7 +107,7 @@ class SceneManager:
         Raises
         ------
         SceneError
-            If it does not exist, or would come to stand below itself.
+            If it does not exist, or would become its own descendant.
         """
         node = self.get(path)
         if to == path or to.startswith(path + "/"):
@@ -153,7 +153,7 @@ class SceneManager:
         if not equals or not path.strip():
             raise _error("--set", f"must be path.to.key=value, got {quote(assignment)}")
         try:
-            value = native.parse_value(text)
+            value = plain_yaml.parse_value(text)
         except SceneError as error:
             raise _error(path, error.issues[0].message) from None
         return self._edit(path.strip(), value)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import Issue, SceneError, nearest, quote
-from alight.scene.formats import obj, ply, stl
-from alight.scene.formats.triangles import MeshArrays
+from alight.meshes import obj, ply, stl
+from alight.meshes.triangles import MeshArrays
 from alight.shapes.mesh import Mesh
 
 FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}

@@ -1,4 +1,4 @@
-r"""How placed things move while the shutter is open, which is from 0 to 1 here.
+r"""How placed objects move while the shutter is open, from 0 to 1.
 
 What hangs below moving nodes of the scene graph moves by a chain
 
@@ -31,8 +31,8 @@ from alight.scene.keyframes import (
 )
 from alight.scene.transform import Matrix, Transform
 
-#: A box around a path is made from so many points on it at most, between two keyframes; from fewer
-#: where the path bends between them by less than this part of its object's size.
+#: A box around a path is made from at most STEPS points on it, between two keyframes; from fewer
+#: where the path bends between them by less than STRAIGHT times its object's size.
 STEPS = 64
 STRAIGHT = 1.0 / 512.0
 

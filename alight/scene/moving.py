@@ -27,7 +27,7 @@ def motion_problems(scene: Scene) -> list[Issue]:
 
 
 def _node_problems(scene: Scene, node: Node, here: Placement) -> Iterator[tuple[str, str]]:
-    """(field, message) of what stands on one moving node."""
+    """(field, message) of what one moving node holds."""
     if node.shape is not None and not node.shape.finite:
         kind = node.shape.type_name()
         yield "shape", f"a {kind} is infinite and cannot move: take a large finite shape"

@@ -102,7 +102,7 @@ STEPS: dict[str, type[Translate | Rotate | Scale | LookAt | Matrix]] = {
 }
 
 
-#: Steps that may stand side by side in a keyframe, in the order in which they are applied.
+#: Steps that can be combined in a keyframe, in the order in which they are applied.
 IN_ORDER = ("scale", "rotate", "translate")
 
 

@@ -111,7 +111,7 @@ class _Checker:
             elif self.wrong_textures.isdisjoint(uses[name]) and self.check_image(known[name], path):
                 self.check_textured(known[name], path)
                 self.steps[name] = textures.count_steps(known[name], self.steps)
-            # What is wrong is said once, and what uses it is not looked at any further.
+            # Each mistake is reported once; whatever uses it is not checked any further.
             if len(self.issues) > before or name not in self.steps:
                 self.wrong_textures.add(name)
 
@@ -233,7 +233,7 @@ class _Checker:
             return True
         text = unknown_name(kind, name, known)
         if kind in ("bsdf", "texture") and name in specs(f"{kind}s"):
-            # A single word is the name of an entry; types stand in braces.
+            # A single word is the name of an entry; types are in braces.
             before, gap, after = text.partition("  (")
             text = f"{before}; for one of that type write {{type: {name}}}{gap}{after}"
         self.report(path, text)
@@ -272,7 +272,7 @@ class _Checker:
         for name, prototype in known.items():
             for _, path, node in prototype.walk(name, join_path("prototypes", name)):
                 if node.camera is not None:
-                    self.report(f"{path}.camera", "a camera must not stand in a prototype")
+                    self.report(f"{path}.camera", "a camera must not be in a prototype")
         uses = {name: instances_in(node, known) for name, node in known.items()}
         cycle, order = sort_by_use(uses)
         if cycle:

@@ -79,7 +79,7 @@ def read_volume(path: Path, name: str = "") -> Volume:
     path : Path
         The file.
     name : str, optional
-        How messages call it; ``builtin:cloud`` stands for a computed one.
+        How messages call it; ``builtin:cloud`` is a computed one.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def _read_vol(path: Path) -> np.ndarray:
     with path.open("rb") as file:
         head = file.read(_HEADER.size)
         if len(head) < _HEADER.size or head[:3] != b"VOL":
-            raise ValueError("is no VOL file")
+            raise ValueError("is not a VOL file")
         _, version, kind, nx, ny, nz, channels, *_ = _HEADER.unpack(head)
         if version != 3 or kind != 1:
             raise ValueError(f"must have version 3 and float32 values, got {version} and {kind}")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, gather_row, where
 from alight.core.uv_sets import UV_SETS, Chart, triangle_uvs
 from alight.core.vec import Vec3, dot, gather_vec3
 from alight.shapes.hit import INFO, INSTANCED, UVS
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, gather_row, where
 
 
 @kernel

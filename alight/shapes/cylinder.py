@@ -36,9 +36,13 @@ from pydantic import model_validator
 
 from alight.core.constants import INV_TWO_PI, PI, TWO_PI, gamma
 from alight.core.frame import frame_from_tangent
-from alight.core.jit import kernel, specialised
 from alight.core.maths import arctan2, sincos, sincos_2pi
-from alight.core.simd import (
+from alight.core.spec import Positive, Shape, Vector3, invalid
+from alight.core.vec import Vec3, absolute_vec3, dot, gather_vec3, length_squared, row_vec3
+from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
+from alight.shapes.sphere import column, excess, from_center, times, transposed_times
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     copysign,
     fma,
     gather,
@@ -49,10 +53,6 @@ from alight.core.simd import (
     sqrt,
     where,
 )
-from alight.core.spec import Positive, Shape, Vector3, invalid
-from alight.core.vec import Vec3, absolute_vec3, dot, gather_vec3, length_squared, row_vec3
-from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
-from alight.shapes.sphere import column, excess, from_center, times, transposed_times
 
 
 class Cylinder(Shape):

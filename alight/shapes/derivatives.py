@@ -1,12 +1,12 @@
-"""How fast a point of a surface moves with its texture coordinates, for bump and normal maps."""
+"""Derivatives of a surface point by its texture coordinates, for bump and normal maps."""
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
 from alight.core.motion import matrix_at, point_of_rest, turned
-from alight.core.simd import any_lane, gather, where
 from alight.shapes.hit import INFO, Surface
 from alight.shapes.model import SHAPES
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, where
 
 
 @specialised

@@ -12,9 +12,7 @@ from typing import Literal
 import numpy as np
 
 from alight.core.constants import INV_TWO_PI, TWO_PI
-from alight.core.jit import kernel
 from alight.core.maths import arctan2
-from alight.core.simd import gather, lanes_u32, maximum, sqrt, where
 from alight.core.spec import Shape
 from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.core.warps import square_to_disk_concentric
@@ -29,6 +27,8 @@ from alight.shapes.flat import (
     pack_flat,
 )
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
+from lanewise.jit import kernel
+from lanewise.simd import gather, lanes_u32, maximum, sqrt, where
 
 
 class Disk(Shape):

@@ -23,10 +23,10 @@ from __future__ import annotations
 import numpy as np
 
 from alight.core.constants import gamma
-from alight.core.jit import kernel
-from alight.core.simd import absolute, fma, gather, lanes_vec3
 from alight.core.vec import Vec3, cross, dot, gather_vec3
 from alight.shapes.hit import Geometry
+from lanewise.jit import kernel
+from lanewise.simd import absolute, fma, gather, lanes_vec3
 
 STRIDE = 32
 ERROR = gamma(16)

@@ -1,7 +1,7 @@
 """What a ray found, the surface there, and robust rays from it and to it.
 
 Robustness follows the idea of PBR4 section 6.8: every computed point carries a bound of its
-distance from the true surface, and new rays start outside of that band. A bound is a small multiple
+distance from the true surface, and new rays start outside that band. A bound is a small multiple
 of the machine epsilon times the sum of the magnitudes that were added up; each shape derives its
 own, for the whole round trip: the rounding of its stored row, of the point, of the moved origin,
 and of the intersection arithmetic that must find a ray leaving from there on the right side.
@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import gamma
-from alight.core.jit import kernel
 from alight.core.registry import specs_of
-from alight.core.simd import absolute, copysign, fma, maximum, where
 from alight.core.spec import Texture
+from lanewise.jit import kernel
+from lanewise.simd import absolute, copysign, fma, maximum, where
 
 #: t: distance in units of |d| (infinity for a miss); u, v: barycentrics b1, b2 of a triangle, local
 #: coordinates of the others; shape, prim: u32, 0 for a miss, so that they are always valid.

@@ -31,19 +31,6 @@ from pydantic import model_validator
 from alight.core.constants import gamma
 from alight.core.distributions import pmf_discrete, sample_discrete
 from alight.core.frame import frame_from_tangent
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
-    absolute,
-    any_lane,
-    gather,
-    gather_row,
-    lanes,
-    lanes_vec3,
-    maximum,
-    sqrt,
-    to_uint,
-    where,
-)
 from alight.core.spec import Shape, Truth, invalid
 from alight.core.vec import (
     Vec3,
@@ -68,6 +55,19 @@ from alight.shapes.hit import (
     Geometry,
     ShapeSample,
     area_to_solid_angle,
+)
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    absolute,
+    any_lane,
+    gather,
+    gather_row,
+    lanes,
+    lanes_vec3,
+    maximum,
+    sqrt,
+    to_uint,
+    where,
 )
 
 ARRAYS = ("vertices", "faces", "normals", "uvs", "colors", "more_uvs")

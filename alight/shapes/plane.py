@@ -2,7 +2,7 @@ r"""Infinite plane z = 0 with normal +z and parameters (u, v) = (x, y).
 
 .. math:: t = -o_z / d_z
 
-It has no bounds, so it stands beside the acceleration structure and cannot be an area light.
+It has no bounds, so it is tested outside the acceleration structure and cannot be an area light.
 
 Source: PBR4 section 6.1.
 """
@@ -13,10 +13,10 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
 from alight.core.spec import Shape
 from alight.core.vec import gather_vec3
 from alight.shapes.flat import E1, E2, flat_geometry, meet_plane, pack_flat, point_error
+from lanewise.jit import kernel
 
 
 class Plane(Shape):

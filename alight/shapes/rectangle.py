@@ -11,8 +11,6 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
-from alight.core.simd import absolute, gather, lanes_u32, lanes_vec3, maximum, minimum, rsqrt, where
 from alight.core.spec import Shape
 from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.core.warps import (
@@ -33,6 +31,8 @@ from alight.shapes.flat import (
     point_on_plane,
 )
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
+from lanewise.jit import kernel
+from lanewise.simd import absolute, gather, lanes_u32, lanes_vec3, maximum, minimum, rsqrt, where
 
 
 class Rectangle(Shape):

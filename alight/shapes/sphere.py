@@ -52,20 +52,7 @@ from alight.core.constants import (
     gamma,
 )
 from alight.core.frame import frame_from_normal, frame_from_tangent, to_world
-from alight.core.jit import kernel, specialised
 from alight.core.maths import arccos, arctan2, sincos
-from alight.core.simd import (
-    any_lane,
-    copysign,
-    fma,
-    gather,
-    lanes,
-    lanes_vec3,
-    maximum,
-    minimum,
-    sqrt,
-    where,
-)
 from alight.core.spec import Positive, Shape, Vector3
 from alight.core.vec import (
     Vec3,
@@ -77,6 +64,19 @@ from alight.core.vec import (
 )
 from alight.core.warps import square_to_uniform_cone, square_to_uniform_sphere, uniform_cone_pdf
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    any_lane,
+    copysign,
+    fma,
+    gather,
+    lanes,
+    lanes_vec3,
+    maximum,
+    minimum,
+    sqrt,
+    where,
+)
 
 
 class Sphere(Shape):

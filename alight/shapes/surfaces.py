@@ -1,9 +1,8 @@
-"""The surface at a hit, whatever shapes the scene has: written anew for each program."""
+"""The surface at a hit, whatever shapes the scene has, specialised for each program."""
 
 from __future__ import annotations
 
 from alight.core.frame import frame_from_normal, frame_from_tangent
-from alight.core.jit import kernel, specialised
 from alight.core.motion import (
     direction_at_rest,
     error_in_world,
@@ -13,12 +12,13 @@ from alight.core.motion import (
     point_at_rest,
     turned,
 )
-from alight.core.simd import any_lane, gather, gather_row, lanes, lanes_u32, lanes_vec3, where
 from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import dot, normalize
 from alight.shapes.charts import corners_of
 from alight.shapes.hit import INFO, Geometry, Surface
 from alight.shapes.model import SHAPES, ShapeModel
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, gather_row, lanes, lanes_u32, lanes_vec3, where
 
 
 def needs_tangents(program) -> bool:

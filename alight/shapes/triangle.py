@@ -27,10 +27,10 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.core.jit import kernel
-from alight.core.simd import absolute, fma, mask_bits, maximum, minimum, where
 from alight.core.vec import Vec3
-from alight.core.wide import gather_near
+from lanewise.jit import kernel
+from lanewise.simd import absolute, fma, mask_bits, maximum, minimum, where
+from lanewise.wide import gather_near
 
 #: What the test needs of a ray, once: kx, ky, kz are the axes in cyclic order, kz the one along
 #: which |d| is largest (lane of u32 or whole numbers); sx, sy, sz the shear.

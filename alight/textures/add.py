@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.jit import kernel
 from alight.core.spec import RadianceTexture, Triple
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.nesting import Composed, average, most
+from lanewise.jit import kernel
 
 
 class Add(Composed):
@@ -46,7 +46,7 @@ SLOTS: dict[str, int] = {}
 
 
 def pack(spec: Add, packer) -> None:
-    """Nothing to pack: the parts stand by themselves."""
+    """Nothing to pack: the parts are packed separately."""
 
 
 @kernel

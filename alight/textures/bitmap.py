@@ -28,8 +28,13 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import (
+from alight.core.spec import Texture, Triple, invalid
+from alight.core.uv_sets import UvSet, set_features
+from alight.core.vec import Vec3
+from alight.textures.images import Pixels, source_problem
+from alight.textures.uv import IDENTITY, ToUv, lookup_point
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
     any_lane,
     bits_float,
     float_bits,
@@ -41,11 +46,6 @@ from alight.core.simd import (
     to_uint,
     where,
 )
-from alight.core.spec import Texture, Triple, invalid
-from alight.core.uv_sets import UvSet, set_features
-from alight.core.vec import Vec3
-from alight.textures.images import Pixels, source_problem
-from alight.textures.uv import IDENTITY, ToUv, lookup_point
 
 
 class Bitmap(Texture):

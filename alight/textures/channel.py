@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.jit import kernel
-from alight.core.simd import gather, where
 from alight.core.spec import RadianceTexture, Triple
 from alight.core.vec import Vec3
 from alight.textures.bitmap import Bitmap
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.images import Image
 from alight.textures.nesting import Composed, Value, average, most
+from lanewise.jit import kernel
+from lanewise.simd import gather, where
 
 CHANNELS = ("r", "g", "b", "a")
 

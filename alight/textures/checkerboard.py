@@ -16,12 +16,12 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
-from alight.core.simd import floor, where
 from alight.core.spec import Reflectance, Scale2, Texture, Triple, Vector2
 from alight.core.uv_sets import UvSet, set_features
 from alight.core.vec import gather_vec3
 from alight.textures.uv import IDENTITY, ToUv, lookup_point
+from lanewise.jit import kernel
+from lanewise.simd import floor, where
 
 
 class Checkerboard(Texture):

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.jit import kernel
-from alight.core.simd import gather, minimum
 from alight.core.spec import NonNegative, RadianceTexture, Triple
 from alight.core.vec import Vec3
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.multiply import Multiply
 from alight.textures.nesting import Composed, average, most
+from lanewise.jit import kernel
+from lanewise.simd import gather, minimum
 
 
 class Clamp(Composed):

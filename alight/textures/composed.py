@@ -7,11 +7,11 @@ a step is a row of (kind, start in `texture_data`) like that of a plain texture.
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
 from alight.core.registry import Numbers
-from alight.core.simd import any_lane, gather, lanes_mask, lanes_vec3, where
 from alight.core.vec import Vec3
 from alight.textures.switch import models_of, value_switch
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, gather, lanes_mask, lanes_vec3, where
 
 #: Added to the number of steps.
 COMPOSED = 1 << 31
@@ -103,7 +103,7 @@ def _operator(number, work, rest):
 
 
 def _on_stack(operate, parts):
-    """A kernel that takes so many values off the stack; the first part lies deepest."""
+    """A kernel that pops this many values; the first part lies deepest."""
     if parts == 1:
 
         @kernel

@@ -7,11 +7,11 @@ to the table alone.
 
 from __future__ import annotations
 
-from alight.core.jit import kernel, specialised
-from alight.core.simd import any_lane, gather, gather_row, lanes_vec3, where
 from alight.core.vec import gather_vec3, luminance
 from alight.textures.composed import composed_value
 from alight.textures.switch import models_of, value_switch
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, gather_row, lanes_vec3, where
 
 
 def is_textured(program) -> bool:

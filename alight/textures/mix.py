@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.jit import kernel
+from alight.core.constants import LUMINANCE
 from alight.core.spec import RadianceTexture, Triple, UnitTexture
 from alight.core.vec import luminance
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.nesting import Composed, Value, average, most
+from lanewise.jit import kernel
 
 
 class Mix(Composed):
@@ -49,7 +50,7 @@ class Mix(Composed):
 
 def _grey(color: Value) -> float:
     red, green, blue = most(color)
-    return 0.212671 * red + 0.715160 * green + 0.072169 * blue
+    return LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue
 
 
 EXAMPLES = (
@@ -62,7 +63,7 @@ SLOTS: dict[str, int] = {}
 
 
 def pack(spec: Mix, packer) -> None:
-    """Nothing to pack: the parts stand by themselves."""
+    """Nothing to pack: the parts are packed separately."""
 
 
 @kernel

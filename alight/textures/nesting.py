@@ -1,9 +1,9 @@
-r"""Textures made of other textures: what they are made of, and how many steps they take.
+r"""Textures made of other textures: their parts, and the steps to evaluate them.
 
 Kernels do not call each other recursively. A texture made of others is written as a list of steps
-in postfix order (Lukasiewicz): a texture that stands for itself puts its value on a stack, an
+in postfix order (Lukasiewicz): a texture without parts puts its value on a stack, an
 operator takes the values of its parts from there and leaves its own. The stack is `REGISTERS`
-colours deep. An operator whose parts may stand in any order has the one first that needs the
+colours deep. An operator whose parts commute has the one first that needs the
 deepest stack (Sethi and Ullman).
 
 Source: Sethi and Ullman, The generation of optimal code for arithmetic expressions, Journal of the
@@ -19,7 +19,7 @@ from pydantic import model_validator
 
 from alight.core.spec import Texture, Triple, invalid
 
-#: A texture takes at most so many steps: kernels go through them one after the other.
+#: Most steps of a texture: kernels run them one after the other.
 MOST_STEPS = 64
 #: Depth of the stack of kernels.
 REGISTERS = 6

@@ -9,7 +9,7 @@ r"""Noise: a random pattern in space, smooth at its smallest scale, alike on eve
 with :math:`s_i` the fade s or 1 - s of the coordinate i, K octaves and r their `gain`. Gradients g
 are the twelve directions from a cube's centre to the middles of its edges, chosen by a hash of
 the corner's whole coordinates. |n| never exceeds 1.04; the weight is cut to [0, 1].
-"turbulence" has \|n\| in the place of n, and \|f\| as weight.
+"turbulence" has \|n\| instead of n, and \|f\| as weight.
 
 x is the place in the world (metres), or (u, v, 0), times `scale` plus `offset`. Beyond 2^20 cells
 from the origin float32 has no digits left to vary with.
@@ -23,21 +23,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from alight.core.jit import kernel
 from alight.core.motion import point_at_opening
 from alight.core.rng import pcg4d
-from alight.core.simd import (
-    absolute,
-    any_lane,
-    floor,
-    gather,
-    lanes,
-    lanes_u32,
-    maximum,
-    minimum,
-    to_uint,
-    where,
-)
 from alight.core.spec import (
     Interval,
     Numbers,
@@ -49,6 +36,19 @@ from alight.core.spec import (
 )
 from alight.core.uv_sets import UvSet, set_features, uv_of_texture
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import (
+    absolute,
+    any_lane,
+    floor,
+    gather,
+    lanes,
+    lanes_u32,
+    maximum,
+    minimum,
+    to_uint,
+    where,
+)
 
 Octaves = Annotated[int, Interval(1, 16, integer=True)]
 Scale3 = Annotated[Triple, Numbers(3, Interval(), spread=True)]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from alight.core.jit import kernel
 from alight.core.registry import modules, type_name_of
-from alight.core.simd import any_lane, where
+from lanewise.jit import kernel
+from lanewise.simd import any_lane, where
 
 
 def models_of(program, attribute):

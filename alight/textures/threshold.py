@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.jit import kernel
-from alight.core.simd import gather, where
 from alight.core.spec import NonNegative, RadianceTexture, Triple
 from alight.core.vec import Vec3
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.nesting import Composed, average, most
+from lanewise.jit import kernel
+from lanewise.simd import gather, where
 
 
 class Threshold(Composed):

@@ -10,7 +10,7 @@ A list is applied from left to right, as the steps of a node's transform. Scalin
 picture four times. Rotations are in degrees, from u to v about (0, 0). (s, t) are right to the
 rounding of float32, so a picture that repeats a thousand times is placed to 1/10 000 of its width.
 
-Meshes may have several sets of (u, v); ``uv_set: 1`` beside `to_uv` asks for the second one.
+Meshes may have several sets of (u, v); ``uv_set: 1`` next to `to_uv` selects the second one.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from alight.core.errors import show_value, unknown_name
 from alight.core.fields import LARGEST, Interval, Numbers, invalid
-from alight.core.jit import kernel
 from alight.core.uv_sets import uv_of_texture
 from alight.core.vec import gather_vec3
+from lanewise.jit import kernel
 
 STEPS = ("translate", "scale", "rotate", "matrix")
 MOST_STEPS = 100
@@ -155,9 +155,9 @@ IDENTITY = UvTransform()
 
 @kernel
 def lookup_point(scene, base, slot, surface):
-    """(s, t): the matrix whose six numbers stand at `base`, row by row, applied to (u, v).
+    """(s, t): the matrix whose six numbers are at `base`, row by row, applied to (u, v).
 
-    At `slot` stands the set of coordinates (u, v), see `alight.core.uv_sets`.
+    `slot` holds the set of coordinates (u, v), see `alight.core.uv_sets`.
     """
     data = scene.materials.texture_data
     u, v = uv_of_texture(scene, slot, surface)

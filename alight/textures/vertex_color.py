@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from alight.core.jit import kernel
-from alight.core.simd import gather, where
 from alight.core.spec import Reflectance, Texture
 from alight.core.vec import Vec3
+from lanewise.jit import kernel
+from lanewise.simd import gather, where
 
 
 class VertexColor(Texture):

@@ -12,11 +12,12 @@ from alight.bsdfs.null import Null
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.registry import specs
 from alight.films import fixed_point
+from alight.formats import dumps, loads
 from alight.integrators.walk import make_settings
 from alight.laws.scene import check_scene
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
-from alight.scene import FlatScene, Scene, dumps, flatten, loads
+from alight.scene import FlatScene, Scene, flatten
 from alight.scene.validation import find_problems
 
 #: The twin tests every primitive for every ray: scenes with more are thinned evenly.

@@ -4,7 +4,7 @@ python benchmarks/campaign/run.py [--seeds 0-99] [--parts robustness,laws,...] [
     [--side 16] [--spp 4] [--edge 0.02] [--save FILE]
 
 ``robustness``: the scene is valid, comes back from its text, and is rendered without an exception
-or a warning, with every gather inside of its table and every sample finite. ``laws``: materials,
+or a warning, with every gather inside its table and every sample finite. ``laws``: materials,
 lights, random numbers and paths of the scene obey the laws of ``alight check``. ``integrators``:
 `path` and `volpath` give one picture where both see all there is. All of these run in the NumPy
 twin. ``machine``: machine code gives the twin's picture. ``modes``: light sampling, BSDF sampling

@@ -52,7 +52,7 @@ def run_once(
     asked = max(asked, 1e-4)
     result: dict[str, Any] = {"scene": name, "asked": asked, "oracle": oracle, "word": ""}
     sums, first, true, within = 0.0, 0, 0.0, []
-    for look, spp in enumerate(looks()):
+    for spp in looks():
         sums, first = sums + runner.sums(seed, first, spp - first), spp
         means = (sums / (spp / REPLICATES)).astype(np.float32)
         counts = np.full(means.shape[:3], spp // REPLICATES)
@@ -62,7 +62,7 @@ def run_once(
             within.append(bool(low <= true <= high))
         # A look that is certain to say "go on" is not worth its time.
         if not result["word"] and (name not in ORDINARY or true < 1.3 * asked):
-            judgement = judge_means(means, counts, Promise(asked), look)
+            judgement = judge_means(means, counts, Promise(asked))
             if judgement.met or spp == looks()[-1]:
                 result |= {"word": word_of(judgement), "spp": spp, "true": true}
                 result |= {"energy": float(means.mean(dtype=np.float64) / truth.mean.mean())}

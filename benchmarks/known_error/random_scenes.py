@@ -7,8 +7,10 @@ python benchmarks/known_error/random_scenes.py --show FILE
 For each scene: how often the 95 % interval of the picture's relMSE held the true one at 4, 16, 64
 and 256 spp, the mean estimate over the mean truth, the share of the pixels (but the unsure ones)
 inside their 95 % bars, and what became of promises to the error that the mean picture reaches at a
-number of samples between 30 and 200. Lines are added to FILE as they come, so that a campaign can
-be stopped and continued. Constants are chosen on even seeds; odd ones give the verdict.
+number of samples between 30 and 200. Where the truth's own error is not small beside the picture's
+(a handful of rare bright samples), nothing can be compared, and the case is not counted. Lines are
+added to FILE as they come, so that a campaign can be stopped and continued. Constants are chosen on
+even seeds; odd ones give the verdict.
 """
 
 from __future__ import annotations
@@ -32,6 +34,9 @@ from alight.rendering.stopping import Promise, first_look, judge_means, next_loo
 
 #: Samples per pixel at which intervals are compared with the truth.
 CHECKED = (4, 16, 64, 256)
+
+#: Largest relMSE of the truth, over that of the pictures that are compared with it.
+CLEAR = 0.1
 
 #: Between these the oracle, who knows the truth, would stop; and the largest budget over its own.
 ORACLE, BUDGET = (30.0, 200.0), 6.0
@@ -68,6 +73,8 @@ def measure(seed: int, kind: str, side: int, renders: int, truth_spp: int) -> di
             "width": float(np.median(np.log(np.maximum(high, 1e-30) / np.maximum(low, 1e-30)))),
             "pixels": float(np.nanmean(inside)) if np.isfinite(inside).any() else math.nan,
             "unsure": float(unsure.mean()),
+            # Rare bright samples in the truth are no fault of the picture's.
+            "clear": bool(truth.noise < CLEAR * true.mean()),
         }
     errors = [math.sqrt(max(float(np.mean(curve[spp])), 1e-12)) for spp in CHECKED]
     for render in range(max(renders // 4, 1)):
@@ -98,16 +105,17 @@ def _promise(
     logs = np.interp(math.log(oracle), np.log(CHECKED), np.log(errors))
     asked = min(max(float(np.exp(logs)), 1e-4), 10.0)
     sums, first = 0.0, 0
-    for look, spp in enumerate(looks(BUDGET * oracle)):
+    for spp in looks(BUDGET * oracle):
         sums, first = sums + runner.sums(render, first, spp - first), spp
         means = (sums / (spp / REPLICATES)).astype(np.float32)
         counts = np.full(means.shape[:3], spp // REPLICATES)
-        judgement = judge_means(means, counts, Promise(asked), look)
+        judgement = judge_means(means, counts, Promise(asked))
         if judgement.met:
             break
     true = truth.relrmse(means.mean(axis=2, dtype=np.float64))
     return {
         "asked": asked, "oracle": oracle, "word": word_of(judgement), "spp": spp, "true": true,
+        "clear": bool(truth.noise < CLEAR * asked**2),
     }  # fmt: skip
 
 
@@ -128,21 +136,27 @@ def _line(kind: str, rows: list[dict[str, Any]]) -> str:
     """One kind: coverage, estimate over truth and width at each spp; pixels; promises."""
     parts = []
     for spp in map(str, CHECKED):
-        held, ratio, width = (
-            [row["spp"][spp][key] for row in rows] for key in ("held", "ratio", "width")
-        )
+        clear = [row["spp"][spp] for row in rows if row["spp"][spp]["clear"]]
+        if not clear:
+            parts.append("    no truth    ")
+            continue
+        held, ratio, width = ([cell[key] for cell in clear] for key in ("held", "ratio", "width"))
         parts.append(f"{np.mean(held):6.1%} {np.nanmedian(ratio):5.2f} {np.median(width):4.2f}")
-    cells = [cell for row in rows for cell in row["spp"].values()]
+    every = [cell for row in rows for cell in row["spp"].values()]
+    cells = [cell for cell in every if cell["clear"]]
+    if not cells:
+        return f"{kind:11s} {len(rows):3d} scenes, none with a truth that is sure enough"
     held = np.mean([cell["held"] for cell in cells])
     pixels = np.nanmean([cell["pixels"] for cell in cells])
     unsure = np.mean([cell["unsure"] for cell in cells])
-    promises = [promise for row in rows for promise in row["promises"]]
+    promises = [p for row in rows for p in row["promises"] if p["clear"]]
     met = [p for p in promises if p["word"] == "met"]
     kept = sum(p["true"] <= p["asked"] for p in met)
     cost = np.median([p["spp"] / p["oracle"] for p in met]) if met else math.nan
     doubts = sum(p["word"] == "not certifiable" for p in promises)
     return (
-        f"{kind:11s} {len(rows):3d} scenes, held {held:6.1%} | " + " | ".join(parts) + f" | pixels "
+        f"{kind:11s} {len(rows):3d} scenes, {len(cells)} of {len(every)} clear, held {held:6.1%} | "
+        f"{' | '.join(parts)} | pixels "
         f"{pixels:.1%} (unsure {unsure:.0%}) | met {len(met)} of {len(promises)}, kept {kept}, "
         f"{cost:.2f} x oracle, not certifiable {doubts}"
     )

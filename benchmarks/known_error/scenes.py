@@ -10,10 +10,11 @@ import numpy as np
 
 from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import to_float
+from alight.formats import load
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
-from alight.scene import Scene, content_hash, flatten, load
+from alight.scene import Scene, content_hash, flatten
 
 SIDE, REPLICATES = 64, 4
 
@@ -244,6 +245,8 @@ class Truth:
         self.mean = np.mean(films, axis=0)
         self.variance = np.var(films, axis=0, ddof=1) / len(films)
         self.scale = self.mean**2 + (0.1 * self.mean.mean()) ** 2
+        #: relMSE of the truth itself.
+        self.noise = float((self.variance / self.scale).mean())
 
     def relmse(self, picture: np.ndarray) -> float:
         """relMSE of a picture, the truth's own variance subtracted."""

@@ -19,7 +19,7 @@ from scenes import SAMPLERS, load_scene, names
 from alight.rendering import render
 from alight.scene import Scene
 
-#: Pictures of each number of samples, and of the twin; the last stands for a reference.
+#: Pictures of each number of samples, and of the twin; the last means a reference.
 SPP = {4: 12, 16: 12, 64: 8, 1024: 3}
 REFERENCES, MOST = 2, 1 << 12
 SIZES = ((32, 32), (48, 32), (40, 28), (64, 64))

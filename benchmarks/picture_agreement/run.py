@@ -24,7 +24,7 @@ from alight.metrics import Agreement, Measured, compare_measured
 sys.path.append(str(Path(__file__).parents[1]))
 from harness import print_table
 
-#: Samples of the two pictures of a pair; 0 stands for the reference.
+#: Samples of the two pictures of a pair; 0 means the reference.
 KINDS = (
     (4, 4), (16, 16), (64, 64), (4, 16), (4, 64), (16, 64), (4, 1024), (16, 1024), (64, 1024),
     (4, 0), (16, 0), (64, 0), (1024, 0),
@@ -52,7 +52,7 @@ class Films:
         self.reference = int(self.arrays["reference"])
 
     def count(self, spp: int, twin: str = "") -> int:
-        """Pictures of so many samples."""
+        """Pictures with the given number of samples."""
         return len(self.arrays.get(f"{twin}mean-{spp}", ()))
 
     def picture(self, spp: int, number: int, twin: str = "", light: float = 1.0) -> Measured:

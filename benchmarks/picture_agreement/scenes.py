@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from alight.scene import Scene, builtin_names, load
+from alight.formats import builtin_names, load
+from alight.scene import Scene
 
 #: Parameters that are albedos; textures take their colours' names.
 ALBEDOS = frozenset({

@@ -1,4 +1,4 @@
-"""Figure of docs/theory/camera.md: pinhole beside thin lens."""
+"""Figure of docs/theory/camera.md: pinhole next to thin lens."""
 
 from pictures import render, save_beside
 
@@ -6,7 +6,7 @@ DISTANCES = (3.0, 4.5, 6.0, 9.0, 14.0)
 
 
 def scene(camera: str) -> str:
-    """The scene as text; spheres stand along a diagonal, at `DISTANCES` from the camera."""
+    """The scene as text; spheres lie along a diagonal, at `DISTANCES` from the camera."""
     balls = "".join(
         f"""
   ball-{i}:

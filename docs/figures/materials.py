@@ -17,7 +17,7 @@ from material_pages import IMAGES, PAGES, index, materials, page, samples, shown
 
 
 def write_pages() -> None:
-    """Write all texts anew, and remove pages of models that are gone."""
+    """Rewrite all texts, and remove pages of models that are gone."""
     PAGES.mkdir(exist_ok=True)
     texts = {f"{type_name_of(module)}.md": page(module) for module in materials()}
     texts["index.md"] = index()

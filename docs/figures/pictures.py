@@ -1,12 +1,12 @@
-"""What the figures share: where they go, pictures beside each other, a mesh to look at."""
+"""What the figures share: where they go, pictures in a row, a mesh to look at."""
 
 from pathlib import Path
 
 import numpy as np
 
 import alight
+from alight.formats import loads
 from alight.outputs import write_image
-from alight.scene import loads
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 SPP = 256

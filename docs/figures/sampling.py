@@ -1,4 +1,4 @@
-"""Figure of docs/theory/sampling-and-monte-carlo.md: uniform beside cosine sampling."""
+"""Figure of docs/theory/sampling-and-monte-carlo.md: uniform next to cosine sampling."""
 
 from pictures import render, save_beside
 

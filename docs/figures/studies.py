@@ -18,7 +18,7 @@ from alight.metrics.relmse import Estimate
 
 PAGES = Path(__file__).resolve().parents[1] / "studies"
 
-#: What stands between these lines of a page is written by this script.
+#: This script writes the text between these lines of a page.
 BEGIN, END = "<!-- measured: docs/figures/studies.py -->", "<!-- end -->"
 
 

@@ -197,7 +197,7 @@ def _strip(figure: Figure, scene: SceneResult, top: float, size: float) -> None:
 
 
 def _curves(diagrams: Sequence[CurveResult]) -> Figure:
-    """Small diagrams beside each other, with one key."""
+    """Small diagrams in a row, with one key."""
     columns = 2 if len(diagrams) <= 4 else 5
     rows = -(-len(diagrams) // columns)
     panel = 2.6 if columns == 2 else 1.75

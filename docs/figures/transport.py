@@ -1,4 +1,4 @@
-"""Figure of the README and docs/theory/light-transport.md: uniform scatter beside Lambert."""
+"""Figure of the README and docs/theory/light-transport.md: uniform scatter next to Lambert."""
 
 from pictures import render, save_beside
 

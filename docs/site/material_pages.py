@@ -31,7 +31,7 @@ _CUSHIONS = (
     "{type: bitmap, pixels: [[[0.3, 0.7, 0.9], [0.7, 0.7, 0.9]],"
     " [[0.3, 0.3, 0.9], [0.7, 0.3, 0.9]]], color_space: linear, to_uv: {scale: [16, 8]}}"
 )
-#: What stands on the ball.
+#: The material of the ball.
 SHOWN = {
     "diffuse": "{type: diffuse, reflectance: [0.75, 0.3, 0.12]}",
     "uniform_scatter": "{type: uniform_scatter, reflectance: [0.75, 0.3, 0.12]}",

@@ -22,8 +22,8 @@ from alight.accel.layout import (
     WIDTH,
     check_blocks,
 )
-from alight.core.simd import LANES
-from alight.core.view import View
+from lanewise.simd import LANES
+from lanewise.view import View
 from tests.accel.tracing import icosphere, torus
 
 

@@ -29,8 +29,8 @@ from alight.accel.layout import (
     STACK,
     TOP_LEVELS,
 )
-from alight.core.jit import instantiate
-from alight.core.view import View
+from lanewise.jit import instantiate
+from lanewise.view import View
 from tests.accel.tracing import icosphere, torus
 
 

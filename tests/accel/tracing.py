@@ -7,8 +7,9 @@ import numba
 import numpy as np
 
 from alight.accel import TriangleSet, build_accelerator, intersect_closest, is_occluded
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import (
+from alight.core.vec import Vec3
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import (
     LANES,
     bits_float,
     lanes,
@@ -16,8 +17,7 @@ from alight.core.simd import (
     store_lanes,
     where,
 )
-from alight.core.vec import Vec3
-from alight.core.view import View
+from lanewise.view import View
 
 Program = namedtuple("Program", "accel")
 Shapes = namedtuple("Shapes", "data")

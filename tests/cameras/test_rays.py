@@ -12,10 +12,10 @@ from alight.cameras.rays import generate_ray, project, unproject
 from alight.cameras.thin_lens import ThinLens
 from alight.compiled.cameras import compile_camera
 from alight.compiled.program import Program
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, load_lanes, store_lanes
-from alight.core.view import View
 from alight.scene.transform import IDENTITY, look_at, rotate, scale, translate
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, load_lanes, store_lanes
+from lanewise.view import View
 
 EXAMPLES = [example for module in MODELS for example in module.EXAMPLES]
 Tables = namedtuple("Tables", "camera")
@@ -215,6 +215,6 @@ def test_compiled_rays_are_the_twins(camera):
 
 
 def compiled_lanes():
-    from alight.core.machine import lanes_of_machine
+    from lanewise.machine import lanes_of_machine
 
     return lanes_of_machine()

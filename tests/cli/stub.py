@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from alight.core.errors import OptionError
 from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.rendering import Progress
 
 
 class StubRender:
-    """Takes the arguments of `alight.render`, keeps them, and fills a film with noise.
+    """Takes a scene and `RenderOptions`, keeps them, and fills a film with noise.
 
     Parameters
     ----------
@@ -23,20 +22,20 @@ class StubRender:
         self.scene = self.options = None
         self.compiled = False
 
-    def __call__(self, scene, *, progress=None, cancel=None, **options):
+    def __call__(self, scene, options):
         self.scene, self.options = scene, options
-        if "wrong" in options["aovs"]:
-            raise OptionError('aovs: unknown layer "wrong"')
+        progress, cancel = options.progress, options.cancel
         film = Film(
-            *scene.film.size, crop=scene.film.crop, replicates=options["replicates"],
-            aovs=dict.fromkeys(options["aovs"], ("R", "G", "B")), seed=options["seed"],
+            *scene.film.size, crop=scene.film.crop,
+            replicates=options.replicates or scene.film.replicates,
+            aovs=dict.fromkeys(options.aovs, ("R", "G", "B")), seed=options.seed,
             scene_hash="stub",
         )  # fmt: skip
         progress(Progress("compile", 0, 0, 0.0, None))
         self.during.get("compile", lambda: None)()
         self.compiled = True
         progress(Progress("render", 0, 0, 0.0, film))
-        total = (options["spp"] or 8) * film.sample_count.size
+        total = (options.spp or 8) * film.sample_count.size
         done, step = 0, film.replicates
         while done < total and not cancel.is_set():
             film.add_tile(self._samples(film, done // film.sample_count.size, step))

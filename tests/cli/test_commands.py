@@ -11,9 +11,8 @@ from alight import __version__
 from alight.cli import doctor
 from alight.cli.main import app
 from alight.cli.progress import ProgressBar
+from alight.formats import builtin_names
 from alight.rendering import Progress
-from alight.scene import builtin_names
-from tests.cli.stub import StubRender
 
 
 def run(*arguments):
@@ -106,7 +105,7 @@ def test_info_shows_the_tree_and_the_accelerator():
 
 
 def test_deep_trees_are_shown(tmp_path, monkeypatch):
-    monkeypatch.setattr("alight.cli.info.accelerator_facts", lambda flat: "nodes 7")
+    monkeypatch.setattr("alight.lab.info.accelerator_facts", lambda flat: "nodes 7")
     text = "{shape: {type: sphere}}"
     for _ in range(20):
         text = f"{{children: {{n: {text}}}}}"
@@ -147,7 +146,7 @@ def test_an_unwritable_cache_is_said(monkeypatch, tmp_path):
     monkeypatch.setenv("ALIGHT_CACHE", str(tmp_path / "file"))
     result = run("doctor")
     assert result.exit_code == 1
-    assert "cannot be written: every run compiles anew; set ALIGHT_CACHE" in result.output
+    assert "cannot be written: every run compiles again; set ALIGHT_CACHE" in result.output
 
 
 # ---------------------------------------------------------------------------- progress
@@ -193,15 +192,3 @@ def test_progress_keeps_the_film_for_an_interruption():
     bar(Progress("render", 1, 2, 0.1, film))
     assert bar.film is film
     assert bar.phase == "render"
-
-
-def test_the_stub_takes_what_the_renderer_takes():
-    import inspect
-
-    from alight.rendering import render
-
-    real = set(inspect.signature(render).parameters)
-    used = {"spp", "time_limit", "seed", "threads", "replicates", "spp_per_pass", "first_sample",
-            "aovs", "progress", "cancel"}  # fmt: skip
-    assert used <= real
-    assert callable(StubRender())

@@ -4,8 +4,8 @@ import pytest
 from typer.testing import CliRunner
 
 from alight.cli.main import app
-from alight.scene import load
-from tests.scene.gltf.maker import everything
+from alight.formats import load
+from tests.formats.gltf.maker import everything
 
 
 def run(*arguments):

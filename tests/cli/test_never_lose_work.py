@@ -59,8 +59,8 @@ def test_a_signal_says_what_there_is_and_the_command_to_go_on(
         stopped = alight(*render, "--checkpoint", "a b.alight")
     assert stopped.exit_code == code
     assert stopped.stderr == (
-        "stopped at 6 spp; what there is is in out.partial.exr\n"
-        "to go on: alight resume 'a b.alight'\n"
+        "stopped at 6 spp; the samples so far are in out.partial.exr\n"
+        "to continue: alight resume 'a b.alight'\n"
     )
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
@@ -78,7 +78,7 @@ def test_a_signal_to_a_render_without_checkpoint_promises_nothing(alight, monkey
     send_when(monkeypatch, 6, signal.SIGTERM)
     stopped = alight("render", *SMALL, "--spp", 12, "--spp-per-pass", 3)
     assert stopped.exit_code == 143
-    assert stopped.stderr == "stopped at 6 spp; what there is is in cornell-box.partial.exr\n"
+    assert stopped.stderr == "stopped at 6 spp; the samples so far are in cornell-box.partial.exr\n"
 
 
 def test_handlers_are_put_back(alight):
@@ -150,11 +150,11 @@ def test_parts_merge_to_the_same_files(alight):
          ("cannot merge d3.alight with a.alight: their scenes differ\n"
           "  integrator.max_depth: was 8, is 3")),
         (["merge", "no.alight", "-o", "m.exr"], "cannot read no.alight: there is no such file"),
-        (["merge", "out.png", "-o", "m.exr"], "out.png is no film or checkpoint of alight"),
+        (["merge", "out.png", "-o", "m.exr"], "out.png is not a film or checkpoint of alight"),
         (["resume", "film.alight"], "film.alight is a film, not a checkpoint"),
         (["resume", "no.alight"], "cannot read no.alight: there is no such file"),
-        (["resume", "cut.alight"], "cut.alight is damaged or cut off: its checksum is wrong"),
-        (["resume", "a.alight", "--every", "soon"], "--every: must be a time as 60s, 5m or 1h"),
+        (["resume", "cut.alight"], "cut.alight is damaged or truncated: its checksum is wrong"),
+        (["resume", "a.alight", "--every", "soon"], "--every: must be a time such as 60s"),
         (["resume", "a.alight", "--scene", "instances"], "the scene has changed since"),
         (["render", "--checkpoint", "no/a.alight"], "cannot write no/a.alight: the folder"),
         (["render", "--checkpoint", "a.alight", "--every", "-5s"], 'got "-5s"'),

@@ -24,7 +24,7 @@ def alight(monkeypatch, tmp_path):
 
     def run(*arguments, stub=None):
         run.stub = stub or StubRender()
-        monkeypatch.setattr("alight.rendering.render", run.stub)
+        monkeypatch.setattr("alight.rendering.main_loop.render_film", run.stub)
         result = CliRunner().invoke(app, [str(a) for a in arguments])
         if result.exception and not isinstance(result.exception, SystemExit):
             raise result.exception
@@ -63,9 +63,11 @@ def test_options_reach_the_renderer(alight):
         "--spp-per-pass", 2, "--first-sample", 64, "--aov", "direct,indirect", "-o", "a.exr",
     )  # fmt: skip
     assert result.exit_code == 0, result.output
-    assert alight.stub.options == {
+    words = ("spp", "time_limit", "seed", "threads", "replicates", "spp_per_pass", "first_sample",
+             "aovs")  # fmt: skip
+    assert alight.stub.options.given(*words) == {
         "spp": 16, "time_limit": 9.0, "seed": 5, "threads": 3, "replicates": 8,
-        "spp_per_pass": 2, "first_sample": 64, "aovs": ("direct", "indirect"), "schedule": None,
+        "spp_per_pass": 2, "first_sample": 64, "aovs": ("direct", "indirect"),
     }  # fmt: skip
 
 
@@ -83,7 +85,7 @@ def test_options_change_the_scene(alight):
     # --set comes last.
     assert (scene.integrator.max_depth, scene.integrator.rr_depth) == (4, 2)
     assert scene.bsdfs["white"].reflectance == (0.5, 0.5, 0.5)
-    assert alight.stub.options["replicates"] == 4
+    assert alight.stub.options.replicates is None
 
 
 def test_several_files_of_one_render(alight, tmp_path):
@@ -150,7 +152,7 @@ def test_the_automatic_exposure_is_said(alight):
 def test_denoising_asks_for_the_layers_that_help(alight, monkeypatch):
     monkeypatch.setattr("alight.films.denoising.check_denoiser", lambda: None)
     alight("render", *SMALL, "-o", "a.alight", "--denoise", "--aov", "albedo,albedo_through")
-    assert alight.stub.options["aovs"] == ("albedo", "albedo_through", "normal_through")
+    assert alight.stub.options.aovs == ("albedo", "albedo_through", "normal_through")
 
 
 def test_options_without_effect_are_warned_of(alight):
@@ -171,7 +173,7 @@ def test_ctrl_c_writes_what_there_is_beside_the_target(alight, tmp_path):
     stub = StubRender(during={"render": interrupt})
     result = alight("render", *SMALL, "-o", "out.png", stub=stub)
     assert result.exit_code == 130
-    assert result.stderr == "stopped at 4 spp; what there is is in out.partial.exr\n"
+    assert result.stderr == "stopped at 4 spp; the samples so far are in out.partial.exr\n"
     assert (tmp_path / "out.png").read_bytes() == b"the good picture"
     channels, _ = read_layers("out.partial.exr")
     assert (channels["samples"] == 4).all()
@@ -216,18 +218,24 @@ MISTAKES = {
     "tone map": (["--tone-map", "acess"], 'unknown tone map "acess"; did you mean "aces"?'),
     "exposure": (["--exposure", "1000"], 'lie in [-100, 100] stops, got "1000"'),
     "bits": (["--bits", "9"], "bits per channel must be 8 or 16, got 9"),
-    "size": (["--size", "big"], '--size: must be WIDTHxHEIGHT in pixels as 512x512, got "big"'),
+    "size": (["--size", "big"], '--size: must be WIDTHxHEIGHT in pixels, as 512x512, got "big"'),
     "no pixels": (["--size", "0x4"], "film.size"),
     "too many pixels": (["--size", "99999x99999"], "film"),
     "crop": (["--crop", "1,2,3"], '--crop: must be X,Y,WIDTH,HEIGHT in pixels, got "1,2,3"'),
     "crop outside": (["--crop", "500,0,100,100"], "must lie inside"),
     "depth": (["--max-depth", "0"], "integrator.max_depth"),
-    "replicates": (["--replicates", "0"], "film.replicates"),
+    "replicates": (
+        ["--replicates", "0"],
+        "--replicates: must be a whole number in [1, 1024], got 0",
+    ),
     "set": (["--set", "bsdfs.withe.reflectance=1"], 'did you mean "white"?'),
     "set without value": (["--set", "film"], "must be path.to.key=value"),
-    "layer": (["--aov", "wrong"], 'unknown layer "wrong"'),
-    "spp": (["--spp", "0"], "--spp"),
-    "no number": (["--spp", "many"], "--spp"),
+    "layer": (["--aov", "wrong"], '--aov: unknown layer "wrong"'),
+    "spp": (["--spp", "0"], "--spp: must be a whole number in [1, 2147483647], got 0"),
+    "no number": (
+        ["--spp", "many"],
+        '--spp: must be a whole number in [1, 2147483647], got "many"',
+    ),
     "option": (["--sead", "1"], "--seed"),
 }
 

@@ -13,6 +13,7 @@ from alight.core.errors import OptionError
 from alight.lab.sheet import Tile, find_scenes
 from alight.lab.sheet.tiles import fitted
 from alight.lab.sheet.views import draw_sheet
+from alight.options.render import RenderOptions
 from tests.cli.stub import StubRender
 
 SCENE = "alight: 1\ncamera: {type: pinhole}\nfilm: {size: [64, 32]}\nenvironment: constant\n"
@@ -25,7 +26,8 @@ def folder(tmp_path, monkeypatch):
 
     def render(scene, *, spp, time_limit, threads):
         options = {"aovs": (), "replicates": 4, "seed": 0, "spp": spp}
-        return StubRender()(scene, progress=lambda p: None, cancel=threading.Event(), **options)
+        seen = {"progress": lambda p: None, "cancel": threading.Event()}
+        return StubRender()(scene, RenderOptions(**seen, **options))
 
     monkeypatch.setattr("alight.lab.sheet.tiles.render", render)
     (tmp_path / "b.yaml").write_text(SCENE)

@@ -18,9 +18,9 @@ from alight.core.distributions import (
     sample_discrete,
     sample_guided,
 )
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, load_lanes, store_lanes, to_float
-from alight.core.view import View
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, load_lanes, store_lanes, to_float
+from lanewise.view import View
 from tests.sampling.statistics import SIGNIFICANCE, chi_square
 
 N = 4096

@@ -8,10 +8,10 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
-from alight.core.jit import load_compiler
 from alight.rendering.job import Job
 from alight.rendering.schedule import Uniform
 from alight.scene import flatten
+from lanewise.jit import load_compiler
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +56,6 @@ def test_no_reference_counting(machine_code):
 
 
 def test_the_kernel_works_on_whole_packets(machine_code):
-    from alight.core.machine import lanes_of_machine
+    from lanewise.machine import lanes_of_machine
 
     assert f"<{lanes_of_machine()} x float>" in machine_code

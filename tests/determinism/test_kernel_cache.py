@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import alight
 
 PACKAGE = Path(alight.__file__).parent
@@ -39,10 +41,26 @@ def test_compiled_and_cached_kernels_give_the_same_bits(tmp_path):
     assert again == first
 
 
-def test_the_cache_folder_changes_with_any_callee(tmp_path):
-    shutil.copytree(PACKAGE, tmp_path / "alight", ignore=shutil.ignore_patterns("__pycache__"))
-    script = "from alight.core.machine import cache_folder; print(cache_folder())"
+@pytest.mark.parametrize("callee", ["alight/core/mis.py", "lanewise/instructions.py"])
+def test_the_cache_folder_changes_with_any_callee(callee, tmp_path):
+    for package in ("alight", "lanewise"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(PACKAGE.parent / package, tmp_path / package, ignore=ignored)
+    script = "import alight; from lanewise.machine import cache_folder; print(cache_folder())"
     before = run(script, tmp_path, PYTHONPATH=str(tmp_path))
-    callee = tmp_path / "alight" / "core" / "mis.py"
-    callee.write_text(callee.read_text() + "\n#\n")
+    path = tmp_path / callee
+    path.write_text(path.read_text() + "\n#\n")
     assert run(script, tmp_path, PYTHONPATH=str(tmp_path)) != before
+
+
+def test_a_second_process_needs_no_compiler(tmp_path):
+    script = (
+        "import sys, alight\n"
+        "alight.render(alight.load('cornell-box', ['film.size=[8,8]']), spp=1)\n"
+        "print('numba' in sys.modules)\n"
+    )
+    said = [
+        run(script, tmp_path, ALIGHT_CACHE=str(tmp_path), PYTHONPATH=str(PACKAGE.parent))
+        for _ in range(2)
+    ]
+    assert said == ["True", "False"]

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from alight.core.vec import Vec3
+from alight.formats import loads
+from alight.formats.loading import changed
+from alight.rendering import main_loop
 from alight.samplers.state import sampler_state
-from alight.scene import loads
 from tests.docs.pages import PAGES, ROOT, blocks, name_of
 
 EXTENDING = ROOT / "docs" / "extending.md"
@@ -45,6 +47,40 @@ def test_calls_for_files_of_others_run(page, tmp_path, monkeypatch):
     [block] = blocks(ROOT / "docs" / page, "python")
     exec(compile(block, page, "exec"), {})
     assert (tmp_path / "scene.yaml").is_file()
+
+
+#: Pages whose Python shows how alight is used.
+USES = ["README.md", "docs/api/laboratory.md", "docs/api/render.md", "docs/laboratory/check.md",
+        "docs/laboratory/compare.md", "docs/laboratory/random-scenes.md",
+        "docs/laboratory/why.md", "docs/trace.md"]  # fmt: skip
+
+
+@pytest.mark.parametrize("page", USES)
+def test_python_of_the_pages_runs(page, tmp_path, monkeypatch):
+    """On pictures of 16x16 pixels, with a sixteenth of the samples."""
+    whole = main_loop.render_film
+
+    def small(scene, options):
+        scene = changed(scene, ["film.crop=null", "film.size=[16, 16]"])
+        spp = max(1, (options.spp or 64) // 16)
+        return whole(scene, options.changed(spp=spp, error=None))
+
+    monkeypatch.setattr(main_loop, "render_film", small)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.yaml").write_text("alight: 1\ncamera: {}\nenvironment: constant\n")
+    for block in blocks(ROOT / page, "python"):
+        exec(compile(block, page, "exec"), {})
+
+
+def test_the_study_of_the_page_runs(tmp_path, monkeypatch):
+    [text] = blocks(ROOT / "docs" / "studies.md", "yaml")
+    small = text.replace("[256, 256]", "[16, 16]").replace("[4, 16, 64]", "[2, 4]")
+    assert small.count("16") == 2
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(small, encoding="utf-8")
+    [block] = blocks(ROOT / "docs" / "studies.md", "python")
+    exec(compile(block, "studies.md", "exec"), {})
+    assert (tmp_path / "study-mine-quick" / "report.html").is_file()
 
 
 def _module(name):

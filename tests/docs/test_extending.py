@@ -24,7 +24,7 @@ for name, family in {family_of!r}.items():
     spec.loader.exec_module(module)
     package.MODELS += (module,)
 import alight
-from alight.scene import loads
+from alight.formats import loads
 """
 
 SCENE = """

@@ -4,7 +4,7 @@ import re
 
 from PIL import Image
 
-from alight.scene import builtin_names
+from alight.formats import builtin_names
 from tests.docs.pages import ROOT
 
 GALLERY = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
@@ -15,7 +15,7 @@ def test_every_scene_is_in_the_gallery():
     assert commands == set(builtin_names())
 
 
-def test_every_picture_is_shown_beside_its_command():
+def test_every_picture_is_shown_with_its_command():
     shown = re.findall(r"\(images/gallery/([\w-]+)\.png\)<br>`alight render ([\w-]+)", GALLERY)
     assert all(picture == scene for picture, scene in shown)
     files = (ROOT / "docs" / "images" / "gallery").glob("*.png")

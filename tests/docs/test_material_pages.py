@@ -18,7 +18,7 @@ material_pages = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(material_pages)
 
 MATERIALS = material_pages.materials()
-RENEW = "python docs/figures/materials.py --pages writes it anew"
+RENEW = "python docs/figures/materials.py --pages rewrites it"
 
 
 @pytest.mark.parametrize("module", MATERIALS, ids=type_name_of)
@@ -28,7 +28,7 @@ def test_page_is_what_the_file_says(module):
     assert page.read_text(encoding="utf-8") == material_pages.page(module), RENEW
 
 
-def test_overview_and_nothing_else_stands_beside_the_pages():
+def test_there_is_an_overview_and_nothing_else():
     names = {path.stem for path in material_pages.PAGES.glob("*")}
     assert names == {"index", *map(type_name_of, MATERIALS)}
     overview = (material_pages.PAGES / "index.md").read_text(encoding="utf-8")

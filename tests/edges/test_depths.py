@@ -11,13 +11,14 @@ from alight.bsdfs.nesting import MOST_LEVELS
 from alight.bsdfs.normal_map import NormalMap
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
-from alight.core.jit import instantiate
+from alight.formats import load, loads
 from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
-from alight.scene import flatten, load, loads
+from alight.scene import flatten
 from alight.scene.validation import MOST_INSTANCED, MOST_SURROUNDINGS
 from alight.textures.add import Add
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.nesting import MOST_STEPS, depth_of
+from lanewise.jit import instantiate
 
 HEAD = "alight: 1\ncamera: {type: pinhole, transform: {translate: [0, 0, 4]}}\n"
 #: The compiler goes through some 50 functions of Python for each kernel inside of another.

@@ -7,15 +7,16 @@ import pytest
 from alight.bsdfs import MODELS
 from alight.bsdfs.nesting import Nested
 from alight.cameras.pinhole import Pinhole
-from alight.cli.info import facts, tree_lines
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.core.registry import type_name_of
 from alight.core.spec import texture_interval
+from alight.formats import dumps, loads
+from alight.formats.gltf.write import write
+from alight.lab.info import facts, tree_lines
 from alight.lights.constant import Constant as Surroundings
 from alight.rendering.largest_sample import largest_sample
-from alight.scene import Node, Scene, content_hash, dumps, flatten, loads
-from alight.scene.formats.gltf.write import write
+from alight.scene import Node, Scene, content_hash, flatten
 from alight.scene.transform import translate
 from alight.shapes.sphere import Sphere
 from alight.textures.checkerboard import Checkerboard

@@ -8,9 +8,7 @@ import pytest
 from alight.compiled.scene import compile_scene
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.fields import LARGEST
-from alight.core.jit import instantiate
 from alight.core.registry import Models, modules, type_name_of
-from alight.core.vec3 import Vec3
 from alight.laws.lights import PLACE
 from alight.laws.materials import stacked
 from alight.lights.at_point import NEAREST
@@ -22,6 +20,8 @@ from alight.lights.spot import Spot
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import rotate, translate
 from alight.shapes.sphere import Sphere
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 from tests.edges.specs import at_the_edges
 from tests.edges.test_materials import directions
 

@@ -12,10 +12,10 @@ from alight.bsdfs.dispatch import albedo_bsdf, evaluate_bsdf, sample_bsdf
 from alight.bsdfs.principled import Principled
 from alight.bsdfs.switch import models_of, stride_of
 from alight.core.constants import ONE_MINUS_EPSILON
-from alight.core.jit import instantiate
 from alight.core.registry import type_name_of
-from alight.core.vec3 import Vec3
 from alight.laws.materials import Material
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 from tests.edges.specs import at_the_edges
 from tests.sampling.materials import EXAMPLES, random_numbers
 from tests.sampling.statistics import unit_vectors

@@ -7,7 +7,7 @@ import yaml
 import alight
 from alight.bsdfs.dielectric import Dielectric
 from alight.core.errors import SceneError
-from alight.scene import loads
+from alight.formats import loads
 
 COLOR = [0.8, 0.5, 0.1]
 

@@ -5,11 +5,12 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.formats import loads
 from alight.integrators.path import Path
 from alight.integrators.volpath import VolPath
 from alight.laws.integrators import picture
 from alight.rendering.tile_kernel import Tile
-from alight.scene import flatten, loads
+from alight.scene import flatten
 
 SIDE = 16
 SCENE = """

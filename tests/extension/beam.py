@@ -8,14 +8,14 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import PI
-from alight.core.jit import kernel
 from alight.core.maths import pow
-from alight.core.simd import gather, lanes_mask, lanes_vec3, maximum, where
 from alight.core.spec import Color, Interval, Light
 from alight.core.vec import dot, gather_vec3
 from alight.lights.area import pdf as pdf
 from alight.lights.shining import sample_shape
 from alight.lights.tables import INFO, STRIDE, LightSample
+from lanewise.jit import kernel
+from lanewise.simd import gather, lanes_mask, lanes_vec3, maximum, where
 
 
 class Beam(Light):

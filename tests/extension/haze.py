@@ -10,9 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.jit import kernel
 from alight.core.maths import exp, log
-from alight.core.simd import absolute, gather, lanes, lanes_vec3, maximum, minimum, where
 from alight.core.spec import Positive
 from alight.core.vec import Vec3, gather_vec3
 from alight.media.coefficients import Coefficients
@@ -28,6 +26,8 @@ from alight.media.tables import (
     pick,
     share,
 )
+from lanewise.jit import kernel
+from lanewise.simd import absolute, gather, lanes, lanes_vec3, maximum, minimum, where
 
 
 class Haze(Coefficients):

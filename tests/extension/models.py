@@ -9,8 +9,8 @@ from typing import Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
-from alight.core.jit import kernel
-from alight.core.simd import lanes_u32, where
+from lanewise.jit import kernel
+from lanewise.simd import lanes_u32, where
 from alight.core.spec import Bsdf, ColorTexture, UnitInterval
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color

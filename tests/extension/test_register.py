@@ -17,8 +17,9 @@ from alight.core.errors import SceneError
 from alight.core.registration import RegistrationError, unregister
 from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models
 from alight.core.spec import Light, Shape
+from alight.formats import loads
 from alight.laws.materials import Material, direction, random_numbers
-from alight.scene import content_hash, loads
+from alight.scene import content_hash
 from tests.docs.pages import ROOT, blocks
 from tests.extension.models import LAMBERT, SCENE, module_of
 
@@ -186,7 +187,7 @@ albedo = make(FACTOR)
 
 PLUGIN_RENDER = """
 import my_headlight, alight
-from alight.scene import loads
+from alight.formats import loads
 print(alight.render(loads({scene!r}), spp=2, threads=2).image.max())
 """
 

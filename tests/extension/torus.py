@@ -17,12 +17,12 @@ import numpy as np
 
 from alight.core.constants import INV_TWO_PI, TWO_PI, gamma
 from alight.core.frame import frame_from_tangent
-from alight.core.jit import kernel
 from alight.core.maths import arctan2, sincos_2pi
-from alight.core.simd import gather, lanes, lanes_vec3, maximum, minimum, sqrt, where
 from alight.core.spec import Positive, Shape
 from alight.core.vec import Vec3, absolute_vec3, cross, dot, gather_vec3, length_squared, row_vec3
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
+from lanewise.jit import kernel
+from lanewise.simd import gather, lanes, lanes_vec3, maximum, minimum, sqrt, where
 
 
 class Torus(Shape):

@@ -125,10 +125,10 @@ def test_every_mutated_film_is_refused_or_read_right(tmp_path):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"", "is damaged or cut off"),
-        (archive.MAGIC[:7], "is damaged or cut off"),
-        (archive.MAGIC, "is damaged or cut off"),
-        (b"PK\x03\x04 a zip file", "is no film or checkpoint of alight"),
+        (b"", "is damaged or truncated"),
+        (archive.MAGIC[:7], "is damaged or truncated"),
+        (archive.MAGIC, "is damaged or truncated"),
+        (b"PK\x03\x04 a zip file", "is not a film or checkpoint of alight"),
     ],
 )
 def test_what_is_no_film_is_said_to_be_none(tmp_path, data, message):
@@ -139,7 +139,7 @@ def test_what_is_no_film_is_said_to_be_none(tmp_path, data, message):
 
 def test_newer_formats_and_other_archives_are_refused(tmp_path, monkeypatch):
     write_archive(tmp_path / "other", {"x": 1}, {})
-    with pytest.raises(FilmError, match="holds no film that can be understood"):
+    with pytest.raises(FilmError, match="holds no readable film"):
         Film.load(tmp_path / "other")
     monkeypatch.setattr(archive, "VERSION", 2)
     film_of().save(tmp_path / "newer.alight")

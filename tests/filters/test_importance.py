@@ -8,10 +8,6 @@ import pytest
 from scipy import integrate, stats
 
 from alight.compiled.program import Program
-from alight.core.jit import instantiate, kernel
-from alight.core.machine import lanes_of_machine
-from alight.core.simd import LANES, load_lanes, store_lanes
-from alight.core.view import View
 from alight.filters import MODELS
 from alight.filters.box import Box
 from alight.filters.gaussian import Gaussian
@@ -19,6 +15,10 @@ from alight.filters.importance import compile_filter, sample_filter
 from alight.filters.inverse_cdf import tabulate
 from alight.filters.mitchell import Mitchell, profile
 from alight.filters.tent import Tent
+from lanewise.jit import instantiate, kernel
+from lanewise.machine import lanes_of_machine
+from lanewise.simd import LANES, load_lanes, store_lanes
+from lanewise.view import View
 
 Tables = namedtuple("Tables", "filter")
 

@@ -6,8 +6,8 @@ import random
 import re
 from collections.abc import Iterator
 
-from alight.scene import builtin_names
-from tests.scene.mutate import Mutation, mesh_file, mesh_scene, read_builtin
+from alight.formats import builtin_names
+from tests.formats.mutate import Mutation, mesh_file, mesh_scene, read_builtin
 
 # fmt: off
 EXTREMES = (

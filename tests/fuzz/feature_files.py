@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.formats.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
 from tests.fuzz.extremes import extreme_numbers
-from tests.scene.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
 
 _HEAD = """alight: 1
 camera:

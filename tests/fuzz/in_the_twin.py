@@ -19,10 +19,11 @@ import numpy as np
 from alight.compiled.scene import compile_scene
 from alight.core.errors import AlightError
 from alight.films import fixed_point
+from alight.formats import load, loads
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
-from alight.scene import FlatScene, flatten, load, loads
+from alight.scene import FlatScene, flatten
 
 SIDE = 8
 #: Paths of the twin end here. A million edges between white walls are legal, and would be as right

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tests.scene.mutate import (
+from tests.formats.mutate import (
     OBJ,
     STL,
     Mutation,

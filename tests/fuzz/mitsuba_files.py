@@ -6,9 +6,9 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.scene.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
+from tests.formats.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
 
-FOLDER = Path(__file__).parents[1] / "scene" / "mitsuba" / "picture" / "files"
+FOLDER = Path(__file__).parents[1] / "formats" / "mitsuba" / "picture" / "files"
 NAMES = ("letters.png", "sky.exr", "square.obj", "squares.serialized", "tent.ply")
 
 # fmt: off

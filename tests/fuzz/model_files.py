@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from tests.scene.gltf.maker import everything
-from tests.scene.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
+from tests.formats.gltf.maker import everything
+from tests.formats.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
 
 VALUES: tuple[Any, ...] = (
     0, 1, -1, 2, 0.5, -0.5, 1e-30, 1e15, 1e30, -1e30, 1e300, 10**30, 7, 255, 5126, 5121, 65536,

@@ -7,9 +7,9 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.scene.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
+from tests.formats.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
 
-FOLDER = Path(__file__).parents[1] / "scene" / "mitsuba" / "picture" / "files"
+FOLDER = Path(__file__).parents[1] / "formats" / "mitsuba" / "picture" / "files"
 
 # fmt: off
 WORDS = (

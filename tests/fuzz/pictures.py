@@ -13,7 +13,7 @@ from PIL import Image
 
 from alight.outputs import write_image
 from alight.outputs.png import encode_png
-from tests.scene.mutate import Mutation, mutate_bytes
+from tests.formats.mutate import Mutation, mutate_bytes
 
 _HEAD = """alight: 1
 camera: {type: pinhole, transform: {translate: [0, 0, 3]}}

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.formats.mutate import Mutation, mutations
 from tests.fuzz.extremes import extremes
 from tests.fuzz.feature_files import features
 from tests.fuzz.feature_files import write_files as write_features
@@ -18,7 +19,6 @@ from tests.fuzz.model_files import copy_models, models
 from tests.fuzz.pbrt_files import pbrt_files, write_files
 from tests.fuzz.pictures import pictures
 from tests.fuzz.usd_files import copy_pictures, usd_files
-from tests.scene.mutate import Mutation, mutations
 
 #: Processor time that one scene may take; the slowest takes less than a tenth of it.
 MOST_SECONDS = 10.0

@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 from alight.core.errors import AlightError
-from alight.scene import flatten, load, loads
-from alight.scene.formats.gltf.write import write
+from alight.formats import load, loads
+from alight.formats.gltf.write import write
+from alight.scene import flatten
+from tests.formats.mutate import mutations
 from tests.fuzz.extremes import extremes
 from tests.fuzz.feature_files import features
 from tests.fuzz.feature_files import write_files as write_features
@@ -14,7 +16,6 @@ from tests.fuzz.in_the_twin import MODELS
 from tests.fuzz.mitsuba_files import copy_files, mitsuba_files
 from tests.fuzz.model_files import copy_models, models
 from tests.fuzz.pbrt_files import pbrt_files, write_files
-from tests.scene.mutate import mutations
 
 #: More take their time.
 MOST_SHAPES = 100

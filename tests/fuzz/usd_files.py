@@ -8,8 +8,8 @@ from pathlib import Path
 
 from PIL import Image
 
-from tests.scene.mutate import TEXT_MUTATIONS, Mutation
-from tests.scene.usd_stage import SQUARE, stage_text
+from tests.formats.mutate import TEXT_MUTATIONS, Mutation
+from tests.formats.usd.stage import SQUARE, stage_text
 
 # fmt: off
 WORDS = (

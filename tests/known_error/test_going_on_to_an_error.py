@@ -81,7 +81,7 @@ def test_a_fixed_number_of_samples_goes_on_to_an_error(tmp_path):
     short = alight.resume(path, promise=Promise(0.12), spp=24)
     assert (short.sample_count == 24).all()
     assert short.stats["verdict"]["word"] == "not met"
-    with pytest.raises(OptionError, match="--max-spp: 20 is less than the render holds"):
+    with pytest.raises(OptionError, match="max_spp: 20 is less than the render holds"):
         alight.resume(path, promise=Promise(0.12), spp=20)
 
 
@@ -95,7 +95,7 @@ def test_a_pilot_that_was_cut_off_is_finished_before_more_samples_follow(tmp_pat
 def test_cycles_does_not_go_on_to_an_error(tmp_path):
     path = tmp_path / "a.alight"
     alight.render(scene(), schedule=Cycles(0, 80, 0.2), checkpoint=path)
-    with pytest.raises(OptionError, match="the schedule cycles cannot go on to an error"):
+    with pytest.raises(OptionError, match="the schedule cycles cannot continue to an error"):
         alight.resume(path, promise=Promise(0.1))
 
 

@@ -57,17 +57,16 @@ def test_a_promise_is_kept_and_not_paid_twice():
     rng, kept, ratios = np.random.default_rng(2), 0, []
     for _ in range(12):
         asked = float(rng.uniform(0.08, 0.12))
-        spp, look, sums = first_look(4), 0, 0.0
-        done = 0
+        spp, done, sums = first_look(4), 0, 0.0
         while True:
             truth, means, counts = noisy(rng, spp - done)
             # Sums of independent parts, as a film's.
             sums, done = sums + means * (spp - done), spp
             judgement = judge_means((sums / spp).astype(np.float32), 0 * counts + spp // 4,
-                                    Promise(asked), look)  # fmt: skip
+                                    Promise(asked))  # fmt: skip
             if judgement.met:
                 break
-            spp, look = next_look(spp, 4), look + 1
+            spp = next_look(spp, 4)
         truth = np.broadcast_to(truth, means.mean(2).shape)
         kept += true_error(truth, sums / spp) <= asked
         ratios.append(spp / (1.0 / asked**2))
@@ -78,18 +77,14 @@ def test_a_promise_is_kept_and_not_paid_twice():
 
 def test_a_look_asks_for_the_error_that_is_not_exceeded():
     _, means, counts = noisy(np.random.default_rng(7), 100)
-    promise, means = Promise(0.1), means.astype(np.float32)
-    achieved = [judge_means(means, counts, promise, look).achieved for look in (0, 3, 9)]
+    means = means.astype(np.float32)
     estimate = estimate_relmse(means, counts)
-    # Ever less of the doubt is left to be spent.
-    for value, doubt in zip(achieved, (0.05 / 2, 0.05 / 20, 0.05 / 110), strict=True):
-        assert value == pytest.approx(estimate.relrmse_below(1.0 - doubt), rel=1e-9)
-    assert estimate.relrmse.value < achieved[0] < achieved[1] < achieved[2]
-
-
-def test_doubt_is_spent_once_over_all_looks():
-    promise = Promise(0.1, confidence=0.9)
-    assert sum(promise.doubt_at(k) for k in range(100000)) == pytest.approx(0.1, rel=1e-4)
+    for confidence in (0.5, 0.95, 0.999):
+        judgement = judge_means(means, counts, Promise(0.1, confidence))
+        # Half of the doubt: the other half is left to all the other looks.
+        below = estimate.relrmse_below(1.0 - 0.5 * (1.0 - confidence))
+        assert judgement.achieved == pytest.approx(below, rel=1e-9)
+        assert estimate.relrmse.value < judgement.achieved
 
 
 def test_one_spike_makes_a_noiseless_picture_uncertain():
@@ -107,10 +102,10 @@ def test_one_spike_makes_a_noiseless_picture_uncertain():
     assert unseen_error(0 * means + 1, counts, 0.02, 5.0).bound == pytest.approx(
         15 / 1024 / math.sqrt(1.01)
     )
-    judgement = judge_means(means.astype(np.float32), counts, Promise(0.03), 0)
+    judgement = judge_means(means.astype(np.float32), counts, Promise(0.03))
     assert not judgement.met
     # All pixels but one are within the error, and still something may be hidden.
-    judgement = judge_means(means.astype(np.float32), counts, Promise(0.03, metric="pixel"), 0)
+    judgement = judge_means(means.astype(np.float32), counts, Promise(0.03, metric="pixel"))
     assert judgement.within
     assert not judgement.met
 
@@ -211,7 +206,7 @@ def test_an_error_that_hangs_on_unknown_brightness_is_not_certifiable():
     figure = estimate_relmse(means, counts).figure
     error = math.sqrt(figure._replace(brightness=0.0).quantile(0.99))
     assert error < 0.9 * math.sqrt(figure.quantile(0.99))
-    judgement = judge_means(means, counts, Promise(error), 0)
+    judgement = judge_means(means, counts, Promise(error))
     assert judgement.doubted
     assert not judgement.within
     assert word_of(judgement) == "not certifiable"
@@ -221,14 +216,14 @@ def test_an_error_that_hangs_on_unknown_brightness_is_not_certifiable():
     _, means, counts = noisy(np.random.default_rng(9), 64)
     figure = estimate_relmse(means.astype(np.float32), counts).figure
     asked = Promise(0.9 * math.sqrt(figure.value))
-    judgement = judge_means(means.astype(np.float32), counts, asked, 0)
+    judgement = judge_means(means.astype(np.float32), counts, asked)
     assert not judgement.doubted
     assert word_of(judgement) == "not met"
 
 
 def test_no_absurd_number_is_told():
     _, means, counts = noisy(np.random.default_rng(10), 64)
-    judgement = judge_means(means.astype(np.float32), counts, Promise(0.02), 0)
+    judgement = judge_means(means.astype(np.float32), counts, Promise(0.02))
     for achieved, factor in ((11.0, 3e5), (4.63e151, 1e304), (math.inf, math.inf)):
         line = line_of(
             "not met", judgement._replace(achieved=achieved, factor=factor), Promise(0.15), 64

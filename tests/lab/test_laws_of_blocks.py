@@ -53,7 +53,7 @@ def test_a_row_is_channel_means_and_luminances_of_blocks():
     picture = truth(50, 35)
     block, row = block_size((50, 35)), block_row(picture)
     assert row[:3] == pytest.approx(picture.mean(axis=(0, 1)))
-    weights = np.array([0.2126, 0.7152, 0.0722])
+    weights = np.array([0.212671, 0.715160, 0.072169])
     expected = [
         [picture[y : y + block, x : x + block].mean(axis=(0, 1)) @ weights
          for x in range(0, 50 - block + 1, block)]
@@ -111,11 +111,11 @@ def test_joined_blocks_have_the_mean_and_the_variance_of_larger_blocks(factor):
     found = joined_statistics(fine, factor * fine.block)
     side = factor * fine.block
     count = 96 // side
-    pixels = (sigma @ [0.2126, 0.7152, 0.0722]) ** 2 / side**4
+    pixels = (sigma @ [0.212671, 0.715160, 0.072169]) ** 2 / side**4
     cut = pixels[: count * side, : count * side].reshape(count, side, count, side)
     assert found.block == side
     assert found.block_variance / found.count == pytest.approx(cut.sum(axis=(1, 3)))
-    measured = picture @ [0.2126, 0.7152, 0.0722]
+    measured = picture @ [0.212671, 0.715160, 0.072169]
     cut = measured[: count * side, : count * side].reshape(count, side, count, side)
     assert found.block_mean == pytest.approx(cut.mean(axis=(1, 3)))
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
+from alight.formats import load
 from alight.lab import measure
 from alight.lab.decomposition import reference_spread
 from alight.lab.evaluate import _shared_noise
-from alight.scene import content_hash, flatten, load
+from alight.scene import content_hash, flatten
 
 
 @pytest.fixture(scope="module")

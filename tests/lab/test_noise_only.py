@@ -8,7 +8,6 @@ import pytest
 from alight.bsdfs.blend import Blend
 from alight.bsdfs.diffuse import Diffuse
 from alight.compiled.scene import compile_scene
-from alight.core.jit import instantiate
 from alight.core.noise_only import noise_only_fields
 from alight.core.registry import Models
 from alight.core.vec import Vec3
@@ -20,6 +19,7 @@ from alight.laws.statistics import unit_vectors
 from alight.lights.sampling import environment_radiance
 from alight.scene import Node, Scene, flatten
 from alight.shapes.sphere import Sphere
+from lanewise.jit import instantiate
 
 FAMILIES = ("bsdfs", "lights", "integrators", "media", "phases", "textures", "cameras", "filters")
 

@@ -17,12 +17,13 @@ from alight.core.errors import OptionError
 from alight.core.registration import unregister
 from alight.core.registry import FAMILIES, Models
 from alight.core.spec import Spec
+from alight.formats import dumps, load, loads
 from alight.lab.random_scenes import KINDS, random_scene
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.kinds import summary
 from alight.laws import integrators as laws
 from alight.rendering.tile_kernel import Tile
-from alight.scene import content_hash, dumps, flatten, load, loads
+from alight.scene import content_hash, flatten
 from alight.scene.validation import find_problems
 from tests.extension.models import LAMBERT, module_of
 from tests.fuzz.in_the_twin import SIDE, picture

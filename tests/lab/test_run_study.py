@@ -6,6 +6,7 @@ from typer.testing import CliRunner
 
 from alight.cli.main import app
 from alight.core.errors import AlightError
+from alight.formats import load as load_scene
 from alight.lab.integrals import INTEGRANDS, jittered_points, product_error, run_integrals
 from alight.lab.make_reference import make_reference
 from alight.lab.pictures import Session
@@ -16,7 +17,6 @@ from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.relmse import relrmse
 from alight.outputs.exr import read_layers
-from alight.scene import load as load_scene
 
 SCENE = SceneSpec("smooth-direct-light", options={"size": 32})
 SOBOL = ArmSpec("sobol", {"sampler": "sobol"})
@@ -220,7 +220,7 @@ def test_the_command_lists_and_refuses(tmp_path):
         app, ["reference", "cornell-box", "-o", str(tmp_path / "x.exr"), "--error", "5"]
     )
     assert bad.exit_code == 2
-    assert "share in (0, 1)" in bad.output
+    assert "--error: must lie in (0, 100 %), got 5" in bad.output
 
 
 def test_a_study_needs_no_less_than_it_says():

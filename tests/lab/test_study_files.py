@@ -3,11 +3,10 @@
 import pytest
 
 from alight.core.errors import AlightError
+from alight.formats import builtin_names, load
 from alight.lab.arms import load_arms
 from alight.lab.study import StudyError
 from alight.lab.study_file import load_study, parse_share, parse_study, ready_names
-from alight.scene import load
-from alight.scene.files import builtin_names
 
 GOOD = """
 title: Direct light

@@ -13,6 +13,7 @@ import alight
 from alight.cli.main import app
 from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import carry, to_float
+from alight.formats import loads
 from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, can_record
 from alight.integrators.walk import make_settings
 from alight.lab.statistics import holm_adjusted, log_mean, log_ratio
@@ -33,7 +34,6 @@ from alight.rendering.contributions import Contributions, Recorder
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
-from alight.scene.files import loads
 from tests.laws.test_scene_check import SCENE
 
 CAMERA = """alight: 1
@@ -276,10 +276,10 @@ def test_numbers_and_maps_from_the_command_line(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--spp", "16"), "spp: must be at least 32, got 16"),
-        (("--size", "4"), "size: must be in [8, 1024] pixels, got 4"),
-        (("--integrator", "ambient_occlusion"), "does not say where its light comes from"),
-        (("-o", "maps.exr"), "-o: the maps are a .png file, got maps.exr"),
+        (("--spp", "16"), "--spp: must be a whole number in [32, 2147483647], got 16"),
+        (("--size", "4"), "--size: must be a whole number in [8, 1024], got 4"),
+        (("--integrator", "ambient_occlusion"), "does not record where its light comes from"),
+        (("-o", "maps.exr"), "--output: the maps are a .png file, got maps.exr"),
     ],
 )
 def test_wrong_options(words, message, tmp_path, monkeypatch):

@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, lanes, lanes_mask, lanes_u32, store_lanes
 from alight.core.vec import Vec3
-from alight.core.view import View
 from alight.lights.area import Area
 from alight.lights.directional import Directional
 from alight.lights.environment import EXAMPLES as ENVIRONMENTS
@@ -25,6 +22,9 @@ from alight.shapes.disk import Disk
 from alight.shapes.hit import Surface
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.sphere import Sphere
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, lanes_mask, lanes_u32, store_lanes
+from lanewise.view import View
 from tests.lights.test_light_sampling import ROOF
 from tests.shapes.tracing import PLACEMENTS, World, load_vec3, store_vec3
 from tests.shapes.tracing import PROGRAM as CONSTANT_SKY

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
-from alight.core.jit import instantiate
 from alight.lights.atmosphere import sky_radiance, sun_radiance, sun_transmittance
 from alight.lights.daylight import DIAMETER, picture, solid_angle
 from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
@@ -15,6 +14,7 @@ from alight.lights.solar_position import solar_angles, sun_direction
 from alight.lights.sun import Sun
 from alight.lights.sunsky import SunSky
 from alight.scene.transform import rotate
+from lanewise.jit import instantiate
 from tests.sampling.statistics import LARGEST_Z, length_error
 from tests.shapes.tracing import PROGRAM, World, vec
 

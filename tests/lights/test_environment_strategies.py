@@ -5,7 +5,8 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
-from alight.scene import flatten, loads
+from alight.formats import loads
+from alight.scene import flatten
 from tests.sampling.statistics import LARGEST_Z
 
 SEEDS, SPP = 16, 128

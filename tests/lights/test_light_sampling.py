@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from alight.core.jit import instantiate
-from alight.core.simd import gather
 from alight.lights.area import Area
 from alight.lights.constant import Constant
 from alight.lights.directional import Directional
@@ -25,6 +23,8 @@ from alight.shapes.disk import Disk
 from alight.shapes.mesh import Mesh
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.sphere import Sphere
+from lanewise.jit import instantiate
+from lanewise.simd import gather
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square, length_error, z_of_mean
 from tests.shapes.tracing import PLACEMENTS, PROGRAM, World, directions, rows, vec
 

@@ -7,9 +7,6 @@ import pytest
 
 from alight.compiled.light_gain import LEAST_IN_GROUP, MOST_GAIN, even_groups, gain_of_tree
 from alight.compiled.lights import MOST_WITHOUT_TREE
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, lanes_mask, load_lanes, store_lanes
-from alight.core.view import View
 from alight.lights.area import Area
 from alight.lights.constant import Constant
 from alight.lights.directional import Directional
@@ -33,6 +30,9 @@ from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.sphere import Sphere
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes_mask, load_lanes, store_lanes
+from lanewise.view import View
 from tests.lights.test_light_sampling import ROOF, densities
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square
 from tests.shapes.tracing import PROGRAM, World, load_vec3, store_vec3, vec

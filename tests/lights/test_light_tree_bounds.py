@@ -5,12 +5,12 @@ import pytest
 
 from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
-from alight.core.jit import instantiate
 from alight.core.registry import modules, type_name_of
-from alight.core.view import View
 from alight.lights.tree import BEHIND, least_cosine
 from alight.lights.tree_bounds import bounds_of_row, guess, pack, unpack
 from alight.lights.tree_build import Leaves, _groups
+from lanewise.jit import instantiate
+from lanewise.view import View
 from tests.lights.test_light_tree import TREE, run
 from tests.shapes.tracing import PROGRAM, vec
 

@@ -6,7 +6,8 @@ crashes.
 
 import pytest
 
-from alight.scene import flatten, loads
+from alight.formats import loads
+from alight.scene import flatten
 from tests.fuzz.in_the_twin import picture
 
 HEAD = """alight: 1

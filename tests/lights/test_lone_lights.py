@@ -4,7 +4,7 @@ import numpy as np
 
 import alight
 from alight.compiled.scene import compile_scene
-from alight.scene import loads
+from alight.formats import loads
 from alight.scene.flatten import flatten
 
 DIRECTIONAL = """

@@ -6,15 +6,16 @@ import pytest
 import alight
 from alight.compiled.program import Program
 from alight.core.errors import SceneError
-from alight.core.jit import instantiate
+from alight.formats import loads
 from alight.lights.constant import Constant
 from alight.lights.environment import Environment
 from alight.lights.portal import Portal
 from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
 from alight.lights.sun import Sun
-from alight.scene import flatten, loads
+from alight.scene import flatten
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, scale, translate
+from lanewise.jit import instantiate
 from tests.lights.test_environment import sky
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square
 from tests.shapes.tracing import World, directions, rows, vec

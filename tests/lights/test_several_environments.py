@@ -5,16 +5,16 @@ import pytest
 
 import alight
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
+from alight.formats import loads
 from alight.lights.constant import Constant
 from alight.lights.environment import Environment
 from alight.lights.point import Point
 from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
 from alight.lights.sun import Sun
 from alight.lights.sunsky import SunSky
-from alight.scene import loads
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate
+from lanewise.jit import instantiate
 from tests.lights.test_environment import expected, sky
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square
 from tests.shapes.tracing import World, directions, rows, vec

@@ -6,15 +6,15 @@ import pytest
 from alight.accel import intersect_closest
 from alight.compiled.lights import light_textures
 from alight.compiled.scene import compile_scene
-from alight.core.jit import instantiate
-from alight.core.simd import gather
+from alight.formats import loads
 from alight.lights.sampling import emitted, sample_light
 from alight.lights.spot import EXAMPLES, Spot, mean_color
 from alight.lights.tables import STRIDE, TEXTURED
-from alight.scene import loads
 from alight.scene.flatten import PlacedLight, flatten
 from alight.scene.transform import rotate, translate
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate
+from lanewise.simd import gather
 from tests.lights.test_light_sampling import sample
 from tests.shapes.tracing import PROGRAM, World, finite, rows, vec
 

@@ -7,8 +7,8 @@ numbers only, so that one compilation serves them all.
 import numpy as np
 
 import alight
+from alight.formats import loads
 from alight.phases.henyey_greenstein import HenyeyGreenstein
-from alight.scene import loads
 
 WIDE, HIGH = 96, 32
 RADIUS = 0.9

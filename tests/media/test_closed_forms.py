@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.scene import loads
+from alight.formats import loads
 from tests.media.scenes import (
     EXTINCTION,
     HIGH,

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
-from alight.core.jit import instantiate
-from alight.core.simd import lanes
-from alight.core.vec3 import Vec3
 from alight.media.sampling import cross, fly
 from alight.media.tables import Stream
 from alight.scene import flatten
+from lanewise.jit import instantiate
+from lanewise.simd import lanes
+from lanewise.vec3 import Vec3
 from tests.media.scenes import DENSITIES, SIGMAS, bodies
 
 COUNT = 80_000

@@ -39,7 +39,7 @@ BROKEN = {
     "flat.npy": (npy(VALUES[0]), "must have the shape (nz, ny, nx) or (nz, ny, nx, 3), got (2, 2)"),
     "negative.npy": (npy(-VALUES), "finite, >= 0 and at most 1e+15, got -1.0 at z 0, y 0, x 1"),
     "objects.npy": (npy(np.array([[["x"]]])), "must be an array of numbers"),
-    "empty.vol": (b"", "is no VOL file"),
+    "empty.vol": (b"", "is not a VOL file"),
     "version.vol": (vol(version=2), "must have version 3 and float32 values, got 2 and 1"),
     "kind.vol": (vol(kind=2), "must have version 3 and float32 values, got 3 and 2"),
     "channels.vol": (vol(channels=2), "must have 1 or 3 channels, got 2"),

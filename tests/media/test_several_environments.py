@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from alight.core.jit import instantiate
-from alight.core.vec3 import Vec3
 from alight.lights.sampling import environment_radiance
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 from tests.motion.moving import compiled, picture
 
 EXTINCTION, ALBEDO, G, RADIUS = 1.2, 0.8, 0.4, 0.9

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
-from alight.core.jit import instantiate
-from alight.core.vec3 import Vec3
+from alight.formats import loads
 from alight.media.grid import Grid, emission
 from alight.media.sampling import fly
 from alight.media.tables import Stream
-from alight.scene import flatten, loads, rotate, scale, translate
+from alight.scene import flatten, rotate, scale, translate
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 
 N = 4000
 SCENE = """

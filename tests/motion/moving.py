@@ -6,11 +6,11 @@ import numpy as np
 
 from alight.compiled.scene import compile_scene
 from alight.films import fixed_point
+from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
-from alight.scene.files import loads
 
 SIZE = 8
 

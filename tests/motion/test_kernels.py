@@ -9,16 +9,16 @@ from alight.accel import intersect_closest, is_occluded
 from alight.compiled.motion import MotionTable
 from alight.compiled.program import Program
 from alight.core.constants import INFINITY
-from alight.core.jit import instantiate, kernel
 from alight.core.motion import general_matrix_at, matrix_at, rigid_matrix_at
-from alight.core.simd import LANES, lanes, load_lanes, store_lanes, to_float, where
 from alight.core.vec import Vec3
-from alight.core.view import View
 from alight.lights.sampling import light_pdf, sample_light
 from alight.scene import keyframes, rotate, scale, translate
 from alight.scene.motion import NOWHERE
 from alight.shapes.hit import Hit, spawn_origin
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, load_lanes, store_lanes, to_float, where
+from lanewise.view import View
 from tests.motion.moving import HEAD, compiled
 
 #: What kernels see of a scene that moves, at times of the rays.

@@ -7,14 +7,14 @@ from alight.compiled.light_tree import find_leaves
 from alight.compiled.lights import _rows
 from alight.compiled.motion import MotionTable
 from alight.compiled.shapes import compile_shapes
-from alight.core.vec3 import Vec3
+from alight.formats import loads
 from alight.lights.model import LIGHTS
 from alight.lights.sampling import sample_light
 from alight.lights.tables import INFO
 from alight.lights.tree import FAR_FROM_ALL, choose_by_tree, plain_probability
 from alight.scene import flatten, keyframes, rotate, translate
-from alight.scene.files import loads
 from alight.scene.motion import NOWHERE
+from lanewise.vec3 import Vec3
 from tests.motion.moving import compiled
 from tests.motion.test_kernels import seen, twin_of
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square

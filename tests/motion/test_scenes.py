@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from alight.cli.info import facts
 from alight.core.errors import SceneError
-from alight.scene import content_hash, dumps, flatten, keyframes, loads, rotate, scale, translate
+from alight.formats import dumps, loads
+from alight.lab.info import facts
+from alight.scene import content_hash, flatten, keyframes, rotate, scale, translate
 from alight.scene.keyframes import Keyframes, rotation, take_apart
 from alight.scene.transform import matrix
-from tests.scene.mitsuba import reading as mitsuba
-from tests.scene.pbrt import reading as pbrt
+from tests.formats.mitsuba import reading as mitsuba
+from tests.formats.pbrt import reading as pbrt
 
 HEAD = (
     "alight: 1\nenvironment: constant\ncamera: {type: pinhole%s}\nnodes: {a: {transform: %s, %s}}\n"

@@ -67,7 +67,7 @@ KNOWN_ERROR = (
         "rendering/stopping.py",
         (
             (
-                "achieved = estimate.relrmse_below(1.0 - promise.doubt_at(look))",
+                "achieved = estimate.relrmse_below(1.0 - promise.doubt)",
                 "achieved = estimate.relrmse.value",
             ),
         ),
@@ -76,8 +76,8 @@ KNOWN_ERROR = (
     Mutant(
         "all the doubt at every look",
         "rendering/stopping.py",
-        (("((look + 1) * (look + 2))", "1.0"),),
-        f"{PROMISES}::test_doubt_is_spent_once_over_all_looks",
+        (("return 0.5 * (1.0 - self.confidence)", "return 1.0 - self.confidence"),),
+        f"{PROMISES}::test_a_look_asks_for_the_error_that_is_not_exceeded",
     ),
     Mutant(
         "rare light passed over",

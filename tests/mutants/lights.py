@@ -9,7 +9,7 @@ LAMPS = "tests/lights/test_spot_and_textured.py"
 TREE = "tests/lights/test_light_tree.py"
 DAYLIGHT = "tests/lights/test_daylight.py"
 POWER = (
-    "tests/scene/test_usd_light_power.py"
+    "tests/formats/usd/test_light_power.py"
     "::test_the_power_is_pi_times_the_intensity_or_times_the_area"
 )
 
@@ -205,17 +205,17 @@ LIGHT = (
     ),
     Mutant(
         "power of a sphere of OpenUSD normalised by its area before it is placed",
-        "scene/formats/usd/lights.py",
-        (("_area_of_ball(world, max(", "_area_of_ball(np.eye(4), max("),),
+        "formats/usd/lights.py",
+        (("area_of_ball(world, max(", "area_of_ball(np.eye(4), max("),),
         f"{POWER}[sphere-larger-1]",
     ),
     Mutant(
         "area of a slanted rectangle by the lengths of its edges",
-        "scene/formats/usd/lights.py",
+        "formats/lamps.py",
         (
             (
-                "np.linalg.norm(np.cross(world[:3, 0], world[:3, 1]))",
-                "np.prod(np.linalg.norm(world[:3, :2], axis=0))",
+                "np.linalg.norm(np.cross(to_world[:3, 0], to_world[:3, 1]))",
+                "np.prod(np.linalg.norm(to_world[:3, :2], axis=0))",
             ),
         ),
         f"{POWER}[rectangle-slanted-1]",

@@ -77,15 +77,15 @@ COATED = (
     ),
     Mutant(
         "pbrt's matte base dimmed on one way through the coat",
-        "scene/formats/pbrt/walks.py",
+        "formats/pbrt/walks.py",
         (("(walked.passed / passed) ** 2", "(walked.passed / passed)"),),
         f"{COATS}::test_matte_bases_of_pbrt_are_plastic_with_another_base[0.0-0.002]",
     ),
     Mutant(
         "events of pbrt's walks taken for bounces",
-        "scene/formats/pbrt/materials.py",
+        "formats/pbrt/materials.py",
         (("(depth + 1) // 2", "depth"),),
-        "tests/scene/pbrt/test_objects.py::test_layers_over_metal_keep_their_numbers",
+        "tests/formats/pbrt/test_objects.py::test_layers_over_metal_keep_their_numbers",
     ),
 )
 

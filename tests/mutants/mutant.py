@@ -18,9 +18,12 @@ class Mutant(NamedTuple):
         Texts that occur exactly once in the file, and what takes their places.
     killer : str
         The test, as pytest names it, that passes without the bug and fails with it.
+    package : str, default "alight"
+        The package that it is planted in.
     """
 
     name: str
     file: str
     edits: tuple[tuple[str, str], ...]
     killer: str
+    package: str = "alight"

@@ -1,6 +1,7 @@
 """All planted bugs, in the order in which they are tried."""
 
 from tests.mutants.agreement import AGREEMENT
+from tests.mutants.compiler import COMPILER
 from tests.mutants.edges import EDGES
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
@@ -36,4 +37,5 @@ MUTANTS = (
     + RANDOM_SCENES
     + AGREEMENT
     + STUDIES
+    + COMPILER
 )

@@ -4,7 +4,7 @@ from tests.mutants.mutant import Mutant
 
 PHYSICS = "tests/physics/test_principled.py"
 BENT = "tests/physics/test_bent_normals.py"
-VALUES = "tests/scene/mitsuba/test_values.py"
+VALUES = "tests/formats/mitsuba/test_values.py"
 TINTS = "tests/physics/test_what_passes_is_tinted.py"
 
 PRINCIPLED = (

@@ -37,8 +37,9 @@ RANDOM_SCENES = (
     ),
     Mutant(
         "negative indices counted from the end",
-        "core/simd.py",
+        "simd.py",
         (("if index.size and index.min() < 0:", "if False:"),),
-        "tests/core/test_gather_row.py::test_the_twin_refuses_indices_outside_of_a_table",
+        "tests/lanewise/test_gather_row.py::test_the_twin_refuses_indices_outside_of_a_table",
+        "lanewise",
     ),
 )

@@ -1,6 +1,6 @@
 """The tests have teeth: each of the planted bugs is found by the test that is named for it.
 
-A bug is planted in a copy of the package and of its tests; the working tree is never touched.
+A bug is planted in a copy of the packages and of their tests; the working tree is never touched.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ FAILED = re.compile(r"^FAILED \S+.* - (AssertionError|assert |\S+BrokenLawError)
 
 
 def copy_of_the_project(folder: Path) -> Path:
-    """A copy of the package, its tests and its settings."""
+    """A copy of the packages, their tests and settings."""
     ignored = shutil.ignore_patterns("__pycache__", "mutants", "references")
-    for name in ("alight", "tests"):
+    for name in ("alight", "lanewise", "tests"):
         shutil.copytree(ROOT / name, folder / name, ignore=ignored)
     shutil.copy(ROOT / "pyproject.toml", folder)
     (folder / "conftest.py").write_text(CONFTEST)
@@ -71,7 +71,7 @@ def test_killers_pass_without_a_bug(tmp_path):
 @pytest.mark.proofs
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
 def test_the_bug_is_found(mutant, tmp_path):
-    path = copy_of_the_project(tmp_path) / "alight" / mutant.file
+    path = copy_of_the_project(tmp_path) / mutant.package / mutant.file
     text = path.read_text("utf-8")
     for old, new in mutant.edits:
         assert text.count(old) == 1
@@ -84,7 +84,7 @@ def test_the_bug_is_found(mutant, tmp_path):
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
 def test_the_patch_fits(mutant):
-    text = (ROOT / "alight" / mutant.file).read_text("utf-8")
+    text = (ROOT / mutant.package / mutant.file).read_text("utf-8")
     for old, new in mutant.edits:
         assert text.count(old) == 1, f"{old!r} must occur once in {mutant.file}"
         assert new != old

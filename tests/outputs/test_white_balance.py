@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from alight.core.srgb import decode_srgb
+from alight.formats.spectra import blackbody, to_linear_srgb
 from alight.outputs.display import Display
 from alight.outputs.tone_mapping import LUMINANCE
 from alight.outputs.white_balance import adaptation, black_body_white, grey_world
-from alight.scene.formats.spectra import blackbody, to_linear_srgb
 
 
 @pytest.mark.parametrize("temperature", [1000.0, 1900.0, 2856.0, 5000.0, 6504.0, 15000.0])

@@ -8,8 +8,8 @@ from alight.bsdfs.coated_conductor import CoatedConductor, layers_of
 from alight.bsdfs.layered import albedos
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.rough_plastic import RoughPlastic
+from alight.formats.pbrt.walks import Coat, base_of_walk
 from alight.laws.materials import Material, direction, random_numbers
-from alight.scene.formats.pbrt.walks import Coat, base_of_walk
 from tests.physics.layered_walk import Lambert, Metal, fresnel, fresnel_of_metal, walks
 
 COSINES = (0.95, 0.6, 0.3, 0.1)

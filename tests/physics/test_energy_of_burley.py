@@ -13,7 +13,7 @@ from alight.bsdfs.burley import Burley
 from alight.bsdfs.burley_thin import BurleyThin
 from alight.bsdfs.diffuse import Diffuse
 from alight.cameras.pinhole import Pinhole
-from alight.cli.info import energy_notes
+from alight.lab.info import energy_notes
 from alight.laws.materials import Material, direction
 from alight.scene import Node, Scene, flatten
 from alight.shapes.sphere import Sphere

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.scene import loads
+from alight.formats import loads
 
 SCENE = """
 alight: 1

@@ -7,11 +7,12 @@ from alight.accel import intersect_closest
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.bsdfs.normal_map import NormalMap
-from alight.core.jit import instantiate
 from alight.core.vec import Vec3
-from alight.scene import loads, matrix
+from alight.formats import loads
+from alight.scene import matrix
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate
 from tests.rendering.many_paths import prepared
 from tests.shapes.test_tangents import SURFACES
 from tests.shapes.tracing import PLACEMENTS, directions, finite, rows, unit, vec

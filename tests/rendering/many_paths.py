@@ -9,14 +9,15 @@ import numpy as np
 
 from alight.cameras.rays import generate_ray
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import lanes_u32, to_float
 from alight.filters.importance import sample_filter
+from alight.formats import loads
 from alight.integrators import walk
 from alight.integrators.moments import at_times_of
 from alight.integrators.walk import FILTER, LENS, empty_paths, make_settings, start_paths, step
 from alight.samplers.sampling import get_2d, sampler_state
-from alight.scene import Scene, flatten, loads
+from alight.scene import Scene, flatten
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import lanes_u32, to_float
 
 
 @kernel

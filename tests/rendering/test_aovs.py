@@ -5,12 +5,12 @@ import numpy as np
 import alight
 from alight.compiled.scene import compile_scene
 from alight.films import FIRST_SAMPLE_LAYERS, fixed_point
+from alight.formats import loads
 from alight.integrators.aov import LAYERS, MOST_BOUNCES
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
-from alight.scene.files import loads
 
 HEAD = """
 alight: 1

@@ -164,7 +164,7 @@ def test_a_changed_scene_is_refused_by_key(tmp_path, monkeypatch):
     with pytest.raises(FilmError) as refused:
         alight.resume(path)
     message, *changed = str(refused.value).splitlines()
-    assert message == f"cannot go on with {path}: the scene has changed since"
+    assert message == f"cannot resume {path}: the scene has changed since"
     assert sorted(changed) == [
         "  camera.fov: was 39.3077, is 40.0",
         "  film.size: was [72, 40], is [80, 40]",

@@ -13,12 +13,12 @@ from alight.compiled.scene import compile_scene
 from alight.films import fixed_point
 from alight.films.sample_ranges import CELL_SIZE
 from alight.filters.mitchell import Mitchell, profile
+from alight.formats import loads
 from alight.integrators.walk import CAMERA_DIMENSIONS, make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Cursor, Tile, count_cells, next_pixel, next_sample
 from alight.samplers import independent
 from alight.scene import flatten
-from alight.scene.files import loads
 
 
 def compiled(text, aovs=()):

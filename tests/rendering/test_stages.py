@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
-from alight.core.jit import instantiate
-from alight.core.view import View
+from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import TileFilm
 from alight.rendering.tile_kernel import (
@@ -17,7 +16,8 @@ from alight.rendering.tile_kernel import (
     render_step_by_step,
 )
 from alight.scene import flatten
-from alight.scene.files import loads
+from lanewise.jit import instantiate
+from lanewise.view import View
 
 #: A ball above a disk in the open: rays leave the scene at every depth.
 SCENE = """alight: 1

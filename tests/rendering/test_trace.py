@@ -13,15 +13,15 @@ from alight.accel.lists import NOTHING, Accelerator, closest_of_triangles, occlu
 from alight.cli.main import app
 from alight.core.errors import OptionError
 from alight.core.registry import specs
-from alight.core.simd import LANES
-from alight.core.vec3 import Vec3
-from alight.core.view import View
 from alight.films import fixed_point
+from alight.formats import loads
 from alight.laws.integrators import ROOM
 from alight.rendering.observation import closest_of_all, occlude_by_all
 from alight.scene.description import FilmSettings
-from alight.scene.files import loads
 from alight.shapes.hit import Hit
+from lanewise.simd import LANES
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 from tests.docs.pages import ROOT
 from tests.media.scenes import bodies
 
@@ -224,7 +224,7 @@ def test_json_holds_all_numbers():
     [
         (("--pixel", "512,3"), "x in [0, 511] and y in [0, 511], got 512,3"),
         (("--pixel", "-1,3"), "x in [0, 511] and y in [0, 511], got -1,3"),
-        (("--pixel", "twelve"), '--pixel: must be X,Y in pixels as 12,7, got "twelve"'),
+        (("--pixel", "twelve"), '--pixel: must be X,Y in pixels, such as 12,7, got "twelve"'),
         (("--pixel", "1,1", "--sample", "-1"), "sample: must be a whole number in [0, 2147483647]"),
         (("--pixel", "1,1", "--seed", "-1"), "seed: must be a whole number in [0, 4294967295]"),
     ],

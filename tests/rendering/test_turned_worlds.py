@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from alight.core.registry import modules, specs
-from alight.scene import loads, translate
+from alight.formats import loads
+from alight.scene import translate
 from tests.rendering.many_paths import prepared, samples_of
 
 TURNED = "[{rotate: {axis: [1, 2, 3], angle: 130}}, {translate: [1, -2, 0.5]}]"

@@ -10,9 +10,9 @@ import pytest
 
 from alight.bsdfs import principled
 from alight.core.registry import modules
+from alight.formats import loads
 from alight.integrators.path import Path
 from alight.integrators.volpath import VolPath
-from alight.scene import loads
 from tests.rendering.many_paths import prepared, samples_of
 
 STAGE = """

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.core.jit import instantiate, kernel
 from alight.core.rng import hash_1, hash_2, mix, pixel_keys, sample_keys, unit_float
-from alight.core.simd import LANES, load_lanes, store_lanes
-from alight.core.view import View
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, load_lanes, store_lanes
+from lanewise.view import View
 
 INPUTS = ("x", "y", "index", "dimension", "scramble", "seed")
 
@@ -147,7 +147,7 @@ def all_words(inputs, out):
 
 def test_compiled_words_are_the_twins():
     """Machine code and NumPy give the same bits for words from the whole range of u32."""
-    from alight.core.machine import lanes_of_machine
+    from lanewise.machine import lanes_of_machine
 
     n, lanes = 4096, lanes_of_machine()
     inputs = np.random.default_rng(3).integers(0, 2**32, (6, n)).astype(np.uint32)

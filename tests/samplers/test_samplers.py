@@ -113,8 +113,8 @@ def test_sobol_pairs_are_nets(dimension, first):
 
 def test_second_sobol_dimension_is_the_published_one():
     """Against SciPy's tables (Joe and Kuo 2008), which come in Gray code order."""
-    from alight.core.simd import reverse_bits
     from alight.samplers.sobol import _second_dimension
+    from lanewise.simd import reverse_bits
 
     k = u32(np.arange(4096))
     found = reverse_bits(_second_dimension(k ^ (k >> u32(1)))) / 2.0**32

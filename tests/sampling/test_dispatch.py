@@ -16,9 +16,6 @@ from alight.bsdfs.switch import STRIDE, stride_of
 from alight.bsdfs.two_sided import TwoSided
 from alight.compiled.materials import Packer, compile_materials
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
-from alight.core.vec3 import Vec3
-from alight.core.view import View
 from alight.laws.compiled import N, scatter
 from alight.shapes.hit import COLORS, INFO
 from alight.textures import vertex_color
@@ -26,6 +23,9 @@ from alight.textures.checkerboard import Checkerboard
 from alight.textures.constant import Constant
 from alight.textures.fetch import color
 from alight.textures.vertex_color import VertexColor
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 from tests.sampling.materials import (
     EXAMPLES,
     Material,
@@ -50,6 +50,13 @@ MIXED = (
 
 def mixed_ids(specs=MIXED):
     return np.random.default_rng(5).integers(0, len(specs), N).astype(np.uint32)
+
+
+def test_no_result_is_left_out_or_stands_for_another():
+    """Else the laws here would compare less than they say."""
+    results = scatter(MIXED, mixed_ids(), False)
+    assert results.any(axis=1).all()
+    assert len(np.unique(results, axis=0)) == len(results)
 
 
 @pytest.mark.parametrize(

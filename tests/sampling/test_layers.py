@@ -16,8 +16,8 @@ from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.two_sided import TwoSided
 from alight.compiled.materials import compile_materials
 from alight.core.errors import SceneError
-from alight.core.jit import instantiate
 from alight.textures.checkerboard import Checkerboard
+from lanewise.jit import instantiate
 from tests.sampling.materials import Material, direction, random_numbers, unit_interval
 from tests.sampling.statistics import unit_vectors
 

@@ -5,7 +5,6 @@ import pytest
 from scipy.special import erfc, erfcinv
 
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
 from alight.core.microfacet import (
     BECKMANN,
     GGX,
@@ -21,7 +20,8 @@ from alight.core.microfacet import (
     sample_visible_facet,
     visible_area,
 )
-from alight.core.vec3 import Vec3
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 from tests.sampling.materials import direction, random_numbers
 from tests.sampling.statistics import (
     SIGNIFICANCE,

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from alight.core.vec3 import Vec3
 from alight.core.warps import (
     spherical_rectangle,
     spherical_rectangle_pdf,
     square_to_spherical_rectangle,
 )
+from lanewise.vec3 import Vec3
 from tests.sampling.materials import random_numbers
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from alight.core.vec3 import Vec3
 from alight.core.warps import (
     cosine_hemisphere_pdf,
     direction_around_z,
@@ -19,6 +18,7 @@ from alight.core.warps import (
     uniform_hemisphere_pdf,
     uniform_sphere_pdf,
 )
+from lanewise.vec3 import Vec3
 from tests.sampling.materials import random_numbers
 from tests.sampling.statistics import SIGNIFICANCE, SphereCells, chi_square, length_error
 
@@ -108,6 +108,15 @@ def test_disk_points_are_uniform(warp):
     assert chi_square([*counts, 0], np.full(256, 1.0 / 256.0)) > SIGNIFICANCE
     assert np.max(np.hypot(x, y)) <= 1.0 + 1e-7
     np.testing.assert_array_equal(disk_pdf(f(0.999 * x), f(0.999 * y)), f(1.0 / np.pi))
+
+
+def test_polar_points_have_the_radius_and_the_angle_that_are_stated():
+    u = square(4)
+    x, y = (v.astype(float) for v in square_to_disk_polar(u))
+    np.testing.assert_allclose(np.hypot(x, y), np.sqrt(u[0]), atol=1e-6)
+    turn = 2.0 * np.pi * u[1].astype(float)
+    np.testing.assert_allclose(x * np.sin(turn), y * np.cos(turn), atol=1e-6)
+    assert np.all(x * np.cos(turn) + y * np.sin(turn) >= 0.0)
 
 
 @pytest.mark.parametrize("warp", [square_to_disk_concentric, square_to_disk_polar])

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from alight.scene import flatten, load
+from alight.formats import load
+from alight.scene import flatten
 
 # (name, corners counter-clockwise seen from where the normal points, normal, material)
 QUADS = {

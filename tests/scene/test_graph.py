@@ -8,22 +8,13 @@ from alight.bsdfs.mirror import Mirror
 from alight.bsdfs.two_sided import TwoSided
 from alight.cameras.pinhole import Pinhole
 from alight.core.errors import SceneError
+from alight.formats import load
 from alight.integrators.ambient_occlusion import AmbientOcclusion
 from alight.lights.area import Area
 from alight.lights.constant import Constant
 from alight.lights.directional import Directional
 from alight.lights.point import Point
-from alight.scene import (
-    Node,
-    Scene,
-    SceneManager,
-    flatten,
-    load,
-    look_at,
-    rotate,
-    scale,
-    translate,
-)
+from alight.scene import Node, Scene, SceneManager, flatten, look_at, rotate, scale, translate
 from alight.scene.flatten import NO_GEOMETRY
 from alight.shapes.cube import Cube
 from alight.shapes.mesh import Mesh

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from alight.core.errors import SceneError
-from alight.scene import load, loads
+from alight.formats import load, loads
 
 SNAPSHOT = Path(__file__).with_name("messages.txt")
 UPDATE = bool(os.environ.get("ALIGHT_UPDATE_SNAPSHOTS"))

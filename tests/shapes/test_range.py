@@ -6,8 +6,8 @@ import pytest
 
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
+from alight.formats import loads
 from alight.scene import flatten
-from alight.scene.files import loads
 
 SHAPES = ("sphere", "rectangle", "disk", "cube", "cylinder")
 

@@ -5,8 +5,6 @@ import pytest
 
 from alight.accel.mixed import to_object
 from alight.core.constants import gamma
-from alight.core.jit import instantiate
-from alight.core.view import View
 from alight.lights.area import Area
 from alight.lights.sampling import sample_light, shadow_ray
 from alight.scene.transform import scale, translate
@@ -18,6 +16,8 @@ from alight.shapes.plane import Plane
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.sphere import Sphere
 from alight.shapes.triangle import rotated, shear_of, sheared_hit
+from lanewise.jit import instantiate
+from lanewise.view import View
 from tests.shapes.tracing import PLACEMENTS, PROGRAM, World, bounce, directions, rows, unit, vec
 
 TRIANGLE = Mesh(vertices=((0, 0, 0), (1, 0, 0), (0.2, 1, 0.3)), faces=((0, 1, 2),))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from alight.core.jit import instantiate
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.mesh import Mesh
+from lanewise.jit import instantiate
 from tests.shapes.test_derivatives import BODIES
 from tests.shapes.tracing import PLACEMENTS, PROGRAM, World, directions, rows, unit
 

@@ -10,20 +10,7 @@ from alight.compiled.lights import compile_lights
 from alight.compiled.program import Program
 from alight.compiled.shapes import compile_shapes
 from alight.core.constants import INFINITY
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import (
-    LANES,
-    as_int,
-    lanes,
-    lanes_u32,
-    load_lanes,
-    minimum,
-    store_lanes,
-    to_float,
-    where,
-)
 from alight.core.vec import Vec3
-from alight.core.view import View
 from alight.scene.flatten import NO_GEOMETRY, PlacedLight, PlacedShape
 from alight.scene.meshes import MeshStore
 from alight.scene.transform import matrix, rotate, scale, translate
@@ -38,6 +25,19 @@ from alight.shapes.sphere import intersect as intersect_sphere
 from alight.shapes.surfaces import make_surface
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import (
+    LANES,
+    as_int,
+    lanes,
+    lanes_u32,
+    load_lanes,
+    minimum,
+    store_lanes,
+    to_float,
+    where,
+)
+from lanewise.view import View
 
 ANALYTIC = ("sphere", "plane", "rectangle", "disk", "cylinder")
 SPHERE, PLANE, RECTANGLE, DISK, CYLINDER = (SHAPES[kind].number for kind in ANALYTIC)

@@ -1,4 +1,4 @@
-"""The sources of the package as the static tests see them: files, syntax trees, families."""
+"""The sources of the packages as the static tests see them: files, syntax trees, families."""
 
 import ast
 from functools import cache
@@ -6,6 +6,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "alight"
+COMPILER = ROOT / "lanewise"
 FAMILIES = (
     "shapes",
     "bsdfs",
@@ -18,18 +19,18 @@ FAMILIES = (
     "media",
     "integrators",
 )
-CODE_FOLDERS = ("alight", "tests", "benchmarks", "docs", "examples")
+CODE_FOLDERS = ("alight", "lanewise", "tests", "benchmarks", "docs", "examples")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def package_files() -> list[Path]:
-    """Python files of the package, sorted."""
-    return sorted(PACKAGE.rglob("*.py"))
+    """Python files of both packages, sorted."""
+    return sorted([*PACKAGE.rglob("*.py"), *COMPILER.rglob("*.py")])
 
 
 def all_files() -> list[Path]:
-    """Python files of the package, the tests, the benchmarks and the figures, sorted."""
+    """Python files of the packages, the tests, the benchmarks and the figures, sorted."""
     return sorted(path for folder in CODE_FOLDERS for path in (ROOT / folder).rglob("*.py"))
 
 

@@ -14,7 +14,7 @@ import pytest
 from tests.static.sources import FAMILIES, PACKAGE, assigned_names, package_files, tree
 
 #: Folders of scenes, which name what they are made of, as files of scenes do.
-SCENES = ("scene/formats", "scene/builtin", "lab/random_scenes")
+SCENES = ("formats", "scene/builtin", "lab/random_scenes")
 
 #: Words of another meaning, by file.
 OTHER_MEANINGS: dict[str, set[str]] = {

@@ -7,10 +7,10 @@ import numpy as np
 from alight.bsdfs.diffuse import Diffuse
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
-from alight.core.jit import instantiate
-from alight.core.vec3 import Vec3
-from alight.core.view import View
 from alight.textures import fetch
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 Scene = namedtuple("Scene", "materials shapes")
 Shapes = namedtuple("Shapes", "info")

@@ -8,16 +8,16 @@ from alight.bsdfs.phong import Phong
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.core.errors import SceneError
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import LANES, load_lanes, store_lanes
 from alight.core.srgb import decode_srgb
-from alight.core.view import View
 from alight.textures import bitmap, checkerboard, constant
 from alight.textures.bitmap import Bitmap
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.fetch import color, texture_value, textured_scalar
 from alight.textures.images import Image, as_image
 from alight.textures.uv import UvTransform
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, load_lanes, store_lanes
+from lanewise.view import View
 from tests.textures.lookup import Surface, look_up, scene_of
 
 WRAPS = ("repeat", "mirror", "clamp")

@@ -5,8 +5,7 @@ import pytest
 
 from alight.core.errors import SceneError
 from alight.core.registry import Models
-from alight.scene import loads
-from alight.scene.files import dumps
+from alight.formats import dumps, loads
 from alight.scene.flatten import flatten
 from alight.textures.add import Add
 from alight.textures.bitmap import Bitmap

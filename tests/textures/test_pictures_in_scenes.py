@@ -14,13 +14,14 @@ from alight.compiled.scene import compile_scene
 from alight.compiled.textures import pack_bytes
 from alight.core.errors import SceneError
 from alight.films import fixed_point
+from alight.formats import dumps, load, loads, save
 from alight.integrators.walk import make_settings
 from alight.outputs import write_image
 from alight.outputs.png import encode_png
 from alight.outputs.texels import STRIP, decode_texels, reusing_memory
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
-from alight.scene import content_hash, dumps, flatten, load, loads, save
+from alight.scene import content_hash, flatten
 from alight.scene.images import ImageStore, read_image
 from alight.textures.bitmap import Bitmap
 
@@ -157,8 +158,11 @@ BROKEN = {
     "bomb.png": (png_header(60000, 60000), "has too many pixels"),
     "large.png": (png_header(8000, 9000), "at most 67108864 texels, got 8000 x 9000"),
     "short.png": (png_header(100, 100), "truncated"),
-    "empty.png": (b"", "is no PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
-    "text.png": (b"hello, world", "is no PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
+    "empty.png": (b"", "is not a PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
+    "text.png": (
+        b"hello, world",
+        "is not a PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture",
+    ),
     "cut.exr": (b"\x76\x2f\x31\x01" + bytes(40), "broken OpenEXR file"),
     "huge.hdr": (HDR_HEADER + b"-Y 99999 +X 99999\n" + bytes(99), "got 99999 x 99999"),
     "short.hdr": (HDR_HEADER + b"-Y 50 +X 50\n" + bytes(999), "ends early"),
@@ -183,12 +187,12 @@ def test_broken_pictures_are_refused_in_words(name, folder, capfd):
 def test_files_that_are_not_there(folder):
     for name, message in (
         ("pictures/b.png", 'no such file: "pictures/b.png"; did you mean "a.png"?'),
-        ("pictures", '"pictures": is no file'),
+        ("pictures", '"pictures": is not a file'),
     ):
         with pytest.raises(SceneError) as caught:
             loads(SCENE.replace("pictures/a.png", name), "scene.yaml", folder)
         assert message in str(caught.value)
-    with pytest.raises(SceneError, match="is no file"):
+    with pytest.raises(SceneError, match="is not a file"):
         load(folder / "scene.yaml", [f"textures.picture.file={os.devnull}"])
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from alight.core.maths import arccos, arcsin, arctan2
 from alight.core.vec import cross, dot, length, normalize
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 from tests.sampling.statistics import unit_vectors
 
 f = np.float32

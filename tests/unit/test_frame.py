@@ -5,7 +5,7 @@ import pytest
 
 from alight.core.frame import frame_from_normal, frame_from_tangent, to_local, to_world
 from alight.core.vec import cross, dot
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 from tests.sampling.statistics import unit_vectors
 
 POLES = np.array(

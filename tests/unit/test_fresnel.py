@@ -10,7 +10,7 @@ from alight.core.fresnel import (
     fresnel_schlick,
     refract,
 )
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 from tests.sampling.statistics import length_error, unit_vectors
 
 f = np.float32

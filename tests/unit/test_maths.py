@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from alight.core.jit import instantiate, kernel
 from alight.core.maths import (
     arccos,
     arcsin,
@@ -16,8 +15,9 @@ from alight.core.maths import (
     sincos,
     sincos_2pi,
 )
-from alight.core.simd import LANES, load_lanes, store_lanes
-from alight.core.view import View
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, load_lanes, store_lanes
+from lanewise.view import View
 
 N = 1 << 17
 FUNCTIONS = (

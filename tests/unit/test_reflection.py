@@ -3,7 +3,7 @@
 import numpy as np
 
 from alight.core.vec import dot, reflect
-from alight.core.vec3 import Vec3
+from lanewise.vec3 import Vec3
 from tests.sampling.statistics import unit_vectors
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from alight.core.vec import Vec3
-from alight.core.view import View
 from alight.shapes.triangle import (
     difference_of_products,
     intersect,
@@ -14,6 +13,7 @@ from alight.shapes.triangle import (
     rotated,
     shear_of,
 )
+from lanewise.view import View
 
 CORNERS = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32)
 

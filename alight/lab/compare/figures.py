@@ -31,7 +31,7 @@ UNSURE = "cannot tell"
 #: Verdict where only one picture's noise is known.
 DIFFERENT_IF_EXACT = "different, if the other is exact"
 
-#: Why there is no FLIP where nobody wants it.
+#: Why FLIP is missing where it was not requested.
 NOT_ASKED = "FLIP was not asked for"
 
 
@@ -224,15 +224,14 @@ def parse_limits(texts: list[str]) -> dict[str, float]:
         name, _, value = text.partition("=")
         name = name.strip().replace("-", "_")
         if name not in LIMITED:
-            raise OptionError(f"--fail-above: {unknown_name('figure', name, LIMITED)}")
+            raise OptionError(unknown_name("figure", name, LIMITED), "fail_above")
         try:
             limits[name] = float(value)
         except ValueError:
             limits[name] = math.nan
         if not limits[name] >= 0.0:
-            raise OptionError(
-                f"--fail-above: must be FIGURE=NUMBER as relmse=0.01, got {quote(text)}"
-            )
+            problem = f"must be FIGURE=NUMBER such as relmse=0.01, got {quote(text)}"
+            raise OptionError(problem, "fail_above")
     return limits
 
 
@@ -249,7 +248,7 @@ def exceeded(comparison: PictureComparison, limits: dict[str, float]) -> list[st
         value = comparison.figure(name)
         if math.isnan(value):
             why = comparison.flip_note if name == "flip" else "it is not defined for these pictures"
-            raise OptionError(f"--fail-above: {name} is unknown: {why}")
+            raise OptionError(f"{name} is unknown: {why}", "fail_above")
         if value > limit:
             found.append(f"{name} is {value:.4g}, above {limit:g}")
     return found

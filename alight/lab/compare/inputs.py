@@ -7,14 +7,16 @@ format does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from alight.core.errors import OutputError, unknown_name
 from alight.core.srgb import decode_srgb
+from alight.films import Film
 from alight.outputs import exr
 from alight.outputs.texels import read_texels
 
@@ -61,13 +63,44 @@ class Input:
         return self.image.shape[1], self.image.shape[0]
 
 
+def as_input(source: Any, name: str, layer: str | None) -> Input:
+    """Make an input of what is to be compared.
+
+    Parameters
+    ----------
+    source : path, Film or ndarray of shape (h, w), (h, w, 1) or (h, w, 3)
+        Arrays of floats are linear.
+    name : str
+        Of what has no path.
+    layer : str or None
+        Of an EXR file or of a film.
+
+    Raises
+    ------
+    OutputError
+        As `read_input`, and for an array that is no picture.
+    """
+    try:
+        if isinstance(source, np.ndarray):
+            if layer is not None:
+                raise ValueError("only OpenEXR files have layers")
+            return _as_input(name, source)
+        if isinstance(source, Film):
+            picture = source.picture()
+            own = {c: picture.image[..., i] for i, c in enumerate("RGB")}
+            return _of_channels(name, {**own, **picture.layers}, picture.attributes, layer)
+    except ValueError as error:
+        raise OutputError(f"cannot compare {name}: {_sentence(error)}") from error
+    return read_input(source, layer)
+
+
 def read_input(path: str | Path, layer: str | None = None) -> Input:
     """Read a picture.
 
     Parameters
     ----------
     path : path
-        EXR, PNG, JPEG, NPY, HDR or PFM; told by its content, not by its name.
+        EXR, PNG, JPEG, NPY, HDR or PFM; recognised by content, not by name.
     layer : str, optional
         Of an EXR file, instead of the picture: ``albedo`` for the channels ``albedo.R`` ...
 
@@ -136,8 +169,15 @@ def _read_exr(path: Path, layer: str | None) -> Input:
     channels, header = exr.read_layers(path)
     if len({plane.shape for plane in channels.values()}) > 1:
         raise ValueError("has channels of different sizes")
+    return _of_channels(str(path), channels, header, layer)
+
+
+def _of_channels(
+    name: str, channels: Mapping[str, np.ndarray], header: Mapping[str, str], layer: str | None
+) -> Input:
+    """Make an input of what an EXR file holds, or would hold."""
     names = _channel_names(channels, layer)
-    found = _as_input(str(path), np.stack([channels[name] for name in names], axis=-1))
+    found = _as_input(name, np.stack([channels[one] for one in names], axis=-1))
     errors = [f"standard_error.{c}" for c in "RGB"]
     replicates = header.get("replicates", "")
     if layer is None and all(name in channels for name in errors) and replicates.isdecimal():

@@ -1,7 +1,7 @@
 """Descriptions of any registered model, their parameters drawn from the ranges of their fields.
 
 Nothing here knows a model by name: a model starts as one of its EXAMPLES, and some of its fields
-are then drawn anew by what the metadata of their types allow. So a model that is registered later
+are then redrawn within the metadata of their types. So a model that is registered later
 is drawn like all others.
 """
 
@@ -30,13 +30,13 @@ from alight.textures.nesting import steps_problem
 
 #: Probability that a number is an end of its range.
 EDGE = 0.02
-#: Part of the fields that are drawn anew.
+#: Share of the fields that are redrawn.
 SHARE = 0.4
 #: Probability that a field that takes a texture gets one.
 TEXTURED = 0.15
-#: Descriptions inside of descriptions, at most.
+#: Descriptions inside descriptions, at most.
 DEEPEST = 2
-#: A material of a random scene has at most so many models.
+#: Most models of a material of a random scene.
 MOST_LEAVES = 4
 
 
@@ -51,7 +51,7 @@ def any_model(chance: Chance, family: str, depth: int = DEEPEST) -> Any:
 
 
 def of_model(chance: Chance, module: ModuleType, depth: int = DEEPEST) -> Any:
-    """A description of one model: an example of its own with some fields drawn anew."""
+    """A description of one model: one of its examples with some fields redrawn."""
     return varied(chance, chance.choose(module.EXAMPLES), depth)
 
 
@@ -64,14 +64,14 @@ def varied(
     share: float = SHARE,
     textured: float = TEXTURED,
 ) -> Any:
-    """A valid description of the same model with some fields drawn anew.
+    """A valid description of the same model with some fields redrawn.
 
     Parameters
     ----------
     chance : Chance
     base : Spec
     depth : int
-        How many descriptions may be put inside of each other.
+        How many descriptions may be put inside each other.
     keep : tuple of str, optional
         Fields that stay as they are.
     share : float
@@ -134,7 +134,7 @@ def _field(
 
 
 def _markers(spec: type[Spec], name: str) -> list[Any]:
-    """Metadata of a field, those inside of ``X | None`` too."""
+    """Metadata of a field, those inside ``X | None`` too."""
     info = spec.model_fields[name]
     found = [*info.metadata]
     for part in get_args(info.annotation):

@@ -1,4 +1,4 @@
-"""A scene that is being made up: what stands where, and what all kinds of scenes put into it."""
+"""A scene in the making: where things are, and what all kinds of scenes contain."""
 
 from __future__ import annotations
 

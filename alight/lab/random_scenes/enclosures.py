@@ -9,7 +9,7 @@ from alight.lab.random_scenes.draft import Draft
 
 
 class Measures(NamedTuple):
-    """A room around the y axis that stands on y = 0, in metres: half its width and depth."""
+    """A room around the y axis with its floor at y = 0, in metres: half its width and depth."""
 
     x: float
     height: float

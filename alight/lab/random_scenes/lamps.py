@@ -20,12 +20,12 @@ from alight.textures.images import Image
 
 #: Irradiance in W/m^2 at scale 1 on what faces the light of a clear day.
 _DAYLIGHT = {"sun": 140.0, "sky": 30.0, "sunsky": 150.0}
-#: Where the sun stands is said by its direction.
+#: The sun's place is given by its direction.
 _NO_DATE = {"time": None, "latitude": None, "longitude": None}
 
 
 def models_at(placement: str) -> list[str]:
-    """Names of the lights that stand at a node, on a shape, or around the scene."""
+    """Names of the lights that belong to a node, a shape, or the surroundings."""
     return [
         name
         for name, module in Registry("lights").items()
@@ -36,7 +36,7 @@ def models_at(placement: str) -> list[str]:
 def small_lamp(
     chance: Chance, distance: float, irradiance: float, names: list[str] | None = None
 ) -> Light:
-    """A light without a size, which gives so many W/m^2 at its axis in some distance."""
+    """A light without a size that gives this many W/m^2 on its axis at some distance."""
     name = chance.choose(names or models_at("node"))
     spec = _lit(chance, of_model(chance, Registry("lights")[name]))
     fields = dict(spec)
@@ -57,7 +57,7 @@ def small_lamp(
 
 
 def glow(chance: Chance, radiance: float, textured: float = 0.1) -> Light:
-    """Light of a shape: any model that stands on one, of so many W/(m^2 sr) on average."""
+    """Light of a shape: any area light model, of this many W/(m^2 sr) on average."""
     name = chance.choose(models_at("shape"))
     spec = of_model(chance, Registry("lights")[name])
     if "radiance" not in dict(spec):
@@ -119,7 +119,7 @@ def _to_sun(chance: Chance, turn: float | None) -> tuple[float, ...]:
 
 
 def _lit(chance: Chance, spec: Any) -> Any:
-    """The first of the model's examples in the place of one that is black."""
+    """The first of the model's examples instead of a black one."""
     if not spec.is_black:
         return spec
     examples = [e for e in Registry("lights")[spec.type_name()].EXAMPLES if not e.is_black]

@@ -8,7 +8,7 @@ import numpy as np
 
 from alight.lab.random_scenes.chance import Chance
 
-#: Textures and slides have at most so many texels a side.
+#: Most texels a side of textures and slides.
 MOST_TEXELS = 12
 
 

@@ -16,7 +16,7 @@ SMALLEST, LARGEST = 32, 256
 #: How much more often a model is drawn that follows light in all ways; a quarter of it for one that
 #: also looks for media where there are none.
 PATH_TRACERS = 8
-#: Scenes that ask for so many edges show little by direct light.
+#: Scenes that need this many edges show little by direct light.
 INDIRECT = 4
 
 Point = tuple[float, float, float]
@@ -42,7 +42,7 @@ def any_view(
     ----------
     chance : Chance
     origin, target : (3,) float, metres
-        Where it stands, and what it looks at.
+        Its position, and what it looks at.
     half : float, metres
         What lies nearer to the target than this is in the picture.
     indoors : bool, default False

@@ -14,7 +14,7 @@ from alight.lab.report.numbers import fixed, superscript
 from alight.lab.report.style import FAINT, GREY, Look, new_figure, paper_style, svg_of
 from alight.metrics.relmse import Estimate
 
-#: Inches; the axes take the left part, the names of the lines stand to the right of their ends.
+#: Inches; the axes take the left part, the names of the lines are to the right of their ends.
 _WIDTH, _HEIGHT = 4.6, 3.2
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.115, 0.64, 0.145, 0.93
 

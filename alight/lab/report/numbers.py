@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from alight.metrics.relmse import Estimate
 
-#: What stands for a number that nobody knows.
+#: Shown for an unknown number.
 UNKNOWN = "–"
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -32,7 +32,7 @@ def superscript(exponent: int) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """Write a number with so many decimals, thin spaces between thousands.
+    """Write a number with the given decimals, thin spaces between thousands.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """Write one number with so many significant digits.
+    """Write one number with the given significant digits.
 
     Examples
     --------

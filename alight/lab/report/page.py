@@ -19,7 +19,7 @@ _FOLDER = Path(__file__).resolve().parent
 
 
 def write_report(result: StudyResult, folder: str | Path) -> Path:
-    """Write ``report.html``, one file without references to others, and its numbers beside it.
+    """Write ``report.html``, one self-contained file, and its numbers next to it.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def curve_context(result: CurveResult, index: int) -> dict[str, Any]:
 
 
 def _slopes(curves: list[Curve], curve_looks: list[Any]) -> Table | None:
-    """Fitted slopes beside the expected ones; None where no slope was fitted."""
+    """Fitted slopes next to the expected ones; None where no slope was fitted."""
     if all(c.slope is None for c in curves):
         return None
     column = Column(0, 2)

@@ -39,7 +39,7 @@ class Look(NamedTuple):
 
 
 def looks(count: int, baseline: int | None = None) -> list[Look]:
-    """Choose the looks of so many arms; the eighth and later ones repeat colours, dashed."""
+    """Choose the styles of this many arms; the eighth and later ones repeat colours, dashed."""
     found, n = [], 0
     for i in range(count):
         if i == baseline:
@@ -90,7 +90,7 @@ def paper_style() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make a figure of so many inches that no display and no `pyplot` knows of."""
+    """Make a figure of the given inches without a display or `pyplot`."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 

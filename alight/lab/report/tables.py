@@ -25,7 +25,7 @@ class Cell(NamedTuple):
     kind : str
         Class of the cell: "number", "word", "picture", "warning" or "muted".
     title : str
-        Name of the column, with the unit; shown beside the cell on narrow screens.
+        Name of the column, with the unit; shown next to the cell on narrow screens.
     """
 
     text: str
@@ -285,7 +285,7 @@ def _overview_cell(arm: ArmResult | None, column: Column) -> Cell:
 
 
 def badges_of(arm: ArmResult) -> list[tuple[str, str]]:
-    """Short words beside an arm's name, each with its class."""
+    """Short labels next to an arm's name, each with its class."""
     found = []
     if arm.is_baseline:
         found.append(("baseline", "plain"))

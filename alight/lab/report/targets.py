@@ -19,7 +19,7 @@ def check_target(path: Path, suffixes: Sequence[str], drawn: Sequence[str] = (".
     suffixes : sequence of str
         That can be written.
     drawn : sequence of str
-        Those that matplotlib draws; pages need Jinja2 besides.
+        Those that matplotlib draws; pages also need Jinja2.
 
     Raises
     ------

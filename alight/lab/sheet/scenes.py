@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from alight.core.errors import OptionError
-from alight.scene.files import FOREIGN, SUFFIXES, builtin_names
+from alight.formats import builtin_names
+from alight.formats.loading import FOREIGN
+from alight.formats.native import SUFFIXES
 
 
 def find_scenes(wanted: Sequence[str]) -> tuple[list[str], list[Path]]:
-    """List the scenes that files, folders and built-in names stand for.
+    """List the scenes that files, folders and built-in names refer to.
 
-    A folder stands for the scene files in it; only where it holds none, for those of the folders
+    A folder means the scene files in it; only where it holds none, for those of the folders
     below. So the meshes in the folder of a scene, which are its parts, are no scenes.
 
     Parameters

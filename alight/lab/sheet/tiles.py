@@ -11,9 +11,10 @@ import numpy as np
 
 from alight.core.errors import AlightError
 from alight.films import Film
+from alight.formats import load
 from alight.outputs.display import Display
 from alight.rendering import render
-from alight.scene import Scene, load
+from alight.scene import Scene
 
 #: Relative errors above this are no figures: a few pixels decide on all of the picture.
 _LARGEST = 10.0
@@ -105,7 +106,7 @@ def render_tile(
     try:
         loaded = load(scene, lenient=lenient, root=root)
         width, height = fitted(loaded.film.size, size)
-        # Loaded anew, so that an automatic camera is placed for this picture.
+        # Loaded again, so that an automatic camera is placed for this picture.
         changes = ["film.crop=null", f"film.size=[{width}, {height}]"]
         loaded = load(scene, changes, lenient=lenient, root=root)
         film = render(loaded, spp=spp, time_limit=time_limit, threads=threads)

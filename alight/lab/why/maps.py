@@ -5,12 +5,14 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from alight.core.errors import OptionError
 from alight.core.srgb import encode_srgb
 from alight.lab.why.shares import Part, Shares
-from alight.outputs.atomic import replacing
+from alight.outputs.atomic import check_folder, replacing
 
 #: Pixels of a panel's width, of its caption's height, and between panels.
 _WIDTH, _CAPTION, _GAP = 360, 44, 12
@@ -35,15 +37,35 @@ def write_maps(path: Path, shares: Shares, parts: Sequence[Part]) -> Path:
     OutputError
         If the file cannot be written.
     """
+    with replacing(path) as beside:
+        draw_maps(shares, parts).save(beside, format="PNG")
+    return path
+
+
+def draw_maps(shares: Shares, parts: Sequence[Part]) -> Any:
+    """Draw what `write_maps` writes, as a picture of Pillow."""
     # Standard deviations, to one scale for all maps: variances would show a few pixels only.
     scale = np.sqrt(max(float(np.percentile(np.abs(shares.variance), 99.5)), 1e-30))
     white = max(float(np.percentile(shares.picture, 98)), 1e-30)
     panels = [(_shown(shares.picture / white), "picture")]
     panels.append((heat(shares.variance, scale), "standard deviation, relative"))
     panels += [(heat(shares.map_of(part), scale), str(part)) for part in parts]
-    with replacing(path) as beside:
-        _sheet(panels).save(beside, format="PNG")
-    return path
+    return _sheet(panels)
+
+
+def check_maps(path: Path) -> None:
+    """Refuse a file for maps before any time is spent.
+
+    Raises
+    ------
+    OptionError
+        If it is no PNG file.
+    OutputError
+        If it cannot be written.
+    """
+    if path.suffix.lower() != ".png":
+        raise OptionError(f"the maps are a .png file, got {path}", "output")
+    check_folder(path)
 
 
 def heat(variance: np.ndarray, scale: float) -> np.ndarray:

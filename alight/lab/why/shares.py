@@ -31,6 +31,7 @@ from alight.core.errors import OptionError
 from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, can_record
 from alight.laws.scene.check import material_names
 from alight.laws.scene.pictures import small
+from alight.options.laboratory import WhyOptions
 from alight.rendering.contributions import Contributions, Recorder
 from alight.rendering.resources import usable_processors
 from alight.scene import Scene, flatten
@@ -53,7 +54,7 @@ TECHNIQUES = {
 
 
 class Part(NamedTuple):
-    """Contributions of one kind; None stands for all.
+    """Contributions of one kind; None means all.
 
     Attributes
     ----------
@@ -195,13 +196,10 @@ def _check(scene: Scene, size: int, spp: int) -> None:
     kind = scene.integrator.type_name()
     if not can_record(kind):
         raise OptionError(
-            f"the integrator {kind} does not say where its light comes from; "
+            f"the integrator {kind} does not record where its light comes from; "
             "path, direct and random_walk do"
         )
-    if not 8 <= size <= 1024:
-        raise OptionError(f"size: must be in [8, 1024] pixels, got {size}")
-    if spp < BATCHES * REPLICATES:
-        raise OptionError(f"spp: must be at least {BATCHES * REPLICATES}, got {spp}")
+    WhyOptions.of({"size": size, "spp": spp})
 
 
 def relative_weights(reference: np.ndarray) -> np.ndarray:
@@ -223,7 +221,7 @@ class _Divider:
         """One batch: its contributions, and the sums (h, w, REPLICATES, 3) that they make."""
         means = sums / self.spp
         deviation = means - means.mean(axis=2, keepdims=True)
-        # Variance of one sample: that of a mean of so many, times their number.
+        # Variance of one sample: that of the mean of N, times N.
         scale = self.spp / (REPLICATES - 1)
         factor = (deviation * self.weights[:, :, None] * scale).reshape(-1, REPLICATES, 3)
         found = contributions

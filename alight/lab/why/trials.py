@@ -135,14 +135,14 @@ def try_alternatives(
     limit : float, seconds, default 60
         No alternative is begun after so long.
     progress : callable, optional
-        Is told in words what runs next.
+        Called with a description of what runs next.
 
     Returns
     -------
     tuple of Trial
         The most efficient first.
     tuple of str
-        Changes for which there was no time.
+        Changes that there was no time for.
     """
     begin = time.perf_counter()
     progress("the scene as it is")
@@ -158,7 +158,7 @@ def try_alternatives(
         progress(change)
         here, there = _measured((own, Sums(_arm(other))), weights, seeds)
         variance = log_ratio(here[0], there[0])
-        # Times of one batch are taken one after the other: they share what the machine did then.
+        # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
         both = log_ratio(here[0] + here[1], there[0] + there[1], paired=True)
         found.append((change, variance, seconds, both))

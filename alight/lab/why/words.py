@@ -38,12 +38,22 @@ def share_lines(shares: Shares) -> Iterator[str]:
         return
     for part, share in ranked(shares).items():
         yield f"{_percent(share)} of the variance: {part}"
+    for title, rows in share_tables(shares):
+        yield f"{title}:"
+        for label, share in rows:
+            yield f"  {share}  {label}"
+
+
+def share_tables(shares: Shares) -> Iterator[tuple[str, list[tuple[str, str]]]]:
+    """A table for each property of a path: its title, and what each value's share is."""
     for name, title in _TABLES:
         groups = shares.by(name)
-        yield f"{title}:"
-        for part, share in list(groups.items())[:MOST]:
-            if abs(share.value) >= LEAST or len(groups) == 1:
-                yield f"  {_percent(share)}  {_label(name, part)}"
+        rows = [
+            (_label(name, part), _percent(share))
+            for part, share in list(groups.items())[:MOST]
+            if abs(share.value) >= LEAST or len(groups) == 1
+        ]
+        yield title, rows
 
 
 def _percent(share: Share) -> str:

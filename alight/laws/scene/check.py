@@ -2,25 +2,61 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 
 from alight.compiled.scene import compile_scene
-from alight.core.errors import OptionError, unknown_name
 from alight.core.spec import Bsdf
 from alight.integrators.contributions import can_record
+from alight.laws.scene.dump import write_failures
 from alight.laws.scene.findings import Finding, Verdict
 from alight.laws.scene.lights import check_lights
 from alight.laws.scene.materials import check_materials
 from alight.laws.scene.numbers import check_numbers, check_paths
 from alight.laws.scene.pictures import check_accelerators, check_strategies, integrator_of, small
+from alight.options.entry import takes
+from alight.options.laboratory import PARTS, CheckOptions
+from alight.rendering.loading import scene_of
 from alight.scene import Scene, flatten
 from alight.scene.flatten import FlatScene, at_opening
 
-#: What is looked at, in this order.
-PARTS = ("materials", "lights", "numbers", "paths", "pictures", "accelerators")
-
 #: Probability that a scene without a bug fails.
 LEVEL = 0.01
+
+
+@takes(CheckOptions)
+def check(scene: Scene | str | os.PathLike[str], options: CheckOptions) -> Verdict:
+    """Test a scene: materials, lights, random numbers, and that all methods give one picture.
+
+    Parameters
+    ----------
+    scene : Scene, path or name of a built-in scene
+    {options}
+
+    Returns
+    -------
+    Verdict
+        True if nothing failed.
+
+    Raises
+    ------
+    AlightError
+        If the scene cannot be rendered, or an option is wrong.
+
+    Examples
+    --------
+    >>> assert alight.check("cornell-box", only="materials")  # doctest: +SKIP
+    """
+    verdict = check_scene(
+        scene_of(scene, options),
+        level=options.level,
+        seed=options.seed,
+        only=options.only or PARTS,
+        progress=options.progress or (lambda text: None),
+    )
+    if options.output is not None:
+        write_failures(verdict, options.output)
+    return verdict
 
 
 def check_scene(
@@ -43,7 +79,7 @@ def check_scene(
     only : sequence of str
         Some of `PARTS`, all by default.
     progress : callable, optional
-        Is told in words what runs next.
+        Called with a description of what runs next.
 
     Returns
     -------
@@ -55,9 +91,7 @@ def check_scene(
     AlightError
         If the scene cannot be rendered, or a part has no such name.
     """
-    for name in only:
-        if name not in PARTS:
-            raise OptionError("only: " + unknown_name("part", name, PARTS))
+    CheckOptions.of({"only": only})
     return Verdict(tuple(_findings(scene, seed, only, progress)), level)
 
 

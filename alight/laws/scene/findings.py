@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from alight.laws.scene.panels import side_by_side
+from alight.outputs import html
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -81,6 +84,59 @@ class Verdict:
     def __bool__(self) -> bool:
         """As `ok`."""
         return self.ok
+
+    def __str__(self) -> str:
+        """What ``alight check`` prints: a line for each law, and what comes of them."""
+        return "\n".join(self.lines())
+
+    def lines(self, failures_only: bool = False) -> list[str]:
+        """Write the table, laws that fail marked, and its sum."""
+        rows = self._rows(failures_only)
+        width = max((len(row[2]) for row in rows), default=0)
+        lines = [f"     p        {'part':<{width}}  law"] if rows else []
+        for mark, shown, part, law, detail in rows:
+            tail = f"  ({detail})" if detail else ""
+            lines.append(f"{mark:<4} {shown:<8} {part:<{width}}  {law}{tail}")
+        return [*lines, self._sum()]
+
+    def _rows(self, failures_only: bool = False) -> list[tuple[str, str, str, str, str]]:
+        rows = []
+        for finding, p in zip(self.findings, self.corrected, strict=True):
+            bad = finding in self.failures
+            if failures_only and not bad:
+                continue
+            judged = finding.p is not None or finding.holds is not None
+            mark = "BAD" if bad else "ok" if judged else "--"
+            shown = "" if p is None else "<1e-99" if p < 1e-99 else f"{p:.2g}"
+            rows.append((mark, shown, finding.part, finding.law, finding.detail))
+        return rows
+
+    def _sum(self) -> str:
+        tests = sum(finding.p is not None for finding in self.findings)
+        laws, failed = len(self.findings), len(self.failures)
+        return (
+            f"{laws} laws, {failed} broken; {tests} p-values corrected together (Holm), "
+            f"false alarm at {100 * self.level:g} %"
+        )
+
+    def pictures(self) -> list[tuple[Finding, np.ndarray]]:
+        """Both sides of what failed, linear; tests of the same pictures share one."""
+        found, shown = [], set()
+        for finding in self.failures:
+            image = None if id(finding.pictures) in shown else side_by_side(finding.pictures)
+            shown.add(id(finding.pictures))
+            if image is not None:
+                found.append((finding, image))
+        return found
+
+    def _repr_html_(self) -> str:
+        """Show the table in a notebook, and both sides of what failed."""
+        shown = [
+            html.figure(image, f"{finding.part}: {finding.law}", width=image.shape[1])
+            for finding, image in self.pictures()
+        ]
+        heads = ("", "p", "part", "law", "detail")
+        return html.division(html.table(self._rows(), heads, self._sum()), *shown)
 
 
 def adjusted_by_holm(p_values: list[float]) -> list[float]:

@@ -22,8 +22,6 @@ import numpy as np
 from alight.accel import intersect_closest
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.frame import frame_from_normal
-from alight.core.jit import instantiate, kernel
-from alight.core.simd import where
 from alight.core.vec import Vec3
 from alight.laws.materials import stacked
 from alight.laws.scene.findings import Finding
@@ -33,6 +31,8 @@ from alight.lights.sampling import choose_light, environment_pdf, light_pdf, sam
 from alight.lights.tree import choose_by_tree
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import where
 
 #: Directions drawn in each way, for each point.
 N = 20_000
@@ -161,7 +161,7 @@ def _choice(
     said[index] = pmf
     counts = np.append(np.bincount(index, minlength=lights), 0)
     if not ((rest >= 0.0) & (rest < 1.0)).all():
-        return Finding("lights", law, holds=False, detail="what is left of u is outside of [0, 1)")
+        return Finding("lights", law, holds=False, detail="what is left of u is outside [0, 1)")
     return Finding("lights", law, p=chi_square(counts, said), detail=f"{lights} lights")
 
 

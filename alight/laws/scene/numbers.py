@@ -13,10 +13,7 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.scene import CompiledScene
-from alight.core.jit import instantiate
-from alight.core.simd import LANES
 from alight.core.spec import Sampler
-from alight.core.view import View
 from alight.integrators.contributions import FIELDS, HALF, Log
 from alight.integrators.walk import CAMERA_DIMENSIONS, make_settings
 from alight.laws.samplers import FAR, sequence, twin, u32
@@ -26,6 +23,9 @@ from alight.rendering.contributions import recorded_tables, recording_program
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import Tile, render_tile_kernel
 from alight.samplers.sampling import get_1d, get_2d, sampler_state
+from lanewise.jit import instantiate
+from lanewise.simd import LANES
+from lanewise.view import View
 
 #: Pixels (side) and depth of the paths that are looked at in plain Python.
 SIDE, DEPTH = 4, 4
@@ -52,7 +52,7 @@ def check_numbers(spec: Sampler, seed: int) -> Iterator[Finding]:
         pairs.append(chi_square_tail(statistic, counts.size - 1))
         singles.append(uniform_p_value(single, 256))
     for what, p_values in (("pairs", pairs), ("numbers", singles)):
-        # One line for all dimensions: the smallest p-value of so many.
+        # One line for all dimensions: the smallest p-value of all.
         p = min(1.0, len(p_values) * min(p_values))
         yield Finding(part, f"{what} are uniform over the pixels (chi-square)", p=p)
     repeated = np.unique(twin(spec, False)(sequence(256, seed=seed), 10)).size < 250

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.core.constants import LUMINANCE
 from alight.core.spec import Integrator
 from alight.films import CELL_SIZE
 from alight.films.fixed_point import carry, to_float
@@ -40,8 +41,6 @@ SIZE, BLOCK, SEEDS, SPP = 48, 4, 32, 16
 MAX_DEPTH, RR_DEPTH = 6, 2
 #: Rays of a brute-force picture times its triangles.
 MOST_TESTS = 4e9
-
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 class Side(NamedTuple):
@@ -67,7 +66,7 @@ def small(scene: Scene, integrator: Integrator | None = None, size: int = SIZE) 
     shape = tuple(max(BLOCK, BLOCK * round(n * scale / BLOCK)) for n in (width, height))
     film = scene.film.replaced(size=shape, crop=None)
     integrator = integrator or scene.integrator
-    # A copy made by hand: it must go on knowing its folder.
+    # A copy made by hand: it must keep its folder.
     copy = scene.replaced(film=film, sampler=Independent(), integrator=integrator)
     return copy.from_source(scene.source)
 
@@ -159,7 +158,7 @@ def compare_ways(
         Luminance of the brightest thing that BSDF sampling can come upon.
     seed : int
     say : callable
-        Is told in words what runs next.
+        Called with a description of what runs next.
     """
     sides = {}
     for number, (key, sums) in enumerate(ways.items()):
@@ -181,7 +180,7 @@ def _brightest(flat: FlatScene) -> float:
         # Its colours, and the largest values of its pictures and textures.
         values = [v.maximum() if hasattr(v, "maximum") else v for _, v in light]
         colors = [v for v in values if isinstance(v, tuple) and len(v) == 3]
-        found.append(float(np.prod(np.array(colors), axis=0) @ _LUMINANCE) if colors else 0.0)
+        found.append(float(np.prod(np.array(colors), axis=0) @ LUMINANCE) if colors else 0.0)
     return max(found)
 
 
@@ -206,7 +205,7 @@ def compared(law: str, a: Side, b: Side) -> Iterator[Finding]:
     )
     t, dof = _welch(a, b, lambda side: side.pictures.mean(axis=(1, 2)), side_pixels(a))
     p = min(1.0, 3.0 * float(np.min(student_t_tail(t, dof))))
-    means = [side.pictures.mean(axis=(0, 1, 2)) @ _LUMINANCE for side in (a, b)]
+    means = [side.pictures.mean(axis=(0, 1, 2)) @ LUMINANCE for side in (a, b)]
     detail = f"mean luminance {means[0]:.5g} and {means[1]:.5g}"
     yield Finding("picture", f"{law}, mean", p=p, detail=detail, pictures=pictures)
 
@@ -221,7 +220,7 @@ def block_z(a: Side, b: Side) -> np.ndarray:
 
     def blocks(side: Side) -> np.ndarray:
         s, h, w, _ = side.pictures.shape
-        luminance = side.pictures @ _LUMINANCE
+        luminance = side.pictures @ LUMINANCE
         return luminance.reshape(s, h // BLOCK, BLOCK, w // BLOCK, BLOCK).mean(axis=(2, 4))
 
     t, dof = _welch(a, b, blocks, BLOCK * BLOCK)
@@ -232,7 +231,7 @@ def block_z(a: Side, b: Side) -> np.ndarray:
 def _welch(
     a: Side, b: Side, means: Callable[[Side], np.ndarray], pixels: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Welch's t of means of so many pixels; no variance is below what rare samples would have."""
+    """Welch's t of means of the given pixels; no variance is below what rare samples would have."""
     values = [means(side) for side in (a, b)]
     average = [v.mean(axis=0) for v in values]
     variance = [v.var(axis=0, ddof=1) for v in values]

@@ -55,7 +55,7 @@ def builtin_values(name: str) -> NDArray[np.float32]:
         squared = (x - bx) ** 2 + ((y - by) * tall) ** 2 + ((z - bz) * deep) ** 2
         soft = np.maximum(soft, 1.0 - np.sqrt(squared) / radius)
     rough = sum(0.5**k * _noise(7.0 * 2**k, x, tall * y, deep * z) for k in range(4)) / 1.875
-    # The noise takes away from the balls only, so that nothing is left outside of them.
+    # The noise takes away from the balls only, so that nothing is left outside them.
     eaten = np.maximum(0.03, 0.25 + 1.1 * (rough - 0.5))
     edge = np.clip((soft - eaten) / 0.1, 0.0, 1.0)
     floor = np.clip((y - 0.1) / 0.06, 0.0, 1.0)

@@ -1,6 +1,6 @@
 r"""Pictures that need no file: computed when a scene that names one is loaded.
 
-``file: builtin:sky`` stands for a map of latitude and longitude, as the light ``environment`` takes
+``file: builtin:sky`` means a map of latitude and longitude, as the light ``environment`` takes
 it: a clear sky with some high cloud, a sun and a dull ground. With the angle gamma from the sun and
 the height :math:`\mu = \omega_y` the radiance of the sky is
 
@@ -34,7 +34,7 @@ from alight.core.errors import unknown_name
 
 Array = NDArray[np.float64]
 
-#: What names of such pictures begin with, in the place of a file's name.
+#: Prefix of the names of such pictures, given instead of a file's name.
 PREFIX = "builtin:"
 
 WIDTH, HEIGHT = 1024, 512
@@ -143,7 +143,7 @@ PICTURES: dict[str, Callable[[], NDArray[np.float32]]] = {
 
 
 def is_builtin(name: str) -> bool:
-    """Whether a name in the place of a file's is one of these pictures."""
+    """Whether a name given instead of a file's is one of these pictures."""
     return name.startswith(PREFIX)
 
 

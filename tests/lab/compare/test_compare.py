@@ -119,12 +119,12 @@ def test_limits_decide_the_exit_code(films):
     ("options", "message"),
     [
         (["--fail-above", "relmes=1"], 'unknown figure "relmes"; did you mean "relmse"?'),
-        (["--fail-above", "mse=x"], 'must be FIGURE=NUMBER as relmse=0.01, got "mse=x"'),
+        (["--fail-above", "mse=x"], 'must be FIGURE=NUMBER such as relmse=0.01, got "mse=x"'),
         (["--fail-above", "mse=-1"], "must be FIGURE=NUMBER"),
         (["--fail-above", "flip=1", "--no-flip"], "flip is unknown: FLIP was not asked for"),
         (["--output", "x.pgn"], 'unknown suffix ".pgn"; did you mean ".png"?'),
         (["--output", "nowhere/x.npy"], "does not exist"),
-        (["--exposure", "1000"], "exposure must be auto or lie in"),
+        (["--exposure", "1000"], "--exposure: must be a number in [-100, 100], got 1000"),
         (["--reference", "none.exr"], "there is no such file"),
     ],
 )

@@ -93,8 +93,12 @@ def test_grey_and_alpha_are_said(tmp_path):
     ("name", "content", "message"),
     [
         ("none.exr", None, "there is no such file"),
-        ("text.png", b"hello", "it is no PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
-        ("empty.npy", b"", "it is no PNG"),
+        (
+            "text.png",
+            b"hello",
+            "it is not a PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture",
+        ),
+        ("empty.npy", b"", "it is not a PNG"),
         ("cut.png", b"\x89PNG\r\n\x1a\n\x00\x00", "cannot"),
         ("cut.exr", b"\x76\x2f\x31\x01\x00\x00", "broken"),
     ],

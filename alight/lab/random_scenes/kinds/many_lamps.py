@@ -1,4 +1,4 @@
-"""Many small lamps, of which each is seen and lights what is near: which one is asked matters."""
+"""Many small lamps, each visible and lighting what is near: which one is sampled matters."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def build(draft: Draft) -> None:
     for number in range(count):
         own = chance.named(number)
         at = (own.within(-3.0, 3.0), own.within(0.3, 2.2), own.within(-3.0, 2.0))
-        # Together they give some W/m^2 where each stands about a metre away.
+        # Together they give some W/m^2 where each is about a metre away.
         irradiance = own.scaled(2.0, 20.0) / count
         if own.happens(sized):
             shape, fitted = bodies.any_body(own, shapes)

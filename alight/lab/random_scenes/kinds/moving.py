@@ -9,7 +9,7 @@ from alight.scene.transform import translate
 
 
 def build(draft: Draft) -> None:
-    """Put ground, bodies of which most move, a lamp that may move, and light from all sides."""
+    """Put ground, mostly moving bodies, a lamp that may move, and light from all sides."""
     chance = draft.chance.named("moving")
     draft.moving = 0.8
     draft.ground()

@@ -1,0 +1,216 @@
+"""The parameters of one object, asked for by name and kind; the others are unknown ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import overload
+
+from alight.core.errors import quote, unknown_name
+from alight.formats.mitsuba.elements import Element
+from alight.formats.mitsuba.values import (
+    NotNumbersError,
+    parse_integer,
+    parse_number,
+    parse_numbers,
+)
+from alight.formats.report import Report
+
+#: Elements that give a value to a parameter.
+VALUES = ("float", "integer", "boolean", "string", "point", "vector", "transform", "animation")
+COLORS = ("rgb", "srgb", "spectrum", "blackbody")
+#: Elements that are objects of their own.
+OBJECTS = (
+    "bsdf",
+    "emitter",
+    "film",
+    "integrator",
+    "medium",
+    "phase",
+    "ref",
+    "rfilter",
+    "sampler",
+    "sensor",
+    "shape",
+    "subsurface",
+    "texture",
+    "volume",
+)
+#: Objects about what is below surfaces, beside media.
+BELOW = ("subsurface",)
+
+
+class Properties:
+    """Reads the children of an object's element.
+
+    Parameters
+    ----------
+    element : Element
+        The object.
+    report : Report
+        Receives problems.
+
+    Attributes
+    ----------
+    objects : list of Element
+        Nested objects without a name, and those named ``bsdf``, ``emitter`` and the like: they have
+        a role, not a name that matters. `take` removes them.
+    """
+
+    def __init__(self, element: Element, report: Report) -> None:
+        self.element = element
+        self.report = report
+        self.named: dict[str, Element] = {}
+        self.objects: list[Element] = []
+        self.asked: dict[str, None] = {}
+        for child in element.children:
+            self._enter(child)
+
+    def _enter(self, child: Element) -> None:
+        if child.tag in OBJECTS and (not child.name or child.tag not in ("texture", "ref")):
+            self.objects.append(child)
+        elif child.tag not in (*VALUES, *COLORS, *OBJECTS):
+            known = unknown_name("element", child.tag, (*VALUES, *COLORS, *OBJECTS))
+            self.report.error(child, known)
+        elif not child.name:
+            self.report.error(child, "needs the attribute name")
+        elif child.name in self.named:
+            first = self.named[child.name].place
+            self.report.error(child, f"is given twice, first at {first}")
+        else:
+            self.named[child.name] = child
+
+    def find(self, name: str) -> Element | None:
+        """Ask for a parameter."""
+        self.asked[name] = None
+        return self.named.get(name)
+
+    def has(self, name: str) -> bool:
+        """Tell whether a parameter is given, without asking for it."""
+        return name in self.named
+
+    def value(self, name: str, *tags: str) -> tuple[Element, str] | None:
+        """Ask for the text of a parameter that must be of one of the given kinds."""
+        element = self.find(name)
+        if element is None:
+            return None
+        if element.tag not in tags:
+            wanted = " or ".join(f"<{tag}>" for tag in tags)
+            self.report.error(element, f"must be given as {wanted}, got <{element.tag}>")
+            return None
+        if "value" not in element:
+            self.report.error(element, "needs the attribute value")
+            return None
+        return element, element.attributes["value"]
+
+    @overload
+    def number(self, name: str, default: float) -> float: ...
+    @overload
+    def number(self, name: str, default: float | None = None) -> float | None: ...
+    def number(self, name: str, default: float | None = None) -> float | None:
+        """Ask for a number."""
+        found = self.value(name, "float", "integer")
+        try:
+            return default if found is None else parse_number(found[1])
+        except NotNumbersError as error:
+            assert found is not None
+            self.report.error(found[0], str(error))
+            return default
+
+    def integer(self, name: str, default: int | None = None) -> int | None:
+        """Ask for a whole number."""
+        found = self.value(name, "integer")
+        try:
+            return default if found is None else parse_integer(found[1])
+        except NotNumbersError as error:
+            assert found is not None
+            self.report.error(found[0], str(error))
+            return default
+
+    def flag(self, name: str, default: bool = False) -> bool:
+        """Ask for a truth value."""
+        found = self.value(name, "boolean")
+        if found is None:
+            return default
+        word = found[1].strip().lower()
+        if word not in ("true", "false"):
+            self.report.error(found[0], f"must be true or false, got {quote(found[1])}")
+            return default
+        return word == "true"
+
+    def text(self, name: str, default: str = "", choices: Sequence[str] = ()) -> str:
+        """Ask for a text, one of `choices` if there are any."""
+        found = self.value(name, "string")
+        if found is None:
+            return default
+        if choices and found[1] not in choices:
+            known = unknown_name(name.replace("_", " "), found[1], choices, listed_as="covered")
+            self.report.not_covered(found[0], known, f"{default} is taken")
+            return default
+        return found[1]
+
+    def triple(self, name: str) -> list[float] | None:
+        """Ask for a point or vector."""
+        element = self.find(name)
+        if element is None:
+            return None
+        if element.tag not in ("point", "vector"):
+            self.report.error(element, f"must be given as <point>, got <{element.tag}>")
+            return None
+        try:
+            return coordinates(element, 0.0)
+        except NotNumbersError as error:
+            self.report.error(element, str(error))
+            return None
+
+    def ignore(self, why: str, *names: str) -> None:
+        """Take parameters that do not change the picture, with a remark."""
+        for name in names:
+            element = self.find(name)
+            if element is not None:
+                self.report.note(element, f"is not used: {why}")
+
+    def only(self, name: str, accepted: bool, why: str) -> None:
+        """Take a flag that may only have one value."""
+        element = self.find(name)
+        if element is None or self.flag(name, accepted) == accepted:
+            return
+        self.report.not_covered(element, f"is not covered: {why}", "ignored")
+
+    def take(self, *tags: str) -> list[Element]:
+        """Nested objects of the given kinds."""
+        found = [element for element in self.objects if element.tag in tags]
+        self.objects = [element for element in self.objects if element.tag not in tags]
+        if "ref" in tags:
+            # References may have a name without a meaning: <ref name="bsdf" .../>.
+            for name, element in self.named.items():
+                if element.tag == "ref" and name not in self.asked:
+                    self.asked[name] = None
+                    found.append(element)
+        return found
+
+    def finish(self) -> None:
+        """Report whatever has not been asked for."""
+        for name, element in self.named.items():
+            if name not in self.asked:
+                known = unknown_name("parameter", name, self.asked, listed_as="parameters")
+                self.report.not_covered(element, known, "ignored")
+        for element in self.objects:
+            text = f"has no use in {self.element.label}"
+            if element.tag in BELOW:
+                text = "is not covered: give the shape an interior medium"
+            self.report.not_covered(element, text, "ignored")
+
+
+def coordinates(element: Element, missing: float) -> list[float]:
+    """Read ``x``, ``y``, ``z``, or three numbers (or one for all) in ``value``.
+
+    Raises
+    ------
+    NotNumbersError
+        If they are none.
+    """
+    if "value" in element:
+        numbers = parse_numbers(element.attributes["value"], 1, 3)
+        return numbers * 3 if len(numbers) == 1 else numbers
+    axes = [element.attributes.get(axis) for axis in "xyz"]
+    return [missing if axis is None else parse_number(axis) for axis in axes]

@@ -1,0 +1,205 @@
+"""OBJ files opened by themselves: groups, materials, with light and a camera around them.
+
+A node is made for each group and material. Without vertex normals a surface is shaded flat, unless
+a smoothing group is on; then the normals of the faces around a vertex are averaged.
+
+Source: Wavefront Technologies, Object files (.obj), appendix B1 of the Advanced Visualizer manual.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
+from alight.formats import mtl
+from alight.formats.glow import Glow
+from alight.formats.names import free_name
+from alight.formats.parsed import Parsed
+from alight.formats.reach import OutOfReachError, Reach
+from alight.formats.report import Report
+from alight.formats.surfaces import Surface, plain_surface
+from alight.formats.surroundings import Bounds, add_camera, add_light
+from alight.meshes import obj
+from alight.meshes.normals import vertex_normals
+from alight.scene.build import FORMAT_VERSION
+from alight.scene.meshes import mesh_problem
+from alight.shapes.mesh import Mesh
+
+MOST_LIBRARY_BYTES = 16 * 2**20
+#: Of free-form curves and surfaces.
+_FREE_FORM = dict.fromkeys(
+    (
+        "bmat", "bsp", "bzp", "cdc", "cdp", "con", "cstype", "curv", "curv2", "deg", "end", "hole",
+        "parm", "res", "scrv", "sp", "step", "surf", "trim", "vp",
+    ),
+    "curves and free-form surfaces are not covered",
+)  # fmt: skip
+#: About how other programs draw.
+_OF_DRAWING = dict.fromkeys(
+    (
+        "bevel", "c_interp", "ctech", "d_interp", "lod", "maplib", "mg", "shadow_obj", "stech",
+        "trace_obj", "usemap",
+    ),
+    "plays no part",
+)  # fmt: skip
+_KNOWN = ("f", "g", "l", "mtllib", "o", "p", "s", "usemtl", "v", "vn", "vt")
+
+
+@dataclass
+class _Part:
+    """Faces that share a group, a material and a way of shading."""
+
+    group: str
+    material: str
+    smooth: bool
+    faces: list[tuple[int, int]] = field(default_factory=list)
+
+
+def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
+    """Read an OBJ file as a scene.
+
+    Parameters
+    ----------
+    data, name : bytes and str
+        Content of the file, and its name for messages.
+    reach : Reach, optional
+        Where material libraries and pictures may lie; the current folder by default.
+
+    Raises
+    ------
+    SceneError
+        If the file is broken; messages name the line.
+    """
+    report, reach = Report(), reach or Reach()
+    try:
+        content = obj.parse(data)
+    except SceneError as error:
+        raise SceneError([_with_line(issue.message, name) for issue in error.issues]) from None
+    materials: dict[str, Surface] = {}
+    parts = _parts(content, name, reach, report, materials)
+    if report.issues:
+        raise SceneError(report.issues)
+    bounds, glow, nodes, bsdfs = Bounds(), Glow(reach.folder), {}, {}
+    names: dict[str, str] = {}
+    places = {"": name}
+    for part in parts:
+        mesh = _mesh(content, part, name, report)
+        if mesh is None:
+            continue
+        assert mesh.vertices is not None
+        bounds.add(mesh.vertices, np.eye(4))
+        material = materials.get(part.material)
+        surface = material or plain_surface(mesh.colors is not None)
+        key = part.material if material else f"grey {mesh.colors is not None}"
+        if key not in names:
+            names[key] = free_name(part.material if material else "grey", bsdfs, "material")
+            bsdfs[names[key]] = surface.bsdf
+            if material is not None:
+                places[join_path("bsdfs", names[key])] = material.place
+        if surface.emission is not None:
+            glow.add(mesh, np.eye(4), surface.emission)
+        node = {"shape": mesh, "bsdf": names[key], **surface.light}
+        nodes[free_name(part.group, nodes, "mesh")] = node
+        report.count("meshes")
+    if not nodes:
+        points = len(content.tables[b"v"])
+        found = f"{points} points without a face" if points else "an empty mesh"
+        raise SceneError([Issue("", f"must hold at least one triangle, got {found}", name)])
+    report.count("materials", len(materials))
+    scene: dict[str, Any] = {"alight": FORMAT_VERSION, "bsdfs": bsdfs, "nodes": nodes}
+    if not glow.suffices(bounds):
+        add_light(scene, report, shines=glow.total > 0.0)
+    add_camera(scene, report, bounds)
+    return Parsed.of(scene, places, report, framed=bounds)
+
+
+def _with_line(message: str, name: str) -> Issue:
+    """A problem of the file, with the line that its message begins with as its place."""
+    found = re.fullmatch(r"line (\d+): (.*)", message, re.DOTALL)
+    return Issue("", found[2], f"{name}:{found[1]}:1") if found else Issue("", message, name)
+
+
+def _parts(
+    content: obj.Content,
+    name: str,
+    reach: Reach,
+    report: Report,
+    materials: dict[str, Surface],
+) -> list[_Part]:
+    """Ranges of faces by group and material, in the order of their first face."""
+    parts: dict[tuple[str, str, bool], _Part] = {}
+    group, material, smooth, start = "", "", False, 0
+    used: dict[str, str] = {}
+    end = obj.Statement([b""], 0, len(content.sizes))
+    for words, line, faces in [*content.statements, end]:
+        if faces > start:
+            part = parts.setdefault((group, material, smooth), _Part(group, material, smooth))
+            part.faces.append((start, faces))
+            start = faces
+        texts = [obj.decoded(word) for word in words]
+        rest = " ".join(texts[1:])
+        if words[0] in (b"g", b"o"):
+            group = rest
+        elif words[0] == b"usemtl":
+            material = rest
+            used.setdefault(material, f"{name}:{line}:1")
+        elif words[0] == b"s":
+            smooth = rest not in ("off", "0", "")
+        elif words[0] == b"mtllib":
+            _library(rest, f"{name}:{line}:1", reach, report, materials)
+        elif words[0] in (b"l", b"p"):
+            report.drop("points and lines have no surface")
+        elif texts[0]:
+            report.leave_out(
+                f"{name}:{line}:1", texts[0], "statement",
+                dropped=_OF_DRAWING, approximated=_FREE_FORM, known=_KNOWN,
+            )  # fmt: skip
+    if (content.sizes < 3).any():
+        report.drop("faces of fewer than 3 corners have no surface")
+    if used and not any(words[0] == b"mtllib" for words, _, _ in content.statements):
+        report.approximate(f"{name}: names materials but no library (mtllib): all is grey")
+    for material, place in used.items():
+        if material not in materials and materials:
+            known = unknown_name("material", material, materials).partition("  (")[0]
+            report.approximate(f"{place}: {known}; its faces are grey")
+    return list(parts.values())
+
+
+def _library(
+    text: str, place: str, reach: Reach, report: Report, materials: dict[str, Surface]
+) -> None:
+    """Read the libraries of a statement: one name with spaces, or several names."""
+    is_one = text.lower().rstrip('"').endswith(".mtl") and ".mtl " not in text.lower()
+    for name in [text] if is_one else text.split():
+        try:
+            path = mtl.find(name, place, reach, report)
+        except OutOfReachError as error:
+            report.approximate(f"{place}: {error}; its materials are grey")
+            continue
+        try:
+            if path.stat().st_size > MOST_LIBRARY_BYTES:
+                raise mtl.broken(place, f"{quote(name)} must be at most 16 MB")
+            content = obj.decoded(path.read_bytes())
+        except OSError as error:
+            raise mtl.broken(place, f"cannot read {quote(name)}: {error.strerror}") from None
+        materials.update(mtl.read(content, path.name, reach.from_folder(path.parent), report))
+
+
+def _mesh(content: obj.Content, part: _Part, name: str, report: Report) -> Mesh | None:
+    """The mesh of a part; None if it has no triangle."""
+    arrays = content.mesh(part.faces)
+    if len(arrays.faces) == 0:
+        return None
+    for kind in content.partly(part.faces):
+        group = f"{quote(part.group)}: " if part.group else ""
+        report.approximate(f"{name}: {group}only some faces have {kind}: none is used")
+    problem = mesh_problem(arrays)
+    if problem:
+        raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])
+    if arrays.normals is None and part.smooth:
+        arrays = arrays._replace(normals=vertex_normals(arrays.vertices, arrays.faces))
+    return Mesh(**arrays._asdict())

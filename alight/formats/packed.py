@@ -1,0 +1,37 @@
+"""The bytes of a file, unpacked if its name ends in ``.gz``."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from pathlib import Path
+
+from alight.core.errors import quote
+from alight.formats.reach import OutOfReachError
+
+
+def content_of(path: Path, most: int) -> bytes:
+    """Read a file.
+
+    Parameters
+    ----------
+    path : Path
+    most : int
+        Bytes that it may have, unpacked.
+
+    Raises
+    ------
+    OutOfReachError
+        If it cannot be read or unpacked, or is larger.
+    """
+    try:
+        with path.open("rb") as file:
+            packed = path.suffix.lower() == ".gz"
+            data = (gzip.GzipFile(fileobj=file) if packed else file).read(most + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        reason = " ".join(str(getattr(error, "strerror", None) or error).split())
+        raise OutOfReachError(f"cannot read {quote(path.name)}: {reason}") from None
+    if len(data) > most:
+        text = f"{quote(path.name)} must be at most {most / 2**20:.0f} MB"
+        raise OutOfReachError(text)
+    return data

@@ -1,0 +1,466 @@
+"""``Material`` and ``MakeNamedMaterial`` -> materials of the native format.
+
+Those of pbrt that reflect look the same from both sides, hence ``two_sided``. Facets follow
+Trowbridge and Reitz' distribution (GGX); ``roughness`` is remapped to alpha unless the file asks
+for alpha itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from alight.core.errors import join_path, unknown_name
+from alight.formats.pbrt.colors import INDICES
+from alight.formats.pbrt.context import Context, Data
+from alight.formats.pbrt.directives import Directive, Parameter
+from alight.formats.pbrt.heights import height_of
+from alight.formats.pbrt.parameters import Parameters
+from alight.formats.pbrt.textures import Role, Source, TextureItem, Value, entry, product
+from alight.formats.pbrt.walks import LEAST_ALPHA, Coat, base_of_walk
+from alight.formats.reach import OutOfReachError
+from alight.formats.substances import SUBSTANCES, diffuse_reflectance
+from alight.formats.surfaces import LARGEST_IOR, reflectance, two_sided
+
+#: pbrt treats what is smoother as a mirror.
+SMOOTH = 1e-3
+SMALLEST_ETA = 1e-6
+MOST_LEVELS = 12
+#: Endings of pictures whose numbers have no limit.
+FLOATS = (".exr", ".hdr", ".pfm", ".npy")
+#: Rougher coats over a matte base are warned of.
+LARGEST_ALPHA = 0.15
+
+
+@dataclass(eq=False)
+class MaterialItem:
+    """A material of the file, with the textures that it refers to.
+
+    Attributes
+    ----------
+    directive : Directive
+    kind : str
+        What kind of material it is.
+    name : str
+        How it is called here.
+    defaults : list of Parameter
+        Of ``Attribute``.
+    bound : dict of str to TextureItem
+        By the name of the parameter.
+    space : str
+        Colour space of its RGB values.
+    """
+
+    directive: Directive
+    kind: str
+    name: str
+    defaults: list[Parameter] = field(default_factory=list)
+    bound: dict[str, TextureItem] = field(default_factory=dict)
+    space: str = "srgb"
+    native: str | None = None
+    is_open: bool = False
+
+
+@dataclass
+class Making(Source):
+    """A material in the making, which may hold others."""
+
+    named: Mapping[str, MaterialItem] = field(default_factory=dict)
+    levels: int = 0
+
+    def color(self, name: str, default: Value | None, role: Role = "reflectance") -> Value | None:
+        """Ask for a colour; textures of reflectances end at 1, in pbrt 3 numbers too."""
+        found = super().color(name, default, role)
+        if role != "reflectance" or found is None or found is default:
+            return found
+        if isinstance(found, list):
+            if not self.context.old:
+                return found
+            if max(found) > 1.0:
+                shown = ", ".join(f"{channel:g}" for channel in found)
+                text = f"reflects more than it gets, [{shown}]: it is cut at 1"
+                self.p.report.warn(self.p.named[name], text)
+            return [min(channel, 1.0) for channel in found]
+        return (
+            entry(self, {"type": "clamp", "texture": found}) if self._may_exceed(found) else found
+        )
+
+    def _may_exceed(self, name: str) -> bool:
+        """Whether a texture may be brighter than 1, as far as is known before files are read."""
+        stack, table = [name], self.context.tables["textures"]
+        while stack:
+            data = table[stack.pop()]
+            parts = [data[key] for key in ("a", "b", "texture", "weight") if key in data]
+            stack += [part for part in parts if isinstance(part, str)]
+            bright = any(isinstance(part, list) and max(part) > 1.0 for part in parts)
+            if bright or str(data.get("file", "")).lower().endswith(FLOATS):
+                return True
+        return False
+
+    def warn(self, text: str) -> None:
+        """Remark on what is not the same here."""
+        self.p.report.warn(self.p.directive, text)
+
+    def nested(self, name: str, parameter: Parameter) -> str:
+        """The native name of another material."""
+        item = self.named.get(name)
+        if item is None:
+            message = unknown_name("material", name, self.named, listed_as="named materials")
+            self.p.report.error(parameter, message)
+        elif item.is_open or self.levels > MOST_LEVELS:
+            self.p.report.error(parameter, "contains itself, or is nested too deeply")
+        else:
+            return material_name(self.context, item, self.named, self.levels + 1)
+        return material_name(self.context, default_material(), self.named)
+
+
+def default_material() -> MaterialItem:
+    """What surfaces without a material are made of."""
+    return MaterialItem(Directive("Material", "", ["diffuse"]), "diffuse", "default")
+
+
+def material_name(
+    context: Context, item: MaterialItem, named: Mapping[str, MaterialItem], levels: int = 0
+) -> str:
+    """The name of a material in the table ``bsdfs``, where it is put when it is first used."""
+    if item.native is None:
+        name = context.name("bsdfs", item.name)
+        # Its place in the order comes before the parts that it is made of.
+        context.tables["bsdfs"][name] = {}
+        path = join_path("bsdfs", name)
+        if item.directive.place:
+            context.places[path] = item.directive.place
+        space, context.colors.space = context.colors.space, item.space
+        p = Parameters(item.directive, context.report, item.defaults)
+        making = Making(context, p, item.bound, path, named=named, levels=levels)
+        item.is_open = True
+        context.tables["bsdfs"][name] = _converted(making, item)
+        item.is_open = False
+        item.native = name
+        context.colors.space = space
+    return item.native
+
+
+def _converted(m: Making, item: MaterialItem) -> Data:
+    materials = m.context.materials
+    if item.kind not in materials:
+        known = [name for name in materials if name]
+        m.p.report.unknown(m.p.directive, "material", item.kind, known, "grey 0.5 is taken")
+        return two_sided({"type": "diffuse"})
+    # Its own name, in MakeNamedMaterial.
+    m.p.find("type")
+    data = materials[item.kind](m)
+    data = _bumpy(m, data)
+    m.p.finish()
+    return data
+
+
+def _bumpy(m: Making, data: Data) -> Data:
+    """Put a bump or normal map around a material."""
+    name = "displacement" if m.p.has("displacement") else "bumpmap"
+    factor, height = height_of(m, name)
+    if isinstance(height, str) and factor:
+        scale = {"scale": factor} if factor != 1.0 else {}
+        data = {"type": "bump_map", "texture": height, **scale, "bsdf": data}
+    found = m.p.values("normalmap", "string", count=1)
+    if found is None:
+        return data
+    try:
+        file = m.context.reach.name_of(m.context.reach.find(found.values[0]))
+    except OutOfReachError as error:
+        m.p.report.error(found, str(error))
+        return data
+    texture = {"type": "bitmap", "file": file, "color_space": "linear"}
+    return {"type": "normal_map", "texture": texture, "bsdf": data}
+
+
+def alpha_of(roughness: float, old: bool) -> float:
+    """Remap a roughness in [0, 1] to alpha, as pbrt 4 (a root) or pbrt 3 (a polynomial) does."""
+    if not old:
+        return math.sqrt(max(roughness, 0.0))
+    x = math.log(max(roughness, 1e-3))
+    return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
+
+
+def alphas(m: Making, default: float, prefix: str = "") -> tuple[float | str, float | str]:
+    """Ask for the roughness along u and v; alpha, below `SMOOTH` for a mirror."""
+    old = m.context.old
+    both = m.number(f"{prefix}roughness", default)
+    remapped = m.p.flag("remaproughness", True)
+    found = []
+    for axis in "uv":
+        value = m.number(f"{prefix}{axis}roughness", None)
+        value = both if value is None else value
+        value = default if value is None else value
+        if isinstance(value, str):
+            if remapped:
+                m.warn("has a texture of roughness, which is taken as alpha without remapping")
+        elif old and value == 0.0:
+            # A mirror in pbrt 3, whatever the polynomial says.
+            value = 0.0
+        elif remapped:
+            value = alpha_of(value, old)
+        if isinstance(value, float) and value > 1.0:
+            m.warn(f"is rougher than can be: alpha {value:.3g} became 1")
+        found.append(min(max(value, 0.0), 1.0) if isinstance(value, float) else value)
+    names = [f"{prefix}{axis}roughness" for axis in ("", "u", "v")]
+    for parameter in (m.p.named[name] for name in names if m.p.has(name)):
+        if parameter.kind == "float" and float(parameter.values[0]) < 0.0:
+            m.p.report.error(parameter, f"must be >= 0, got {float(parameter.values[0]):g}")
+    return found[0], found[1]
+
+
+def is_smooth(*found: float | str) -> bool:
+    """Whether pbrt shows a mirror."""
+    return all(isinstance(alpha, float) and alpha < SMOOTH for alpha in found)
+
+
+def facets(u: float | str, v: float | str) -> Data:
+    """The keys of a rough surface."""
+    keys: Data = {"distribution": "ggx"}
+    u, v = (max(a, 1e-4) if isinstance(a, float) else a for a in (u, v))
+    return keys | ({"alpha": u} if u == v else {"alpha_u": u, "alpha_v": v})
+
+
+def one_alpha(m: Making, u: float | str, v: float | str) -> float | str:
+    """One roughness for both directions."""
+    if u == v or isinstance(u, str) or isinstance(v, str):
+        return u
+    m.warn("is rougher in one direction: the geometric mean is taken")
+    return math.sqrt(u * v)
+
+
+def coat(m: Making, alpha: float | str, base: Value, eta: float, specular: Value | None) -> Data:
+    """A clear coat over a matte base."""
+    data: Data = {"diffuse_reflectance": base, "int_ior": eta, "ext_ior": 1.0}
+    if specular is not None:
+        data["specular_reflectance"] = specular
+    if is_smooth(alpha):
+        return {"type": "plastic", **data}
+    alpha = max(alpha, 1e-4) if isinstance(alpha, float) else alpha
+    return {"type": "rough_plastic", "distribution": "ggx", "alpha": alpha, **data}
+
+
+def index(m: Making, name: str, default: float = 1.5) -> float:
+    """Ask for an index of refraction: a number, or the name of a glass."""
+    found = m.p.find(name)
+    if found is None or found.kind == "float" or found.kind == "texture":
+        value = m.plain_number(name, default)
+    else:
+        color = m.context.colors.read(found, "index") or [default] * 3
+        value = color[1]
+        if not (found.is_text and found.values[0] in INDICES):
+            m.warn("bends all colours alike: there is no dispersion")
+    if not 1e-3 < value < 1e3:
+        if found is not None:
+            m.p.report.error(found, f"must be in [0.001, 1000], got {value:g}")
+        return default
+    return value
+
+
+def metal(m: Making, names: tuple[str, str], reflectance: str | None) -> Data:
+    """The keys of a conductor: eta and k, or those that reflect a given colour straight on."""
+    found = m.color(reflectance, None) if reflectance else None
+    if isinstance(found, str):
+        m.warn("reflects a texture alike at all angles")
+        return {"eta": [SMALLEST_ETA] * 3, "k": [1.0] * 3, "specular_reflectance": found}
+    if found is not None:
+        # pbrt's choice: eta = 1 and k = 2 sqrt(r / (1 - r)).
+        r = [min(max(channel, 0.0), 0.9999) for channel in found]
+        return {"eta": [1.0] * 3, "k": [2.0 * math.sqrt(x / (1.0 - x)) for x in r]}
+    pair = []
+    for name, default in zip(names, ("metal-Cu-eta", "metal-Cu-k"), strict=True):
+        value = m.color(name, list(INDICES[default]), "index")
+        if isinstance(value, str):
+            m.warn(f"has a texture of {name}: copper is taken")
+            value = None
+        pair.append(list(value or INDICES[default]))
+    return {"eta": [max(c, SMALLEST_ETA) for c in pair[0]], "k": pair[1]}
+
+
+def _diffuse(m: Making) -> Data:
+    return two_sided({"type": "diffuse", "reflectance": m.color("reflectance", [0.5] * 3)})
+
+
+def _coated_diffuse(m: Making) -> Data:
+    alpha = one_alpha(m, *alphas(m, 0.0))
+    base = m.color("reflectance", [0.5] * 3) or [0.5] * 3
+    walk = _walk(m)
+    eta = index(m, "eta")
+    if isinstance(alpha, float):
+        base = _base_of_walk(m, base, Coat(alpha, eta, *walk))
+    else:
+        m.warn("has a texture of roughness: the coat is clear, and light goes round without end")
+    # Light goes round between the layers, tinted each time.
+    return two_sided({**coat(m, alpha, base, eta, None), "nonlinear": True})
+
+
+def _base_of_walk(m: Making, base: Value, coat: Coat) -> Value:
+    """The base that looks as pbrt's does under its coat; see `alight.formats.pbrt.walks`."""
+    if coat.alpha > LARGEST_ALPHA:
+        m.warn(
+            "has a rough coat over a matte base: as bright as in pbrt within 0.01 up to 70 degrees"
+            " for roughnesses up to 0.25, and too dark towards the rim (0.04 at 84 degrees for 0.1)"
+        )
+    if isinstance(base, str):
+        m.warn(
+            "has a texture below a coat: right where its albedo is 0.7, too bright by up to 0.05"
+            " where it is white"
+        )
+        return product(m, base, [base_of_walk([0.7], coat)[0] / 0.7] * 3)
+    return base_of_walk(base, coat)
+
+
+def _walk(m: Making) -> tuple[float, int]:
+    """Optical thickness of what lies between the layers, and how often light meets the base."""
+    thickness = min(max(m.plain_number("thickness", 0.01), 0.0), 1e3)
+    depth = m.p.integer("maxdepth", 10)
+    m.p.ignore("the layers are solved without random walks", "nsamples", "twosided")
+    m.p.leave_out("nothing scatters between the layers", "albedo", "g")
+    # Each second event of pbrt's walk is one at the base.
+    return thickness, min(max((depth + 1) // 2, 1), 1000)
+
+
+def _conductor(m: Making) -> Data:
+    keys = metal(m, ("eta", "k"), "reflectance")
+    u, v = alphas(m, 0.0)
+    if is_smooth(u, v):
+        return two_sided({"type": "conductor", **keys})
+    return two_sided({"type": "rough_conductor", **keys, **facets(u, v)})
+
+
+def _coated_conductor(m: Making) -> Data:
+    outer = one_alpha(m, *alphas(m, 0.0, "interface."))
+    inner = one_alpha(m, *alphas(m, 0.0, "conductor."))
+    eta = index(m, "interface.eta")
+    keys = metal(m, ("conductor.eta", "conductor.k"), "reflectance")
+    thickness, bounces = _walk(m)
+    tint = keys.pop("specular_reflectance", None)
+    if tint is not None or isinstance(outer, str) or isinstance(inner, str):
+        return two_sided(_principled_layers(m, keys, (outer, inner), eta, tint))
+    ior = min(max(eta, 1.01), LARGEST_IOR)
+    if ior != eta:
+        m.warn(f"has a coat of index {eta:g}, which is taken as {ior:g}")
+    m.warn(
+        "reflects as much as in pbrt within 0.01 of the light, all rounds between the layers"
+        " summed up; how a rough coat spreads it at grazing angles differs"
+    )
+    layers = {"int_ior": ior, "ext_ior": 1.0, "thickness": thickness, "bounces": bounces}
+    rough = {"alpha": max(inner, LEAST_ALPHA), "coat_alpha": max(outer, LEAST_ALPHA)}
+    return two_sided({"type": "coated_conductor", **keys, **layers, **rough})
+
+
+def _principled_layers(
+    m: Making, keys: Data, rough: tuple[float | str, float | str], eta: float, tint: Value | None
+) -> Data:
+    """A coated metal with textures: the albedo of its layers cannot be tabulated."""
+    m.warn(
+        "has textures, so it becomes a principled metal under a clear coat of index 1.5, in which"
+        " no light is lost: too bright, by up to 0.5 where both layers are rough"
+    )
+    eta_k = zip(keys["eta"], keys["k"], strict=True)
+    color = [reflectance(e / eta, k / eta) for e, k in eta_k] if tint is None else tint
+    return {
+        "type": "principled",
+        "base_color": color,
+        "metallic": 1.0,
+        "roughness": root(rough[1]),
+        "clearcoat": 1.0,
+        "clearcoat_roughness": root(rough[0]),
+    }
+
+
+def root(alpha: float | str) -> float | str:
+    """The roughness of which alpha is the square."""
+    return math.sqrt(alpha) if isinstance(alpha, float) else alpha
+
+
+def _dielectric(m: Making) -> Data:
+    eta = index(m, "eta")
+    u, v = alphas(m, 0.0)
+    data: Data = {"int_ior": eta, "ext_ior": 1.0}
+    if is_smooth(u, v):
+        return {"type": "dielectric", **data}
+    return {"type": "rough_dielectric", **data, **facets(u, v)}
+
+
+def _thin_dielectric(m: Making) -> Data:
+    return {"type": "thin_dielectric", "int_ior": index(m, "eta"), "ext_ior": 1.0}
+
+
+def _diffuse_transmission(m: Making) -> Data:
+    scale = m.p.number("scale", 1.0)
+    found = {}
+    for key in ("reflectance", "transmittance"):
+        value = m.color(key, [0.25] * 3) or [0.25] * 3
+        if isinstance(value, list):
+            value = [scale * channel for channel in value]
+        elif scale != 1.0:
+            m.warn(f"has a texture of {key}, which is not scaled")
+        found[key] = value
+    return {"type": "diffuse_transmission", **found}
+
+
+def _interface(m: Making) -> Data:
+    return {"type": "null"}
+
+
+def _mix(m: Making) -> Data:
+    amount = m.number("amount", 0.5)
+    amount = 0.5 if amount is None else amount
+    if m.context.old or m.p.has("namedmaterial1"):
+        parameters = [m.p.values(f"namedmaterial{i}", "string", count=1) for i in (2, 1)]
+        names = [(str(p.values[0]), p) for p in parameters if p is not None]
+    else:
+        found = m.p.values("materials", "string", count=2)
+        names = [(str(name), found) for name in found.values] if found is not None else []
+    if len(names) != 2:
+        m.p.report.error(m.p.directive, "must name two materials")
+        return two_sided({"type": "diffuse"})
+    if isinstance(amount, float) and not 0.0 <= amount <= 1.0:
+        m.p.report.error(m.p.named["amount"], f"must be in [0, 1], got {amount:g}")
+        amount = 0.5
+    # Of pbrt 4's materials the second one has the amount, of pbrt 3's the first.
+    return {
+        "type": "blend",
+        "weight": amount,
+        "bsdfs": [m.nested(name, parameter) for name, parameter in names],
+    }
+
+
+def _subsurface(m: Making) -> Data:
+    base = m.color("reflectance", None) or m.color("Kd", None)
+    eta = index(m, "eta", 1.33)
+    alpha = one_alpha(m, *alphas(m, 0.0))
+    name = m.p.text("name")
+    usual = SUBSTANCES.get(name, SUBSTANCES["Wholemilk"])
+    scattered = m.color("sigma_s", list(usual[0]), "index")
+    absorbed = m.color("sigma_a", list(usual[1]), "index")
+    m.p.ignore("light leaves where it enters", "scale", "mfp", "g", "Kr", "Kt")
+    if name and name not in SUBSTANCES:
+        known = unknown_name("medium", name, SUBSTANCES, listed_as="known")
+        m.p.report.warn(m.p.named["name"], f"{known.partition('  (')[0]}: 0.7 is taken")
+        base = base or [0.7] * 3
+    if base is None and isinstance(absorbed, list) and isinstance(scattered, list):
+        base = [diffuse_reflectance(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
+    m.warn("scatters below the surface: a coat over a matte base is taken")
+    return two_sided({**coat(m, alpha, base or [0.7] * 3, eta, None), "nonlinear": True})
+
+
+#: Materials of pbrt that alight has models for, but for most of those that only pbrt 3 has.
+COVERED: dict[str, Callable[[Making], Data]] = {
+    "": _interface,
+    "coatedconductor": _coated_conductor,
+    "coateddiffuse": _coated_diffuse,
+    "conductor": _conductor,
+    "dielectric": _dielectric,
+    "diffuse": _diffuse,
+    "diffusetransmission": _diffuse_transmission,
+    "interface": _interface,
+    "kdsubsurface": _subsurface,
+    "mix": _mix,
+    "none": _interface,
+    "subsurface": _subsurface,
+    "thindielectric": _thin_dielectric,
+}

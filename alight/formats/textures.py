@@ -1,0 +1,110 @@
+"""What readers make of textures: pictures, their channels, and sums and products with numbers.
+
+A value is a number, a colour (a list of three numbers) or the description of a texture.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from alight.core.spec import invalid
+from alight.outputs.texels import decode_texels
+from alight.textures.images import Image, as_image, size_problem
+
+Data = dict[str, Any]
+
+
+def packed_picture(data: bytes | memoryview) -> Image:
+    """Decode a picture that lies inside of another file.
+
+    Parameters
+    ----------
+    data : bytes or memoryview
+        PNG, JPEG or another format that `decode_texels` reads.
+
+    Raises
+    ------
+    PydanticCustomError
+        If it is larger than textures may be; the size is looked at before it is decoded.
+    OSError, ValueError
+        If it is broken.
+    """
+    texels = decode_texels(data, _check_size)
+    texels.setflags(write=False)
+    return as_image(texels)
+
+
+def _check_size(width: int, height: int) -> None:
+    problem = size_problem(width, height)
+    if problem:
+        raise invalid(problem)
+
+
+def bitmap(picture: str | Image, space: str = "auto") -> Data:
+    """A picture, by the name of its file or with its texels, in a colour space."""
+    data: Data = {"type": "bitmap"}
+    data |= {"file": picture} if isinstance(picture, str) else {"pixels": picture}
+    return data if space == "auto" else data | {"color_space": space}
+
+
+def wrapped(u: str, v: str) -> Data:
+    """The keys for what is beyond the edges of a picture along u and v."""
+    return {"wrap": u} if u == v else {"wrap": u, "wrap_v": v}
+
+
+def channel(texture: Data, name: str) -> Data:
+    """One channel of a texture: r, g, b or a."""
+    return {"type": "channel", "texture": texture, "channel": name}
+
+
+def scaled(factor: float, texture: Data | None, of: str) -> Any:
+    """A number times a channel of a texture."""
+    if texture is None or factor == 0.0:
+        return factor
+    return multiplied(factor, channel(texture, of))
+
+
+def complement(value: float | Data) -> Any:
+    """1 minus a number or a texture."""
+    if isinstance(value, float):
+        return 1.0 - value
+    return between(1.0, 0.0, value)
+
+
+def between(low: float, high: float, share: Data) -> Data:
+    """From one number where a texture is 0 to another where it is 1."""
+    return {"type": "mix", "a": low, "b": high, "weight": share}
+
+
+def cut(value: float | Data, cutoff: float) -> Any:
+    """1 where a number or texture reaches the cutoff, 0 elsewhere."""
+    if isinstance(value, float):
+        return float(value >= cutoff)
+    return {"type": "threshold", "texture": value, "cutoff": cutoff}
+
+
+def multiplied(factor: float | list[float], texture: Data | None) -> Any:
+    """A number or colour times a texture; the factor itself where there is no texture."""
+    if texture is None:
+        return factor
+    is_one = set(factor) == {1.0} if isinstance(factor, list) else factor == 1.0
+    return texture if is_one else {"type": "multiply", "a": factor, "b": texture}
+
+
+def shifted(texture: Data, bias: float | list[float]) -> Data:
+    """A texture plus a number or colour."""
+    is_zero = set(bias) == {0.0} if isinstance(bias, list) else bias == 0.0
+    return texture if is_zero else {"type": "add", "a": texture, "b": bias}
+
+
+def product(color: Any, share: float | Data) -> Any:
+    """A colour times a part of it, either of which may be a texture."""
+    if isinstance(share, dict):
+        return multiplied(color, share)
+    if share == 1.0:
+        return color
+    if isinstance(color, list):
+        return [share * channel for channel in color]
+    if color["type"] == "multiply" and isinstance(color["a"], list):
+        return {**color, "a": [share * channel for channel in color["a"]]}
+    return multiplied([share] * 3, color)

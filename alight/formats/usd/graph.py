@@ -1,0 +1,377 @@
+"""The tree of prims -> nodes, prototypes and materials of the native format."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import SceneError
+from alight.core.fields import LARGEST
+from alight.formats.glow import Glow
+from alight.formats.names import free_name
+from alight.formats.surfaces import Surface
+from alight.formats.surroundings import Bounds
+from alight.formats.usd.cameras import read_camera
+from alight.formats.usd.lights import is_light, read_light
+from alight.formats.usd.materials import plain_material, read_material
+from alight.formats.usd.meshes import has_set, mesh_of, read_mesh, solid
+from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade
+from alight.formats.usd.stage import Stage
+from alight.formats.usd.textures import DEFAULT_COORDINATES
+from alight.meshes.polygons import Triangles
+from alight.meshes.triangles import MeshArrays
+from alight.scene.meshes import mesh_problem
+from alight.scene.transform import is_singular
+from alight.shapes.mesh import Mesh
+
+Data = dict[str, Any]
+Matrix = np.ndarray
+#: Schemas that say nothing about what is seen.
+_SILENT = ("Scope", "Xform", "", "Material", "Shader", "NodeGraph", "GeomSubset", "RenderSettings")
+_HIDDEN = (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy)
+_MOST_DEEP = 200
+_SMALL = f"of at most {LARGEST:g} in size"
+
+
+class Graph:
+    """Builds the nodes of a stage.
+
+    Parameters
+    ----------
+    stage : Stage
+    root : (4, 4) float64
+        From the stage's space to the world.
+
+    Attributes
+    ----------
+    nodes, prototypes, bsdfs : dict
+        Descriptions of the native format.
+    environments : list of dict
+    cameras : list of (str, float)
+        Node path and aspect of each camera.
+    view : (4, 4) float64 or None
+        Camera to world of the first camera.
+    bounds : Bounds
+        Of all that is seen, in the world.
+    is_lit : bool
+        Whether there are lights.
+    glow : Glow
+        Of the meshes that shine.
+    places : dict of str to str
+        Key path -> prim.
+    """
+
+    def __init__(self, stage: Stage, root: Matrix) -> None:
+        self.stage = stage
+        self.root = root
+        self.nodes: dict[str, Data] = {}
+        self.prototypes: dict[str, Data] = {}
+        self.bsdfs: dict[str, Data] = {}
+        self.environments: list[Data] = []
+        self.cameras: list[tuple[str, float]] = []
+        self.view: Matrix | None = None
+        self.bounds = Bounds()
+        self.is_lit = False
+        self.glow = Glow(stage.reach.folder)
+        self.places: dict[str, str] = {}
+        self._materials: dict[tuple[str, str], tuple[str, Surface]] = {}
+        self._prototype_names: dict[str, str] = {}
+        self._prototype_bounds: dict[str, Bounds] = {}
+
+    def build(self, steps: list[Data]) -> None:
+        """Convert everything below the root of the stage."""
+        world: Data = {"children": self._children(self.stage.stage.GetPseudoRoot(), self.root, "")}
+        if steps:
+            world["transform"] = steps
+            self.nodes["world"] = world
+            self.cameras = [(f"world/{path}", aspect) for path, aspect in self.cameras]
+        else:
+            self.nodes.update(world["children"])
+
+    def _children(self, parent: Any, to_world: Matrix, path: str) -> dict[str, Data]:
+        nodes: dict[str, Data] = {}
+        if path.count("/") > _MOST_DEEP:
+            self.stage.problem(parent, f"is more than {_MOST_DEEP} prims deep")
+            raise SceneError(self.stage.report.issues)
+        # The default predicate leaves out classes, what is inactive and what is not defined.
+        for prim in parent.GetChildren():
+            name = free_name(prim.GetName(), nodes, "prim")
+            node = self._node(prim, to_world, f"{path}/{name}" if path else name)
+            if node:
+                nodes[name] = node
+        return nodes
+
+    def _node(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
+        """The node of a prim, or None if nothing of it is seen."""
+        if prim.IsA(UsdShade.Material) or prim.IsA(UsdGeom.Subset):
+            return None
+        data: Data = {}
+        if prim.IsA(UsdGeom.Imageable):
+            imageable = UsdGeom.Imageable(prim)
+            if imageable.ComputeVisibility(self.stage.time) == UsdGeom.Tokens.invisible:
+                self.stage.report.drop(f"{prim.GetPath()}: invisible")
+                return None
+            if imageable.ComputePurpose() in _HIDDEN:
+                self.stage.report.drop(f"{prim.GetPath()}: {imageable.ComputePurpose()} geometry")
+                return None
+        mode = self.stage.value(prim.GetAttribute("model:drawMode"), "default")
+        if mode not in ("default", "inherited"):
+            self.stage.report.approximate("model:drawMode: models are shown as they are")
+        local = np.eye(4)
+        if prim.IsA(UsdGeom.Xformable):
+            local = self._local(prim, to_world)
+        to_world = to_world @ local
+        if not np.abs(to_world).max() <= LARGEST:
+            self.stage.problem(prim, f"stands where the world needs numbers not {_SMALL}")
+            return None
+        if (local != np.eye(4)).any():
+            data["transform"] = {"matrix": local.tolist()}
+        if prim.IsInstance():
+            data["instance"] = self._prototype(prim, to_world)
+            return data
+        own = self._own(prim, to_world, path)
+        # What a prim itself is has no part in where its children stand.
+        children = {} if prim.IsA(UsdGeom.PointInstancer) else self._children(prim, to_world, path)
+        if own and (children or "transform" in own):
+            children = {free_name("itself", children, "itself"): own, **children}
+        elif own:
+            data |= own
+        if children:
+            data["children"] = children
+        return data if data.keys() - {"transform"} else None
+
+    def _local(self, prim: Any, parent_to_world: Matrix) -> Matrix:
+        xformable = UsdGeom.Xformable(prim)
+        matrix = np.array(xformable.GetLocalTransformation(self.stage.time)).T
+        if not _is_placement(matrix):
+            self.stage.problem(prim, f"its transform must be affine, of numbers {_SMALL}")
+            return np.eye(4)
+        if xformable.GetResetXformStack():
+            if is_singular(parent_to_world):
+                text = "cannot undo the transforms above it: they flatten it to nothing"
+                self.stage.problem(prim, text)
+                return np.eye(4)
+            matrix = np.linalg.solve(parent_to_world, self.root @ matrix)
+        matrix[3] = [0.0, 0.0, 0.0, 1.0]
+        return matrix
+
+    def _own(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
+        """What stands at a prim's place."""
+        kind = str(prim.GetTypeName())
+        if prim.IsA(UsdGeom.Mesh):
+            return self._mesh(prim, to_world, path)
+        if prim.IsA(UsdGeom.PointInstancer):
+            return self._point_instancer(prim, to_world)
+        if prim.IsA(UsdGeom.Camera):
+            self.stage.report.count("cameras")
+            camera, aspect = read_camera(self.stage, prim)
+            self.cameras.append((path, aspect))
+            self.view = to_world if self.view is None else self.view
+            return {"camera": camera}
+        if is_light(prim):
+            return self._light(prim, to_world)
+        found = solid(self.stage, prim)
+        if found is not None:
+            return self._solid(prim, found, to_world)
+        if kind not in _SILENT and (prim.IsA(UsdGeom.Imageable) or prim.HasAPI(UsdLux.LightAPI)):
+            self.stage.report.drop(f"{prim.GetPath()}: {kind} is not covered")
+        return None
+
+    def _light(self, prim: Any, to_world: Matrix) -> Data | None:
+        self.stage.report.count("lights")
+        placed = read_light(self.stage, prim, to_world)
+        self.is_lit = True
+        if placed.environment is not None:
+            self.environments.append(placed.environment)
+        return placed.node or None
+
+    def _solid(self, prim: Any, found: tuple[Data, list[Data]], to_world: Matrix) -> Data:
+        self.stage.report.count("solids")
+        shape, steps = found
+        bsdf, material = self._material_of(prim, prim)
+        boundable = UsdGeom.Boundable(prim)
+        extent = boundable.ComputeExtentFromPlugins(boundable, self.stage.time)
+        # There is none where its numbers are of a wrong type, which has been said.
+        if extent is not None:
+            self.bounds.add(np.array(extent), to_world)
+        data: Data = {"shape": shape.get("__mesh__", shape), "bsdf": bsdf}
+        if steps:
+            data["transform"] = steps
+        return self._shining(data, material, to_world)
+
+    def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
+        self.stage.report.count("meshes")
+        subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
+        indices = [self.stage.value(subset.GetIndicesAttr(), []) for subset in subsets]
+        bound = [subset.GetPrim() for subset in subsets]
+        faces = len(self.stage.value(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr(), []))
+        if len({int(face) for part in indices for face in part}) < faces:
+            bound.append(prim)
+        sets = {name for part in bound for name in self._sets_of(part, prim)}
+        triangles = read_mesh(self.stage, prim, sorted(sets))
+        if triangles is None:
+            return None
+        self.bounds.add(triangles.vertices, to_world)
+        parts: dict[str, Data] = {}
+        rest = np.ones(len(triangles.faces), bool)
+        for subset, its_faces in zip(subsets, indices, strict=True):
+            chosen = np.isin(triangles.origin, np.array(its_faces, np.int64)) & rest
+            rest &= ~chosen
+            if chosen.any():
+                part = subset.GetPrim()
+                parts[part.GetName()] = self._part(prim, part, triangles, chosen, to_world)
+        if rest.any():
+            left = None if rest.all() else rest
+            name = free_name("rest", parts, "rest")
+            parts[name] = self._part(prim, prim, triangles, left, to_world)
+        return next(iter(parts.values())) if len(parts) == 1 else {"children": parts}
+
+    def _sets_of(self, bound: Any, prim: Any) -> tuple[str, ...]:
+        """Names of the texture coordinates that a mesh, or a part of one, needs."""
+        return self._material_of(bound, prim)[1].sets or (DEFAULT_COORDINATES,)
+
+    def _part(
+        self, prim: Any, bound: Any, triangles: Triangles, chosen: Any, to_world: Matrix
+    ) -> Data:
+        sets = self._sets_of(bound, prim)
+        mesh = mesh_of(triangles, sets, chosen)
+        self._say_what_is_lacking(prim, bound, triangles)
+        arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
+        problem = mesh_problem(arrays)
+        if problem:
+            self.stage.problem(prim, f"{problem[0]} {problem[1]}")
+            raise SceneError(self.stage.report.issues)
+        name, material = self._material_of(bound, prim)
+        return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
+
+    def _say_what_is_lacking(self, prim: Any, bound: Any, triangles: Triangles) -> None:
+        asked = self._material_of(bound, prim)[1].sets
+        lacking = [name for name in asked if not has_set(triangles, name)]
+        if lacking:
+            instead = "others" if len(lacking) < len(asked) else "barycentric ones"
+            self.stage.report.approximate(
+                f"{prim.GetPath()}: it lacks the coordinates {' and '.join(lacking)}, which its "
+                f"material asks for; {instead} are taken"
+            )
+
+    def _shining(self, data: Data, material: Surface, to_world: Matrix) -> Data:
+        if material.emission is not None:
+            if isinstance(data["shape"], Mesh):
+                self.glow.add(data["shape"], to_world, material.emission)
+            else:
+                self.is_lit = True
+        return data | material.light
+
+    def _material_of(self, bound: Any, prim: Any) -> tuple[str, Surface]:
+        """Name and content of the material of a prim or of a part of it."""
+        material, _ = UsdShade.MaterialBindingAPI(bound).ComputeBoundMaterial()
+        # Materials may use the primvars of the prim; without a material, only they count.
+        color = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+        shown = str(color.Get(self.stage.time)) if color and color.HasValue() else ""
+        if len(shown) > 200:
+            shown = str(prim.GetPath())
+        key = (str(material.GetPath()) if material else "", shown)
+        if key not in self._materials:
+            read = read_material(self.stage, material, prim) if material else None
+            read = read or plain_material(self.stage, prim)
+            self._materials[key] = (self._bsdf_name(read, material, prim), read)
+        return self._materials[key]
+
+    def _bsdf_name(self, read: Surface, material: Any, prim: Any) -> str:
+        """Name of a material, one for all that are alike."""
+        for name, bsdf in self.bsdfs.items():
+            if bsdf == read.bsdf:
+                return name
+        self.stage.report.count("materials")
+        name = free_name(material.GetPrim().GetName() if material else "plain", self.bsdfs, "bsdf")
+        self.bsdfs[name] = read.bsdf
+        place = material.GetPath() if material else prim.GetPath()
+        self.places[f"bsdfs.{name}"] = f"{self.stage.name}: {place}"
+        return name
+
+    def _prototype(self, prim: Any, to_world: Matrix) -> str:
+        """Name of what an instance shows; read once."""
+        source = prim.GetPrototype()
+        key = str(source.GetPath())
+        name = self._prototype_names.get(key)
+        if name is None:
+            name = self._shared(key, prim.GetName(), source, self._children)
+        self._add_bounds(name, to_world)
+        return name
+
+    def _shared(self, key: str, wanted: str, prim: Any, read: Any) -> str:
+        """Read a prototype in a space of its own."""
+        outer, self.bounds = self.bounds, Bounds()
+        cameras, self.cameras, view = self.cameras, [], self.view
+        name = free_name(wanted, self.prototypes, "prototype")
+        # Reserved now: prototypes may hold others.
+        self.prototypes[name] = {}
+        self.prototypes[name] = {"children": read(prim, np.eye(4), "")}
+        self._prototype_names[key] = name
+        self._prototype_bounds[name] = self.bounds
+        self.bounds, self.cameras, self.view = outer, cameras, view
+        return name
+
+    def _add_bounds(self, name: str, to_world: Matrix) -> None:
+        box = self._prototype_bounds[name]
+        if np.isfinite(box.low).all():
+            sides = np.stack([box.low, box.high])
+            corners = list(itertools.product(*sides.T))
+            self.bounds.add(corners, to_world)
+
+    def _point_instancer(self, prim: Any, to_world: Matrix) -> Data | None:
+        instancer = UsdGeom.PointInstancer(prim)
+        targets = instancer.GetPrototypesRel().GetForwardedTargets()
+        indices = np.array(self.stage.value(instancer.GetProtoIndicesAttr(), []), np.int64)
+        bad = (indices < 0) | (indices >= len(targets))
+        if bad.any():
+            text = f"protoIndices must be in 0 to {len(targets) - 1}, got {int(indices[bad][0])}"
+            self.stage.problem(prim, text)
+            return None
+        names = [self._prototype_of_point(target) for target in targets]
+        moves = instancer.ComputeInstanceTransformsAtTime(
+            self.stage.time, self.stage.time, UsdGeom.PointInstancer.IncludeProtoXform,
+            UsdGeom.PointInstancer.IgnoreMask,
+        )  # fmt: skip
+        mask = np.array(instancer.ComputeMaskAtTime(self.stage.time), bool)
+        if len(moves) != len(indices):
+            self.stage.problem(prim, "positions, orientations and scales do not fit protoIndices")
+            return None
+        children: dict[str, Data] = {}
+        for i, (index, move) in enumerate(zip(indices, moves, strict=True)):
+            name = names[index]
+            if name is None or (len(mask) and not mask[i]):
+                continue
+            matrix = np.array(move).T
+            if not _is_placement(matrix):
+                self.stage.problem(
+                    prim, f"the transform of instance {i} must hold numbers {_SMALL}"
+                )
+                return None
+            children[f"{i}"] = {"instance": name, "transform": {"matrix": matrix.tolist()}}
+            self._add_bounds(name, to_world @ matrix)
+        self.stage.report.count("instances", len(children))
+        return {"children": children} if children else None
+
+    def _prototype_of_point(self, target: Any) -> str | None:
+        prim = self.stage.stage.GetPrimAtPath(target)
+        if not prim:
+            self.stage.report.approximate(f"{target}: no such prototype; left out")
+            return None
+        key = f"point {target}"
+        if key not in self._prototype_names:
+            self._shared(key, prim.GetName(), prim, self._point_prototype)
+        return self._prototype_names[key]
+
+    def _point_prototype(self, prim: Any, to_world: Matrix, path: str) -> dict[str, Data]:
+        # The transform of the prototype's root is part of each instance's.
+        own, children = self._own(prim, to_world, path), self._children(prim, to_world, path)
+        return ({free_name("itself", children, "itself"): own} if own else {}) | children
+
+
+def _is_placement(matrix: Matrix) -> bool:
+    """Whether a matrix is affine, of numbers whose products can be formed; NaN is none."""
+    is_small = np.abs(matrix).max() <= LARGEST
+    return bool(is_small and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0]))

@@ -1,0 +1,210 @@
+"""Lights of UsdLux -> lights of the native format.
+
+A light's intensity is a radiance in nit, taken as W/(m^2 sr): radiance = color * intensity *
+2^exposure, divided by the area where it is normalised. Lights shine along their -z.
+
+Source: Pixar, OpenUSD documentation, UsdLux: "LightAPI", "ShapingAPI", "DomeLight".
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from alight.formats.lamps import (
+    area_across,
+    area_of_ball,
+    area_of_mantle,
+    parallel,
+    point,
+    spot,
+    turned,
+)
+from alight.formats.reach import OutOfReachError
+from alight.formats.usd.modules import UsdLux
+from alight.formats.usd.stage import Stage
+from alight.formats.usd.textures import picture_of
+
+Data = dict[str, Any]
+_BLACK: Data = {"type": "diffuse", "reflectance": 0.0}
+#: From our light along +z to one along -z.
+_TURNED: Data = {"rotate": {"axis": "y", "angle": 180.0}}
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A light.
+
+    Attributes
+    ----------
+    node : dict
+        What stands at the prim's place.
+    environment : dict or None
+        Instead of it, what is around the scene.
+    """
+
+    node: Data
+    environment: Data | None = None
+
+
+def is_light(prim: Any) -> bool:
+    """Whether a prim is a light."""
+    return prim.HasAPI(UsdLux.LightAPI) and prim.GetTypeName() in _READERS
+
+
+def read_light(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
+    """Read a light.
+
+    Parameters
+    ----------
+    stage : Stage
+    prim : Usd.Prim
+    world : (4, 4) float64
+        From the prim to our world, for column vectors.
+    """
+    return _READERS[prim.GetTypeName()](stage, prim, world)
+
+
+def _radiance(stage: Stage, prim: Any) -> np.ndarray:
+    """color * intensity * 2^exposure, before any normalisation; (3,) float64, finite."""
+    light = UsdLux.LightAPI(prim)
+    color = np.array(stage.value(light.GetColorAttr(), (1.0, 1.0, 1.0)), np.float64)
+    if stage.value(light.GetEnableColorTemperatureAttr(), False):
+        kelvin = float(stage.value(light.GetColorTemperatureAttr(), 6500.0))
+        color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+    intensity = float(stage.value(light.GetIntensityAttr(), 1.0))
+    exposure = float(stage.value(light.GetExposureAttr(), 0.0))
+    with np.errstate(over="ignore", invalid="ignore"):
+        result = color * intensity * np.exp2(exposure)
+    if not np.isfinite(result).all():
+        text = f"color * intensity * 2^{exposure:g} must be finite, got {result.tolist()}"
+        stage.problem(prim, text)
+        return np.zeros(3)
+    if (result < 0.0).any():
+        stage.report.approximate(f"{prim.GetPath()}: a light cannot take light away; cut to 0")
+    return np.maximum(result, 0.0)
+
+
+def _is_normalised(stage: Stage, prim: Any) -> bool:
+    return bool(stage.value(UsdLux.LightAPI(prim).GetNormalizeAttr(), False))
+
+
+def _scale_of(world: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(world[:3, :3], axis=0)
+
+
+def _area_light(
+    stage: Stage, prim: Any, shape: Data, steps: list[Data], area: float, world: np.ndarray
+) -> Placed:
+    radiance = _radiance(stage, prim)
+    if _is_normalised(stage, prim):
+        radiance = radiance / max(area, 1e-30)
+    _say_shaping(stage, prim)
+    node = {
+        "shape": shape,
+        "bsdf": _BLACK,
+        "light": {"type": "area", "radiance": radiance.tolist()},
+        "transform": steps,
+    }
+    return Placed(node)
+
+
+def _say_shaping(stage: Stage, prim: Any) -> None:
+    shaping = UsdLux.ShapingAPI(prim)
+    cone = float(stage.value(shaping.GetShapingConeAngleAttr(), 90.0))
+    if cone < 90.0 or stage.value(shaping.GetShapingFocusAttr(), 0.0) > 0.0:
+        stage.report.approximate(f"{prim.GetPath()}: its cone is left out, it shines all around")
+    if stage.value(shaping.GetShapingIesFileAttr()) is not None:
+        stage.report.approximate(f"{prim.GetPath()}: its IES profile is left out")
+
+
+def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
+    light = UsdLux.SphereLight(prim)
+    radius = float(stage.value(light.GetRadiusAttr(), 0.5))
+    area = area_of_ball(world, max(radius, 1e-6))
+    cone = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr(), 90.0))
+    is_point = bool(stage.value(light.GetTreatAsPointAttr(), False)) or radius <= 0.0
+    if not is_point and cone >= 90.0:
+        return _area_light(stage, prim, {"type": "sphere", "radius": radius}, [], area, world)
+    # Intensity of a sphere seen from far away: radiance times its disk, a quarter of its area.
+    intensity = _radiance(stage, prim) * 0.25 * (1.0 if _is_normalised(stage, prim) else area)
+    if cone >= 90.0:
+        return Placed({"light": point(intensity.tolist())})
+    stage.report.approximate(f"{prim.GetPath()}: a sphere with a cone became a spot")
+    softness = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeSoftnessAttr(), 0.0))
+    cone = max(cone, 0.001)
+    beam = cone * (1.0 - min(max(softness, 0.0), 1.0))
+    return Placed(turned(spot(intensity.tolist(), cone, beam), "y"))
+
+
+def _rectangle(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
+    light = UsdLux.RectLight(prim)
+    width = float(stage.value(light.GetWidthAttr(), 1.0))
+    height = float(stage.value(light.GetHeightAttr(), 1.0))
+    if stage.value(light.GetTextureFileAttr()) is not None:
+        stage.report.approximate(f"{prim.GetPath()}: its picture is left out")
+    steps = [{"scale": [0.5 * width, 0.5 * height, 1.0]}, _TURNED]
+    area = width * height * area_across(world)
+    return _area_light(stage, prim, {"type": "rectangle"}, steps, area, world)
+
+
+def _disk(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
+    radius = float(stage.value(UsdLux.DiskLight(prim).GetRadiusAttr(), 0.5))
+    steps = [{"scale": [radius, radius, 1.0]}, _TURNED]
+    area = math.pi * radius * radius * area_across(world)
+    return _area_light(stage, prim, {"type": "disk"}, steps, area, world)
+
+
+def _cylinder(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
+    light = UsdLux.CylinderLight(prim)
+    radius = float(stage.value(light.GetRadiusAttr(), 0.5))
+    half = 0.5 * float(stage.value(light.GetLengthAttr(), 1.0))
+    shape = {"type": "cylinder", "p0": [-half, 0, 0], "p1": [half, 0, 0], "radius": radius}
+    # Across, across and along, in the order that the mantle is measured in.
+    area = area_of_mantle(world[:3, [1, 2, 0]], radius, 2.0 * half)
+    return _area_light(stage, prim, shape, [], area, world)
+
+
+def _distant(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
+    angle = float(stage.value(UsdLux.DistantLight(prim).GetAngleAttr(), 0.53))
+    irradiance = _radiance(stage, prim)
+    if not _is_normalised(stage, prim) and angle > 0.0:
+        # Radiance of a disk of this opening angle.
+        irradiance = irradiance * math.pi * math.sin(math.radians(0.5 * min(angle, 180.0))) ** 2
+    if angle > 0.0:
+        text = f"{angle:g} degrees wide, became parallel rays with hard shadows"
+        stage.report.approximate(f"{prim.GetPath()}: a distant light, {text}")
+    return Placed(turned(parallel(irradiance.tolist()), "y"))
+
+
+def _dome(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
+    radiance = _radiance(stage, prim).tolist()
+    asset = stage.value(UsdLux.DomeLight(prim).GetTextureFileAttr())
+    if asset is None or not asset.path:
+        return Placed({}, {"type": "constant", "radiance": radiance})
+    try:
+        picture = picture_of(stage, asset)
+    except OutOfReachError as error:
+        stage.problem(prim, str(error))
+        return Placed({})
+    turned = world[:3, :3] / np.maximum(_scale_of(world), 1e-30)
+    if turned[1, 1] < 1.0 - 1e-6:
+        stage.report.approximate(f"{prim.GetPath()}: only its turn about the vertical is taken")
+    angle = math.degrees(math.atan2(turned[0, 2], turned[2, 2]))
+    found = {"file": picture} if isinstance(picture, str) else {"pixels": picture}
+    data: Data = {"type": "environment", **found, "scale": radiance}
+    return Placed({}, data | ({"rotate": angle} if abs(angle) > 1e-9 else {}))
+
+
+_READERS = {
+    "SphereLight": _sphere,
+    "RectLight": _rectangle,
+    "DiskLight": _disk,
+    "CylinderLight": _cylinder,
+    "DistantLight": _distant,
+    "DomeLight": _dome,
+    "DomeLight_1": _dome,
+}

@@ -1,0 +1,204 @@
+"""UsdPreviewSurface -> `principled`.
+
+Source: Pixar, "UsdPreviewSurface specification", version 2.6.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from alight.core.errors import quote
+from alight.formats.report import did_you_mean
+from alight.formats.surfaces import LARGEST_IOR, Surface, reflection
+from alight.formats.textures import cut
+from alight.formats.usd.modules import UsdGeom, UsdShade
+from alight.formats.usd.stage import Stage
+from alight.formats.usd.textures import Textures
+
+Data = dict[str, Any]
+#: Inputs with their defaults.
+INPUTS: dict[str, Any] = {
+    "diffuseColor": (0.18, 0.18, 0.18), "emissiveColor": (0.0, 0.0, 0.0),
+    "useSpecularWorkflow": 0, "specularColor": (0.0, 0.0, 0.0), "metallic": 0.0, "roughness": 0.5,
+    "clearcoat": 0.0, "clearcoatRoughness": 0.01, "opacity": 1.0, "opacityMode": "transparent",
+    "opacityThreshold": 0.0, "ior": 1.5, "normal": (0.0, 0.0, 1.0), "displacement": 0.0,
+    "occlusion": 1.0,
+}  # fmt: skip
+_PREVIEW = "UsdPreviewSurface"
+
+
+def plain_material(stage: Stage, prim: Any) -> Surface:
+    """The material of a prim that has none: its displayColor, or grey."""
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+    color: Any = [0.18] * 3
+    if primvar and primvar.HasValue():
+        table = stage.table(primvar)
+        if table is not None and primvar.GetInterpolation() == UsdGeom.Tokens.constant:
+            if table.shape[1:] == (3,) and len(table):
+                color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
+        elif table is not None:
+            color = {"type": "vertex_color", "fallback": 0.18}
+    return Surface({"type": "diffuse", "reflectance": color})
+
+
+def read_material(stage: Stage, material: Any, prim: Any) -> Surface:
+    """Read a material as it looks on a prim, whose primvars it may use.
+
+    Parameters
+    ----------
+    stage : Stage
+    material : UsdShade.Material
+    prim : Usd.Prim
+    """
+    source = material.ComputeSurfaceSource()
+    shader = source[0] if source else None
+    name = str(material.GetPath())
+    if not shader or not shader.GetPrim().IsValid():
+        stage.report.approximate(f"{name}: it has no surface shader; grey is shown")
+        return plain_material(stage, prim)
+    identifier = shader.GetIdAttr().Get()
+    if identifier != _PREVIEW:
+        text = f"shader {quote(str(identifier))} is not covered  (covered: {_PREVIEW})"
+        stage.report.approximate(f"{name}: {text}; the colour of the prim is shown")
+        return plain_material(stage, prim)
+    return _Preview(stage, shader, prim).material()
+
+
+class _Preview:
+    """One UsdPreviewSurface on one prim."""
+
+    def __init__(self, stage: Stage, shader: Any, prim: Any) -> None:
+        self.stage = stage
+        self.shader = shader
+        self.textures = Textures(stage, prim)
+        self._check_names()
+
+    def material(self) -> Surface:
+        """What it becomes."""
+        # Tangents follow from the own coordinates of a mesh: the picture of normals comes first.
+        normals = self._normals()
+        # Some exporters write everything that a mirror shows as its diffuse colour, too.
+        core: Data = {
+            "type": "principled",
+            "base_color": self._color("diffuseColor"),
+            "roughness": self._number("roughness"),
+        }
+        if int(self._plain("useSpecularWorkflow")):
+            core |= self._specular()
+        else:
+            core["metallic"] = self._number("metallic")
+            core["ior"] = self._ior()
+        coat = self._number("clearcoat")
+        if coat != 0.0:
+            core |= {"clearcoat": coat, "clearcoat_roughness": self._number("clearcoatRoughness")}
+        emission = self._color("emissiveColor", bounded=False)
+        shines = isinstance(emission, dict) or max(emission) > 0.0
+        self._say_what_is_left_out()
+        opacity = self._opacity()
+        sets = tuple(self.textures.sets)
+        return Surface(core, normals, opacity, emission if shines else None, sets=sets)
+
+    def _specular(self) -> Data:
+        """The workflow with a colour of what is reflected straight on, of a dielectric here."""
+        color = self._color("specularColor")
+        if isinstance(color, dict):
+            self._approximate("specularColor is a texture: taken for the colour of reflection")
+            return {"ior": 1.5, "specular_color": color}
+        if max(color) <= 0.0:
+            return {"specular": 0.0}
+        found = reflection(color)
+        if found.is_weaker:
+            self._approximate(
+                f"specularColor: at most {found.strength:.3g} is reflected straight on"
+            )
+        return {"ior": found.ior, "specular_color": [min(part, 1.0) for part in found.tint]}
+
+    def _ior(self) -> float:
+        ior = float(self._plain("ior"))
+        if not 1.0 <= ior <= LARGEST_IOR:
+            # Indices below 1 are seen from inside the denser side.
+            inverse = 1.0 / ior if 0.2 <= ior < 1.0 else 1.5
+            self._approximate(f"ior {ior:g} became {inverse:g}")
+            return inverse
+        return ior
+
+    def _normals(self) -> Data | None:
+        """The wrapper that bends normals, without what it wraps."""
+        source = self.textures.source_of(self.shader, "normal")
+        if source is None:
+            return None
+        picture = self.textures.bitmap(source[0], is_color=False)
+        if picture is None:
+            return None
+        # The usual 2 x - 1, which the wrapper applies itself.
+        return {"type": "normal_map", "texture": picture}
+
+    def _opacity(self) -> Any:
+        opacity = self._number("opacity")
+        if opacity == 1.0:
+            return opacity
+        threshold = float(self._plain("opacityThreshold"))
+        if threshold > 0.0:
+            return cut(opacity, threshold)
+        if self._plain("opacityMode") == "transparent":
+            self._approximate("opacity: rays pass straight through, reflections included")
+        return opacity
+
+    def _say_what_is_left_out(self) -> None:
+        if self.textures.source_of(self.shader, "occlusion") is not None:
+            self.stage.report.drop("occlusion: the light itself is traced")
+        displaced = self.textures.source_of(self.shader, "displacement") is not None
+        if displaced or float(self._plain("displacement")) != 0.0:
+            self._approximate("displacement is left out")
+
+    def _approximate(self, text: str) -> None:
+        self.stage.report.approximate(f"{self.shader.GetPath()}: {text}")
+
+    def _check_names(self) -> None:
+        for entry in self.shader.GetInputs():
+            name = entry.GetBaseName()
+            if name not in INPUTS:
+                hint = did_you_mean(name, INPUTS)
+                self._approximate(f"unknown input {quote(name)} is left out{hint}")
+
+    def _plain(self, name: str) -> Any:
+        """Value of an input that is no texture; the default beside textures too."""
+        entry = self.shader.GetInput(name)
+        if not entry:
+            return INPUTS[name]
+        attributes = UsdShade.Utils.GetValueProducingAttributes(entry)
+        value = self.stage.value(attributes[0]) if attributes else None
+        return INPUTS[name] if value is None or not _alike(value, INPUTS[name]) else value
+
+    def _color(self, name: str, *, bounded: bool = True) -> Any:
+        source = self.textures.source_of(self.shader, name)
+        if source is not None:
+            found = self.textures.value(*source, is_color=True, fallback=INPUTS[name])
+            if found is not None:
+                return found
+        color = [float(c) for c in self._plain(name)]
+        limited = [min(max(c, 0.0), 1.0 if bounded else 1e30) for c in color]
+        if limited != color:
+            self._approximate(f"{name} was cut to {'[0, 1]' if bounded else 'at least 0'}")
+        return limited
+
+    def _number(self, name: str) -> Any:
+        source = self.textures.source_of(self.shader, name)
+        if source is not None:
+            found = self.textures.value(*source, is_color=False, fallback=INPUTS[name])
+            if found is not None:
+                return found
+        number = float(self._plain(name))
+        limited = min(max(number, 0.0), 1.0)
+        if limited != number:
+            self._approximate(f"{name} was cut to [0, 1]")
+        return limited
+
+
+def _alike(value: Any, default: Any) -> bool:
+    """Whether a value of a file has the kind that it must have."""
+    if isinstance(default, str):
+        return isinstance(value, str)
+    if isinstance(default, tuple):
+        return hasattr(value, "__len__") and len(value) == len(default)
+    return isinstance(value, int | float)

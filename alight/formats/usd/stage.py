@@ -1,0 +1,294 @@
+"""Opening a stage: its layers must lie within reach, and what OpenUSD complains of is said."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.core.errors import Issue, SceneError, quote, show_value
+from alight.formats.reach import OutOfReachError, Reach
+from alight.formats.report import Report
+from alight.formats.usd.modules import Sdf, Tf, Usd, UsdGeom, UsdUtils
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage at one time.
+
+    Attributes
+    ----------
+    stage : Usd.Stage
+    time : Usd.TimeCode
+        The first time that has samples, or the default.
+    name : str
+        Of the file, for messages.
+    reach : Reach
+        Where files may lie.
+    report : Report
+    """
+
+    stage: Any
+    time: Any
+    name: str
+    reach: Reach
+    report: Report
+
+    def value(self, attribute: Any, default: Any = None) -> Any:
+        """Value of an attribute; the default if there is none, or one of another type."""
+        try:
+            found = attribute.Get(self.time) if attribute else None
+        except UnicodeDecodeError as error:
+            text = f"{attribute.GetName()} must be text in UTF-8, got {show_value(error.object)}"
+            self.problem(attribute.GetPrim(), text)
+            return default
+        if found is None:
+            return default
+        # Files may declare an attribute of a schema anew; then its value is of any type.
+        given, wanted = str(Sdf.GetValueTypeNameForValue(found)), str(attribute.GetTypeName())
+        if not given or _kind(given) != _kind(wanted):
+            text = f"{attribute.GetName()} must be of type {wanted}"
+            text += f", got {given}" if given else ""
+            if not wanted:
+                text = f"{attribute.GetName()} is of a type that OpenUSD does not know"
+            self.problem(attribute.GetPrim(), text)
+            return default
+        if isinstance(found, float) and not math.isfinite(found):
+            self.problem(attribute.GetPrim(), f"{attribute.GetName()} must be finite, got {found}")
+            return default
+        return found
+
+    def alike(self, attribute: Any, default: Any) -> Any:
+        """Value of an attribute that no schema declares, if it is of the kind of the default."""
+        found = self.value(attribute)
+        if found is None:
+            return default
+        if (
+            isinstance(default, tuple)
+            and hasattr(found, "__len__")
+            and 0 < len(found) <= len(default)
+        ):
+            # A vector may be shorter: it counts as the first components.
+            found = (*found, *default[len(found) :])
+            fits = all(isinstance(c, int | float) for c in found)
+        else:
+            fits = isinstance(found, str if isinstance(default, str) else int | float)
+            fits = fits and not isinstance(default, tuple)
+        if not fits:
+            wanted = "a text" if isinstance(default, str) else "a number"
+            if isinstance(default, tuple):
+                wanted = f"{len(default)} numbers"
+            text = f"{attribute.GetName()} must be {wanted}, got {show_value(found)}"
+            self.problem(attribute.GetPrim(), text)
+            return default
+        return found
+
+    def table(self, primvar: Any) -> NDArray[np.float64] | None:
+        """Numbers of a primvar, a row for each of its values; None if they are no numbers."""
+        try:
+            table = np.array(primvar.ComputeFlattened(self.time), np.float64)
+        except (TypeError, ValueError):
+            table = np.zeros(0)
+        if table.ndim == 1 and len(table):
+            table = table[:, None]
+        if table.ndim == 2 and np.isfinite(table).all():
+            return table
+        text = f"{primvar.GetName()} holds no rows of finite numbers: left out"
+        self.report.approximate(f"{primvar.GetAttr().GetPrim().GetPath()}: {text}")
+        return None
+
+    def picture(self, authored: str, resolved: str) -> Path:
+        """Where a picture lies that some layer names; `resolved` is empty if there is none.
+
+        Raises
+        ------
+        OutOfReachError
+            If it lies out of reach, in the same words whether it is there or not; or is missing.
+        """
+        if resolved:
+            return self.reach.inside(resolved, shown=authored)
+        refused = None
+        for layer in self.stage.GetUsedLayers():
+            try:
+                folder = Path(layer.realPath.partition("[")[0]).parent
+                self.reach.inside(authored, folder if layer.realPath else None)
+            except OutOfReachError as error:
+                refused = error
+            else:
+                refused = None
+                break
+        raise refused or OutOfReachError(f"no such picture: {quote(authored)}")
+
+    def problem(self, prim: Any, message: str) -> None:
+        """Report what nothing mends but an edit."""
+        self.report.problem(self.name, str(prim.GetPath()), message)
+
+
+#: In metres.
+LARGEST_UNIT = 1e12
+
+_NUMBERS = (
+    "double",
+    "float",
+    "half",
+    "int",
+    "int64",
+    "uint",
+    "uint64",
+    "uchar",
+    "bool",
+    "timecode",
+)
+
+
+def _kind(name: str) -> str:
+    """What a type holds, whatever its precision: types of one kind can stand for each other."""
+    base = name.removesuffix("[]")
+    array = name[len(base) :]
+    if base in _NUMBERS:
+        return "number" + array
+    if base in ("token", "string"):
+        return "text" + array
+    vector = re.fullmatch(r"(?!matrix)[a-zA-Z]+([234])[a-z]?", base)
+    if vector:
+        return f"vector{vector[1]}{array}"
+    return ("quaternion" if base.startswith("quat") else base) + array
+
+
+def open_stage(name: str, reach: Reach, report: Report) -> Stage:
+    """Open a file with everything that it refers to.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, for messages; its last part is its name in the folder of `reach`.
+    reach : Reach
+        Where layers and pictures may lie.
+    report : Report
+        Takes what is noticed.
+
+    Raises
+    ------
+    SceneError
+        If it is no stage, or refers to layers that are missing or lie elsewhere.
+    """
+    path = str((reach.folder / Path(name).name).resolve())
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        # Held until the stage holds them, each is read once.
+        layers = _layers_within(path, name, reach)
+        stage = Usd.Stage.Open(path)
+        del layers
+    except Tf.ErrorException as error:
+        raise SceneError(
+            [Issue("", f"is not an OpenUSD stage: {first_line(error)}", name)]
+        ) from None
+    finally:
+        warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
+    errors = stage.GetCompositionErrors()
+    issues = [Issue("", f"does not fit together: {first_line(error)}", name) for error in errors]
+    if not issues:
+        for text in warnings:
+            report.approximate(f"OpenUSD: {first_line(text)}")
+    for layer in stage.GetUsedLayers():
+        real = layer.realPath
+        try:
+            # Layers of clips are known only now.
+            reach.inside(real.partition("[")[0] or path, shown=Path(real).name)
+        except OutOfReachError as error:
+            issues.append(Issue("", f"layer {error}", name))
+    if issues:
+        raise SceneError(issues[:20])
+    has_times = stage.HasAuthoredTimeCodeRange()
+    time = Usd.TimeCode(stage.GetStartTimeCode()) if has_times else Usd.TimeCode.EarliestTime()
+    if has_times and stage.GetEndTimeCode() > stage.GetStartTimeCode():
+        report.drop(f"times after {stage.GetStartTimeCode():g}: the scene is shown at that one")
+    return Stage(stage, time, name, reach, report)
+
+
+def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
+    """Open the layers that a file is made of, its own first, before OpenUSD follows any path.
+
+    Raises
+    ------
+    SceneError
+        If it refers to layers out of reach: of these nothing is read.
+    """
+    first = _opened(path)
+    layers, seen, refused = [] if first is None else [first], {path}, {}
+    for layer in layers:
+        for authored in layer.GetCompositionAssetDependencies():
+            found, _ = Sdf.Layer.SplitIdentifier(layer.ComputeAbsolutePath(authored))
+            if found in seen:
+                continue
+            seen.add(found)
+            try:
+                # A name that was not found comes back as it was.
+                folder = Path(layer.realPath.partition("[")[0]).parent
+                reach.inside(found.partition("[")[0], folder, authored)
+            except OutOfReachError as error:
+                refused[authored] = f"layer {error}"
+                continue
+            try:
+                below = _opened(found)
+            except Tf.ErrorException:
+                # OpenUSD says so when it puts the stage together.
+                continue
+            layers += [] if below is None else [below]
+    if refused:
+        raise SceneError([Issue("", text, name) for text in list(refused.values())[:20]])
+    return layers
+
+
+def _opened(path: str) -> Any:
+    """A layer as its file is now; None where there is none."""
+    layer = Sdf.Layer.FindOrOpen(path)
+    if layer is not None:
+        # One that somebody still holds may have been read from an older file.
+        layer.Reload()
+    return layer
+
+
+def to_world(opened: Stage) -> list[dict[str, Any]]:
+    """Steps from a stage's space to ours: metres, +y up."""
+    steps: list[dict[str, Any]] = []
+    stage = opened.stage
+    meters = UsdGeom.GetStageMetersPerUnit(stage)
+    if not 0.0 < meters <= LARGEST_UNIT:
+        text = f"must be > 0 and at most {LARGEST_UNIT:g}, got {meters:g}"
+        opened.report.problem(opened.name, "metersPerUnit", text)
+        meters = 1.0
+    if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
+        steps.append({"rotate": {"axis": "x", "angle": -90}})
+    if meters != 1.0:
+        steps.append({"scale": meters})
+    return steps
+
+
+def world_matrix(steps: list[dict[str, Any]]) -> np.ndarray:
+    """The (4, 4) matrix of what `to_world` gives."""
+    matrix = np.eye(4)
+    for step in steps:
+        if "scale" in step:
+            matrix[:3] *= step["scale"]
+        else:
+            # -90 degrees about x: y goes to -z, z to y.
+            matrix = matrix[[0, 2, 1, 3]] * np.array([[1.0], [1.0], [-1.0], [1.0]])
+    return matrix
+
+
+def first_line(error: object) -> str:
+    """The first of OpenUSD's complaints, without where in its own source it was noticed."""
+    try:
+        text = " ".join(str(error).split())
+    except UnicodeDecodeError as wrong:
+        # It quotes what the file holds, which need not be text.
+        text = " ".join(wrong.object.decode("utf-8", "backslashreplace").split())
+    found = re.search(r"in file \S+ : '(.*?)'(?: Error in |$)", text)
+    text = found[1] if found else text
+    return text[:300] + ("..." if len(text) > 300 else "")

@@ -1,0 +1,225 @@
+"""Texture shaders -> textures of the native format.
+
+Source: Pixar, "UsdPreviewSurface specification", version 2.6: UsdUVTexture, UsdPrimvarReader,
+UsdTransform2d. Texture coordinates have (0, 0) at the lower left corner of the picture, as ours.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import PurePosixPath
+from typing import Any
+
+from pydantic_core import PydanticCustomError
+
+from alight.core.errors import quote
+from alight.core.uv_sets import MOST_SETS
+from alight.formats.reach import OutOfReachError
+from alight.formats.textures import (
+    bitmap,
+    channel,
+    multiplied,
+    packed_picture,
+    shifted,
+    wrapped,
+)
+from alight.formats.usd.modules import UsdGeom, UsdShade
+from alight.formats.usd.stage import Stage
+from alight.textures.images import Image
+
+Data = dict[str, Any]
+_WRAPS = {"repeat": "repeat", "clamp": "clamp", "mirror": "mirror", "useMetadata": "repeat"}
+_SPACES = {"raw": "linear", "sRGB": "srgb"}
+#: Name of the texture coordinates where a file gives none.
+DEFAULT_COORDINATES = "st"
+_CHANNELS = ("r", "g", "b", "a")
+_MOST_PACKED = 2**28
+
+
+class Textures:
+    """Reads what is connected to the inputs of a shader.
+
+    Parameters
+    ----------
+    stage : Stage
+    prim : Usd.Prim
+        Whose primvars are read.
+
+    Attributes
+    ----------
+    sets : list of str
+        Names of the texture coordinates of all textures so far, each once.
+    """
+
+    def __init__(self, stage: Stage, prim: Any) -> None:
+        self.stage = stage
+        self.prim = prim
+        self.sets: list[str] = []
+
+    def source_of(self, shader: Any, name: str) -> tuple[Any, str] | None:
+        """The shader that an input is connected to, and which of its outputs."""
+        entry = shader.GetInput(name)
+        if not entry:
+            return None
+        attributes = UsdShade.Utils.GetValueProducingAttributes(entry)
+        for attribute in attributes:
+            kind = UsdShade.Utils.GetType(attribute.GetName())
+            if kind == UsdShade.AttributeType.Output:
+                return UsdShade.Shader(attribute.GetPrim()), attribute.GetBaseName()
+        return None
+
+    def value(self, shader: Any, output: str, *, is_color: bool, fallback: Any) -> Any:
+        """Texture or number of an output; None where there is nothing to read."""
+        identifier = str(shader.GetIdAttr().Get())
+        if identifier == "UsdUVTexture":
+            return self._sampled(shader, output, is_color)
+        if identifier.startswith("UsdPrimvarReader"):
+            return self._primvar(shader, is_color, fallback)
+        self._approximate(shader, f'shader "{identifier}" is not covered; a plain value is taken')
+        return None
+
+    def bitmap(self, shader: Any, *, is_color: bool) -> Data | None:
+        """The picture of a UsdUVTexture, without scale and bias."""
+        asset = self._input(shader, "file")
+        if asset is None or not getattr(asset, "path", ""):
+            self._approximate(shader, "names no picture")
+            return None
+        picture = self._picture(shader, asset)
+        if picture is None:
+            return None
+        space = str(self._input(shader, "sourceColorSpace") or "auto")
+        data = bitmap(picture, _SPACES.get(space, "auto" if is_color else "linear"))
+        data |= wrapped(self._wrap(shader, "wrapS"), self._wrap(shader, "wrapT"))
+        name, steps = self._coordinates_of(shader)
+        if steps:
+            data["to_uv"] = steps
+        number = self._set_of(shader, name)
+        if number:
+            data["uv_set"] = number
+        return data
+
+    def _sampled(self, shader: Any, output: str, is_color: bool) -> Any:
+        picture = self.bitmap(shader, is_color=is_color)
+        if picture is None:
+            found = self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
+            if self._input(shader, "fallback") is None:
+                return None
+            return [float(c) for c in found][:3] if is_color else float(found[0])
+        scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
+        bias = tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
+        if output in _CHANNELS:
+            index = _CHANNELS.index(output)
+            return shifted(multiplied(scale[index], channel(picture, output)), bias[index])
+        if not is_color:
+            return shifted(multiplied(scale[0], channel(picture, "r")), bias[0])
+        return shifted(multiplied(list(scale[:3]), picture), list(bias[:3]))
+
+    def _primvar(self, shader: Any, is_color: bool, fallback: Any) -> Any:
+        name = self._varname(shader)
+        primvar = UsdGeom.PrimvarsAPI(self.prim).FindPrimvarWithInheritance(name)
+        given = self._input(shader, "fallback")
+        if not primvar or not primvar.HasValue():
+            return _plain(fallback if given is None else given, is_color)
+        table = self.stage.table(primvar)
+        if table is None:
+            return _plain(fallback, is_color)
+        if primvar.GetInterpolation() == UsdGeom.Tokens.constant and len(table):
+            return _plain(table[0], is_color)
+        if name == "displayColor" and is_color:
+            return {"type": "vertex_color", "fallback": 0.18}
+        self._approximate(shader, f"primvar {name} varies, which only displayColor may")
+        return _plain(fallback, is_color)
+
+    def _coordinates_of(self, shader: Any) -> tuple[str, list[Data]]:
+        """Which texture coordinates are used, and the steps that change them."""
+        source, steps = self.source_of(shader, "st"), []
+        while source is not None and str(source[0].GetIdAttr().Get()) == "UsdTransform2d":
+            node = source[0]
+            scale = [float(c) for c in self._input(node, "scale", (1.0, 1.0))]
+            angle = float(self._input(node, "rotation", 0.0))
+            shift = [float(c) for c in self._input(node, "translation", (0.0, 0.0))]
+            steps = [{"scale": scale}, {"rotate": angle}, {"translate": shift}, *steps]
+            source = self.source_of(node, "in")
+        name = self._varname(source[0]) if source is not None else ""
+        neutral = ({"scale": [1.0, 1.0]}, {"rotate": 0.0}, {"translate": [0.0, 0.0]})
+        return name or DEFAULT_COORDINATES, [step for step in steps if step not in neutral]
+
+    def _set_of(self, shader: Any, name: str) -> int:
+        """The number of the coordinates of a name."""
+        if name not in self.sets:
+            if len(self.sets) == MOST_SETS:
+                text = f"{name} is one set of coordinates too many; {self.sets[0]} is used"
+                self._approximate(shader, text)
+                return 0
+            self.sets.append(name)
+        return self.sets.index(name)
+
+    def _varname(self, shader: Any) -> str:
+        return str(self._input(shader, "varname") or "")
+
+    def _wrap(self, shader: Any, name: str) -> str:
+        wrap = str(self._input(shader, name) or "useMetadata")
+        if wrap not in _WRAPS:
+            self._approximate(shader, f"{name} {wrap} became clamp")
+        return _WRAPS.get(wrap, "clamp")
+
+    def _input(self, shader: Any, name: str, default: Any = None) -> Any:
+        """Value of an input; with a default, only one of its kind."""
+        entry = shader.GetInput(name)
+        if not entry:
+            return default
+        attributes = UsdShade.Utils.GetValueProducingAttributes(entry)
+        if not attributes:
+            return default
+        if default is None:
+            return self.stage.value(attributes[0])
+        return self.stage.alike(attributes[0], default)
+
+    def _picture(self, shader: Any, asset: Any) -> str | Image | None:
+        try:
+            return picture_of(self.stage, asset)
+        except OutOfReachError as error:
+            self.stage.problem(shader.GetPrim(), str(error))
+        return None
+
+    def _approximate(self, shader: Any, text: str) -> None:
+        self.stage.report.approximate(f"{shader.GetPath()}: {text}")
+
+
+def picture_of(stage: Stage, asset: Any) -> str | Image:
+    """The name of a file beside the stage, or the texels of a picture inside of a package.
+
+    Raises
+    ------
+    OutOfReachError
+        If it is missing, broken, or lies elsewhere.
+    """
+    resolved = asset.resolvedPath
+    path = stage.picture(asset.path, resolved.partition("[")[0])
+    if "[" not in resolved:
+        return stage.reach.name_of(path)
+    try:
+        return _packed(resolved)
+    except PydanticCustomError as error:
+        text = error.message()
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+        text = " ".join(str(error).split())[:200]
+    raise OutOfReachError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
+
+
+def _packed(resolved: str) -> Image:
+    package, _, member = resolved.partition("[")
+    name = PurePosixPath(member.rstrip("]")).as_posix()
+    with zipfile.ZipFile(package) as archive:
+        if archive.getinfo(name).file_size > _MOST_PACKED:
+            raise ValueError(f"{name} is larger than {_MOST_PACKED >> 20} MB")
+        return packed_picture(archive.read(name))
+
+
+def _plain(value: Any, is_color: bool) -> Any:
+    """A number, or the three of a colour, in [0, 1]."""
+    numbers = [float(c) for c in value] if hasattr(value, "__len__") else [float(value)]
+    numbers = [min(max(c, 0.0), 1.0) for c in numbers]
+    if not is_color:
+        return numbers[0]
+    return numbers[:3] if len(numbers) >= 3 else numbers[:1] * 3

@@ -1,0 +1,392 @@
+"""PLY meshes: ascii and binary, polygons, normals, texture coordinates, vertex colours.
+
+A reader of our own: docs/decisions/0014-mesh-files.md says why. Counts in the header are compared
+with the size of the file before memory is asked for.
+
+Source: Turk, The PLY polygon file format (1994).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.core.errors import quote, unknown_name
+from alight.core.uv_sets import MOST_SETS
+from alight.meshes.concave import cut_polygons
+from alight.meshes.triangles import MeshArrays, broken, fan, srgb_to_linear
+
+TYPES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
+    "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
+    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
+    "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
+}  # fmt: skip
+ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+NAMES = {
+    "normals": (("nx", "ny", "nz"),),
+    "uvs": (("u", "v"), ("s", "t"), ("texture_u", "texture_v"), ("texture_s", "texture_t")),
+    "colors": (("red", "green", "blue"), ("r", "g", "b")),
+}
+#: Further sets of texture coordinates, as `save` writes them.
+MORE_UVS = tuple((f"u{number}", f"v{number}") for number in range(1, MOST_SETS))
+LONGEST_HEADER = 100_000
+
+
+@dataclass(frozen=True)
+class Property:
+    """One column of an element; `length` is the type of a list's count, or empty."""
+
+    name: str
+    kind: str
+    length: str = ""
+
+
+@dataclass(frozen=True)
+class Element:
+    """One table of a file."""
+
+    name: str
+    count: int
+    properties: tuple[Property, ...]
+
+    @property
+    def has_lists(self) -> bool:
+        """Whether rows differ in length."""
+        return any(column.length for column in self.properties)
+
+
+@dataclass(frozen=True)
+class Ragged:
+    """A column of lists: all values one after another, and the length of each list."""
+
+    values: NDArray[Any]
+    sizes: NDArray[np.int64]
+
+
+Table = dict[str, "NDArray[Any] | Ragged"]
+
+
+def read(data: bytes) -> MeshArrays:
+    """Read a PLY file.
+
+    Parameters
+    ----------
+    data : bytes
+        Content of the file.
+
+    Returns
+    -------
+    MeshArrays
+        Polygons are cut into triangles; 8-bit colours are taken as sRGB and made linear, colours
+        in floats are taken as linear.
+
+    Raises
+    ------
+    SceneError
+        If the file is broken.
+    """
+    order, elements, start = parse_header(data)
+    tables: dict[str, Table] = {}
+    if order:
+        position = start
+        for element in elements:
+            tables[element.name], position = _read_binary(data, position, element, order)
+    else:
+        words = data[start:].split()
+        position = 0
+        for element in elements:
+            tables[element.name], position = _read_ascii(words, position, element)
+    if "vertex" not in tables:
+        raise broken("has no element vertex")
+    return _assemble(tables["vertex"], tables.get("face", {}))
+
+
+def parse_header(data: bytes) -> tuple[str, list[Element], int]:
+    """Read the header: byte order ("" for ascii), elements, position of the data."""
+    end = data.find(b"end_header", 0, LONGEST_HEADER)
+    if not data.startswith(b"ply") or end < 0:
+        raise broken("is not a PLY file: it must start with ply and have an end_header")
+    start = data.find(b"\n", end) + 1 or len(data)
+    order: str | None = None
+    elements: list[Element] = []
+    lines = data[:end].decode("latin-1").replace("\r", "\n").split("\n")
+    for number, line in enumerate(lines, 1):
+        words = line.split()
+        if not words or words[0] in ("ply", "comment", "obj_info"):
+            continue
+        if words[0] == "format" and len(words) > 1:
+            if words[1] not in ORDERS:
+                raise broken(unknown_name("format", words[1], ORDERS))
+            order = ORDERS[words[1]]
+        elif words[0] == "element" and len(words) == 3 and words[2].isdecimal():
+            # A row takes at least one byte, so a larger count is a lie.
+            if len(words[2]) > 12 or int(words[2]) > len(data):
+                raise broken(f"claims {words[2][:20]} {words[1]} rows in {len(data)} bytes")
+            elements.append(Element(words[1], int(words[2]), ()))
+        elif words[0] == "property" and elements:
+            last = elements[-1]
+            column = _parse_property(words, number)
+            elements[-1] = Element(last.name, last.count, (*last.properties, column))
+        else:
+            raise broken(f"header line {number} makes no sense: {quote(line)}")
+    if order is None:
+        raise broken("header names no format")
+    return order, elements, start
+
+
+def _parse_property(words: list[str], number: int) -> Property:
+    kinds = words[2:4] if len(words) == 5 and words[1] == "list" else words[1:2]
+    if len(words) != (5 if len(kinds) == 2 else 3):
+        raise broken(f"header line {number} makes no sense: {quote(' '.join(words))}")
+    for kind in kinds:
+        if kind not in TYPES:
+            raise broken(f"header line {number}: {unknown_name('type', kind, TYPES)}")
+    if len(kinds) == 2 and TYPES[kinds[0]][0] == "f":
+        raise broken(f"header line {number}: a list's length must be a whole number type")
+    length = TYPES[kinds[0]] if len(kinds) == 2 else ""
+    return Property(words[-1], TYPES[kinds[-1]], length)
+
+
+def _read_binary(data: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
+    """Read one element's rows from position `at`; return its table and the position after."""
+    if not element.properties or element.count == 0:
+        return {}, at
+    if not element.has_lists:
+        dtype = np.dtype([(f"{i}", order + p.kind) for i, p in enumerate(element.properties)])
+        end = at + dtype.itemsize * element.count
+        if end > len(data):
+            raise _truncated(element, (len(data) - at) // dtype.itemsize)
+        rows = np.frombuffer(data, dtype, element.count, at)
+        return {p.name: rows[f"{i}"] for i, p in enumerate(element.properties)}, end
+    uniform = _read_uniform_lists(data, at, element, order)
+    return uniform or _read_ragged_rows(data, at, element, order)
+
+
+def _read_uniform_lists(
+    data: bytes, at: int, element: Element, order: str
+) -> tuple[Table, int] | None:
+    """Read rows whose lists are all as long as those of the first row (triangles), at once."""
+    fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
+    offset = at
+    lengths: dict[int, int] = {}
+    for i, column in enumerate(element.properties):
+        if column.length:
+            size = np.dtype(column.length).itemsize
+            if offset + size > len(data):
+                raise _truncated(element, 0)
+            lengths[i] = int(np.frombuffer(data, order + column.length, 1, offset)[0])
+            if not 0 <= lengths[i] <= len(data):
+                return None
+            fields += [(f"n{i}", order + column.length)]
+            fields += [(f"{i}", order + column.kind, (lengths[i],))]
+            offset += size + lengths[i] * np.dtype(column.kind).itemsize
+        else:
+            fields += [(f"{i}", order + column.kind)]
+            offset += np.dtype(column.kind).itemsize
+    row_bytes = offset - at
+    if at + row_bytes * element.count > len(data):
+        return None
+    rows = np.frombuffer(data, np.dtype(fields), element.count, at)
+    if any((rows[f"n{i}"] != length).any() for i, length in lengths.items()):
+        return None
+    table: Table = {}
+    for i, column in enumerate(element.properties):
+        values = rows[f"{i}"]
+        if i in lengths:
+            sizes = np.full(element.count, lengths[i], np.int64)
+            table[column.name] = Ragged(values.reshape(-1), sizes)
+        else:
+            table[column.name] = values
+    return table, at + row_bytes * element.count
+
+
+def _read_ragged_rows(data: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
+    """Read rows with lists of different lengths, row by row."""
+    scalars: dict[str, list[Any]] = {p.name: [] for p in element.properties}
+    sizes: dict[str, list[int]] = {p.name: [] for p in element.properties}
+    for row in range(element.count):
+        for column in element.properties:
+            count = 1
+            if column.length:
+                size = np.dtype(column.length).itemsize
+                if at + size > len(data):
+                    raise _truncated(element, row)
+                count = int(np.frombuffer(data, order + column.length, 1, at)[0])
+                at += size
+            end = at + count * np.dtype(column.kind).itemsize
+            if count < 0 or end > len(data):
+                raise _truncated(element, row)
+            scalars[column.name].append(np.frombuffer(data, order + column.kind, count, at))
+            sizes[column.name].append(count)
+            at = end
+    table: Table = {}
+    for column in element.properties:
+        values = np.concatenate(scalars[column.name])
+        lengths = np.array(sizes[column.name], np.int64)
+        table[column.name] = Ragged(values, lengths) if column.length else values
+    return table, at
+
+
+def _read_ascii(words: list[bytes], at: int, element: Element) -> tuple[Table, int]:
+    """Read one element's rows from word `at`; return its table and the position after."""
+    if not element.properties or element.count == 0:
+        return {}, at
+    if not element.has_lists:
+        width = len(element.properties)
+        end = at + width * element.count
+        if end > len(words):
+            raise _truncated(element, (len(words) - at) // width)
+        rows = _numbers(words[at:end], element).reshape(element.count, width)
+        return {p.name: _typed(rows[:, i], p) for i, p in enumerate(element.properties)}, end
+    taken: dict[str, list[bytes]] = {p.name: [] for p in element.properties}
+    sizes: dict[str, list[int]] = {p.name: [] for p in element.properties}
+    for row in range(element.count):
+        for column in element.properties:
+            count = 1
+            if column.length:
+                if at >= len(words):
+                    raise _truncated(element, row)
+                if not words[at].isdigit() or len(words[at]) > 9:
+                    raise broken(
+                        f"element {element.name} row {row}: no list length: "
+                        f"{quote(words[at].decode('latin-1'))}"
+                    )
+                count = int(words[at])
+                at += 1
+            if at + count > len(words):
+                raise _truncated(element, row)
+            taken[column.name] += words[at : at + count]
+            sizes[column.name].append(count)
+            at += count
+    table: Table = {}
+    for column in element.properties:
+        values = _typed(_numbers(taken[column.name], element), column)
+        lengths = np.array(sizes[column.name], np.int64)
+        table[column.name] = Ragged(values, lengths) if column.length else values
+    return table, at
+
+
+def _numbers(words: list[bytes], element: Element) -> NDArray[np.float64]:
+    try:
+        return np.array(words, dtype="S").astype(np.float64) if words else np.zeros(0)
+    except ValueError:
+        bad = next(word for word in words if not _is_number(word))
+        shown = quote(bad.decode("latin-1"))
+        raise broken(f"element {element.name} holds {shown}, which is not a number") from None
+
+
+def _typed(values: NDArray[np.float64], column: Property) -> NDArray[Any]:
+    """Give numbers read from text the whole-number type of their column, where they fit."""
+    whole = column.kind[0] in "iu" and bool((np.abs(values) < 2**53).all())
+    return values.astype(np.int64) if whole and (values == np.floor(values)).all() else values
+
+
+def _is_number(word: bytes) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _truncated(element: Element, found: int) -> Exception:
+    return broken(
+        f"ends too early: element {element.name} should have {element.count} rows, "
+        f"the file holds {max(found, 0)}"
+    )
+
+
+def _assemble(vertex: Table, face: Table) -> MeshArrays:
+    vertices = _columns(vertex, ("x", "y", "z"))
+    if vertices is None:
+        raise broken("element vertex has no x, y, z")
+    indices = next((face[n] for n in ("vertex_indices", "vertex_index") if n in face), None)
+    if indices is not None and not isinstance(indices, Ragged):
+        raise broken("vertex_indices must be a list")
+    faces = np.zeros((0, 3), np.int32)
+    if indices is not None:
+        corners, _ = fan(indices.sizes)
+        faces = _to_indices(indices.values[corners], len(vertices))
+        if indices.sizes.max(initial=0) > 3:
+            # Corners of what is too small for a triangle have not been looked at.
+            known = np.clip(indices.values, 0, len(vertices) - 1).astype(np.int64)
+            corners, _ = cut_polygons(vertices[known], indices.sizes)
+            faces = _to_indices(indices.values[corners], len(vertices))
+    found = {
+        name: next((c for c in (_columns(vertex, n) for n in names) if c is not None), None)
+        for name, names in NAMES.items()
+    }
+    colors = found["colors"]
+    if colors is not None and _are_whole_numbers(vertex):
+        colors = srgb_to_linear(colors / np.float32(255.0))
+    more = None if found["uvs"] is None else _more_uvs(vertex)
+    return MeshArrays(vertices, faces, found["normals"], found["uvs"], colors, more)
+
+
+def _more_uvs(vertex: Table) -> NDArray[np.float32] | None:
+    found: list[NDArray[np.float32]] = []
+    for names in MORE_UVS:
+        table = _columns(vertex, names)
+        if table is None:
+            break
+        found.append(table)
+    return np.stack(found) if found else None
+
+
+def _columns(table: Table, names: tuple[str, ...]) -> NDArray[np.float32] | None:
+    found = [table.get(name) for name in names]
+    columns = [column for column in found if isinstance(column, np.ndarray)]
+    if len(columns) < len(names):
+        return None
+    # float64 values beyond float32 become infinite here and are reported with their row.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.ascontiguousarray(np.stack(columns, axis=1), dtype=np.float32)
+
+
+def _are_whole_numbers(vertex: Table) -> bool:
+    """Whether colours are stored as 0 to 255."""
+    column = next(vertex[names[0]] for names in NAMES["colors"] if names[0] in vertex)
+    return isinstance(column, np.ndarray) and column.dtype.kind in "ui"
+
+
+def _to_indices(values: NDArray[Any], count: int) -> NDArray[np.int32]:
+    bad = ~((values >= 0) & (values < count))
+    if values.dtype.kind == "f":
+        bad |= values != np.floor(values)
+    if bad.any():
+        row = int(bad.any(axis=1).argmax())
+        value = values[bad][0]
+        raise broken(f"faces must index vertices 0 to {count - 1}, got {value} in triangle {row}")
+    return np.ascontiguousarray(values, dtype=np.int32)
+
+
+def save(path: str | Path, mesh: MeshArrays) -> None:
+    """Write a binary PLY file; float32 values come back bit for bit.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to write.
+    mesh : MeshArrays
+        Arrays; optional ones are left out where they are None.
+    """
+    parts: list[tuple[tuple[str, ...], NDArray[np.float32]]] = [(("x", "y", "z"), mesh.vertices)]
+    for name in ("normals", "uvs", "colors"):
+        table = getattr(mesh, name)
+        if table is not None:
+            parts.append((NAMES[name][0], table))
+    if mesh.more_uvs is not None:
+        parts += zip(MORE_UVS, mesh.more_uvs, strict=False)
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(mesh.vertices)}"]
+    header += [f"property float {column}" for names, _ in parts for column in names]
+    header += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices"]
+    rows = np.concatenate([table for _, table in parts], axis=1).astype("<f4")
+    faces = np.zeros(len(mesh.faces), np.dtype([("n", "u1"), ("i", "<i4", (3,))]))
+    faces["n"], faces["i"] = 3, mesh.faces
+    text = "\n".join([*header, "end_header", ""])
+    Path(path).write_bytes(text.encode() + rows.tobytes() + faces.tobytes())

@@ -1,0 +1,126 @@
+"""The options of everything that loads a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any, Self
+
+from alight.core.errors import OptionError
+from alight.options.kinds import Crop, Definitions, File, Files, Size, Switch, Text, Texts
+from alight.options.table import FOREIGN, SCENE, Options, option, table
+
+#: Names of the options that only say how a file is read.
+READING = ("definitions", "lenient", "root")
+
+
+@table
+class SceneOptions(Options):
+    """How a scene is loaded, and what of it is changed."""
+
+    changes: Sequence[str] | str = option(
+        Texts("PATH=VALUE"),
+        "Set any key of the scene file, such as film.size=[64,64]. Repeatable.",
+        default=(), flag="--set", panel=SCENE,
+    )  # fmt: skip
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
+        Files("FILE.py"),
+        "Script that registers models for the scene (alight.register). Repeatable.",
+        default=(), flag="--plugin", panel=SCENE,
+    )  # fmt: skip
+    definitions: Mapping[str, str] = option(
+        Definitions(), "Set $NAME in an .xml file. Repeatable.",
+        default={}, flag="-D", panel=FOREIGN,
+    )  # fmt: skip
+    lenient: bool = option(
+        Switch(), "Replace unsupported parts (.xml, .pbrt), and list them.",
+        default=False, panel=FOREIGN,
+    )  # fmt: skip
+    root: str | PathLike[str] | None = option(
+        File("FOLDER"),
+        "Folder whose files the scene may read; must contain it.",
+        shown="the scene's own folder", panel=SCENE, default=None
+    )  # fmt: skip
+
+    def assignments(self) -> list[str]:
+        """All changes of the scene as ``path=value``, those of `changes` last."""
+        keyed = {one.key: getattr(self, one.name) for one in self.options().values() if one.key}
+        found = [f"{key}={value}" for key, value in keyed.items() if value is not None]
+        return [*self._sizes(), *found, *self.changes]
+
+    def _sizes(self) -> list[str]:
+        return []
+
+    def with_loaded_scene(self, **words: Any) -> Self:
+        """Copy the options for a scene in which they are already, with other values besides."""
+        options = self.options()
+        done = [*SceneOptions.options(), *(n for n, one in options.items() if one.key)]
+        done += ["size", "crop"] if isinstance(self, SizedOptions) else []
+        return self.changed(**{**{name: options[name].default for name in done}, **words})
+
+    def check_reads(self) -> None:
+        """Refuse what only says how a file is read, where there is none.
+
+        Raises
+        ------
+        OptionError
+        """
+        for name in self.given(*READING):
+            raise OptionError("the scene is loaded already: give it to alight.load", name)
+
+
+@table
+class SizedOptions(SceneOptions):
+    """Options of what renders pictures of another size than the scene's."""
+
+    size: tuple[int, int] | int | str | None = option(Size(), "Pixels.", panel=SCENE, default=None)
+    crop: tuple[int, int, int, int] | str | None = option(
+        Crop(), "Part to render, in pixels.", panel=SCENE, default=None
+    )
+
+    def _sizes(self) -> list[str]:
+        # Both at once: a crop of the scene file need not fit a new size.
+        size, crop = self.size, self.crop
+        found = ["film.crop=null"] if size is not None and crop is None else []
+        found += [] if size is None else [f"film.size={list(size)}"]
+        return found if crop is None else [*found, f"film.crop={list(crop)}"]
+
+
+def camera() -> Any:
+    """Declare which camera looks."""
+    return option(
+        Text("NAME|NUMBER"),
+        "Camera node of the scene: its path, its name, or its number, from 0.",
+        key="camera", panel=SCENE, default=None
+    )  # fmt: skip
+
+
+def integrator() -> Any:
+    """Declare the algorithm."""
+    help = "Algorithm, such as path or direct."
+    return option(Text(), help, key="integrator.type", panel=SCENE, default=None)
+
+
+def max_depth() -> Any:
+    """Declare the end of all paths."""
+    help = "Longest path, in edges."
+    return option(Text("INTEGER"), help, key="integrator.max_depth", panel=SCENE, default=None)
+
+
+def sampler() -> Any:
+    """Declare the source of random numbers."""
+    help = "Source of random numbers, such as sobol."
+    return option(Text(), help, key="sampler.type", panel=SCENE, default=None)
+
+
+def filter() -> Any:
+    """Declare the pixel filter."""
+    return option(
+        Text(), "Pixel filter, such as box.", key="film.filter", panel=SCENE, default=None
+    )
+
+
+def rr_depth() -> Any:
+    """Declare where paths may end by chance."""
+    help = "Depth at which Russian roulette starts."
+    return option(Text("INTEGER"), help, key="integrator.rr_depth", panel=SCENE, default=None)

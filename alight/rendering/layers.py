@@ -1,0 +1,18 @@
+"""The layers beside a picture: what each holds, and the order in which they are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from alight.integrators.aov import LAYERS
+
+#: Further layers and their channels.
+AOVS = {"direct": ("R", "G", "B"), "indirect": ("R", "G", "B"), **LAYERS}
+
+
+def layers_of(names: Sequence[str]) -> tuple[str, ...]:
+    """Layers in our order, each once; direct and indirect light come together."""
+    wanted = set(names)
+    if wanted & {"direct", "indirect"}:
+        wanted |= {"direct", "indirect"}
+    return tuple(name for name in AOVS if name in wanted)

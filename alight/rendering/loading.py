@@ -1,0 +1,45 @@
+"""The scene of a render, loaded and changed as the options say that all entries share."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+from alight.formats import load
+from alight.formats.loading import changed
+from alight.options.scene import SceneOptions
+from alight.rendering.plugins import load_plugins
+from alight.scene import Scene
+
+
+def scene_of(scene: Scene | str | os.PathLike[str], options: SceneOptions) -> Scene:
+    """Load a scene after the models that scripts register, and change what the options say.
+
+    Parameters
+    ----------
+    scene : Scene, path or name of a built-in scene
+    options : SceneOptions
+
+    Raises
+    ------
+    AlightError
+        For a scene, a script or an option that is wrong.
+    """
+    load_plugins(options.plugins)
+    changes = options.assignments()
+    if not isinstance(scene, Scene):
+        return load(
+            scene,
+            changes,
+            definitions=options.definitions,
+            lenient=options.lenient,
+            root=options.root,
+        )
+    options.check_reads()
+    if not changes:
+        return scene
+    made, recipe = changed(scene, changes), scene.source.recipe
+    if recipe is None:
+        return made
+    recipe = replace(recipe, changes=(*recipe.changes, *changes))
+    return made.from_source(replace(made.source, recipe=recipe))

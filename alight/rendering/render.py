@@ -1,0 +1,114 @@
+"""`alight.render`: a scene becomes a film, and the files that were asked for.
+
+::
+
+    prepare    check every option, load and change the scene           loading.py
+    render     samples, until it is enough                             main_loop.py
+    finish     write pictures and statistics, lose nothing             writing.py
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from alight.core.errors import OptionError
+from alight.films import Film
+from alight.films.denoising import FEATURES
+from alight.options.entry import takes
+from alight.options.render import RenderOptions
+from alight.rendering import main_loop
+from alight.rendering.loading import scene_of
+from alight.rendering.writing import Targets, finish
+from alight.scene import Scene
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A render before its first second: everything that can be wrong with its options is found.
+
+    Attributes
+    ----------
+    scene : Scene
+        With the options' changes.
+    options : RenderOptions
+    targets : Targets
+    useless : list of (str, tuple of str)
+        Options without effect: the message, and their names in it.
+    """
+
+    scene: Scene
+    options: RenderOptions
+    targets: Targets
+    useless: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
+
+    def warnings(self, spell: Callable[[str], str] = str) -> list[str]:
+        """What is legal but suspicious, with options spelled as the user has written them."""
+        useless = [OptionError(text, names=names).spelled(spell) for text, names in self.useless]
+        return [*self.scene.warnings, *useless]
+
+    def render(self, **seen: object) -> Film:
+        """Render; `seen` may replace `progress` and `cancel`."""
+        return main_loop.render_film(self.scene, self.options.changed(**seen))
+
+
+def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Prepared:
+    """Check options and targets, and load the scene.
+
+    Raises
+    ------
+    AlightError
+        For a scene or an option that is wrong.
+    """
+    targets = Targets(
+        options.output, options.display, options.denoise, options.stats, options.checkpoint
+    )
+    targets.check()
+    description = scene_of(scene, options)
+    useless = targets.useless(options.aovs) if options.output else []
+    layers = options.aovs
+    if options.denoise:
+        layers = tuple(dict.fromkeys([*layers, *FEATURES.values()]))
+    notes = options.notes or targets.notes(options.plugins)
+    return Prepared(description, options.changed(aovs=layers, notes=notes), targets, useless)
+
+
+@takes(RenderOptions)
+def render(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Film:
+    """Render a scene.
+
+    Parameters
+    ----------
+    scene : Scene, path or name of a built-in scene
+    {options}
+
+    Returns
+    -------
+    Film
+        With the times in ``film.stats``. It holds the samples, not what the denoiser makes of
+        them: that is in the files of `output`, and in `alight.denoise(film)`.
+
+    Raises
+    ------
+    AlightError
+        For a scene or an option that is wrong, and for a file that cannot be written: where the
+        samples are then is said.
+    KeyboardInterrupt
+        After the running tiles are in the film, which `progress` has been given.
+
+    Examples
+    --------
+    >>> film = alight.render("cornell-box", error="5%", size=64)  # doctest: +SKIP
+    >>> alight.render("cornell-box", sppp=4)
+    Traceback (most recent call last):
+        ...
+    alight.core.errors.OptionError: unknown option "sppp"; did you mean "spp"? ...
+    """
+    begin = time.perf_counter()
+    prepared = prepare(scene, options)
+    film = prepared.render()
+    if options.cancel is None or not options.cancel.is_set():
+        finish(film, prepared.targets, begin, prepared.warnings())
+    return film

@@ -1,0 +1,225 @@
+"""The files that a render ends with, and that no sample is lost when one cannot be written."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from alight.core.errors import OutputError
+from alight.films import Film
+from alight.films.denoising import check_denoiser, denoise
+from alight.films.ledger import Bias
+from alight.films.storage import is_film_file, save_film
+from alight.outputs.atomic import check_folder
+from alight.outputs.display import Display
+from alight.outputs.image import check_writable, format_of, write_image
+from alight.rendering.summary import (
+    statistics_of,
+    summary_lines,
+    unsure_share,
+    warnings_of,
+    write_json,
+)
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What is to be written when a render ends.
+
+    Parameters
+    ----------
+    outputs : sequence of Path
+        Pictures, and ``.alight`` files for the film itself.
+    display : Display
+        For display formats.
+    denoise : bool, default False
+        Whether the pictures, not the film, are denoised.
+    stats : Path or None
+        JSON file.
+    checkpoint : Path or None
+        File that the render can be resumed from.
+    """
+
+    outputs: Sequence[Path]
+    display: Display
+    denoise: bool = False
+    stats: Path | None = None
+    checkpoint: Path | None = None
+
+    def check(self) -> None:
+        """Refuse files that cannot be written, before any time is spent.
+
+        Raises
+        ------
+        OutputError
+        OptionError
+            If there is no denoiser.
+        """
+        if self.denoise:
+            check_denoiser()
+        for path in self.outputs:
+            (check_folder if is_film_file(path) else check_writable)(path)
+        if self.stats is not None:
+            check_folder(self.stats)
+
+    def useless(self, layers: Sequence[str]) -> list[tuple[str, tuple[str, ...]]]:
+        """Say which options have no effect on any of the files: the problem, and their names."""
+        pictures = [path for path in self.outputs if not is_film_file(path)]
+        formats = [format_of(path) for path in pictures]
+        keeps_layers = len(pictures) < len(self.outputs) or any(m.KEEPS_LAYERS for m in formats)
+        found = []
+        if self.display != Display() and not any(module.IS_DISPLAY for module in formats):
+            names = ("exposure", "white_balance", "tone_map", "bits")
+            text = (
+                "{exposure}, {white_balance}, {tone_map} and {bits} change display formats "
+                "(PNG, JPEG) only"
+            )
+            found.append((text, names))
+        if layers and not keeps_layers:
+            found.append(("{aovs}: only EXR keeps layers; add {output} FILE.exr",
+                          ("aovs", "output")))  # fmt: skip
+        return found
+
+    def notes(self, plugins: Sequence[Path]) -> dict[str, Any]:
+        """What a checkpoint keeps of this; it may be resumed from another folder."""
+        return {
+            "outputs": [str(path.absolute()) for path in self.outputs],
+            "plugins": [str(path.absolute()) for path in plugins],
+            "display": asdict(self.display),
+            "denoise": self.denoise,
+        }
+
+    @classmethod
+    def noted(cls, notes: Mapping[str, Any]) -> Targets:
+        """From what `notes` gave; a checkpoint need not say anything."""
+        outputs = [Path(path) for path in notes.get("outputs", ())]
+        display = Display(**dict(notes.get("display", {})))
+        return cls(outputs, display, bool(notes.get("denoise", False)))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A render that has ended, and whose files are written.
+
+    Attributes
+    ----------
+    film : Film
+    targets : Targets
+    seconds : float
+        From the first to the last.
+    denoiser : list of Bias
+        What the pictures have in the ledger beyond the film.
+    warnings : list of str
+        What was changed in pictures, and what went wrong while rendering.
+    """
+
+    film: Film
+    targets: Targets
+    seconds: float
+    denoiser: list[Bias] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        """What the command line ends with."""
+        film, targets = self.film, self.targets
+        error = film.relmse_estimate(literature=False)
+        lines = summary_lines(film, error, unsure_share(film), self.seconds, self.denoiser)
+        if targets.display.exposure == "auto" and any(map(_is_display, targets.outputs)):
+            lines.append(f"exposure: {targets.display.developed(film.image).exposure:+.2f} stops")
+        lines += [f"{_kind(path)}: {path}" for path in targets.outputs]
+        if targets.checkpoint is not None:
+            lines.append(f"checkpoint: {targets.checkpoint}")
+        return "\n".join(lines)
+
+
+def finish(film: Film, targets: Targets, begin: float, told: Sequence[str] = ()) -> Outcome:
+    """Write everything; what cannot be written goes to a place that is said.
+
+    Parameters
+    ----------
+    film : Film
+    targets : Targets
+    begin : float, seconds
+        When the render began, by `time.perf_counter`.
+    told : sequence of str, optional
+        Warnings of before, for ``stats``.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written; where the samples are then is said.
+    """
+    try:
+        denoiser = write_outputs(film, targets)
+        seconds, warnings = time.perf_counter() - begin, warnings_of(film)
+        if targets.stats is not None:
+            outputs, found = list(targets.outputs), [*told, *warnings]
+            error, unsure = film.relmse_estimate(literature=True), unsure_share(film)
+            statistics = statistics_of(film, error, unsure, outputs, found, denoiser)
+            write_json(targets.stats, statistics)
+    except OutputError as error:
+        raise OutputError(f"{error}\n{_rescue(film, targets)}") from error
+    return Outcome(film, targets, seconds, denoiser, warnings)
+
+
+def write_outputs(film: Film, targets: Targets) -> list[Bias]:
+    """Write the pictures, and the film where the suffix says so.
+
+    Returns
+    -------
+    list of Bias
+        What the pictures have in the ledger beyond the film: the denoiser.
+
+    Raises
+    ------
+    OutputError
+        If one cannot be written; the others before it are.
+    """
+    source, found = film, []
+    if targets.denoise and not all(is_film_file(path) for path in targets.outputs):
+        source, bias = denoise(film)
+        found = [bias]
+    for path in targets.outputs:
+        if is_film_file(path):
+            save_film(path, film)
+        else:
+            write_image(path, source, **asdict(targets.display))
+    return found
+
+
+def _kind(path: Path) -> str:
+    return "film" if is_film_file(path) else "picture"
+
+
+def _is_display(path: Path) -> bool:
+    return not is_film_file(path) and format_of(path).IS_DISPLAY
+
+
+def _rescue(film: Film, targets: Targets) -> str:
+    """Say where the samples of a picture are that cannot be written; put them there if need be."""
+    elsewhere = f"ELSEWHERE{targets.outputs[0].suffix}" if targets.outputs else "ELSEWHERE.exr"
+    if targets.checkpoint is not None and not _failure(film):
+        again = command("resume", targets.checkpoint, "-o", elsewhere)
+        return f"nothing is lost, all samples are in {targets.checkpoint}; to write them: {again}"
+    path = Path(tempfile.gettempdir()) / f"alight-{os.getpid()}.alight"
+    try:
+        film.save(path)
+    except OutputError as error:
+        return f"the samples could not be kept either: {error}"
+    again = command("merge", path, "-o", elsewhere)
+    return f"nothing is lost, all samples are in {path}; to write them: {again}"
+
+
+def _failure(film: Film) -> str | None:
+    return film.stats.get("checkpoint", {}).get("failure")
+
+
+def command(name: str, *arguments: object) -> str:
+    """Write a command line that can be copied."""
+    return " ".join(["alight", name, *(shlex.quote(str(argument)) for argument in arguments)])

@@ -1,0 +1,25 @@
+"""How kernel text becomes machine code: Numba, with our primitives in the places of their twins.
+
+Only `lanewise.jit.load_compiler` imports this module, at the first compilation.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lanewise import simd
+from lanewise.lane_types import N
+from lanewise.numba_adapter import jit, object_code
+from lanewise.wide_instructions import PRIMITIVES
+
+__all__ = ["jit", "object_code", "primitive"]
+
+
+def primitive(value: Any) -> Any:
+    """The compiled stand-in for a primitive or constant of `simd`; other values as they are."""
+    if isinstance(value, simd.LaneCount):
+        return N
+    try:
+        return PRIMITIVES.get(value, value)
+    except TypeError:  # not hashable, so not one of ours
+        return value

@@ -1,0 +1,212 @@
+"""Compiled root kernels: kept on disk as object code, loaded and called without the compiler.
+
+Importing Numba takes 0.9 s and 150 MB, most of what a small picture takes otherwise. It is needed
+to compile; but object code is brought to life by LLVM alone, and a root kernel is a C function of
+numbers and pointers, which `ctypes` calls. Kernels that were just compiled go the same way, so
+there is one way only.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import json
+import os
+import secrets
+import threading
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lanewise.machine import cache_folder
+from lanewise.vec3 import Vec3
+from lanewise.view import View
+
+#: Arguments as C sees them, by their LLVM types; every pointer is "ptr".
+C_TYPES = {
+    "i8": ctypes.c_int8,
+    "i32": ctypes.c_int32,
+    "i64": ctypes.c_int64,
+    "float": ctypes.c_float,
+    "double": ctypes.c_double,
+    "ptr": ctypes.c_void_p,
+}
+
+
+class ObjectCode(NamedTuple):
+    """What the compiler makes of a root kernel for arguments of certain types.
+
+    Attributes
+    ----------
+    symbol : str
+        Name of the C function ``int f(void *result, void **error, ...)``; both are not used, since
+        kernels return nothing and raise nothing.
+    arguments : tuple of str
+        Keys of `C_TYPES`: what follows.
+    code : bytes
+        An object file.
+    """
+
+    symbol: str
+    arguments: tuple[str, ...]
+    code: bytes
+
+
+class MachineCode:
+    """A root kernel, ready to be called with tables (`View`), numbers and nested tuples of them.
+
+    Parameters
+    ----------
+    name : str
+        First part of the names of its files.
+    identity : str
+        Everything beside sources, machine and types of arguments that decides the code.
+    compile_for : callable
+        Given a tuple of arguments, the `ObjectCode` for their types.
+    """
+
+    def __init__(self, name: str, identity: str, compile_for: Callable[[tuple], ObjectCode]):
+        self.name, self.identity, self.compile_for = name, identity, compile_for
+        self._entries: dict[str, Callable] = {}
+        self._lock = threading.Lock()
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run; the types of all arguments are looked at."""
+        self.entry(arguments)(*leaves(arguments))
+
+    def entry(self, arguments: tuple) -> Callable:
+        """The function for the types of these arguments, which takes their `leaves`."""
+        kind = kind_of(arguments)
+        if kind not in self._entries:
+            with self._lock:
+                if kind not in self._entries:
+                    self._entries[kind] = self._load(kind, arguments)
+        return self._entries[kind]
+
+    def _load(self, kind: str, arguments: tuple) -> Callable:
+        digest = hashlib.sha256(f"{self.identity}\0{kind}".encode()).hexdigest()[:24]
+        path = cache_folder() / f"{self.name}-{digest}.kernel"
+        compiled = _read(path)
+        if compiled is None:
+            compiled = self.compile_for(arguments)
+            _write(path, compiled)
+        return _brought_to_life(compiled)
+
+    def fixed(self) -> Callable[..., None]:
+        """The same, for arguments whose types do not change from call to call.
+
+        For nested tuples of tables, looking at them takes longer than a small tile. Tuples that are
+        given again, as the same object, are not even taken apart.
+        """
+        entry: Callable | None = None
+        known: dict[int, tuple[Any, tuple]] = {}
+
+        def call(*arguments: Any) -> None:
+            nonlocal entry
+            if entry is None:
+                entry = self.entry(arguments)
+            parts: list[Any] = []
+            for place, argument in enumerate(arguments):
+                kept = known.get(place)
+                if kept is None or kept[0] is not argument:
+                    # Whoever calls keeps what a tuple holds alive; a replaced pair does no harm.
+                    kept = known[place] = (argument, tuple(leaves(argument)))
+                parts += kept[1]
+            entry(*parts)
+
+        return call
+
+
+def leaves(value: Any) -> Iterator[Any]:
+    """Numbers and addresses in an argument, in the order in which compiled code takes them."""
+    if isinstance(value, View):
+        yield value.address
+        yield value.size
+    elif isinstance(value, Vec3):
+        yield from (float(value.x), float(value.y), float(value.z))
+    elif isinstance(value, tuple):
+        for part in value:
+            yield from leaves(part)
+    elif isinstance(value, np.generic):
+        yield value.item()
+    else:
+        yield value
+
+
+def kind_of(value: Any) -> str:
+    """The type of an argument as far as compiled code depends on it."""
+    if isinstance(value, View):
+        return f"View[{value.dtype}]"
+    if isinstance(value, tuple):
+        name = f"{type(value).__qualname__}{getattr(value, '_fields', '')}"
+        return f"{name}({', '.join(map(kind_of, value))})"
+    if isinstance(value, np.generic):
+        return str(value.dtype)
+    return type(value).__qualname__
+
+
+# ---------------------------------------------------------------- on disk
+
+
+def _read(path: Path) -> ObjectCode | None:
+    """What `_write` wrote; None if there is nothing, or nothing whole."""
+    try:
+        header, _, code = path.read_bytes().partition(b"\n")
+        described = json.loads(header)
+        whole = described["crc32"] == zlib.crc32(code)
+        found = ObjectCode(described["symbol"], tuple(described["arguments"]), code)
+    except (OSError, ValueError, LookupError, TypeError):
+        return None
+    return found if whole else None
+
+
+def _write(path: Path, compiled: ObjectCode) -> None:
+    """A line of JSON, then the object file; without room on disk the next run compiles again."""
+    header = {
+        "symbol": compiled.symbol,
+        "arguments": compiled.arguments,
+        "crc32": zlib.crc32(compiled.code),
+    }
+    unfinished = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished.write_bytes(json.dumps(header).encode() + b"\n" + compiled.code)
+        unfinished.replace(path)
+    except OSError:
+        with suppress(OSError):
+            unfinished.unlink(missing_ok=True)
+
+
+# ---------------------------------------------------------------- in memory
+
+
+def _brought_to_life(compiled: ObjectCode) -> Callable:
+    """The C function, as a callable of its leaves."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    # An engine each: names are unique in the process that compiled, not among all files.
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(compiled.code))
+    engine.finalize_object()
+    address = engine.get_function_address(compiled.symbol)
+    types = [C_TYPES[argument] for argument in compiled.arguments]
+    function = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *types)(address)
+    # Room for the result, which is none, and for a pointer to what was raised, which is nothing.
+    unused = (ctypes.c_int64 * 2)()
+    result, error = ctypes.byref(unused), ctypes.byref(unused, 8)
+
+    # The code lives as long as its engine.
+    function.engine = engine  # pyright: ignore[reportAttributeAccessIssue]
+
+    def run(*numbers: Any) -> None:
+        status = function(result, error, *numbers)
+        assert status == 0, f"{compiled.symbol} ended with {status}"
+
+    return run

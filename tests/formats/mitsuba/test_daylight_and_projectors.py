@@ -1,0 +1,77 @@
+"""Mitsuba's sunsky, projectors and textured spots, as lights of the native format."""
+
+import math
+
+import numpy as np
+
+from alight.lights.daylight import Daylight
+from tests.formats.mitsuba.reading import issues, node, read
+
+
+def to_sun(body):
+    """Unit vector to the sun in the world, of a scene that is one emitter."""
+    found = node(read(body))
+    assert isinstance(found.light, Daylight)
+    return found.transform.matrix[:3, :3] @ found.light.to_sun
+
+
+def test_version_3_has_its_sun_where_it_says_with_z_up():
+    body = """<emitter type="sunsky"><vector name="sun_direction" x="1" y="2" z="2"/>
+    <float name="sun_aperture" value="2"/></emitter>"""
+    np.testing.assert_allclose(to_sun(body), [1 / 3, 2 / 3, 2 / 3], atol=1e-6)
+    light = node(read(body)).light
+    assert light.diameter == 2.0 and light.scale[0] * 106.857 == 1.0
+
+
+def test_the_date_gives_mitsubas_sun():
+    # What Mitsuba 3.6 says: +x south, +y west.
+    for hour, expected in ((9, (0.0983, -0.8102, 0.5778)), (15, (0.4004, 0.4304, 0.8090))):
+        numbers = {"latitude": 52.5, "longitude": 13.4, "timezone": 2.0, "hour": float(hour)}
+        body = "".join(f'<float name="{k}" value="{v}"/>' for k, v in numbers.items())
+        for name, value in (("year", 2020), ("month", 6), ("day", 21)):
+            body += f'<integer name="{name}" value="{value}"/>'
+        found = to_sun(f'<emitter type="sunsky">{body}</emitter>')
+        # The sun's disk is half a degree wide, and a sample of it is what we know.
+        assert np.degrees(np.arccos(found @ expected / np.linalg.norm(expected))) < 0.4
+
+
+def test_what_is_left_out_is_said():
+    scene = read('<emitter type="sky"><vector name="sun_direction" x="0" y="0" z="1"/></emitter>')
+    assert node(scene).light.type_name() == "sky"
+    [warning] = scene.source.remarks.warnings
+    assert "Preetham" in warning
+    body = '<float name="turbidity" value="{}"/><rgb name="albedo" value="0.5"/>'
+    scene = read(f'<emitter type="sunsky">{body.format(40)}</emitter>')
+    assert node(scene).light.turbidity == 10.0
+    found = " ".join(scene.source.remarks.warnings)
+    assert "turbidity 40 became 10" in found and "albedo" in found
+    body = '<emitter type="sun"><vector name="sun_direction" x="0" y="1" z="-1"/></emitter>'
+    [issue] = issues(body)
+    assert "below the horizon" in issue.message
+    [issue] = issues('<emitter type="sunsky"><integer name="month" value="13"/></emitter>')
+    assert "is not a date" in issue.message
+    [issue] = issues('<emitter type="sunsky"><float name="latitude" value="140"/></emitter>')
+    assert "latitude must be in [-90, 90]" in issue.message and "got 140" in issue.message
+
+
+def test_projectors():
+    body = """<emitter type="projector"><float name="fov" value="60"/>
+    <float name="scale" value="2"/>
+    <texture type="bitmap" name="irradiance"><string name="filename" value="sky.exr"/></texture>
+    </emitter>"""
+    light = node(read(body)).light
+    assert light.file == "sky.exr" and light.fov == 60.0 and light.evenness == "screen"
+    # On a screen at distance 1 Mitsuba's gives pi times the picture.
+    assert light.scale == (2 * math.pi,) * 3
+
+
+def test_spots_with_a_texture():
+    body = """<emitter type="spot"><float name="cutoff_angle" value="40"/>
+    <texture type="bitmap" name="texture"><string name="filename" value="sky.exr"/></texture>
+    </emitter>"""
+    found = node(read(body))
+    light = found.light
+    assert (light.fov, light.cutoff_angle, light.beam_width) == (80.0, 40.0, 30.0)
+    assert light.evenness == "intensity" and light.aspect == 1.0
+    # Upside down.
+    np.testing.assert_allclose(np.diag(found.transform.matrix), [-1, -1, 1, 1], atol=1e-6)

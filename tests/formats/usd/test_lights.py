@@ -1,0 +1,112 @@
+"""OpenUSD: units of lights, the place of the sky, lenses of cameras."""
+
+import math
+
+import numpy as np
+import pytest
+
+import alight
+from tests.formats.usd.stage import SQUARE, usd_loader
+
+pytest.importorskip("pxr")
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Load a stage given as text."""
+    return usd_loader(tmp_path)
+
+
+def light_of(load, text):
+    scene = load(f'def Mesh "m" {{{SQUARE}}}\n{text}')
+    return next(node for _, _, node in scene.walk() if node.light is not None)
+
+
+def test_area_lights_have_radiance_by_intensity_and_exposure(load):
+    light = (
+        "float inputs:intensity = 3; float inputs:exposure = 2; color3f inputs:color = (1, 0.5, 0)"
+    )
+    node = light_of(load, f'def RectLight "l" {{ {light} }}')
+    assert node.light.radiance == (12.0, 6.0, 0.0)
+    normalised = (
+        f"{light}; bool inputs:normalize = 1; float inputs:width = 2; float inputs:height = 3"
+    )
+    node = light_of(load, f'def RectLight "l" {{ {normalised} }}')
+    assert node.light.radiance == (2.0, 1.0, 0.0)
+    # It shines along its -z.
+    normal = node.transform.apply_normal([0.0, 0.0, 1.0])
+    assert normal[2] < 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "area"),
+    [
+        ('SphereLight "l" { float inputs:radius = 2', 16 * math.pi),
+        ('DiskLight "l" { float inputs:radius = 2', 4 * math.pi),
+        ('CylinderLight "l" { float inputs:radius = 2; float inputs:length = 3', 12 * math.pi),
+    ],
+)
+def test_normalised_lights_have_the_power_of_one_square_metre(load, text, area):
+    node = light_of(load, f"def {text}; float inputs:intensity = 5; bool inputs:normalize = 1 }}")
+    assert node.light.radiance[0] == pytest.approx(5.0 / area)
+
+
+def test_a_distant_light_gives_its_irradiance(load):
+    text = 'def DistantLight "l" {{ float inputs:intensity = 4; float inputs:angle = 60; {} }}'
+    node = light_of(load, text.format(""))
+    assert node.light.irradiance[0] == pytest.approx(4 * math.pi * math.sin(math.radians(30)) ** 2)
+    node = light_of(load, text.format("bool inputs:normalize = 1"))
+    assert node.light.irradiance[0] == pytest.approx(4.0)
+
+
+def test_a_small_sphere_far_away_is_as_bright_as_its_point(load):
+    text = 'def SphereLight "l" {{ float inputs:intensity = 8; float inputs:radius = {}; {} }}'
+    point = light_of(load, text.format(0.1, "bool treatAsPoint = 1")).light
+    # Radiance times the disk that is seen.
+    assert point.intensity[0] == pytest.approx(8 * math.pi * 0.01)
+
+
+def test_a_dome_is_the_environment_and_turns_with_its_prim(load, tmp_path):
+    alight.outputs.write_image(tmp_path / "sky.exr", np.ones((4, 8, 3)))
+    scene = load("""
+def DomeLight "sky" {
+    asset inputs:texture:file = @sky.exr@
+    float inputs:intensity = 2
+    float xformOp:rotateY = 30
+    uniform token[] xformOpOrder = ["xformOp:rotateY"]
+}""")
+    sky = scene.environment
+    assert (sky.file, sky.scale) == ("sky.exr", (2.0, 2.0, 2.0))
+    assert sky.rotate == pytest.approx(30.0)
+    plain = load('def DomeLight "sky" { float inputs:intensity = 2 }').environment
+    assert (plain.type, plain.radiance) == ("constant", (2.0, 2.0, 2.0))
+    # A second one, turned by a parent that must not turn it again.
+    scene = load("""
+def DomeLight "plain" { float inputs:intensity = 2 }
+def Xform "turned" {
+    float xformOp:rotateY = 40
+    uniform token[] xformOpOrder = ["xformOp:rotateY"]
+    def DomeLight "sky" { asset inputs:texture:file = @sky.exr@ }
+}""")
+    assert scene.environment.type_name() == "constant"
+    assert scene.nodes["dome"].light.rotate == pytest.approx(40.0)
+    np.testing.assert_array_equal(scene.nodes["dome"].transform.matrix, np.eye(4))
+
+
+def test_a_camera_has_its_angle_place_and_lens(load):
+    scene = load("""
+def Camera "c" {
+    float focalLength = 20
+    float horizontalAperture = 40
+    float verticalAperture = 20
+    float fStop = 2
+    float focusDistance = 300
+    double3 xformOp:translate = (0, 0, 700)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}""", unit=0.01)  # fmt: skip
+    assert scene.film.size == (1200, 600)
+    (camera,) = [node for _, _, node in scene.walk() if node.camera is not None]
+    assert camera.camera.fov == pytest.approx(2 * math.degrees(math.atan(0.5)))
+    # In the stage's units: tenths of them for the lens.
+    assert camera.camera.aperture_radius == pytest.approx(0.5)
+    assert camera.camera.focus_distance == 300.0

@@ -1,0 +1,88 @@
+"""What is private to Numba stands in one file, says what is assumed of it, and can be tried."""
+
+import ast
+import inspect
+
+import numba.core.codegen
+import pytest
+
+from lanewise import canary, numba_adapter
+from tests.static.sources import COMPILER, place, tree
+
+ADAPTER = COMPILER / "numba_adapter.py"
+OTHERS = [path for path in sorted(COMPILER.rglob("*.py")) if path != ADAPTER]
+#: What Numba and llvmlite document, and other packages may use.
+PUBLIC = {"numba", "numba.extending", "llvmlite", "llvmlite.binding"}
+
+
+def imported(path):
+    """(module, line) of the imports of a file, wherever they stand."""
+    for node in ast.walk(tree(path)):
+        if isinstance(node, ast.ImportFrom):
+            yield node.module, node.lineno
+        elif isinstance(node, ast.Import):
+            yield from ((alias.name, node.lineno) for alias in node.names)
+
+
+def test_no_other_file_imports_from_the_inside_of_numba():
+    inside = [
+        f"{place(path, line)} {module}"
+        for path in OTHERS
+        for module, line in imported(path)
+        if module.split(".")[0] in ("numba", "llvmlite") and module not in PUBLIC
+    ]
+    assert not inside
+
+
+def test_no_other_file_touches_what_is_marked_private():
+    """Attributes with an underscore, but for an object's own and those of named tuples."""
+    touched = [
+        f"{place(path, node.lineno)} {ast.unparse(node)}"
+        for path in OTHERS
+        for node in ast.walk(tree(path))
+        if isinstance(node, ast.Attribute)
+        and node.attr.startswith("_")
+        and not node.attr.startswith("__")
+        and node.attr not in ("_replace", "_fields", "_asdict", "_make")
+        and not (isinstance(node.value, ast.Name) and node.value.id in ("self", "cls"))
+    ]
+    assert not touched
+
+
+def test_every_private_name_says_what_is_assumed():
+    names = canary.private_names()
+    assert len(names) > 15
+    silent = [name for (_, name), assumed in names.items() if len(assumed) < 10]
+    assert not silent
+
+
+def test_every_part_of_the_adapter_can_be_tried():
+    parts = {
+        name
+        for name, part in vars(numba_adapter).items()
+        if getattr(part, "__module__", "") == numba_adapter.__name__
+        and (inspect.isclass(part) or inspect.isfunction(part))
+    }
+    assert parts == set(canary.CHECKS) - {"instructions"}
+    assert all(check.__doc__ for check in canary.CHECKS.values())
+
+
+def test_all_assumptions_hold(capsys):
+    assert canary.main() == 0, capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert " 0 broken" in said and "numba.core.codegen.JITCodeLibrary" in said
+
+
+def test_a_name_that_is_gone_is_told(monkeypatch, capsys):
+    monkeypatch.delattr(numba.core.codegen, "JITCodeLibrary")
+    assert canary.main() == 1
+    said = capsys.readouterr().out
+    assert "BROKEN  numba.core.codegen.JITCodeLibrary" in said
+    assert "numba.core.codegen has no JITCodeLibrary" in said
+    assert said.endswith(" 1 broken\n")
+
+
+def test_a_step_that_does_nothing_is_told(monkeypatch):
+    monkeypatch.setattr(numba_adapter.Float32Constants, "run_pass", lambda self, state: False)
+    with pytest.raises(AssertionError, match="float64"):
+        canary.CHECKS["Float32Constants"]()

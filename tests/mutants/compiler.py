@@ -1,0 +1,38 @@
+"""Bugs of the SPMD compiler."""
+
+from tests.mutants.mutant import Mutant
+
+ADAPTER = "tests/lanewise/test_adapter.py::test_all_assumptions_hold"
+
+COMPILER = (
+    Mutant(
+        "constants that stay doubles",
+        "numba_adapter.py",
+        (("type(value.value) is float:", "type(value.value) is complex:"),),
+        ADAPTER,
+        "lanewise",
+    ),
+    Mutant(
+        "a kernel for every constant",
+        "numba_adapter.py",
+        (("if keywords or plain == list(arguments):", "if True:"),),
+        "tests/lanewise/test_compiler.py"
+        "::test_a_kernel_is_compiled_once_for_all_numbers_unless_it_must_know_them",
+        "lanewise",
+    ),
+    Mutant(
+        "a stock pipeline that is the lean one",
+        "jit.py",
+        (("    if uses_stock_pipeline():\n", "    if uses_stock_pipeline() and False:\n"),),
+        "tests/lanewise/test_pipelines.py::test_both_pipelines_give_the_same_bits",
+        "lanewise",
+    ),
+    Mutant(
+        "machine code that outlives the compiler",
+        "machine.py",
+        (("_digest_of_sources({LANEWISE, package})", "_digest_of_sources({package})"),),
+        "tests/determinism/test_kernel_cache.py"
+        "::test_the_cache_folder_changes_with_any_callee[lanewise/instructions.py]",
+        "lanewise",
+    ),
+)

@@ -1,0 +1,131 @@
+"""Tables of options: what a word and a keyword mean is the same, and what neither means, too."""
+
+import dataclasses
+
+import pytest
+import typer
+
+import alight
+from alight.cli.words import takes_words
+from alight.core.errors import OptionError
+from alight.options import laboratory, render, resume
+from alight.options.kinds import Anything, File, Files
+from alight.options.table import PANELS, Options, documented
+from tests.options.examples import WRONG, example
+
+TABLES = [
+    render.RenderOptions, render.DisplayOptions, resume.ResumeOptions,
+    laboratory.InfoOptions, laboratory.PlanOptions, laboratory.CheckOptions,
+    laboratory.WhyOptions, laboratory.CompareOptions, laboratory.StudyOptions,
+    laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
+]  # fmt: skip
+OPTIONS = [(table, name) for table in TABLES for name in table.options()]
+IDS = [f"{table.__name__}.{name}" for table, name in OPTIONS]
+TYPED = [(t, n) for t, n in OPTIONS if not isinstance(t.options()[n].kind, Anything)]
+TYPED_IDS = [f"{table.__name__}.{name}" for table, name in TYPED]
+
+
+def test_every_table_is_here():
+    def below(table):
+        return {table}.union(*(below(one) for one in table.__subclasses__()))
+
+    used = {t for t in below(Options) if t.__module__.startswith("alight.") and t is not Options}
+    parts = {base for table in used for base in table.__mro__[1:]}
+    assert used - parts <= set(TABLES)
+
+
+@pytest.mark.parametrize(("table", "name"), OPTIONS, ids=IDS)
+def test_an_option_says_what_it_is_and_its_default_is_allowed(table, name):
+    one = table.options()[name]
+    assert one.help.endswith(".")
+    assert one.panel in PANELS
+    one.check(one.default)
+    assert one.check(one.check(one.default)) == one.check(one.default)
+    assert bool(one.flags) != isinstance(one.kind, Anything) or name == "spp_per_pass"
+
+
+@pytest.mark.parametrize(("table", "name"), TYPED, ids=TYPED_IDS)
+def test_what_is_written_is_read_again(table, name):
+    one = table.options()[name]
+    value = one.check(example(one))
+    assert value != one.check(one.default)
+    assert one.check(value) == value
+    if not isinstance(one.kind, File | Files):
+        given = example(one)
+        assert value == (tuple(given) if isinstance(given, list) else given)
+    if one.flags and not one.kind.is_repeated and type(value) is not bool:
+        assert one.parse(one.kind.write(value)) == value
+
+
+@pytest.mark.parametrize(("table", "name"), TYPED, ids=TYPED_IDS)
+def test_a_command_line_gives_the_options_back(table, name):
+    """What `words` writes, a command reads."""
+    one = table.options()[name]
+    if not one.flags:
+        return
+    values = {name: example(one)} | ({"error": 0.1} if name == "max_spp" else {})
+    asked, read = table(**values), []
+    app = typer.Typer()
+    app.command()(takes_words(table)(lambda options: read.append(options)))
+    typer.main.get_command(app)(asked.words(), standalone_mode=False)
+    assert read == [asked]
+
+
+CASES = [
+    pytest.param(table, name, python, text, id=f"{table.__name__}.{name}-{python!r}")
+    for table, name in TYPED
+    for python, text in WRONG[type(table.options()[name].kind)]
+]
+
+
+@pytest.mark.parametrize(("table", "name", "python", "text"), CASES)
+def test_a_wrong_value_has_one_message(table, name, python, text):
+    one = table.options()[name]
+    with pytest.raises(OptionError) as refused:
+        table(**{name: python})
+    assert str(refused.value).startswith(f"{name}: must ") or "unknown" in str(refused.value)
+    if text is not None and one.flags:
+        with pytest.raises(OptionError) as typed:
+            table.parsed({name: text})
+        assert str(typed.value) == str(refused.value)
+        assert typed.value.spelled(lambda _: one.spelling).startswith(f"{one.spelling}: ")
+
+
+def test_a_misspelt_keyword_names_the_nearest():
+    with pytest.raises(OptionError, match='unknown option "sppp"; did you mean "spp"'):
+        alight.render("cornell-box", sppp=4)
+    with pytest.raises(OptionError, match='unknown option "sead"; did you mean "seed"'):
+        alight.RenderOptions().changed(sead=4)
+
+
+def test_contradictions_are_refused_in_the_words_of_the_user():
+    for words, message in {
+        ("error", "spp"): "error and spp contradict each other; the limit is max_spp",
+        ("max_spp",): "max_spp limits error; without it, give spp",
+    }.items():
+        with pytest.raises(OptionError) as refused:
+            alight.RenderOptions(**dict.fromkeys(words, 1))
+        assert str(refused.value) == message
+        spelled = refused.value.spelled(lambda name: f"--{name.replace('_', '-')}")
+        assert spelled == message.replace("max_spp", "--max-spp").replace(
+            "error", "--error"
+        ).replace(" spp", " --spp")
+    with pytest.raises(OptionError, match=r"schedule decides itself .* leave out error"):
+        alight.RenderOptions(schedule=object(), error=0.1)
+
+
+def test_options_cannot_be_changed_but_copied():
+    options = alight.RenderOptions(spp=4)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        options.spp = 8
+    assert options.changed(seed=1) == alight.RenderOptions(spp=4, seed=1)
+    assert options.given() == {"spp": 4}
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_the_documentation_names_every_option(table):
+    text = documented(table)
+    for name, one in table.options().items():
+        assert f"\n{name} : " in text
+        assert " ".join(one.help.split()[:2]).rstrip(".") in " ".join(text.split())
+    assert text in table.__doc__
