@@ -13,7 +13,7 @@ from alight.bsdfs.absorption import ABSORBING
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.maths import exp
-from alight.core.registry import Models, Numbers, modules, specs_of
+from alight.core.registry import Models, Numbers, specs_of
 from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
 from lanewise.jit import kernel, specialised
@@ -76,9 +76,9 @@ def models_of(program) -> list[Used]:
     """The models that a program uses."""
     stride = stride_of(program.bsdfs)
     return [
-        Used(number, model, stride)
-        for number, model in enumerate(modules("bsdfs"))
-        if model.EXAMPLES[0].type_name() in program.bsdfs and hasattr(model, "sample")
+        Used(Numbers("bsdfs")[name], model, stride)
+        for name, model in Models("bsdfs").items()
+        if name in program.bsdfs and hasattr(model, "sample")
     ]
 
 

@@ -320,9 +320,8 @@ def _light_problems(source: Mapping[str, Any]) -> list[str]:
     if delta is (placement == "node"):
         return []
     hit = "cannot hit" if placement == "node" else "hit"
-    return [
-        f"rays {hit} a light of placement {show_value(placement)}: DELTA must be so, got {delta}"
-    ]
+    place, wanted = show_value(placement), placement == "node"
+    return [f"rays {hit} a light of placement {place}: DELTA must be {wanted}, got {delta}"]
 
 
 def _rate_problems(source: Mapping[str, Any]) -> list[str]:

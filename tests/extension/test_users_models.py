@@ -5,7 +5,7 @@ import pytest
 
 import alight
 from alight.core.registration import unregister
-from alight.scene import loads
+from alight.formats import loads
 from tests.extension import beam, haze, torus
 
 USERS = {"torus": ("shapes", torus), "beam": ("lights", beam), "haze": ("media", haze)}
