@@ -15,14 +15,15 @@ from typing import Any
 import numpy as np
 
 from alight.accel.forest import Forest, own_box, placed, placed_box
-from alight.accel.layout import ANALYTIC, MOVING
-from alight.accel.lists import Accelerator
+from alight.accel.layout import LIST, MOVING_LIST, TRIANGLES, kinds_in_order, number_of
+from alight.accel.lists import PAIRS, Accelerator
 from alight.accel.moving import MOVING_ROW, MovingAccelerator
 from alight.accel.primitives import (
     Analytic,
     Instance,
     Moving,
     TriangleSet,
+    Unbounded,
     chosen,
     finite,
     first_of_pairs,
@@ -40,7 +41,7 @@ BIG = 0.02
 def build_accelerator(
     triangles: TriangleSet | None = None,
     analytic: Sequence = (),
-    planes: Sequence[tuple[int, int]] = (),
+    unbounded: Sequence = (),
     instances: Sequence = (),
     geometries: Sequence[tuple[np.ndarray, np.ndarray]] = (),
     moving: Sequence = (),
@@ -55,7 +56,7 @@ def build_accelerator(
     ----------
     triangles : TriangleSet, optional
     analytic : sequence of Analytic
-    planes : sequence of (shape, row)
+    unbounded : sequence of Unbounded
     instances : sequence of Instance
     geometries : sequence of (vertices (V, 3) float32, faces (F, 3) int32)
         Meshes in their own space.
@@ -78,7 +79,7 @@ def build_accelerator(
         ``bytes``, ``seconds``.
     """
     begin = time.perf_counter()
-    sorter = _Sorter(triangles, analytic, planes, instances, geometries, moving)
+    sorter = _Sorter(triangles, analytic, unbounded, instances, geometries, moving)
     if structure == "list":
         sorter.list_everything()
     elif structure == "auto":
@@ -94,7 +95,7 @@ def build_accelerator(
 class _Sorter:
     """Primitives on their way into lists or the tree."""
 
-    def __init__(self, triangles, analytic, planes, instances, geometries, moving):
+    def __init__(self, triangles, analytic, unbounded, instances, geometries, moving):
         if triangles is None:
             triangles = TriangleSet(
                 np.zeros((0, 3), np.float32),
@@ -104,7 +105,7 @@ class _Sorter:
             )
         self.triangles = in_order(finite(triangles))
         self.analytic = sorted((Analytic(*a) for a in analytic), key=lambda a: a.shape)
-        self.planes = sorted((int(shape), int(row)) for shape, row in planes)
+        self.unbounded = sorted((Unbounded(*u) for u in unbounded), key=lambda u: u.shape)
         self.instances = sorted((Instance(*i) for i in instances), key=lambda i: i.shape)
         self.geometries = [
             (np.ascontiguousarray(v, np.float32), np.ascontiguousarray(f, np.int32))
@@ -134,7 +135,9 @@ class _Sorter:
     def list_the_big(self) -> None:
         """Small scenes into lists; of big ones the few primitives that cover much of the scene."""
         total = len(self.triangles.faces) + len(self.analytic)
-        total += sum(len(self.geometries[m.row][1]) if m.kind == "mesh" else 1 for m in self.moving)
+        total += sum(
+            len(self.geometries[m.row][1]) if m.kind == TRIANGLES else 1 for m in self.moving
+        )
         if total <= LIST_LIMIT and not self.instances:
             self.listed[:] = True
             self.listed_analytic[:] = True
@@ -167,7 +170,7 @@ class _Sorter:
         ]
 
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Box of everything but planes, metres."""
+        """Box of everything that has one, metres."""
         parts = [np.asarray([a.low, a.high], float) for a in self.analytic]
         used = {i.geometry for i in self.instances if len(self.geometries[i.geometry][1])}
         boxes = {g: own_box(*self.geometries[g]) for g in used}
@@ -183,22 +186,20 @@ class _Sorter:
 
     def finish(self, builder: str, threads: int, in_pairs: bool):
         """The accelerator, its plan, and figures about it."""
-        plan, lists = [], {}
-        for kind in ANALYTIC:
-            lists[kind + "s"] = [
-                (a.shape, a.row)
-                for a, listed in zip(self.analytic, self.listed_analytic, strict=True)
-                if listed and a.kind == kind
-            ]
-        lists["planes"] = self.planes
-        plan += [name for name, rows in lists.items() if rows]
-        tables = {name: View(np.array(rows, np.uint32).reshape(-1)) for name, rows in lists.items()}
+        lists: dict[str, list[tuple[int, int]]] = {}
+        for a, listed in zip(self.analytic, self.listed_analytic, strict=True):
+            if listed:
+                lists.setdefault(a.kind, []).append((a.shape, a.row))
+        for kind, shape, row in self.unbounded:
+            lists.setdefault(kind, []).append((shape, row))
+        plan = list(kinds_in_order(set(lists)))
+        tables = tuple(View(np.array(lists[kind], np.uint32).reshape(-1)) for kind in plan)
         corners, ids = self._listed_triangles()
         first = first_of_pairs(corners, ids) if in_pairs else np.zeros(len(ids), bool)
         alone = ~first & ~np.roll(first, 1)
         second = np.roll(first, 1)
-        plan += ["pairs"] if first.any() else []
-        plan += ["triangles"] if alone.any() else []
+        plan += [PAIRS] if first.any() else []
+        plan += [TRIANGLES] if alone.any() else []
         forest = Forest(
             chosen(self.triangles, ~self.listed),
             [
@@ -213,7 +214,7 @@ class _Sorter:
         tree, box, tree_plan, stats = forest.build(builder, threads)
         count = len(ids) + sum(len(rows) for rows in lists.values())
         accelerator = Accelerator(
-            **tables,
+            tables,
             triangles=_corner_table(corners[alone]),
             triangle_ids=View(ids[alone].reshape(-1)),
             pairs=_corner_table(np.hstack([corners[first], corners[second, 2:]])),
@@ -224,10 +225,11 @@ class _Sorter:
         if self.moving or self.listed_moving:
             accelerator = MovingAccelerator(*accelerator, *self._moving_tables())
             kinds = {m.kind for m in self.listed_moving}
-            tree_plan = (*(f"moving {kind}" for kind in MOVING if kind in kinds), *tree_plan)
+            moving_plan = (f"{MOVING_LIST} {kind}" for kind in kinds_in_order(kinds))
+            tree_plan = (*moving_plan, *tree_plan)
         return (
             accelerator,
-            (*plan, *tree_plan),
+            (*(f"{LIST} {kind}" for kind in plan), *tree_plan),
             {"listed": count, "triangles": len(self.triangles.faces), **stats},
         )
 
@@ -237,13 +239,13 @@ class _Sorter:
         rows = np.zeros((len(self.listed_moving), MOVING_ROW), np.uint32)
         for row, one in zip(rows, self.listed_moving, strict=True):
             first, count = one.row, 0
-            if one.kind == "mesh":
+            if one.kind == TRIANGLES:
                 vertices, faces = self.geometries[one.row]
                 if one.row not in firsts:
                     firsts[one.row] = sum(len(part) for part in corners)
                     corners.append(vertices[faces].reshape(-1, 9))
                 first, count = firsts[one.row], len(faces)
-            row[:] = MOVING.index(one.kind), one.shape, one.motion, first, count
+            row[:] = number_of(one.kind), one.shape, one.motion, first, count
         joined = np.concatenate(corners or [np.zeros((0, 9), np.float32)]).astype(np.float32)
         return View(rows.reshape(-1)), _corner_table(joined)
 

@@ -13,14 +13,18 @@ from alight.accel.layout import (
     CHILDREN,
     CORNERS,
     IDS,
-    KINDS,
+    INSTANCE,
     LEAF,
     MOVING,
+    MOVING_TREE,
     NODE,
     OTHER,
+    TREE,
+    TRIANGLES,
     Bvh,
     check_blocks,
-    moving_number,
+    kinds_in_order,
+    number_of,
 )
 from alight.accel.primitives import Analytic, Instance, Moving, TriangleSet
 from lanewise.view import View
@@ -49,7 +53,7 @@ class Forest:
         self.instances: list[Instance] = [i for i in instances if len(geometries[i.geometry][1])]
         self.geometries: list[tuple[np.ndarray, np.ndarray]] = geometries
         self.moving: list[Moving] = [
-            m for m in moving if m.kind != "mesh" or len(geometries[m.row][1])
+            m for m in moving if m.kind != TRIANGLES or len(geometries[m.row][1])
         ]
 
     def build(self, method: str, threads: int) -> tuple[Bvh, View, tuple[str, ...], dict[str, Any]]:
@@ -71,7 +75,7 @@ class Forest:
             tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)), 0)
             return tree, View(np.zeros(6, np.float32)), (), {}
         used = {i.geometry for i in self.instances}
-        used = sorted(used | {m.row for m in self.moving if m.kind == "mesh"})
+        used = sorted(used | {m.row for m in self.moving if m.kind == TRIANGLES})
         trees = [build_bvh(*self.geometries[g], method=method, threads=threads) for g in used]
         blocks, boxes = np.zeros((others, BLOCK), np.float32), np.zeros((others, 2, 3), np.float32)
         self._describe_analytic(blocks, boxes)
@@ -92,10 +96,10 @@ class Forest:
         others = (*self.analytic, *self.instances, *self.moving)
         ids[len(faces) :, 0] = [p.shape for p in others]
         stats["bytes"] += ids.nbytes
-        kinds = {a.kind for a in self.analytic} | ({"instance"} if self.instances else set())
-        plan = ("tree", *(kind + "s in tree" for kind in KINDS if kind in kinds))
+        kinds = {a.kind for a in self.analytic} | ({INSTANCE} if self.instances else set())
+        plan = (TREE, *(f"{TREE} {kind}" for kind in kinds_in_order(kinds)))
         kinds = {m.kind for m in self.moving}
-        plan += tuple(f"moving {kind} in tree" for kind in MOVING if kind in kinds)
+        plan += tuple(f"{MOVING_TREE} {kind}" for kind in kinds_in_order(kinds))
         root = main.nodes.array[:NODE].reshape(-1, CHILDREN)
         box = np.concatenate([root[:3].min(axis=1), root[3:6].max(axis=1)])
         return tree._replace(ids=View(ids)), View(box), plan, stats
@@ -106,14 +110,14 @@ class Forest:
         words[:, CORNERS:IDS] = OTHER
         words[:, IDS] = len(self.triangles.faces) + np.arange(len(blocks))
         for row, a in enumerate(self.analytic):
-            words[row, 0], words[row, 1] = KINDS.index(a.kind), a.row
+            words[row, 0], words[row, 1] = number_of(a.kind), a.row
             boxes[row] = np.asarray([a.low, a.high])
 
     def _describe_instances(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
         """Fill the further rows; the root is filled in once the trees are joined."""
         boxes_of = {g: own_box(*self.geometries[g]) for g in {i.geometry for i in self.instances}}
         for row, one in enumerate(self.instances, len(self.analytic)):
-            blocks.view(np.uint32)[row, 0] = KINDS.index("instance")
+            blocks.view(np.uint32)[row, 0] = number_of(INSTANCE)
             blocks[row, 2:14] = np.asarray(one.to_object, np.float32).reshape(-1)
             boxes[row] = placed_box(one, boxes_of[one.geometry])
 
@@ -121,7 +125,7 @@ class Forest:
         """The same for what moves; of meshes the root is filled in once the trees are joined."""
         for row, one in enumerate(self.moving, len(self.analytic) + len(self.instances)):
             words = blocks.view(np.uint32)[row]
-            words[:3] = moving_number(one.kind), one.row, one.motion
+            words[:3] = MOVING + number_of(one.kind), one.row, one.motion
             boxes[row] = np.asarray([one.low, one.high])
 
     def _point_to_roots(self, tree: Bvh, roots: dict[int, int]) -> None:
@@ -129,9 +133,9 @@ class Forest:
         words = tree.blocks.array.view(np.uint32).reshape(-1, BLOCK)
         first = len(self.triangles.faces) + len(self.analytic)
         geometries = [i.geometry for i in self.instances]
-        geometries += [m.row if m.kind == "mesh" else -1 for m in self.moving]
+        geometries += [m.row if m.kind == TRIANGLES else -1 for m in self.moving]
         root_of = np.array([roots.get(number, 0) for number in geometries], np.uint32)
-        numbers = KINDS.index("instance"), moving_number("mesh")
+        numbers = number_of(INSTANCE), MOVING + number_of(TRIANGLES)
         leads_on = (words[:, IDS - 1] == OTHER) & np.isin(words[:, 0], numbers)
         words[leads_on, 1] = root_of[words[leads_on, IDS].astype(np.int64) - first]
 

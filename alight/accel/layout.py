@@ -17,15 +17,17 @@ A *block* holds up to WIDTH triangles side by side, so that one ray meets all of
 their vertices, up to WIDTH, each once: rows of WIDTH words x, y, z; the triangles' corners (numbers
 of vertices, in bits 0 to 3, 4 to 7 and 8 to 11); the triangles' indices. A block that is not full
 repeats its first vertex and its last triangle. A block whose last corners are OTHER holds one
-analytic shape or instance instead: word 0 its kind (`KINDS`), word 1 the row in the data, or for an
-instance the root node of its geometry, words 2..13 the map of the world to its own space (3 rows of
-4); the first index is its own. Of what moves (`MOVING`) words 0 and 1 are alike, word 2 is the
-number of its motion.
+analytic shape or instance instead: word 0 its kind (`number_of`), word 1 the row in the data, or
+for an instance the root node of its geometry, words 2..13 the map of the world to its own space (3
+rows of 4); the first index is its own. Of what moves words 0 (by `MOVING` more) and 1 are alike,
+word 2 is the number of its motion.
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
+
+from alight.shapes.model import SHAPES
 
 #: Views. nodes, blocks: float32 as described above (whole numbers as bit patterns); ids: u32, shape
 #: and prim of each index. waits: 1 where rays wait for memory (`cost`) in the tree that starts at
@@ -58,12 +60,34 @@ LEAF = 0x80000000
 MAX_BLOCKS = 1 << 27
 OTHER = 0xFFFFFFFF
 
-#: What a block can hold besides triangles.
-KINDS = ("sphere", "rectangle", "disk", "instance", "cylinder")
-ANALYTIC = tuple(kind for kind in KINDS if kind != "instance")
+#: What primitives are beside the shapes with a formula (`alight.shapes.model.SHAPES`): a geometry
+#: that is placed several times, and one that moves.
+INSTANCE, TRIANGLES = "instance", "triangles"
 
-#: The same of what moves while the shutter is open; their numbers follow.
-MOVING = ("sphere", "rectangle", "disk", "mesh", "cylinder")
+#: Where a plan says that primitives of a kind are, as in "tree sphere": in lists or in the tree, at
+#: rest or moving while the shutter is open.
+LIST, TREE, MOVING_LIST, MOVING_TREE = "list", "tree", "moving list", "moving tree"
+
+
+def kinds_in(plan: tuple[str, ...], where: str) -> tuple[str, ...]:
+    """The kinds that a plan has there."""
+    entries = (entry.rpartition(" ") for entry in plan)
+    return tuple(kind for place, _, kind in entries if place == where)
+
+
+def kinds_in_order(kinds: set[str]) -> tuple[str, ...]:
+    """Kinds in the order of plans."""
+    names = (*SHAPES, INSTANCE, TRIANGLES)
+    return tuple(name for name in names if name in kinds)
+
+
+def number_of(kind: str) -> int:
+    """Number of a kind in a block and in the list of what moves."""
+    return {INSTANCE: 0, TRIANGLES: 1}[kind] if kind not in SHAPES else 2 + SHAPES[kind].number
+
+
+#: Added to the numbers of what moves in a block.
+MOVING = 1 << 20
 
 
 def check_blocks(count: int) -> None:
@@ -72,11 +96,6 @@ def check_blocks(count: int) -> None:
         raise ValueError(
             f"{count} blocks of primitives, more than {MAX_BLOCKS}: some 1e9 triangles are the most"
         )
-
-
-def moving_number(kind: str) -> int:
-    """Number of a moving kind in a block."""
-    return len(KINDS) + MOVING.index(kind)
 
 
 #: Levels of the binary tree (`collapse`) that are divided with all threads together, those after

@@ -12,32 +12,24 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Callable
 
+from alight.accel.layout import TRIANGLES
 from alight.core.constants import INFINITY
-from alight.shapes import cylinder, disk, plane, rectangle, sphere
 from alight.shapes.hit import Hit
+from alight.shapes.model import SHAPES
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import intersect_pair, rotated, shear_of
 from lanewise.jit import kernel
 from lanewise.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 
-#: What `alight.accel.accelerator` makes and kernels are given. rectangles, spheres, disks, planes,
-#: cylinders: u32, shape and row in the data, of those in lists; triangles: float32, corners of
-#: those in the list, and triangle_ids: u32, their shape and prim; pairs: float32, four corners of
-#: two triangles each (`intersect_pair`), and pair_ids: u32, their shape and two prims; tree: `Bvh`;
+#: What `alight.accel.accelerator` makes and kernels are given. shapes: of each kind with a formula
+#: in the plan's lists, u32, shape and row in the data of each; triangles: float32, corners of those
+#: in the list, and triangle_ids: u32, their shape and prim; pairs: float32, four corners of two
+#: triangles each (`intersect_pair`), and pair_ids: u32, their shape and two prims; tree: `Bvh`;
 #: box: float32, lower and upper bounds of it.
-Accelerator = namedtuple(
-    "Accelerator",
-    "rectangles spheres disks planes cylinders triangles triangle_ids pairs pair_ids tree box",
-)
+Accelerator = namedtuple("Accelerator", "shapes triangles triangle_ids pairs pair_ids tree box")
 
-#: Intersection kernels of the lists of analytic shapes, by the name of the list.
-SHAPE_LISTS = {
-    "rectangles": rectangle.intersect,
-    "spheres": sphere.intersect,
-    "disks": disk.intersect,
-    "planes": plane.intersect,
-    "cylinders": cylinder.intersect,
-}
+#: Kinds of lists beside those of shapes.
+PAIRS = "pairs"
 
 #: Shape of a hit that is none; it loses every tie.
 NOTHING = 0xFFFFFFFF
@@ -85,47 +77,14 @@ def wins(a, b):
     return (a.t < b.t) | ((a.t == b.t) & earlier)
 
 
-@kernel
-def _rectangles(accel):
-    return accel.rectangles
-
-
-@kernel
-def _spheres(accel):
-    return accel.spheres
-
-
-@kernel
-def _disks(accel):
-    return accel.disks
-
-
-@kernel
-def _planes(accel):
-    return accel.planes
-
-
-@kernel
-def _cylinders(accel):
-    return accel.cylinders
-
-
-_TABLES = {
-    "rectangles": _rectangles,
-    "spheres": _spheres,
-    "disks": _disks,
-    "planes": _planes,
-    "cylinders": _cylinders,
-}
-
-
-def _write_shape_list(name: str) -> tuple[Callable, Callable]:
-    """Closest hits with, and occlusion by, the shapes in the list of that name."""
-    intersect, table_of = SHAPE_LISTS[name], _TABLES[name]
+def _write_shape_list(kind: str, place: int) -> tuple[Callable, Callable]:
+    """Closest hits with, and occlusion by, the shapes of that kind, whose list has that place."""
+    intersect = SHAPES[kind].intersect
+    assert intersect is not None
 
     @kernel(strict=True)
     def closest(accel, data, o, d, best):
-        table, found = table_of(accel), nothing_yet(best)
+        table, found = accel.shapes[place], nothing_yet(best)
         for i in range(table.size // 2):
             t, u, v, hit = intersect(data, as_int(table[2 * i + 1]), o, d, found.t)
             found = keep_closer(found, hit, t, u, v, table[2 * i], 0)
@@ -133,7 +92,7 @@ def _write_shape_list(name: str) -> tuple[Callable, Callable]:
 
     @kernel(strict=True)
     def occlude(accel, data, o, d, t_max):
-        table = table_of(accel)
+        table = accel.shapes[place]
         for i in range(table.size // 2):
             _, _, _, hit = intersect(data, as_int(table[2 * i + 1]), o, d, t_max)
             t_max = where(hit, -1.0, t_max)
@@ -210,8 +169,8 @@ def _then(first: Callable, second: Callable) -> Callable:
     return both
 
 
-def write_lists(names: tuple[str, ...]) -> tuple[Callable, Callable]:
-    """Kernels that visit the lists of the given names.
+def write_lists(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
+    """Kernels that visit the lists of the given kinds, those of shapes first.
 
     Returns
     -------
@@ -221,12 +180,12 @@ def write_lists(names: tuple[str, ...]) -> tuple[Callable, Callable]:
         t_max becomes -1 in lanes that are blocked.
     """
     closest, occlude = closest_of_nothing, occlude_by_nothing
-    for name in names:
-        if name == "triangles":
+    for place, kind in enumerate(kinds):
+        if kind == TRIANGLES:
             texts = closest_of_triangles, occlude_by_triangles
-        elif name == "pairs":
+        elif kind == PAIRS:
             texts = closest_of_pairs, occlude_by_pairs
         else:
-            texts = _write_shape_list(name)
+            texts = _write_shape_list(kind, place)
         closest, occlude = _then(closest, texts[0]), _then(occlude, texts[1])
     return closest, occlude

@@ -9,25 +9,16 @@ spaces.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from functools import lru_cache
 
-from alight.accel.layout import IDS, KINDS
+from alight.accel.layout import IDS, INSTANCE, TRIANGLES, number_of
 from alight.accel.single import NONE, SingleHit
 from alight.accel.traversal import write_single
 from alight.accel.visits import SOMETHING_ELSE, any_of_hits, closest_of_hits
 from alight.core.vec import Vec3
-from alight.shapes import cylinder, disk, rectangle, sphere
+from alight.shapes.model import SHAPES
 from lanewise.jit import kernel
 from lanewise.simd import as_int, float_bits, lanes, mask_bits
 from lanewise.wide import lane
-
-#: Kernels of the analytic shapes.
-INTERSECT = {
-    "sphere": sphere.intersect,
-    "rectangle": rectangle.intersect,
-    "disk": disk.intersect,
-    "cylinder": cylinder.intersect,
-}
 
 
 @kernel(strict=True)
@@ -146,17 +137,19 @@ def _write_meet_any_shape(intersect: Callable) -> Callable:
 
 
 def visits_to(kind: str) -> tuple[Callable, Callable]:
-    """What (closest, any) one ray meets of one of the `KINDS`."""
-    if kind == "instance":
+    """What (closest, any) one ray meets of a kind, in the space in which that is at rest."""
+    if kind == INSTANCE:
         return meet_instance, instance_is_met
-    return _write_meet_shape(INTERSECT[kind]), _write_meet_any_shape(INTERSECT[kind])
+    if kind == TRIANGLES:
+        return meet_mesh, mesh_is_met
+    intersect = SHAPES[kind].intersect
+    assert intersect is not None
+    return _write_meet_shape(intersect), _write_meet_any_shape(intersect)
 
 
-@lru_cache(maxsize=64)
 def write_leaves(kinds: tuple[str, ...]) -> tuple[Callable, Callable]:
-    """Visits (closest, any) to leaves that hold triangles and the given `KINDS`."""
-    visits = [(KINDS.index(kind), *visits_to(kind)) for kind in kinds]
-    return leaves_of(*write_chain(visits))
+    """Visits (closest, any) to leaves that hold triangles and the given kinds."""
+    return leaves_of(*write_chain((number_of(kind), *visits_to(kind)) for kind in kinds))
 
 
 def write_chain(

@@ -11,19 +11,26 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Callable
 
-from alight.accel.layout import KINDS, MOVING, moving_number
+from alight.accel.layout import (
+    LIST,
+    MOVING,
+    MOVING_LIST,
+    MOVING_TREE,
+    TREE,
+    TRIANGLES,
+    kinds_in,
+    number_of,
+)
 from alight.accel.lists import NOTHING, Accelerator, keep, wins, write_lists
 from alight.accel.mixed import (
-    INTERSECT,
     leaves_of,
-    meet_mesh,
-    mesh_is_met,
     visits_to,
     write_chain,
 )
 from alight.accel.rays import MOST
 from alight.core.motion import direction_at_rest, inverse_rows, matrix_at, point_at_rest
 from alight.shapes.hit import Hit
+from alight.shapes.model import SHAPES
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
 from lanewise.jit import kernel
@@ -37,7 +44,7 @@ from lanewise.simd import (
     where,
 )
 
-#: An `Accelerator`, and moving: u32, kind (`MOVING`), shape, motion, row or first triangle and
+#: An `Accelerator`, and moving: u32, kind (`number_of`), shape, motion, row or first triangle and
 #: number of triangles of those in the list; moving_corners: float32, of their triangles.
 MovingAccelerator = namedtuple(
     "MovingAccelerator", (*Accelerator._fields, "moving", "moving_corners")
@@ -97,8 +104,9 @@ def _write_meet_shape(intersect: Callable) -> Callable:
 
 def _write_meet_kind(kind: str, otherwise: Callable) -> Callable:
     """The chain of kinds, one longer."""
-    number = MOVING.index(kind)
-    meet = _meet_triangles if kind == "mesh" else _write_meet_shape(INTERSECT[kind])
+    number = number_of(kind)
+    intersect = None if kind == TRIANGLES else SHAPES[kind].intersect
+    meet = _meet_triangles if intersect is None else _write_meet_shape(intersect)
 
     @kernel(strict=True)
     def meet_kind(accel, data, at, o, d, best):
@@ -110,13 +118,11 @@ def _write_meet_kind(kind: str, otherwise: Callable) -> Callable:
 
 
 def write_moving_lists(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
-    """As `lists.write_lists`, for `AtTimes`: what rests, then what moves."""
-    rest = tuple(name for name in plan if "tree" not in name and not name.startswith("moving "))
-    closest_at_rest, occlude_at_rest = write_lists(rest)
+    """As `lists.write_lists` for the lists of a plan and `AtTimes`: what rests, then what moves."""
+    closest_at_rest, occlude_at_rest = write_lists(kinds_in(plan, LIST))
     meet = _no_shape
-    for kind in MOVING:
-        if f"moving {kind}" in plan:
-            meet = _write_meet_kind(kind, meet)
+    for kind in kinds_in(plan, MOVING_LIST):
+        meet = _write_meet_kind(kind, meet)
 
     @kernel(strict=True)
     def closest_of_moving(accel, data, o, d, best):
@@ -189,12 +195,6 @@ def _moved(meet: Callable) -> Callable:
 
 def write_moving_leaves(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
     """As `mixed.write_leaves`, for the `AtTimes` of one ray."""
-    moving, resting = [], []
-    for kind in MOVING:
-        if f"moving {kind} in tree" in plan:
-            visits = (meet_mesh, mesh_is_met) if kind == "mesh" else visits_to(kind)
-            moving.append((moving_number(kind), *visits))
-    for number, kind in enumerate(KINDS):
-        if kind + "s in tree" in plan:
-            resting.append((number, *map(_unmoved, visits_to(kind))))
+    moving = [(MOVING + number_of(k), *visits_to(k)) for k in kinds_in(plan, MOVING_TREE)]
+    resting = [(number_of(k), *map(_unmoved, visits_to(k))) for k in kinds_in(plan, TREE)]
     return leaves_of(*write_chain(resting, *map(_moved, write_chain(moving))))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
-from alight.accel.layout import KINDS
+from alight.accel.layout import LIST, MOVING_LIST, MOVING_TREE, TREE, kinds_in, kinds_in_order
 from alight.accel.lists import (
     NOTHING,
     closest_of_nothing,
@@ -33,6 +33,7 @@ from alight.accel.visits import any_of_hits, closest_of_hits, data_of_all
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
 from alight.shapes.hit import Hit
+from alight.shapes.model import SHAPES, ShapeModel
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     gather_row,
@@ -78,7 +79,7 @@ def start(hits, t_max):
 
 def _write_tree(plan: tuple[str, ...], moving: bool) -> tuple[Callable, Callable]:
     """Kernels that send the lanes of a packet through the tree."""
-    kinds = tuple(kind for kind in KINDS if kind + "s in tree" in plan)
+    kinds = kinds_in(plan, TREE)
     leaf, any_leaf = write_leaves(kinds) if kinds else (closest_of_hits, any_of_hits)
     of_ray = data_of_all
     if moving:
@@ -136,14 +137,25 @@ def data_of_shapes(scene):
     return scene.shapes.data
 
 
-@lru_cache(maxsize=256)
 def _write_queries(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
     """The kernels `intersect_closest` and `is_occluded` of one plan (`accelerator`)."""
-    moving = any(name.startswith("moving ") for name in plan)
-    data_of = data_at_times if moving else data_of_shapes
-    closest_of_lists, occlude_by_lists = (write_moving_lists if moving else write_lists)(
-        tuple(name for name in plan if "tree" not in name)
+    models = tuple(
+        SHAPES[kind]
+        for kind in kinds_in_order({entry.split()[-1] for entry in plan})
+        if kind in SHAPES
     )
+    return _queries_of(plan, models)
+
+
+@lru_cache(maxsize=256)
+def _queries_of(plan: tuple[str, ...], models: tuple[ShapeModel, ...]) -> tuple[Callable, Callable]:
+    """The same, written once for these shapes: another version of one has other kernels."""
+    moving = bool(kinds_in(plan, MOVING_LIST) or kinds_in(plan, MOVING_TREE))
+    data_of = data_at_times if moving else data_of_shapes
+    if moving:
+        closest_of_lists, occlude_by_lists = write_moving_lists(plan)
+    else:
+        closest_of_lists, occlude_by_lists = write_lists(kinds_in(plan, LIST))
     closest_of_tree, occlude_by_tree = closest_of_nothing, occlude_by_nothing
     if "tree" in plan:
         closest_of_tree, occlude_by_tree = _write_tree(plan, moving)

@@ -35,6 +35,14 @@ class Analytic(NamedTuple):
     high: Sequence[float]
 
 
+class Unbounded(NamedTuple):
+    """A shape with a formula and without bounds: its kind, shape number, row in the data."""
+
+    kind: str
+    shape: int
+    row: int
+
+
 class Instance(NamedTuple):
     """A placed copy of a geometry: its number, shape number, and 3x4 maps to the world and back."""
 
@@ -50,7 +58,7 @@ class Moving(NamedTuple):
     Attributes
     ----------
     kind : str
-        "mesh" or a kind of `Analytic`.
+        `alight.accel.layout.TRIANGLES` or a kind of `Analytic`.
     shape : int
         Shape number.
     row : int

@@ -25,7 +25,7 @@ lobe with the widths of several layers.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
@@ -69,6 +69,7 @@ class CoatedConductor(OfMetal):
         How many times light may meet the metal.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["coated_conductor"] = "coated_conductor"
     int_ior: Medium = MEDIA["acrylic"]
     ext_ior: Medium = MEDIA["air"]

@@ -17,7 +17,7 @@ to its white (a constant n becomes (1.205, 0.948, 0.909) n), as Mitsuba 3 does i
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, model_validator
 
@@ -26,7 +26,15 @@ from alight.bsdfs.flags import DELTA, REFLECTION
 from alight.bsdfs.tints import WHITE, tint, tint_features
 from alight.core.errors import unknown_name
 from alight.core.fresnel import fresnel_conductor
-from alight.core.spec import Bsdf, Color, ColorTexture, PositiveColor, Triple, invalid
+from alight.core.spec import (
+    Bsdf,
+    Color,
+    ColorTexture,
+    PositiveColor,
+    Triple,
+    invalid,
+    largest_channel,
+)
 from alight.core.vec import Vec3
 from alight.textures.fetch import constant_color
 from lanewise.jit import kernel
@@ -121,7 +129,13 @@ class Conductor(Metallic):
         As in `Metallic`.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["conductor"] = "conductor"
+
+    def largest_weight(self) -> float | None:
+        """Bound of f cos / pdf of sampled directions."""
+        # Fresnel's factor is 1 at most.
+        return largest_channel(self.specular_reflectance)
 
 
 EXAMPLES = (

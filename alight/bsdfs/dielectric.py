@@ -17,7 +17,7 @@ Source: PBR4 section 9.5; Veach, Robust Monte Carlo Methods (1997), section 5.2 
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs import interface
 from alight.bsdfs.absorption import (
@@ -51,6 +51,7 @@ class Dielectric(Interface, Absorbing):
         As in `alight.bsdfs.absorption.Absorbing`.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["dielectric"] = "dielectric"
 
 

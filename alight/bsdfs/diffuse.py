@@ -21,12 +21,12 @@ Source: Lambert, Photometria (1760); PBR4 section 9.2 and appendix A.5.3.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
 from alight.core.noise_only import NoiseOnly
-from alight.core.spec import Bsdf, ColorTexture
+from alight.core.spec import Bsdf, ColorTexture, largest_channel
 from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
 from alight.textures.fetch import color, scalar
 from lanewise.jit import kernel, specialised
@@ -44,9 +44,15 @@ class Diffuse(Bsdf):
         Density of the sampled directions over the hemisphere.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["diffuse"] = "diffuse"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
     sampling: Annotated[Literal["cosine", "uniform"], NoiseOnly()] = "cosine"
+
+    def largest_weight(self) -> float | None:
+        """Bound of f cos / pdf of sampled directions."""
+        albedo = largest_channel(self.reflectance)
+        return albedo if albedo is None or self.sampling == "cosine" else 2.0 * albedo
 
 
 EXAMPLES = (

@@ -24,7 +24,7 @@ alone.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
@@ -48,6 +48,7 @@ class Eon(Bsdf):
         The r of the model; 1 are the steepest grooves.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["eon"] = "eon"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
     roughness: UnitTexture = 0.5

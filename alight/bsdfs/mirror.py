@@ -11,11 +11,11 @@ Source: PBR4 section 9.3.1.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
-from alight.core.spec import Bsdf, ColorTexture
+from alight.core.spec import Bsdf, ColorTexture, largest_channel
 from alight.core.vec import Vec3
 from alight.textures.fetch import color
 from lanewise.jit import kernel
@@ -31,8 +31,13 @@ class Mirror(Bsdf):
         Reflected part of the light, each channel in [0, 1].
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["mirror"] = "mirror"
     reflectance: ColorTexture = (1.0, 1.0, 1.0)
+
+    def largest_weight(self) -> float | None:
+        """Bound of f cos / pdf of sampled directions."""
+        return largest_channel(self.reflectance)
 
 
 EXAMPLES = (Mirror(), Mirror(reflectance=(0.9, 0.6, 0.2)), Mirror(reflectance=0.0))

@@ -12,7 +12,7 @@ from typing import ClassVar, NamedTuple, Self
 
 from pydantic import model_validator
 
-from alight.core.spec import Bsdf, invalid
+from alight.core.spec import Bsdf, invalid, largest_of
 
 #: Most leaves of a material: kernels visit them one after the other.
 MOST_LEAVES = 32
@@ -51,6 +51,7 @@ class Nested(Bsdf):
     bends_normals: ClassVar[bool] = False
     makes_two_sided: ClassVar[bool] = False
     weight_field: ClassVar[str] = ""
+    one_sided: ClassVar[bool] = True
 
     @model_validator(mode="after")
     def _is_small(self) -> Self:
@@ -63,6 +64,13 @@ class Nested(Bsdf):
     def parts(self) -> tuple[Part, ...]:
         """What it is made of."""
         raise NotImplementedError
+
+    def largest_weight(self) -> float | None:
+        """Bound of f cos / pdf: densities are mixed with the same shares as the values."""
+        return largest_of(
+            None if isinstance(part.bsdf, str) else part.bsdf.largest_weight()
+            for part in self.parts
+        )
 
 
 class Leaf(NamedTuple):

@@ -11,7 +11,7 @@ Source: the null interface of PBR4 section 14.2.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
@@ -24,7 +24,13 @@ class Null(Bsdf):
     """Invisible interface."""
 
     transmissive = True
+    one_sided: ClassVar[bool] = True
+    unseen: ClassVar[bool] = True
     type: Literal["null"] = "null"
+
+    def largest_weight(self) -> float | None:
+        """Bound of f cos / pdf of sampled directions."""
+        return 1.0
 
 
 EXAMPLES = (Null(),)

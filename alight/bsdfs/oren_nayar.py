@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
@@ -43,6 +43,7 @@ class OrenNayar(Bsdf):
         Roughness: standard deviation of the walls' angles.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["oren_nayar"] = "oren_nayar"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
     sigma: Annotated[float, Interval(0.0, 90.0)] = 20.0

@@ -45,6 +45,7 @@ class Phong(Bsdf):
     """
 
     shares: ClassVar[tuple[str, ...]] = ("diffuse", "specular")
+    one_sided: ClassVar[bool] = True
     type: Literal["phong"] = "phong"
     diffuse: ColorTexture = (0.5, 0.5, 0.5)
     specular: ColorTexture = (0.3, 0.3, 0.3)

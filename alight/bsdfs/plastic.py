@@ -17,7 +17,7 @@ Fresnel's equations. R is exact here, where Mitsuba uses a fit (0.1 % of rho').
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.coating import (
     base_f_cos,
@@ -68,6 +68,7 @@ class Plastic(Coated):
         As in `Coated`.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["plastic"] = "plastic"
 
 

@@ -86,7 +86,6 @@ from alight.core.spec import (
     Truth,
     UnitTexture,
 )
-from alight.textures.constant import Constant
 from alight.textures.fetch import color, constant_color, scalar, textured_scalar
 from lanewise.jit import kernel, specialised
 from lanewise.simd import lanes, lanes_vec3, maximum, minimum, where
@@ -178,7 +177,7 @@ class Principled(Absorbing):
 
 def is_zero(value: object) -> bool:
     """Whether a parameter is 0 everywhere; what is not known yet is not."""
-    value = value.color if isinstance(value, Constant) else value
+    value = value.maximum() if isinstance(value, Texture) and not value.varies else value
     return value in (0.0, (0.0, 0.0, 0.0))
 
 
@@ -298,7 +297,7 @@ def features(spec: Principled) -> tuple[str, ...]:
 
 
 def _is_textured(value: object) -> bool:
-    return not isinstance(value, float | tuple | Constant)
+    return value.varies if isinstance(value, Texture) else not isinstance(value, float | tuple)
 
 
 # ---------------------------------------------------------------- what a point of a surface holds

@@ -29,14 +29,16 @@ from alight.bsdfs.flags import DELTA
 from alight.core.frame import frame_from_tangent, to_local, to_world
 from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import Vec3, cross, dot, normalize, renormalize
-from alight.shapes.derivatives import moved_chart, uv_derivatives
+from alight.shapes.charts import moved_chart
+from alight.shapes.derivatives import uv_derivatives
+from alight.shapes.hit import BENT as BENT
 from alight.shapes.hit import Surface
 from alight.textures.fetch import color, scalar, textured_scalar
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, floor, gather, lanes, maximum, minimum, sqrt, to_uint, where
 
-#: What programs call it that a material has a normal or bump map, and which of them.
-BENT, NORMALS, HEIGHTS = "bent", "bent:normals", "bent:heights"
+#: What programs call it that a material has one of both maps.
+NORMALS, HEIGHTS = "bent:normals", "bent:heights"
 #: Slots of both maps before those of the texture; modes is a sum of the bits below.
 SLOTS = {"scale": 1, "modes": 1}
 IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0

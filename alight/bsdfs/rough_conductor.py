@@ -16,7 +16,7 @@ Heitz and d'Eon 2014 for the sampling; PBR4 section 9.6.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.conductor import SLOTS as METAL_SLOTS
 from alight.bsdfs.conductor import Metallic, pack_metal
@@ -26,6 +26,7 @@ from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.tints import tint_features
 from alight.core.fresnel import fresnel_conductor
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
+from alight.core.spec import largest_channel
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32, where
@@ -42,7 +43,13 @@ class RoughConductor(Metallic, Rough):
         As in `alight.bsdfs.facets.Rough`.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["rough_conductor"] = "rough_conductor"
+
+    def largest_weight(self) -> float | None:
+        """Bound of f cos / pdf of sampled directions."""
+        # Fresnel's factor and the masking of visible facets are 1 at most.
+        return largest_channel(self.specular_reflectance)
 
 
 EXAMPLES = (

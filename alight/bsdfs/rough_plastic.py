@@ -16,7 +16,7 @@ Source: the plug-in ``roughplastic`` of Mitsuba 3 (https://mitsuba.readthedocs.i
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.coating import (
     ROWS,
@@ -40,10 +40,9 @@ from alight.core.microfacet import (
     sample_visible_facet,
     visible_area,
 )
-from alight.core.spec import SMOOTHEST, Roughness
+from alight.core.spec import SMOOTHEST, Roughness, Texture
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.constant import Constant
 from alight.textures.fetch import color, scalar, textured_scalar
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32, maximum, minimum, where
@@ -62,6 +61,7 @@ class RoughPlastic(Coated):
         Roughness of the coat, in [0.0001, 1].
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["rough_plastic"] = "rough_plastic"
     distribution: Literal["ggx", "beckmann"] = "ggx"
     alpha: Roughness = 0.1
@@ -114,7 +114,7 @@ def features(spec: RoughPlastic) -> tuple[str, ...]:
 
 
 def _is_textured(spec: RoughPlastic) -> bool:
-    return not isinstance(spec.alpha, float | Constant)
+    return spec.alpha.varies if isinstance(spec.alpha, Texture) else isinstance(spec.alpha, str)
 
 
 @kernel

@@ -13,7 +13,8 @@ from alight.bsdfs.absorption import ABSORBING
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.maths import exp
-from alight.core.registry import Models, Numbers, modules
+from alight.core.registry import Models, Numbers, specs_of
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
@@ -43,8 +44,6 @@ INNER_INDEX = "inner_index"
 #: Attribute of such models: what programs call it that one of its materials refracts. Without the
 #: attribute all of them do.
 REFRACTING = "REFRACTING"
-#: Name of the surface that is not there.
-NULL_NAME = "null"
 #: Kernel of models with an inside: ``(scene, base, surface)``, absorption coefficients per metre.
 ABSORPTION = "absorption"
 
@@ -77,9 +76,9 @@ def models_of(program) -> list[Used]:
     """The models that a program uses."""
     stride = stride_of(program.bsdfs)
     return [
-        Used(number, model, stride)
-        for number, model in enumerate(modules("bsdfs"))
-        if model.EXAMPLES[0].type_name() in program.bsdfs and hasattr(model, "sample")
+        Used(Numbers("bsdfs")[name], model, stride)
+        for name, model in Models("bsdfs").items()
+        if name in program.bsdfs and hasattr(model, "sample")
     ]
 
 
@@ -122,21 +121,40 @@ def _relief(scene, row):
 
 def has_null(program) -> bool:
     """Whether there are surfaces, or holes in them, that light passes as if nothing was there."""
-    return NULL_NAME in program.bsdfs
+    return bool(_unseen(program))
+
+
+def _unseen(program) -> list[str]:
+    """Models of surfaces that are not there."""
+    return [
+        name for name, model in specs_of(Bsdf).items() if name in program.bsdfs and model.unseen
+    ]
 
 
 @specialised
 def is_null(program):
     """``(scene, row) -> mask``: the model of this row is `null`."""
-    if not has_null(program):
+    return _one_of([Numbers("bsdfs")[name] for name in _unseen(program)])
+
+
+def _one_of(numbers: list[int]):
+    """``(scene, row) -> mask``: the model of this row has one of the numbers."""
+    if not numbers:
         return _never
-    number = Numbers("bsdfs")[NULL_NAME]
+    number, others = numbers[0], _one_of(numbers[1:])
+    if len(numbers) == 1:
+
+        @kernel
+        def by_kind(scene, row):
+            return _kind(scene, row) == number
+
+        return by_kind
 
     @kernel
-    def by_kind(scene, row):
-        return _kind(scene, row) == number
+    def by_kinds(scene, row):
+        return (_kind(scene, row) == number) | others(scene, row)
 
-    return by_kind
+    return by_kinds
 
 
 @kernel

@@ -14,7 +14,7 @@ from or transmitted through a pile of plates.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
@@ -40,6 +40,7 @@ class ThinDielectric(Interface):
         As in `alight.bsdfs.interface.Interface`: inside is the pane, outside are both sides of it.
     """
 
+    one_sided: ClassVar[bool] = True
     type: Literal["thin_dielectric"] = "thin_dielectric"
 
 

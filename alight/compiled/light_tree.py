@@ -19,6 +19,7 @@ from alight.lights.tree_build import Leaves, build_tree
 from alight.scene.motion import Motion
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.model import SHAPES
 from lanewise.vec3 import Vec3
 
 #: Shares of the samples that lights without a place get, if there are others: their power counts
@@ -28,10 +29,6 @@ LEAST_OUTER, MOST_OUTER = 0.15, 0.85
 #: Of an equal share, the part that each light gets at least which is chosen by its power. The power
 #: of a sun counts miles of ground; a lamp would never be chosen against it.
 LEAST_SHARE = 0.01
-
-#: Intensity over radiance times area, for shapes that face all directions: a sphere is seen as a
-#: disk, a cylinder from the side as a rectangle.
-_ROUND = {"sphere": 0.25, "cylinder": 1.0 / PI}
 
 
 class LightRow(NamedTuple):
@@ -55,6 +52,8 @@ class LightRow(NamedTuple):
         Of a lamp at a point: its axis, and the angles of `Leaves` in radians.
     motion : Motion or None
         While the shutter is open.
+    dark : float
+        Of a shape that shines: the angle from its normal at which it is dark, radians.
     table : (n,) float32 or None
         Further numbers of it, such as a picture: they start where its `LightTables.info` says.
     """
@@ -68,6 +67,7 @@ class LightRow(NamedTuple):
     areas: NDArray[np.float64] = np.zeros(0)
     cone: tuple[NDArray[np.float64], float, float] | None = None
     motion: Motion | None = None
+    dark: float = 0.5 * PI
     table: NDArray[np.float32] | None = None
 
     @property
@@ -135,23 +135,22 @@ def _no_leaf() -> Leaves:
 
 
 def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:
-    kind = shapes.rows[row.shape].kind
+    model = SHAPES[shapes.rows[row.shape].kind]
     info = shapes.tables.info.array[row.shape * SHAPE_INFO :][:SHAPE_INFO]
-    if kind == "mesh":
+    if not model.has_formula:
         return _triangles(number, row, shapes, info)
     low, high = (np.array([bound], float) for bound in boxes[row.shape])
-    axis, spread, factor = np.array([[0.0, 0.0, 1.0]]), PI, _ROUND.get(kind)
-    if factor is None:
-        # The row of a flat shape begins with its outer normal.
-        axis = shapes.tables.data.array[info[3] : info[3] + 3].astype(float).reshape(1, 3)
-        spread, factor = 0.0, 1.0
-    strength = factor * row.brightness * row.areas
+    axis, spread = model.facing(shapes.tables.data.array[info[3] :])
+    axis = axis.reshape(1, 3)
+    # What faces all directions is no brighter than its largest shadow.
+    strength = model.PROJECTION * row.brightness * row.areas
     word = np.array([number], np.uint32)
     half = 0.5 * np.linalg.norm(high - low, axis=1)
     # What is flat has its middle in its plane.
-    behind, spreads, dark = np.zeros(1), np.array([spread]), np.array([0.5 * PI])
-    if row.motion is not None and not spread:
-        axis, spreads = row.motion.turned(axis)
+    behind, spreads, dark = np.zeros(1), np.array([spread]), np.array([row.dark])
+    if row.motion is not None and spread < PI:
+        axis, turn = row.motion.turned(axis)
+        spreads = np.minimum(spread + turn, PI)
     if row.motion is not None or spread:
         behind = half
     return Leaves(low, high, axis, spreads, dark, behind, strength, word, word * 0)
@@ -179,7 +178,7 @@ def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndar
         high,
         normal,
         spread,
-        np.full(n, 0.5 * PI),
+        np.full(n, row.dark),
         behind,
         row.brightness * row.areas[kept],
         np.full(n, number, np.uint32),

@@ -18,16 +18,13 @@ from alight.compiled.light_tree import (
 from alight.compiled.shapes import CompiledShapes
 from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
-from alight.lights import area
-from alight.lights.environment import Environment, make_map
 from alight.lights.environment_map import EMPTY, EnvironmentMap
-from alight.lights.portal import area as portal_area
-from alight.lights.sampling import KINDS, LIGHTS
-from alight.lights.sun import SHARE, TO_SUN
+from alight.lights.model import LIGHTS
 from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
 from alight.lights.tree_build import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.model import SHAPES
 from lanewise.view import View
 
 Selection = Literal["auto", "power", "uniform", "tree"]
@@ -70,7 +67,7 @@ class CompiledLights(NamedTuple):
 
 
 def light_textures(flat: FlatScene) -> list[Texture]:
-    """The textures of area lights, each once, in the order of the shapes."""
+    """The textures of shapes that shine, each once, in the order of the shapes."""
     lights = (shape.light for shape in flat.shapes if shape.light is not None)
     return list(dict.fromkeys(found for light in lights if (found := _texture_of(light))))
 
@@ -110,7 +107,7 @@ def compile_lights(
         choice = chosen_by_tree(rows, weights, leaves, shapes, walked=gains)
     info, data = np.zeros((len(rows), INFO), np.uint32), np.zeros((len(rows), STRIDE), np.float32)
     for i, row in enumerate(rows):
-        info[i] = KINDS[row.kind], max(row.shape, 0), row.texture, choice.starts[i]
+        info[i] = LIGHTS[row.kind].number, max(row.shape, 0), row.texture, choice.starts[i]
         data[i, :3], data[i, 3] = row.color, choice.probabilities[i]
         data[i, 4 : 4 + len(row.numbers)] = row.numbers
         if row.shape >= 0:
@@ -144,7 +141,7 @@ def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: Compiled
     cdf = by_power(weights) if rows else np.zeros(2, np.float32)
     tables, starts = [cdf], np.zeros(len(rows), np.uint32)
     for i, row in enumerate(rows):
-        if row.shape >= 0 and shapes.rows[row.shape].kind == "mesh":
+        if row.shape >= 0 and not SHAPES[shapes.rows[row.shape].kind].has_formula:
             starts[i] = sum(table.size for table in tables)
             tables.append(cumulative(row.areas))
     return Choosing(tables, starts, np.diff(cdf)[: len(rows)])
@@ -168,7 +165,7 @@ def _names(rows: list[LightRow]) -> tuple[str, ...]:
 
 def _shining(rows: list[LightRow], shapes: CompiledShapes) -> tuple[str, ...]:
     kinds = {shapes.rows[row.shape].kind for row in rows if row.shape >= 0}
-    return tuple(name for name in area.SHAPES if name in kinds)
+    return tuple(name for name in SHAPES if name in kinds)
 
 
 def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
@@ -190,33 +187,32 @@ def _environment(placed: PlacedLight, compensated: bool) -> tuple[LightRow, Envi
     """The row of an environment, and its map where it has one."""
     light, to_world = placed.light, placed.to_world
     row, model = _row(light, to_world), LIGHTS[light.type_name()]
-    # Such as a sky's, which is made here.
-    drawn = model.as_environment(light) if hasattr(model, "as_environment") else light
-    if not isinstance(drawn, Environment):
+    if model.map_of is None:
         return row, None
-    if model.sample is LIGHTS["environment"].sample:
-        row = row._replace(kind="environment")
-    made = make_map(drawn, to_world, compensated)
-    aside = model.beside_the_map(light) if hasattr(model, "beside_the_map") else (0.0, 0.0, 0.0)
+    # What differs by its map only is a light of the first kind with the same kernels.
+    kind = next(name for name, other in LIGHTS.items() if other.sample is model.sample)
+    made = model.map_of(light, to_world, compensated)
+    aside = model.beside_the_map(light)
     red, green, blue = (a * (b + c) for a, b, c in zip(row.color, made.mean, aside, strict=True))
-    return row._replace(mean=(red, green, blue)), made
+    return row._replace(kind=kind, mean=(red, green, blue)), made
 
 
 def _row(light: Light, to_world: np.ndarray) -> LightRow:
     kind = light.type_name()
     model = LIGHTS[kind]
     color, numbers = model.place(light, to_world)
-    mean = model.mean_color(light) if hasattr(model, "mean_color") else color
+    mean = model.mean_color(light) if model.mean_color else color
     cone = None
-    if hasattr(model, "cone"):
+    if model.cone and not model.is_on_shape:
         axis = to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])
         cone = (axis, *model.cone(light))
-    table = model.table(light) if hasattr(model, "table") else None
-    return LightRow(kind, color, numbers, mean, cone=cone, table=table)
+    table = model.table(light) if model.table else None
+    dark = model.dark_beyond(light)
+    return LightRow(kind, color, numbers, mean, cone=cone, table=table, dark=dark)
 
 
 def _texture_of(light: Light) -> Texture | None:
-    return area.texture(light) if isinstance(light, area.Area) else None
+    return LIGHTS[light.type_name()].texture(light)
 
 
 def _weights(rows: list[LightRow], radius: float, selection: Selection) -> np.ndarray:
@@ -224,20 +220,15 @@ def _weights(rows: list[LightRow], radius: float, selection: Selection) -> np.nd
         [LIGHTS[row.kind].power(row.brightness, float(row.areas.sum()), radius) for row in rows]
     )
     weights = (powers > 0.0).astype(np.float64) if selection == "uniform" else powers
-    areas = np.array([_portal_area(row) for row in rows])
-    if areas.any():
+    windows = np.array([LIGHTS[row.kind].window(row.numbers) for row in rows])
+    if windows.any():
         # Half of what is drawn from the surroundings, their suns left aside.
-        taken = weights * [0.5 * _without_sun(row) for row in rows]
-        weights = weights - taken + taken.sum() * areas / areas.sum()
+        taken = weights * [0.5 * _share_all_around(row) for row in rows]
+        weights = weights - taken + taken.sum() * windows / windows.sum()
     return weights
 
 
-def _portal_area(row: LightRow) -> float:
-    return portal_area(row.numbers) if row.kind == "portal" else 0.0
-
-
-def _without_sun(row: LightRow) -> float:
+def _share_all_around(row: LightRow) -> float:
     """Share of the samples of a light that go to its surroundings."""
-    if LIGHTS[row.kind].EXAMPLES[0].placement != "environment" or row.kind == "sun":
-        return 0.0
-    return 1.0 - row.numbers[SHARE - TO_SUN] if row.kind == "sunsky" else 1.0
+    model = LIGHTS[row.kind]
+    return model.share_all_around(row.numbers) if model.is_around else 0.0

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from alight.compiled.shapes import CompiledShapes
-from alight.core.registry import Models, Numbers
 from alight.media.coefficients import Coefficients, extinction, scattering_albedo, shines
+from alight.media.model import MEDIA
 from alight.media.tables import (
     ALBEDO,
     ALBEDOS,
@@ -26,6 +26,7 @@ from alight.media.tables import (
     STRIDE,
     MediaTables,
 )
+from alight.phases.model import PHASES
 from alight.scene.flatten import FlatScene
 from lanewise.view import View
 
@@ -87,10 +88,10 @@ def compile_media(
     return (
         tables,
         (
-            *(name for name in Numbers("media") if name in media),
+            *(name for name in MEDIA if name in media),
             *(name for name, occurs in features.items() if occurs),
         ),
-        tuple(name for name in Numbers("phases") if name in phases),
+        tuple(name for name in PHASES if name in phases),
     )
 
 
@@ -105,10 +106,10 @@ def _blank() -> tuple[np.ndarray, np.ndarray]:
 def _packed(spec: Coefficients, voxels: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     info, data = _blank()
     kind, phase = spec.type_name(), spec.phase.type_name()
-    info[KIND], info[PHASE] = Numbers("media")[kind], Numbers("phases")[phase]
+    info[KIND], info[PHASE] = MEDIA[kind].number, PHASES[phase].number
     data[EXTINCTION : EXTINCTION + 3] = extinction(spec)
     data[ALBEDO : ALBEDO + 3] = scattering_albedo(spec)
     data[EMISSION : EMISSION + 3] = spec.emission
-    data[PARAMETER] = Models("phases")[phase].parameter(spec.phase)
-    Models("media")[kind].pack(spec, MediumPacker(info, data, voxels))
+    data[PARAMETER] = PHASES[phase].parameter(spec.phase)
+    MEDIA[kind].pack(spec, MediumPacker(info, data, voxels))
     return info, data

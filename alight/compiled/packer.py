@@ -10,7 +10,6 @@ import numpy as np
 
 from alight.core.spec import Texture, Triple
 from alight.core.vec import luminance
-from alight.textures.constant import Constant
 from lanewise.vec3 import Vec3
 
 if TYPE_CHECKING:
@@ -67,8 +66,8 @@ class Packer:
 
     def color(self, name: str, value: Triple | Texture | str) -> None:
         """Put a colour: numbers, or a texture with its name resolved."""
-        if isinstance(value, Constant):
-            value = value.color
+        if isinstance(value, Texture) and not value.varies:
+            value = value.maximum()
         if isinstance(value, tuple):
             self.numbers(name, *value)
         else:
@@ -76,8 +75,8 @@ class Packer:
 
     def scalar(self, name: str, value: float | Texture | str) -> None:
         """Put a number, or a texture whose luminance is the number."""
-        if isinstance(value, Constant):
-            value = float(luminance(Vec3(*value.color)))
+        if isinstance(value, Texture) and not value.varies:
+            value = float(luminance(Vec3(*value.maximum())))
         if isinstance(value, float | int):
             self.numbers(name, value)
         else:

@@ -102,7 +102,7 @@ def compile_scene(
     accel, plan, stats = build_accelerator(
         shapes.triangles,
         shapes.analytic,
-        shapes.planes,
+        shapes.unbounded,
         shapes.instances,
         shapes.geometries,
         shapes.moving,

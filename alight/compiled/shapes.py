@@ -9,19 +9,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.accel.layout import TRIANGLES
 from alight.accel.primitives import Moving
 from alight.compiled.motion import MotionTable
 from alight.compiled.uv_sets import uv_shifts
 from alight.core.errors import Issue, SceneError
-from alight.scene.flatten import FlatScene, PlacedShape
+from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.scene.meshes import Geometry
 from alight.scene.motion import Motion
-from alight.shapes import cylinder, disk, plane, rectangle, sphere
-from alight.shapes.cube import Cube
 from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeTables
-from alight.shapes.mesh import Mesh
-from alight.shapes.rectangle import Rectangle
-from alight.shapes.surfaces import KINDS, SURFACES
+from alight.shapes.model import SHAPES
 from lanewise.view import View
 
 #: Copies of a shared mesh with at most this many triangles in all are stored one by one: a second
@@ -33,14 +30,6 @@ PADDING = 64
 
 #: Most shapes named in one message.
 MOST_TOLD = 10
-
-ANALYTIC = {
-    "sphere": sphere,
-    "rectangle": rectangle,
-    "disk": disk,
-    "plane": plane,
-    "cylinder": cylinder,
-}
 
 
 class Triangles(NamedTuple):
@@ -70,7 +59,7 @@ class CompiledShape(NamedTuple):
     source : int
         Index into `FlatScene.shapes`; the six faces of a cube share one.
     areas : (n,) float64, m^2
-        Of each triangle of a mesh that shines; of the shape itself otherwise; empty for planes.
+        Of each triangle of a mesh that shines; of the shape itself otherwise; empty without bounds.
     """
 
     kind: str
@@ -87,8 +76,8 @@ class CompiledShapes(NamedTuple):
     triangles : Triangles
     analytic : list of (str, int, int, (3,) float32, (3,) float32)
         Kind, shape, offset of its row in the table, bounds in metres.
-    planes : list of (int, int)
-        Shape and offset.
+    unbounded : list of (str, int, int)
+        Kind, shape and offset of shapes without bounds.
     moving : list of Moving
         What moves while the shutter is open, of all kinds.
     motions : list of int
@@ -108,7 +97,7 @@ class CompiledShapes(NamedTuple):
     tables: ShapeTables
     triangles: Triangles
     analytic: list[tuple[str, int, int, NDArray[np.float32], NDArray[np.float32]]]
-    planes: list[tuple[int, int]]
+    unbounded: list[tuple[str, int, int]]
     instances: list[tuple[int, int, NDArray[np.float32], NDArray[np.float32]]]
     geometries: list[tuple[NDArray[np.float32], NDArray[np.int32]]]
     rows: list[CompiledShape]
@@ -216,7 +205,7 @@ class _Compiler:
         self.rows: list[CompiledShape] = []
         self.triangles: list[tuple[np.ndarray, np.ndarray, int]] = []
         self.analytic: list[tuple[str, int, int, np.ndarray, np.ndarray]] = []
-        self.planes: list[tuple[int, int]] = []
+        self.unbounded: list[tuple[str, int, int]] = []
         self.instances: list[tuple[int, int, np.ndarray, np.ndarray]] = []
         self.geometries: list[tuple[np.ndarray, np.ndarray]] = []
         self.ranges: dict[int, tuple[int, _Range]] = {}
@@ -237,20 +226,19 @@ class _Compiler:
 
     def place(self, source: int, placed: PlacedShape) -> None:
         """Enter one shape."""
-        shape = placed.shape
-        if isinstance(shape, Mesh):
+        if placed.geometry != NO_GEOMETRY:
             if placed.motion is not None:
                 self._place_moving_mesh(source, placed)
             elif placed.geometry in self.shared and placed.light is None:
                 self._place_instance(source, placed)
             else:
                 self._place_mesh(source, placed)
-        elif isinstance(shape, Cube):
-            face = Rectangle(flip_normals=shape.flip_normals)
-            for side in cube_sides():
-                self._place_analytic(source, placed, face, placed.to_world @ side)
-        else:
-            self._place_analytic(source, placed, shape, placed.to_world)
+            return
+        parts = placed.shape.parts()
+        for part, place in parts:
+            self._place_analytic(source, placed, part, placed.to_world @ place)
+        if not parts:
+            self._place_analytic(source, placed, placed.shape, placed.to_world)
 
     def _enter(
         self,
@@ -264,7 +252,7 @@ class _Compiler:
     ) -> int:
         """Append a row to the tables and return its index."""
         index = len(self.rows)
-        self.info.append([KINDS[kind], placed.bsdf, 0, self.offset, flags, *place])
+        self.info.append([SHAPES[kind].number, placed.bsdf, 0, self.offset, flags, *place])
         self.data.append(row)
         self.offset += row.size
         self.rows.append(CompiledShape(kind, source, areas))
@@ -275,12 +263,13 @@ class _Compiler:
         self, source: int, placed: PlacedShape, shape: Any, matrix: np.ndarray
     ) -> None:
         kind = shape.type_name()
-        model, offset = ANALYTIC[kind], self.offset
+        model, offset = SHAPES[kind], self.offset
+        assert model.pack is not None
         row = model.pack(shape, matrix)
         flags = FLIP if shape.flip_normals else 0
-        if kind == "plane":
+        if model.area is None or model.bounds is None:
             index = self._enter(kind, source, placed, row, flags, np.zeros(0))
-            self.planes.append((index, offset))
+            self.unbounded.append((kind, index, offset))
             return
         index = self._enter(kind, source, placed, row, flags, np.array([model.area(row)]))
         low, high = model.bounds(row)
@@ -322,7 +311,9 @@ class _Compiler:
         flags = mesh_flags(mesh, placed.shape.flip_normals != mirrored)
         # Float64 corners of a big mesh would be the largest array of all.
         areas = np.zeros(0) if placed.light is None else triangle_areas(vertices, mesh.faces)
-        index = self._enter("mesh", source, placed, np.zeros(0, np.float32), flags, areas, place)
+        index = self._enter(
+            placed.shape.type_name(), source, placed, np.zeros(0, np.float32), flags, areas, place
+        )
         self.info[index][3] = 0
         return index
 
@@ -337,7 +328,7 @@ class _Compiler:
         number, place, vertices = self.moving_ranges[key]
         index = self._enter_mesh(source, placed, vertices, place)
         low, high = vertices.min(axis=0), vertices.max(axis=0)
-        self._move("mesh", index, number, placed.motion, low, high)
+        self._move(TRIANGLES, index, number, placed.motion, low, high)
 
     def _place_mesh(self, source: int, placed: PlacedShape) -> None:
         mesh = self.flat.geometries[placed.geometry]
@@ -360,7 +351,8 @@ class _Compiler:
         row = np.concatenate([forward.ravel(), backward.ravel()])
         # Kernels turn the normals of object space by the inverse transpose, which keeps the side.
         flags = mesh_flags(mesh, placed.shape.flip_normals) | INSTANCED
-        index = self._enter("mesh", source, placed, row, flags, np.zeros(0), place)
+        kind = placed.shape.type_name()
+        index = self._enter(kind, source, placed, row, flags, np.zeros(0), place)
         corners = mesh.vertices @ square[:3, :3].T + square[:3, 3]
         self._grow(corners.min(axis=0), corners.max(axis=0))
         self.instances.append((number, index, forward, backward))
@@ -395,11 +387,11 @@ class _Compiler:
             tables=tables,
             triangles=self._joined_triangles(),
             analytic=self.analytic,
-            planes=self.planes,
+            unbounded=self.unbounded,
             instances=self.instances,
             geometries=self.geometries,
             rows=self.rows,
-            kinds=tuple(name for name in SURFACES if name in kinds),
+            kinds=tuple(name for name in SHAPES if name in kinds),
             center=0.5 * (low + high),
             radius=radius if radius > 0.0 else 1.0,
             moving=self.moving,
@@ -448,20 +440,6 @@ def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> NDArray[np.float6
     corners = vertices.astype(np.float64)[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return 0.5 * np.linalg.norm(across, axis=1)
-
-
-def cube_sides() -> list[np.ndarray]:
-    """Rotations and shifts that take the rectangle to the six faces of [-1, 1]^3, z outwards."""
-    sides = []
-    for axis in range(3):
-        for sign in (1.0, -1.0):
-            side = np.eye(4)
-            normal, first = np.zeros(3), np.zeros(3)
-            normal[axis], first[(axis + 1) % 3] = sign, 1.0
-            side[:3, 0], side[:3, 1] = first, np.cross(normal, first)
-            side[:3, 2] = side[:3, 3] = normal
-            sides.append(side)
-    return sides
 
 
 def _joined(parts: list[np.ndarray], columns: int, dtype: type, empty: bool = False) -> np.ndarray:

@@ -21,14 +21,20 @@ from typing import Any, TypeVar
 
 from alight.core.errors import AlightError, nearest, show_value
 from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models, type_name_of
-from alight.core.spec import Spec
+from alight.core.spec import Light, Spec
 from lanewise.jit import Specialised, is_kernel
 from lanewise.source_digest import digest_of
 
 T = TypeVar("T")
 
 #: Names that programs use for something else.
-RESERVED = {"integrators": {"aov"}, "bsdfs": {"anisotropic"}}
+RESERVED = {
+    "integrators": {"aov"},
+    "bsdfs": {"anisotropic"},
+    "shapes": {"instance", "triangles", "pairs"},
+    "media": {"chromatic", "emissive"},
+    "lights": {"textured"},
+}
 
 #: The most examples that a model has.
 MOST_EXAMPLES = 6
@@ -40,36 +46,61 @@ class RegistrationError(AlightError, TypeError):
 
 @dataclass(frozen=True)
 class Form:
-    """What a model of a family must have.
+    """What a model of a family must have, and what it may have besides.
+
+    Functions must take as many arguments as those of our own models do.
 
     Attributes
     ----------
-    guide : str
-        One of our own models: functions must take as many arguments as this one's do.
     functions, kernels : tuple of str
     values : tuple of str
+    more_functions, more_kernels : tuple of str
+        They have a default, or only some models of the family need them.
     """
 
-    guide: str
     functions: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     values: tuple[str, ...] = ()
+    more_functions: tuple[str, ...] = ()
+    more_kernels: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them."""
+        return (
+            *self.functions, *self.kernels, *self.values, *self.more_functions, *self.more_kernels
+        )  # fmt: skip
 
 
 FORMS = {
+    "shapes": Form(
+        more_functions=("pack", "area", "bounds", "facing"),
+        more_kernels=("intersect", "surface", "derivatives", "sample", "pdf", "coordinates"),
+    ),
     "bsdfs": Form(
-        "diffuse",
         ("is_lossless", "is_reciprocal", "pack"),
         ("load", "evaluate", "sample", "albedo"),
         ("SLOTS",),
+        more_functions=("features",),
     ),
-    "textures": Form("checkerboard", ("pack",), ("evaluate",), ("SLOTS",)),
-    "lights": Form("point", ("place", "power"), ("sample",), ("DELTA",)),
-    "cameras": Form("pinhole", ("half_extents", "pack"), ("generate_ray",), ("PERSPECTIVE",)),
-    "samplers": Form("independent", values=("EXPECTED_RATE",)),
-    "filters": Form("tent", ("pack",), ("sample",)),
-    "integrators": Form("path"),
+    "textures": Form(("pack",), ("evaluate",), ("SLOTS",)),
+    "lights": Form(
+        ("place", "power"),
+        ("sample",),
+        ("DELTA",),
+        ("mean_color", "cone", "table", "texture", "map_of", "beside_the_map"),
+        ("pdf", "emitted", "radiance"),
+    ),
+    "cameras": Form(("half_extents", "pack"), ("generate_ray",), ("PERSPECTIVE",)),
+    "samplers": Form(values=("EXPECTED_RATE",)),
+    "filters": Form(("pack",), ("sample",)),
+    "phases": Form(("parameter", "mean_cosine"), ("density", "sample")),
+    "media": Form(("pack", "density_at"), ("fly", "cross")),
+    "integrators": Form(),
 }
+
+#: What a shape with a formula has, and what those have that can shine.
+FORMULA, BOUNDED, SHINING = ("pack", "intersect", "surface"), ("area", "bounds"), ("sample", "pdf")
 
 
 def register(model: T) -> T:
@@ -212,20 +243,40 @@ def _common_problems(source: Mapping[str, Any], family: str, name: str) -> list[
 
 def _form_problems(source: Mapping[str, Any], family: str) -> list[str]:
     form, problems = FORMS[family], []
-    guide = Models(family)[form.guide]
-    for name in (*form.values, *form.functions, *form.kernels):
-        problems += [] if name in source else [_missing(name, source, guide)]
-    for name in (*form.functions, *form.kernels):
+    for name in (*form.values, *form.functions, *form.kernels, *_needed(source, family)):
+        problems += [] if name in source else [_missing(name, source, _guide(source, name))]
+    for name in (*form.functions, *form.kernels, *form.more_functions, *form.more_kernels):
         function = source.get(name)
         if function is None:
             continue
-        if name in form.kernels and not is_kernel(function):
+        if name in form.kernels + form.more_kernels and not is_kernel(function):
             problems.append(f"{name} must be a function marked with @kernel (lanewise.jit)")
         elif not callable(function):
             problems.append(f"{name} must be a function, got {show_value(function)}")
         else:
-            problems += _arguments(name, function, guide)
-    return problems + _SPECIAL[family](source)
+            problems += _arguments(name, function, _guide(source, name))
+    return problems + _SPECIAL.get(family, _no_more)(source)
+
+
+def _needed(source: Mapping[str, Any], family: str) -> tuple[str, ...]:
+    """What this model must have beyond the form of its family."""
+    example = source["EXAMPLES"][0]
+    if family == "shapes" and not example.parts():
+        return FORMULA + (BOUNDED + SHINING if example.finite else ())
+    if family == "lights" and example.placement != "node":
+        return ("pdf", "emitted") if example.placement == "shape" else ("pdf",)
+    return ()
+
+
+def _guide(source: Mapping[str, Any], name: str) -> ModuleType:
+    """The first of our own models that has a member of that name, and stands in the same place."""
+    spec = type(source["EXAMPLES"][0])
+    own = import_module(f"alight.{spec.family}").MODELS
+    having = [model for model in own if name in vars(model)]
+    if issubclass(spec, Light):
+        place = spec.placement
+        having = [m for m in having if m.EXAMPLES[0].placement == place] or having
+    return having[0]
 
 
 def _missing(name: str, source: Mapping[str, Any], guide: ModuleType) -> str:
@@ -265,12 +316,12 @@ def _slot_problems(source: Mapping[str, Any]) -> list[str]:
 
 
 def _light_problems(source: Mapping[str, Any]) -> list[str]:
-    placement = type(source["EXAMPLES"][0]).placement
-    # What a ray finds by itself, on a shape or at infinity, is asked of our own models by name.
-    if source.get("DELTA") is True and placement == "node":
+    placement, delta = type(source["EXAMPLES"][0]).placement, source.get("DELTA")
+    if delta is (placement == "node"):
         return []
-    got = f"DELTA = {source.get('DELTA')} and placement {show_value(placement)}"
-    return [f'rays must not hit a registered light: DELTA = True and placement "node", got {got}']
+    hit = "cannot hit" if placement == "node" else "hit"
+    place, wanted = show_value(placement), placement == "node"
+    return [f"rays {hit} a light of placement {place}: DELTA must be {wanted}, got {delta}"]
 
 
 def _rate_problems(source: Mapping[str, Any]) -> list[str]:
@@ -315,9 +366,7 @@ _SPECIAL: dict[str, Callable[[Mapping[str, Any]], list[str]]] = {
     "bsdfs": _slot_problems,
     "textures": _slot_problems,
     "lights": _light_problems,
-    "cameras": _no_more,
     "samplers": _rate_problems,
-    "filters": _no_more,
     "integrators": _step_problems,
 }
 
@@ -328,7 +377,7 @@ _SPECIAL: dict[str, Callable[[Mapping[str, Any]], list[str]]] = {
 def _copy(name: str, source: Mapping[str, Any], family: str) -> ModuleType:
     """A module with the attributes of a model, its functions bound to today's globals."""
     form = FORMS[family]
-    names = (*form.functions, *form.kernels, *form.values, "features", "make_kernels", "step")
+    names = (*form.names, "make_kernels", "step")
     copier = _Copier([source[key] for key in names if key in source])
     module = ModuleType(name, source.get("__doc__"))
     for key, value in source.items():

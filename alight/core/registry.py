@@ -10,15 +10,23 @@ Every lookup reads the registries afresh, so that a model can be registered at a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 if TYPE_CHECKING:
     from types import ModuleType
 
     from alight.core.spec import Spec
+
+S = TypeVar("S", bound="Spec")
+R = TypeVar("R", bound="Record")
+
+#: A function marked with `lanewise.jit.kernel`, or with `specialised`.
+Kernel = Callable[..., Any]
 
 FAMILIES = (
     "shapes",
@@ -61,6 +69,11 @@ def specs(family: str) -> dict[str, type[Spec]]:
     return _specs(modules(family))
 
 
+def specs_of(base: type[S]) -> dict[str, type[S]]:
+    """Map type names to description classes, for the family of a base class."""
+    return cast("dict[str, type[S]]", specs(base.family))
+
+
 @lru_cache(maxsize=64)
 def _specs(models: tuple[ModuleType, ...]) -> dict[str, type[Spec]]:
     return {type_name_of(module): type(module.EXAMPLES[0]) for module in models}
@@ -72,8 +85,17 @@ def _by_name(models: tuple[ModuleType, ...]) -> dict[str, ModuleType]:
 
 
 @lru_cache(maxsize=64)
-def _numbers(models: tuple[ModuleType, ...]) -> dict[str, int]:
-    return {type_name_of(module): number for number, module in enumerate(models)}
+def _numbers(family: str, models: tuple[ModuleType, ...]) -> dict[str, int]:
+    own = len(models) - len(REGISTERED[family])
+    names = map(type_name_of, models)
+    return {
+        name: number if number < own else user_number(name) for number, name in enumerate(names)
+    }
+
+
+def user_number(name: str) -> int:
+    """Number of a user's model: machine code that knows it outlives what else is registered."""
+    return (1 << 16) + zlib.crc32(name.encode()) % (1 << 16)
 
 
 class Models(Mapping[str, "ModuleType"]):
@@ -93,19 +115,68 @@ class Models(Mapping[str, "ModuleType"]):
 
 
 class Numbers(Mapping[str, int]):
-    """The places of a family's models in the order of the registry, by name; a live view."""
+    """The numbers of a family's models in tables and kernels, by name; a live view."""
 
     def __init__(self, family: str) -> None:
         self.family = family
 
     def __getitem__(self, name: str) -> int:
-        return _numbers(modules(self.family))[name]
+        return _numbers(self.family, modules(self.family))[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(_numbers(modules(self.family)))
+        return iter(_numbers(self.family, modules(self.family)))
 
     def __len__(self) -> int:
         return len(modules(self.family))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Record:
+    """What others take from a model's file; each family says what that is by a class of this kind.
+
+    Fields are called as in the file. What has a default may be left out there.
+
+    Attributes
+    ----------
+    name : str
+        In scene files.
+    number : int
+        In tables and kernels.
+    EXAMPLES : tuple of Spec
+    """
+
+    name: str
+    number: int
+    EXAMPLES: tuple[Any, ...]
+
+    @property
+    def spec(self) -> type[Any]:
+        """Class of the descriptions."""
+        return type(self.EXAMPLES[0])
+
+
+class Records(Mapping[str, R], Generic[R]):
+    """The records of a family by type name, in the order of the registry; a live view."""
+
+    def __init__(self, family: str, record: type[R]) -> None:
+        self.family, self.record = family, record
+
+    def __getitem__(self, name: str) -> R:
+        models = modules(self.family)
+        number = _numbers(self.family, models)[name]
+        return cast("R", _record_of(_by_name(models)[name], self.record, name, number))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_by_name(modules(self.family)))
+
+    def __len__(self) -> int:
+        return len(modules(self.family))
+
+
+@lru_cache(maxsize=1024)
+def _record_of(module: ModuleType, record: type[Record], name: str, number: int) -> Record:
+    given = {f.name: vars(module)[f.name] for f in fields(record) if f.name in vars(module)}
+    return record(**{**given, "name": name, "number": number})
 
 
 def versions(specs: Iterable[Spec]) -> tuple[tuple[str, str, str], ...]:

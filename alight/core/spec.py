@@ -1,229 +1,29 @@
 """Validated, immutable descriptions: the base class of all models and their field types.
 
-A description is data only. It is checked when it is made, so kernels never check anything.
-Numbers are bounded by what float32 kernels can carry: lengths and other signed numbers to
-1e15, because their squares must stay finite in float32 (largest number 3.4e38).
+A description is data only. It is checked when it is made, so kernels never check anything. What
+others must know of a model, its class says by members that the base class of its family declares.
 """
 
 from __future__ import annotations
 
 import difflib
-import math
-import numbers
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
-from pydantic_core import PydanticCustomError, core_schema
 
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
-
-LARGEST = 1e15
-SMALLEST = 1e-15
-
-
-def invalid(message: str) -> PydanticCustomError:
-    """Make an error with our wording, for use in validators (braces are taken literally)."""
-    return PydanticCustomError("alight", "{message}", {"message": message})
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A number in [low, high], or in (low, high) with `open_ends`; metadata of a field type.
-
-    Parameters
-    ----------
-    low, high : float
-        Bounds; infinite ones are replaced by the range of float32 kernels.
-    open_ends : bool, default False
-        Whether the finite bounds themselves are excluded.
-    integer : bool, default False
-        Whether only whole numbers are allowed.
-    """
-
-    low: float = -math.inf
-    high: float = math.inf
-    open_ends: bool = False
-    integer: bool = False
-
-    def check(self, value: object) -> float | int:
-        """Return `value` as a Python number, or raise an error that states the allowed range."""
-        if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
-            raise invalid(f"must be a {self._noun}, got {show_value(value)}")
-        if not math.isfinite(value):
-            raise invalid(f"must be finite, got {value}")
-        if self.integer and value != int(value):
-            raise invalid(f"must be a whole number, got {value}")
-        number = int(value) if self.integer else float(value)
-        if not self._contains(number):
-            raise invalid(f"must be {self.describe()}, got {value}")
-        if abs(number) > LARGEST or 0 < number < SMALLEST == self._least:
-            raise invalid(f"must be between {SMALLEST:g} and {LARGEST:g} in size, got {value}")
-        return number
-
-    @property
-    def _noun(self) -> str:
-        return "whole number" if self.integer else "number"
-
-    @property
-    def _least(self) -> float:
-        return SMALLEST if self.open_ends and self.low == 0 else 0.0
-
-    def _contains(self, number: float) -> bool:
-        if self.open_ends:
-            return self.low < number < self.high
-        return self.low <= number <= self.high
-
-    def describe(self) -> str:
-        """Put the range in words: ``in [0, 1]``, ``> 0``, ``a number``."""
-        if self.low > -math.inf and self.high < math.inf:
-            number = "d" if self.integer else "g"
-            ends = f"{self.low:{number}}, {self.high:{number}}"
-            return f"in ({ends})" if self.open_ends else f"in [{ends}]"
-        if self.low > -math.inf:
-            return f"> {self.low:g}" if self.open_ends else f">= {self.low:g}"
-        return f"a {self._noun}"
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        """Use `check` alone: pydantic's own conversions accept "1" and True."""
-        return core_schema.no_info_plain_validator_function(self.check)
-
-
-@dataclass(frozen=True)
-class Numbers:
-    """A fixed count of numbers in one interval; metadata of a field type.
-
-    Parameters
-    ----------
-    count : int
-        How many.
-    interval : Interval
-        Range of each.
-    spread : bool, default False
-        Whether a single number means `count` equal ones.
-    other : type or tuple of types, default ()
-        Values of these types are passed on unchanged (texture names and descriptions).
-    """
-
-    count: int
-    interval: Interval
-    spread: bool = False
-    other: tuple[type, ...] = ()
-
-    def check(self, value: object, handler: Callable[[Any], Any]) -> Any:
-        """Return `count` Python numbers, or `value` itself where `other` allows it."""
-        if self.other and isinstance(value, self.other):
-            return value
-        if self.spread and isinstance(value, numbers.Real):
-            return (self.interval.check(value),) * self.count
-        if isinstance(value, np.ndarray) and value.ndim == 1:
-            value = value.tolist()
-        if not isinstance(value, list | tuple) or len(value) != self.count:
-            raise invalid(f"must be {self._describe()}, got {show_value(value)}")
-        return handler(tuple(value))
-
-    def _describe(self) -> str:
-        noun = "whole numbers" if self.interval.integer else "numbers"
-        ways = [f"a list of {self.count} {noun}"]
-        if self.spread:
-            ways.insert(0, "a number")
-        if self.other:
-            ways.append("a texture")
-        return ", ".join(ways[:-1]) + (" or " if ways[:-1] else "") + ways[-1]
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        """Wrap a tuple schema, so that errors of one component carry its index."""
-        item = core_schema.no_info_plain_validator_function(self.interval.check)
-        items = core_schema.tuple_schema([item] * self.count)
-        return core_schema.no_info_wrap_validator_function(self.check, items)
-
-
-@dataclass(frozen=True)
-class NumberOrTexture:
-    """A number in an interval, or something that gives one; metadata of a field type.
-
-    Parameters
-    ----------
-    interval : Interval
-        Range of the number; of a texture, the range that its values must lie in.
-    other : tuple of types
-        Values of these types are passed on unchanged (texture names and descriptions).
-    """
-
-    interval: Interval
-    other: tuple[type, ...]
-
-    def check(self, value: object) -> Any:
-        """Return a Python number, or `value` itself where `other` allows it."""
-        if isinstance(value, self.other):
-            return value
-        if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
-            raise invalid(f"must be a number or a texture, got {show_value(value)}")
-        return self.interval.check(value)
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        """Use `check` alone: a union would put its branches into the error paths."""
-        return core_schema.no_info_plain_validator_function(self.check)
-
-
-@dataclass(frozen=True)
-class Model:
-    """Another description, or the name of one; metadata of a field type.
-
-    Parameters
-    ----------
-    kind : str
-        What it is, in messages.
-    family : str
-        Package of its models.
-    named : bool, default False
-        Whether a name may replace a description.
-    """
-
-    kind: str
-    family: str
-    named: bool = False
-
-    def check(self, value: object) -> Any:
-        """Return `value` if it is a description of this family or an allowed name."""
-        if getattr(type(value), "family", None) == self.family:
-            return value
-        if self.named and isinstance(value, str):
-            return value
-        names = f" or the name of a {self.kind}" if self.named else ""
-        raise invalid(f"must be a {self.kind}{names}, got {show_value(value)}")
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        """Use `check` alone: a union would put its branches into the error paths."""
-        return core_schema.no_info_plain_validator_function(self.check)
-
-
-@dataclass(frozen=True)
-class Models(Model):
-    """A list of descriptions, or of names of them; metadata of a field type.
-
-    Parameters
-    ----------
-    count : int
-        How many.
-    """
-
-    count: int = 2
-
-    def check(self, value: object) -> Any:
-        """Return a tuple if all are descriptions of this family or allowed names."""
-        if not isinstance(value, list | tuple) or len(value) != self.count:
-            raise invalid(self.problem(value))
-        return tuple(super(Models, self).check(item) for item in value)
-
-    def problem(self, value: object) -> str:
-        """Say what a value should be that is not such a list."""
-        return f"must be a list of {self.count} {self.kind}s, got {show_value(value)}"
-
+from alight.core.fields import (
+    Interval,
+    Model,
+    Models,
+    NumberOrTexture,
+    Numbers,
+    invalid,
+)
 
 Truth = Annotated[bool, Strict()]
 
@@ -273,12 +73,48 @@ class Spec(BaseModel):
 
 
 class Bsdf(Spec):
-    """Base class of scattering models; the reflectances `shares` are together at most 1."""
+    """Base class of scattering models.
+
+    Attributes
+    ----------
+    transmissive : bool
+        Light may come from the other side.
+    shares : tuple of str
+        Reflectances that are together at most 1.
+    one_sided : bool
+        Other than by delta lobes, only light from the viewer's side of the shading normal reaches
+        it. What is made of other materials leaves that to them.
+    unseen : bool
+        Light passes it as if nothing was there.
+    """
 
     family: ClassVar[str] = "bsdfs"
     kind: ClassVar[str] = "bsdf"
     transmissive: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
+    one_sided: ClassVar[bool] = False
+    unseen: ClassVar[bool] = False
+
+    def largest_weight(self) -> float | None:
+        """Bound of f cos / pdf of sampled directions; None if none is known."""
+        return None
+
+
+def largest_of(values: Iterable[float | None]) -> float | None:
+    """The largest of all, at least 0; None if one is unknown."""
+    known = [0.0]
+    for value in values:
+        if value is None:
+            return None
+        known.append(value)
+    return max(known)
+
+
+def largest_channel(value: Any) -> float | None:
+    """Bound of a colour, a number or a texture; None for names."""
+    if isinstance(value, Texture):
+        value = value.maximum()
+    return None if isinstance(value, str) else float(np.max(value))
 
 
 def _is_color(marker: object) -> bool:
@@ -307,12 +143,17 @@ class Light(Spec):
         colors = [value for name, value in self if any(map(_is_color, fields[name].metadata))]
         return bool(colors) and all(map(_is_dark, colors))
 
+    def largest_radiance(self) -> float | None:
+        """Bound of the radiance that it emits; None if none is known."""
+        return None
+
 
 class Texture(Spec):
-    """Base class of textures: colours that vary over a surface."""
+    """Base class of textures: colours over a surface, which most of them let vary there."""
 
     family: ClassVar[str] = "textures"
     kind: ClassVar[str] = "texture"
+    varies: ClassVar[bool] = True
 
     def maximum(self) -> tuple[float, float, float]:
         """Largest value of each channel."""
@@ -324,12 +165,17 @@ class Texture(Spec):
 
 
 class Shape(Spec):
-    """Base class of shapes; `finite` ones can be lights."""
+    """Base class of shapes; `finite` ones can be lights, `closed` ones have an inside."""
 
     family: ClassVar[str] = "shapes"
     kind: ClassVar[str] = "shape"
     finite: ClassVar[bool] = True
+    closed: ClassVar[bool] = False
     flip_normals: Truth = False
+
+    def parts(self) -> tuple[tuple[Shape, np.ndarray], ...]:
+        """The shapes that it is made of, each with its (4, 4) matrix; none for most."""
+        return ()
 
 
 class PhaseFunction(Spec):
@@ -340,10 +186,18 @@ class PhaseFunction(Spec):
 
 
 class Medium(Spec):
-    """Base class of media: what fills the space between surfaces."""
+    """Base class of media: what fills the space between surfaces.
+
+    `has_place`: what it is like at a point does not move with the shapes that bound it.
+    """
 
     family: ClassVar[str] = "media"
     kind: ClassVar[str] = "medium"
+    has_place: ClassVar[bool] = False
+
+    def problem(self) -> str | None:
+        """Say why it cannot be rendered, now that its files are read."""
+        return None
 
 
 class Camera(Spec):
@@ -376,10 +230,11 @@ class Sampler(Spec):
 
 
 class Filter(Spec):
-    """Base class of pixel filters."""
+    """Base class of pixel filters; `largest_weight` of their samples, None if none is known."""
 
     family: ClassVar[str] = "filters"
     kind: ClassVar[str] = "filter"
+    largest_weight: ClassVar[float | None] = None
 
 
 class Integrator(Spec):
@@ -393,6 +248,20 @@ class Integrator(Spec):
     kind: ClassVar[str] = "integrator"
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
+
+    def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
+        """Bound of a sample where no light is at a point; None if none is known.
+
+        Parameters
+        ----------
+        radiance : float
+            Of the brightest light.
+        weight : float
+            Largest weight f cos / pdf of a sampled direction.
+        start : float
+            Largest weight of a camera ray.
+        """
+        return None
 
 
 NonNegative = Annotated[float, Interval(low=0.0)]

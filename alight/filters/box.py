@@ -9,7 +9,7 @@ Source: PBR4 section 8.8.1.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.core.spec import Filter, FilterRadius
 from lanewise.jit import kernel
@@ -25,6 +25,7 @@ class Box(Filter):
         Half the side of the square.
     """
 
+    largest_weight: ClassVar[float | None] = 1.0
     type: Literal["box"] = "box"
     radius: FilterRadius = 0.5
 

@@ -8,7 +8,7 @@ Source: PBR4 section 8.8.1.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -27,6 +27,7 @@ class Gaussian(Filter):
         Distance at which the weight reaches 0.
     """
 
+    largest_weight: ClassVar[float | None] = 1.0
     type: Literal["gaussian"] = "gaussian"
     stddev: FilterRadius = 0.5
     radius: FilterRadius = 2.0

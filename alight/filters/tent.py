@@ -7,7 +7,7 @@ Source: PBR4 section 8.8.1 (there called triangle filter).
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.core.spec import Filter, FilterRadius
 from lanewise.jit import kernel
@@ -23,6 +23,7 @@ class Tent(Filter):
         Distance at which the weight reaches 0.
     """
 
+    largest_weight: ClassVar[float | None] = 1.0
     type: Literal["tent"] = "tent"
     radius: FilterRadius = 1.0
 

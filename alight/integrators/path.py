@@ -59,6 +59,7 @@ from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import length, max_component
+from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.options import PathTracing
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
@@ -66,6 +67,7 @@ from alight.integrators.walk import (
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
+    MAX_SURVIVAL,
     ROULETTE,
     count_lanes,
     to_local,
@@ -75,6 +77,7 @@ from alight.integrators.walk import (
 from alight.integrators.walk import (
     Path as WalkPath,
 )
+from alight.lights.hits import on_shapes
 from alight.lights.sampling import (
     emitted,
     environment_pdf,
@@ -96,10 +99,7 @@ from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 BY_LIGHT, MIS, BY_BSDF = 0, 1, 2
 STRATEGIES = {"emitter": BY_LIGHT, "mis": MIS, "bsdf": BY_BSDF}
 
-#: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
-MAX_SURVIVAL = 0.95
-
-#: The kernels of `alight.integrators.contributions`, or None for each.
+#: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
 Listeners = namedtuple("Listeners", "meet find leave sample")
 NO_LISTENERS = Listeners(None, None, None, None)
 
@@ -115,6 +115,13 @@ class Path(PathTracing):
 
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
+
+    def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
+        """Bound of a sample where both ways to find light are combined."""
+        if self.light_sampling != "mis":
+            return None
+        share = 0.5 if self.heuristic == "power" else 1.0
+        return largest_of_paths(self, share, radiance, weight, start)
 
 
 EXAMPLES = (
@@ -178,7 +185,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
     listeners = Listeners(*record) if record else NO_LISTENERS
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
-    area_lights = "area" in program.lights
+    area_lights = bool(on_shapes(program))
     environment = bool(environments_of(program))
     holes = has_null(program)
     reach_environment = write_reach_environment(bsdf_weight, listeners)

@@ -26,7 +26,6 @@ from alight.integrators.options import PathTracing
 from alight.integrators.path import (
     BY_BSDF,
     BY_LIGHT,
-    MAX_SURVIVAL,
     MIS,
     NO_LISTENERS,
     STRATEGIES,
@@ -49,6 +48,7 @@ from alight.integrators.walk import (
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
+    MAX_SURVIVAL,
     ROULETTE,
     UNLIMITED,
     count_lanes,
@@ -56,6 +56,7 @@ from alight.integrators.walk import (
     to_world,
     vertex_dimension,
 )
+from alight.lights.hits import on_shapes
 from alight.lights.sampling import (
     environments_of,
     has_delta_lights,
@@ -63,9 +64,9 @@ from alight.lights.sampling import (
     sample_light,
     shadow_ray,
 )
-from alight.media.grid import emission
 from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.media.tables import EMISSIVE, stream_of
+from alight.media.voxels import emission
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
@@ -114,7 +115,7 @@ def step(program):
     by_light = strategy in (BY_LIGHT, MIS) and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     found_weight, chosen_weight = _weights_of(strategy)
-    area_lights, nulls = "area" in program.lights, has_null(program)
+    area_lights, nulls = bool(on_shapes(program)), has_null(program)
     environment = bool(environments_of(program))
     roulette = program.option("russian_roulette") == "throughput"
     reach_environment = write_reach_environment(found_weight, NO_LISTENERS)

@@ -58,6 +58,9 @@ CAMERA_DIMENSIONS = 8
 VERTEX_DIMENSIONS = 16
 LIGHT_CHOICE, LIGHT_POINT, BSDF_CHOICE, BSDF_DIRECTION, ROULETTE = 0, 1, 3, 4, 6
 
+#: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
+MAX_SURVIVAL = 0.95
+
 
 def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Settings:
     """The uniform numbers of a render, those of the integrator from its description."""

@@ -232,6 +232,14 @@ def models_without_a_back_are_black(material: Material, cosine: float) -> None:
     demand(~material.evaluate(direction(cosine), under)[0].any(), "light from below comes through")
 
 
+def light_from_behind_is_as_declared(material: Material, cosine: float) -> None:
+    """Smooth light from the other side of the shading normal comes only if that is declared."""
+    if material.is_one_sided():
+        behind = CELLS.points[:, CELLS.points[2] * cosine < 0.0]
+        f_cos, _ = material.evaluate(direction(cosine), behind)
+        demand(~f_cos.any(), "f cos > 0 for light from the other side")
+
+
 @refined
 def power_is_one(material: Material, cosine: float, cells: SphereCells) -> None:
     """All light leaves again."""
@@ -287,6 +295,7 @@ PHYSICS_LAWS = (
     values_are_finite,
     light_goes_back_the_way_it_came,
     models_without_a_back_are_black,
+    light_from_behind_is_as_declared,
 )
 #: Laws of (material, cosine), for all of `COSINES`; and of the material alone.
 DIRECTIONAL_LAWS = SAMPLING_LAWS + PHYSICS_LAWS

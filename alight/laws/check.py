@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 from alight.core.registration import registered_module
 from alight.core.registry import type_name_of
 from alight.core.spec import Spec
-from alight.laws import bsdfs, integrators, lights, others, samplers
+from alight.laws import bsdfs, integrators, lights, media, others, phases, samplers, shapes
 from alight.laws.compiled import compiled_bsdf_is_the_twins
 from alight.laws.materials import COSINES, Material
 from alight.laws.report import Report, Result, judged
+from alight.lights.model import LIGHTS
 
 
 def check_laws(model: object, *, compiled: bool = True) -> Report:
@@ -41,7 +42,7 @@ def check_laws(model: object, *, compiled: bool = True) -> Report:
     """
     module = registered_module(model)
     family = type(module.EXAMPLES[0]).family
-    results = tuple(_CHECKS[family](module.EXAMPLES, compiled))
+    results = tuple(CHECKS[family](module.EXAMPLES, compiled))
     return Report(f"{family}: {type_name_of(module)}", results)
 
 
@@ -64,6 +65,11 @@ def _check_sampler(examples: Sequence[Spec], compiled: bool) -> Iterator[Result]
         yield from _each(samplers.COMPILED_LAWS, examples[-1:])
 
 
+def _check_light(examples: Sequence[Spec], compiled: bool) -> Iterator[Result]:
+    laws = lights.LAWS[LIGHTS[examples[0].type_name()].spec.placement]
+    yield from _simple(laws, lights.COMPILED_LAWS)(examples, compiled)
+
+
 def _simple(
     laws: Sequence[Callable], compiled_laws: Sequence[Callable] = ()
 ) -> Callable[[Sequence[Spec], bool], Iterator[Result]]:
@@ -84,14 +90,19 @@ def _each(laws: Sequence[Callable], examples: Sequence[Spec]) -> Iterator[Result
 def _short(example: Spec) -> str:
     """An example by what is not at its default."""
     defaults = {name: field.default for name, field in type(example).model_fields.items()}
-    given = [f"{name}={value!r}" for name, value in example if value != defaults[name]]
+    shown = {name: repr(value) for name, value in example if repr(value) != repr(defaults[name])}
+    given = [f"{name}={text if len(text) < 60 else '...'}" for name, text in shown.items()]
     return f"{type(example).__name__}({', '.join(given)})"
 
 
-_CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
+#: Family -> its laws, run on all examples of a model.
+CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
     "bsdfs": _check_bsdf,
     "samplers": _check_sampler,
-    "lights": _simple(lights.LAWS, lights.COMPILED_LAWS),
+    "shapes": _simple(shapes.LAWS, shapes.COMPILED_LAWS),
+    "phases": _simple(phases.LAWS),
+    "media": _simple(media.LAWS),
+    "lights": _check_light,
     "integrators": _simple(integrators.LAWS, integrators.COMPILED_LAWS),
     "textures": _simple((others.values_lie_below_the_maximum,)),
     "filters": _simple((others.weights_have_mean_one,)),

@@ -1,43 +1,75 @@
-"""Laws of lights that rays cannot hit: one direction, the inverse square, the declared power.
+"""Laws of lights: directions, densities and radiance fit each other, and the declared power.
 
-Each law is a function of an example and raises `BrokenLawError`. (Lights that rays can hit are
-tested with their shapes and maps, by the density of what is hit.)
+Each law is a function of an example and raises `BrokenLawError`. Lights at a point have one
+direction; those that rays can hit are found by rays with the density of light sampling, whether
+they stand on a shape or around the scene.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
+from alight.accel import intersect_closest
+from alight.cameras import MODELS as CAMERAS
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.registry import Models
-from alight.core.spec import Light
+from alight.core.constants import PI
+from alight.core.registry import specs_of
+from alight.core.spec import Light, Shape
 from alight.core.vec import Vec3, luminance
 from alight.laws.materials import stacked
-from alight.laws.report import demand, demand_close
-from alight.laws.statistics import SphereCells, length_error, unit_vectors
-from alight.lights.sampling import sample_light
+from alight.laws.report import BrokenLawError, demand, demand_close
+from alight.laws.statistics import (
+    LARGEST_Z,
+    SIGNIFICANCE,
+    SphereCells,
+    chi_square,
+    length_error,
+    unit_vectors,
+    z_of_mean,
+)
+from alight.lights.environment_map import ROWS
+from alight.lights.model import LIGHTS
+from alight.lights.sampling import (
+    emitted,
+    environment_pdf,
+    environment_radiance,
+    light_pdf,
+    sample_light,
+)
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import rotate, translate
-from alight.shapes.sphere import Sphere
+from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes
 from lanewise.view import View
 
-#: Position and orientation of the light.
-PLACE = (0.3, -0.2, 0.5)
+#: Where the light stands; where the ball is that is no light, in m.
+PLACE, FAR = (0.3, -0.2, 0.5), 1000.0
 N = 4096
 CELLS = SphereCells(side=16)
 
 
 def scene_of(spec: Light) -> CompiledScene:
-    """A scene with this light and a sphere far away."""
-    turned = rotate("y", 40) @ rotate("x", 25)
-    nodes = {
-        "light": Node(light=spec, transform=translate(*PLACE) @ turned),
-        "far": Node(shape=Sphere(), transform=translate(0, 0, 1000)),
-    }
-    camera = Node(camera=Models("cameras")["pinhole"].EXAMPLES[0])
-    return compile_scene(flatten(Scene(nodes=nodes, camera=camera)), structure="list")
+    """A scene with this light and a ball: the light's own, or one that is far away."""
+    model, turned = LIGHTS[spec.type_name()], rotate("y", 40) @ rotate("x", 25)
+    ball = next(s for s in specs_of(Shape).values() if s.closed)()
+    place = translate(*PLACE) @ turned
+    nodes = {"light": Node(light=spec, transform=turned if model.is_around else place)}
+    if model.is_on_shape:
+        nodes["light"] = Node(light=spec, shape=ball, transform=place)
+    else:
+        nodes["far"] = Node(shape=ball, transform=translate(0, 0, FAR))
+    camera = Node(camera=CAMERAS[0].EXAMPLES[0])
+    # A window shows what else is around the scene.
+    seen = not model.is_around or model.radiance is not None
+    sky = next(m for m in LIGHTS.values() if m.is_around).EXAMPLES[0]
+    scene = Scene(nodes=nodes, camera=camera, environment=None if seen else sky)
+    # Light sampling alone: else a map may leave light to BSDF sampling.
+    scene = scene.replaced(integrator=scene.integrator.replaced(light_sampling="emitter"))
+    return compile_scene(flatten(scene), structure="list")
 
 
 def light_at(spec: Light, points: np.ndarray):
@@ -47,9 +79,13 @@ def light_at(spec: Light, points: np.ndarray):
     rng = np.random.default_rng(1)
     u = rng.random((3, n), np.float32)
     p = Vec3(*np.ascontiguousarray(points, np.float32))
-    sample = instantiate(sample_light, scene.program, compiled=False)
+    return run(scene, sample_light, p, p, u[0], (u[1], u[2]), np.ones(n, bool))
+
+
+def run(scene: CompiledScene, kernel: Callable, *arguments: Any) -> Any:
+    """A kernel on lanes of NumPy."""
     with np.errstate(all="ignore"):
-        return sample(scene.tables, p, p, u[0], (u[1], u[2]), np.ones(n, bool))
+        return instantiate(kernel, scene.program, compiled=False)(scene.tables, *arguments)
 
 
 def _around(distance: float) -> np.ndarray:
@@ -85,17 +121,150 @@ def light_comes_from_its_place(spec: Light) -> None:
 
 def power_is_the_integral(spec: Light) -> None:
     """`power` is the integral of the intensity over all directions."""
-    module = Models("lights")[spec.type_name()]
+    model = LIGHTS[spec.type_name()]
     points = np.reshape(PLACE, (3, 1)) + CELLS.points
     light = light_at(spec, points)
     n = points.shape[1]
     if not np.isfinite(np.broadcast_to(light.distance, n)).all():
         return
     found = CELLS.integrals(luminance(Vec3(*stacked(light.radiance, n)))).sum()
-    mean_color = getattr(module, "mean_color", None)
-    color = mean_color(spec) if mean_color else module.place(spec, np.eye(4))[0]
-    declared = module.power(float(luminance(Vec3(*color))), 0.0, 1.0)
+    declared = model.power(float(luminance(Vec3(*model.mean(spec)))), 0.0, 1.0)
     demand_close(declared, found, "declared power against the integral", rtol=5e-3, atol=1e-6)
+
+
+# ---------------------------------------------------------------- around the scene
+
+#: Densities above it belong to lights that are narrower than a cell of the sphere.
+NARROW = 200.0
+
+
+def _one_point(n: int) -> np.ndarray:
+    return np.repeat(np.float32([[0.4], [1.1], [-0.7]]), n, axis=1)
+
+
+def _lit_from_around(spec: Light) -> tuple[CompiledScene, Any, np.ndarray, np.ndarray] | None:
+    """The scene, samples at one point, their directions and densities; None if it is dark."""
+    scene, n = scene_of(spec), 60_000
+    u = np.random.default_rng(5).random((3, n), np.float32)
+    p = Vec3(*_one_point(n))
+    light = run(scene, sample_light, p, p, u[0], (u[1], u[2]), np.ones(n, bool))
+    pdf = np.broadcast_to(light.pdf, n).astype(float)
+    return (scene, light, stacked(light.wi, n), pdf) if (pdf > 0.0).any() else None
+
+
+def directions_follow_their_density(spec: Light) -> None:
+    """Sampled directions follow the density (chi-square), which integrates to at most 1."""
+    lit = _lit_from_around(spec)
+    if lit is None:
+        return
+    scene, _, wi, pdf = lit
+    if pdf.max() > NARROW:
+        return
+    for cells in (SphereCells(), SphereCells(side=128)):
+        n = cells.points.shape[1]
+        density = run(scene, environment_pdf, Vec3(*_one_point(n)), Vec3(*cells.points))
+        density = np.broadcast_to(density, n)
+        demand(np.isfinite(density) & (density >= 0.0), "a density is negative or not finite")
+        probabilities = cells.integrals(density)
+        p = chi_square(cells.counts(wi, pdf > 0.0), probabilities)
+        if p > SIGNIFICANCE and probabilities.sum() <= 1.0 + 2e-3:
+            return
+    total = probabilities.sum()
+    raise BrokenLawError(f"directions do not follow pdf: p = {p:.2g}, integral {total:.5g}")
+
+
+def rays_find_what_samples_bring(spec: Light) -> None:
+    """A ray in a sampled direction finds the same radiance, and the density of the sample."""
+    lit = _lit_from_around(spec)
+    if lit is None:
+        return
+    scene, light, wi, pdf = lit
+    n, ok = len(pdf), pdf > 0.0
+    demand(length_error(wi[:, ok]) < 1e-6, "wi is not a unit vector")
+    demand(np.isinf(np.broadcast_to(light.distance, n)), "the distance must be infinite")
+    d = Vec3(*np.ascontiguousarray(wi))
+    found = np.broadcast_to(run(scene, environment_pdf, Vec3(*_one_point(n)), d), n)
+    # At an edge, rounding decides to which side a direction belongs.
+    same = np.asarray(np.isclose(found, pdf, rtol=2e-3))[ok]
+    demand(same.mean() > 0.998, f"pdf differs from the sample's in {(~same).sum()} directions")
+    seen, brought = (stacked(v, n) for v in (run(scene, environment_radiance, d), light.radiance))
+    same = np.all(np.isclose(seen[:, ok], brought[:, ok], rtol=2e-3, atol=1e-6), axis=0)
+    demand(same.mean() > 0.998, f"radiance differs in {(~same).sum()} directions")
+
+
+def samples_bring_the_power(spec: Light) -> None:
+    """The radiance of samples over their density has the mean that `power` says."""
+    lit = _lit_from_around(spec)
+    model = LIGHTS[spec.type_name()]
+    if lit is None or model.radiance is None:
+        return
+    _, light, _, pdf = lit
+    n = len(pdf)
+    weight = luminance(Vec3(*stacked(light.radiance, n))).astype(float)
+    weight = np.where(pdf > 0.0, weight / np.where(pdf > 0.0, pdf, 1.0), 0.0)
+    mean, grain = _mean_of_row(spec)
+    declared = model.power(mean, 0.0, 1.0) / PI
+    z = z_of_mean(weight, declared, (5e-3 + grain) * declared)
+    demand(abs(z) < LARGEST_Z, f"samples bring {weight.mean():.5g}, by its power {declared:.5g}")
+
+
+def _mean_of_row(spec: Light) -> tuple[float, float]:
+    """Luminance of the mean over all directions, and how far off the grain of a map leaves it.
+
+    The mean of a map takes each of its cells by the corners.
+    """
+    model, grain = LIGHTS[spec.type_name()], 0.0
+    color = model.mean(spec)
+    if model.map_of is not None:
+        made, aside = model.map_of(spec, np.eye(4), False), model.beside_the_map(spec)
+        scale = model.place(spec, np.eye(4))[0]
+        color = [a * (b + c) for a, b, c in zip(scale, made.mean, aside, strict=True)]
+        grain = 0.6 / float(made.table[ROWS])
+    return float(luminance(Vec3(*color))), grain
+
+
+# ---------------------------------------------------------------- on a shape
+
+
+def hits_bring_what_samples_bring(spec: Light) -> None:
+    """A ray to a sample finds there the same radiance, and the density of the sample."""
+    scene, points = scene_of(spec), np.ascontiguousarray(_around(3.0), np.float32)
+    u = np.random.default_rng(6).random((3, N), np.float32)
+    p, active = Vec3(*points), np.ones(N, bool)
+    light = run(scene, sample_light, p, p, u[0], (u[1], u[2]), active)
+    pdf, cosine = np.broadcast_to(light.pdf, N), np.broadcast_to(light.cosine, N)
+    far = np.full(N, np.inf, np.float32)
+    wi = Vec3(*np.ascontiguousarray(stacked(light.wi, N)))
+    hit = run(scene, intersect_closest, p, wi, far, active)
+    ok = (pdf > 0.0) & np.isfinite(hit.t) & (cosine > 0.1)
+    surface = run(scene, make_surface, hit, p, wi, ok)
+    density = run(scene, light_pdf, surface.light, p, wi, hit.t, surface)
+    demand_close(density[ok], pdf[ok], "pdf of a hit against the sample's", rtol=5e-3)
+    seen = stacked(run(scene, emitted, surface, -1.0 * wi), N)
+    brought = stacked(light.radiance, N)
+    demand(np.isfinite(seen) & (seen >= 0.0), "radiance is negative or not finite")
+    demand_close(seen[:, ok], brought[:, ok], "radiance of a hit", rtol=5e-3, atol=1e-6)
+
+
+def power_is_that_of_its_surface(spec: Light) -> None:
+    """`power` is the radiance, times the cosine, over the hemisphere and the area."""
+    scene, model = scene_of(spec), LIGHTS[spec.type_name()]
+    n = 2000
+    z = ((np.arange(n) + 0.5) / n).astype(np.float32)
+    one, zero = np.ones(n, np.float32), np.zeros(n, np.float32)
+    # The same point, looked at from all angles.
+    p, d = Vec3(*(np.float32(c) * one for c in (PLACE[0], PLACE[1], 50.0))), Vec3(zero, zero, -one)
+    hit = run(scene, intersect_closest, p, d, np.inf * one, np.ones(n, bool))
+    surface = run(scene, make_surface, hit, p, d, np.ones(n, bool))
+    ng, across = surface.ng, surface.s
+    wo = z * ng + np.sqrt(1.0 - z * z) * across
+    seen = luminance(Vec3(*stacked(run(scene, emitted, surface, wo), n))).astype(float)
+    found = 2.0 * PI * float((seen * z).mean())
+    declared = model.power(float(luminance(Vec3(*model.mean(spec)))), 1.0, 1.0)
+    demand_close(found, declared, "flux of a square metre against `power`", rtol=5e-3, atol=1e-6)
+
+
+# ---------------------------------------------------------------- machine code
 
 
 @kernel
@@ -132,5 +301,14 @@ def compiled_light_is_the_twins(spec: Light) -> None:
     demand_close(both[0], both[1], "compiled against Python", rtol=1e-3, atol=1e-4)
 
 
-LAWS = (samples_are_directions_with_light, light_comes_from_its_place, power_is_the_integral)
+#: By placement.
+LAWS = {
+    "node": (samples_are_directions_with_light, light_comes_from_its_place, power_is_the_integral),
+    "shape": (hits_bring_what_samples_bring, power_is_that_of_its_surface),
+    "environment": (
+        directions_follow_their_density,
+        rays_find_what_samples_bring,
+        samples_bring_the_power,
+    ),
+}
 COMPILED_LAWS = (compiled_light_is_the_twins,)

@@ -106,6 +106,10 @@ class Material:
         """Whether a part of it has a normal or bump map."""
         return any(leaf.relief is not None for leaf in leaves(self.spec))
 
+    def is_one_sided(self) -> bool:
+        """All parts of it say that only light from the viewer's side reaches them."""
+        return all(leaf.bsdf.one_sided for leaf in leaves(self.spec)) and not self.is_bent()
+
     def has_back(self) -> bool:
         """Something happens to light that meets the surface from below."""
         return any(leaf.two_sided or leaf.bsdf.transmissive for leaf in leaves(self.spec))

@@ -15,16 +15,12 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import PI
-from alight.core.spec import Light, RadianceTexture, Texture, Triple
-from alight.lights.emission import sampled_color
+from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
+from alight.lights.emission import emitted_color, sampled_color
+from alight.lights.shining import sample_shape, shape_pdf
 from alight.lights.tables import INFO, LightSample
-from alight.shapes import cylinder, disk, mesh, rectangle, sphere
-from alight.shapes.hit import INFO as SHAPE_INFO
-from alight.shapes.hit import ShapeSample
-from alight.shapes.surfaces import KINDS
-from alight.textures.constant import Constant
-from lanewise.jit import kernel, specialised
-from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
+from lanewise.jit import kernel
+from lanewise.simd import gather, lanes_mask, lanes_vec3, where
 
 
 class Area(Light):
@@ -40,18 +36,12 @@ class Area(Light):
     type: Literal["area"] = "area"
     radiance: RadianceTexture = (1.0, 1.0, 1.0)
 
+    def largest_radiance(self) -> float | None:
+        """Bound of the radiance that it emits."""
+        return largest_channel(self.radiance)
+
 
 EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))
-
-#: Shapes that can shine.
-SHAPES = {
-    "sphere": sphere,
-    "rectangle": rectangle,
-    "disk": disk,
-    "mesh": mesh,
-    "cylinder": cylinder,
-}
-
 
 #: Rays hit its shape.
 DELTA = False
@@ -65,7 +55,7 @@ def place(spec: Area, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
 
 def texture(spec: Area) -> Texture | None:
     """The texture of its radiance; its values take the place of the colour."""
-    if isinstance(spec.radiance, Texture) and not isinstance(spec.radiance, Constant):
+    if isinstance(spec.radiance, Texture) and spec.radiance.varies:
         return spec.radiance
     return None
 
@@ -80,82 +70,6 @@ def mean_color(spec: Area) -> Triple:
 def power(luminance: float, area: float, radius: float) -> float:
     """Emitted power in W: the cosine integrates to pi over the hemisphere."""
     return PI * area * luminance
-
-
-@kernel
-def blend(mask, a, b):
-    """Lane-wise choice between two `ShapeSample`."""
-    return ShapeSample(
-        where(mask, a.wi, b.wi),
-        where(mask, a.distance, b.distance),
-        where(mask, a.cosine, b.cosine),
-        where(mask, a.error, b.error),
-        where(mask, a.pdf, b.pdf),
-    )
-
-
-@kernel
-def no_sample(tables, cdf, start, shape, p, u, u2):
-    """A `ShapeSample` of zeros in every lane."""
-    zero = lanes(0.0)
-    return ShapeSample(lanes_vec3(0.0), zero, zero, zero, zero)
-
-
-@kernel
-def no_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Zero in every lane."""
-    return lanes(0.0)
-
-
-def _sample_by_kind(names: tuple[str, ...]):
-    """A kernel that runs each shape's `sample` where it was chosen."""
-    if not names:
-        return no_sample
-    if len(names) == 1:
-        return SHAPES[names[0]].sample
-    own, number, others = SHAPES[names[0]].sample, KINDS[names[0]], _sample_by_kind(names[1:])
-
-    @kernel
-    def choose(tables, cdf, start, shape, p, u, u2):
-        result = others(tables, cdf, start, shape, p, u, u2)
-        mine = gather(tables.info, shape * SHAPE_INFO) == number
-        if any_lane(mine):
-            result = blend(mine, own(tables, cdf, start, shape, p, u, u2), result)
-        return result
-
-    return choose
-
-
-def _pdf_by_kind(names: tuple[str, ...]):
-    """A kernel that runs each shape's `pdf` where it was hit."""
-    if not names:
-        return no_pdf
-    if len(names) == 1:
-        return SHAPES[names[0]].pdf
-    own, number, others = SHAPES[names[0]].pdf, KINDS[names[0]], _pdf_by_kind(names[1:])
-
-    @kernel
-    def choose(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-        result = others(tables, cdf, start, shape, prim, p, wi, distance, cosine)
-        mine = gather(tables.info, shape * SHAPE_INFO) == number
-        if any_lane(mine):
-            found = own(tables, cdf, start, shape, prim, p, wi, distance, cosine)
-            result = where(mine, found, result)
-        return result
-
-    return choose
-
-
-@specialised
-def sample_shape(program):
-    """``sample_shape(tables, cdf, start, shape, p, u, u2) -> ShapeSample``."""
-    return _sample_by_kind(tuple(name for name in SHAPES if name in program.light_shapes))
-
-
-@specialised
-def shape_pdf(program):
-    """``shape_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine)``, per solid angle."""
-    return _pdf_by_kind(tuple(name for name in SHAPES if name in program.light_shapes))
 
 
 @kernel
@@ -193,3 +107,9 @@ def pdf(scene, index, prim, p, wi, distance, cosine):
     shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
     density = shape_pdf(scene.shapes, scene.lights.cdf, start, shape, prim, p, wi, distance, cosine)
     return where(cosine > 0.0, density, 0.0)
+
+
+@kernel
+def emitted(scene, index, surface, wo):
+    """Radiance on the outer side: the same in all directions."""
+    return emitted_color(scene, index, surface)

@@ -32,6 +32,10 @@ class Constant(Light):
     type: Literal["constant"] = "constant"
     radiance: Color = (1.0, 1.0, 1.0)
 
+    def largest_radiance(self) -> float | None:
+        """Bound of the radiance that it emits."""
+        return max(self.radiance)
+
 
 EXAMPLES = (Constant(), Constant(radiance=(0.3, 0.5, 0.9)), Constant(radiance=0.0))
 

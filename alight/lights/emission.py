@@ -6,13 +6,11 @@ Only programs with `TEXTURED` in their lights look at textures.
 from __future__ import annotations
 
 from alight.core.vec import gather_vec3
-from alight.core.warps import square_to_triangle
 from alight.lights.tables import INFO, STRIDE, TEXTURED
-from alight.shapes.flat import local_coordinates
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import Hit
-from alight.shapes.mesh import choose_triangle
-from alight.shapes.surfaces import KINDS, surface_from_rest
+from alight.shapes.model import SHAPES, ShapeModel
+from alight.shapes.surfaces import surface_from_rest
 from alight.textures.fetch import texture_value
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
@@ -73,30 +71,39 @@ def sampled_color(program):
 def coordinates(program):
     """``coordinates(scene, shape, start, q, u, u2) -> (u, v, prim)``: a sample as a `Hit` has it.
 
-    `q` is the sampled point. Curved shapes know a hit by its point alone.
+    `q` is the sampled point.
     """
-    flat = bool({"rectangle", "disk"} & set(program.light_shapes))
-    mesh = "mesh" in program.light_shapes
-    rectangle_kind, disk_kind, mesh_kind = KINDS["rectangle"], KINDS["disk"], KINDS["mesh"]
+    chain = _chain([SHAPES[name] for name in program.light_shapes if SHAPES[name].coordinates])
 
     @kernel
     def by_kind(scene, shape, start, q, u, u2):
-        tables = scene.shapes
         row = shape * SHAPE_INFO
-        kind, k = gather(tables.info, row), gather(tables.info, row + 3)
-        x, y, prim = lanes(0.0), lanes(0.0), lanes_u32(0)
-        if flat:
-            mine = (kind == rectangle_kind) | (kind == disk_kind)
-            x1, y1 = local_coordinates(tables.data, where(mine, k, 0), q)
-            x, y = where(mine, x1, x), where(mine, y1, y)
-        if mesh:
-            mine = kind == mesh_kind
-            # The same numbers choose the same triangle again.
-            count = where(mine, gather(tables.info, row + 7), 1)
-            chosen, _ = choose_triangle(scene.lights.cdf, where(mine, start, 0), count, u)
-            b1, b2 = square_to_triangle(u2)
-            x, y = where(mine, b1, x), where(mine, b2, y)
-            prim = where(mine, chosen, prim)
-        return x, y, prim
+        kind, k = gather(scene.shapes.info, row), gather(scene.shapes.info, row + 3)
+        return chain(scene, kind, shape, start, k, q, u, u2)
 
     return by_kind
+
+
+@kernel
+def _known_by_its_point(scene, kind, shape, start, k, q, u, u2):
+    return lanes(0.0), lanes(0.0), lanes_u32(0)
+
+
+def _chain(shapes: list[ShapeModel]):
+    """The kernel of each kind where lanes need it."""
+    if not shapes:
+        return _known_by_its_point
+    own, number, others = shapes[0].coordinates, shapes[0].number, _chain(shapes[1:])
+    assert own is not None
+
+    @kernel
+    def choose(scene, kind, shape, start, k, q, u, u2):
+        x, y, prim = others(scene, kind, shape, start, k, q, u, u2)
+        mine = kind == number
+        if any_lane(mine):
+            first, row = where(mine, start, 0), where(mine, k, 0)
+            x1, y1, prim1 = own(scene.shapes, scene.lights.cdf, first, shape, row, q, u, u2)
+            x, y, prim = where(mine, x1, x), where(mine, y1, y), where(mine, prim1, prim)
+        return x, y, prim
+
+    return choose

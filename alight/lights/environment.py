@@ -111,6 +111,12 @@ class Environment(Light):
         dark = self.pixels is not None and max(self.pixels.maximum()) == 0.0
         return dark or self.scale == (0.0, 0.0, 0.0)
 
+    def largest_radiance(self) -> float | None:
+        """Bound of the radiance that it emits."""
+        if self.pixels is None:
+            return None
+        return max(p * s for p, s in zip(self.pixels.maximum(), self.scale, strict=True))
+
 
 _SUNSET = ((0.2, 0.3, 0.4, 0.3), (0.5, (9.0, 6.0, 3.0), 0.5, 0.1), (0.1, 0.2, 0.1, 0.1))
 
@@ -135,7 +141,7 @@ def power(luminance: float, area: float, radius: float) -> float:
     return 4.0 * PI * PI * radius * radius * luminance
 
 
-def make_map(spec: Environment, to_world: np.ndarray, compensated: bool) -> EnvironmentMap:
+def map_of(spec: Environment, to_world: np.ndarray, compensated: bool) -> EnvironmentMap:
     """The tables of a light whose picture has been read.
 
     Parameters

@@ -62,7 +62,7 @@ def place(spec: Portal, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
     return (0.0, 0.0, 0.0), np.concatenate([corner - 0.5 * (x + y), x, y])
 
 
-def area(numbers: np.ndarray) -> float:
+def window(numbers: np.ndarray) -> float:
     """Of a portal in m^2, by the numbers of `place`."""
     return float(np.linalg.norm(numbers[3:6]) * np.linalg.norm(numbers[6:9]))
 

@@ -7,12 +7,11 @@ light, so `sample_light`, `light_pdf` and `environment_pdf` agree with each othe
 from __future__ import annotations
 
 from alight.core.distributions import sample_discrete
-from alight.core.registry import Models, Numbers
 from alight.core.vec import dot, gather_vec3, row_vec3
-from alight.lights.area import pdf as area_pdf
-from alight.lights.emission import emitted_color
 from alight.lights.halves import one_after_another, sum_of
-from alight.lights.moving import moving_pdf, moving_sample
+from alight.lights.hits import on_shapes, pdf_of_shape, radiance_of_shape
+from alight.lights.model import LIGHTS
+from alight.lights.moving import moving_sample
 from alight.lights.tables import INFO, STRIDE, LightSample, row_of
 from alight.lights.tree import choose_by_tree, plain_probability
 from alight.shapes.hit import shadow_length, spawn_origin
@@ -31,10 +30,6 @@ from lanewise.simd import (
     to_float,
     where,
 )
-
-#: Models by name, and their numbers in `LightTables.info`.
-LIGHTS = Models("lights")
-KINDS = Numbers("lights")
 
 
 @kernel
@@ -58,18 +53,10 @@ def no_sample(scene, index, p, u, u2):
     return LightSample(vector, zero, vector, zero, lanes_mask(False), zero, zero)
 
 
-def _is_around(name: str) -> bool:
-    return LIGHTS[name].EXAMPLES[0].placement == "environment"
-
-
-def _is_seen(name: str) -> bool:
-    return hasattr(LIGHTS[name], "radiance")
-
-
 def _sample_of(name: str):
     """A light's `sample` by its row; of the one environment it is the last."""
     own = LIGHTS[name].sample
-    if not _is_around(name):
+    if not LIGHTS[name].is_around:
         return own
 
     @kernel
@@ -111,7 +98,7 @@ def _by_kind(names: tuple[str, ...]):
     """A kernel that runs each light's `sample` where it was chosen."""
     if not names:
         return no_sample
-    own, number, others = _sample_of(names[0]), KINDS[names[0]], _by_kind(names[1:])
+    own, number, others = _sample_of(names[0]), LIGHTS[names[0]].number, _by_kind(names[1:])
 
     @kernel
     def choose(scene, index, p, u, u2):
@@ -136,12 +123,6 @@ def sample_chosen(program):
     alone = not several and len(names) == 1
     own = _sample_of(names[0]) if alone else _by_row(several, _by_kind(names))
     return moving_sample(own) if "lights" in program.motion else own
-
-
-@specialised
-def pdf_of_area(program):
-    """``pdf_of_area(scene, index, prim, p, wi, distance, cosine)`` of the lights `index`."""
-    return moving_pdf(area_pdf) if "lights" in program.motion else area_pdf
 
 
 def has_delta_lights(program) -> bool:
@@ -337,7 +318,7 @@ def light_pdf(program):
     surface does not shine (the density is 0 then); p, wi, distance: from where, unit direction,
     metres to the hit.
     """
-    if "area" not in program.lights:
+    if not on_shapes(program):
 
         @kernel
         def without_area_lights(scene, light, p, wi, distance, surface):
@@ -353,7 +334,7 @@ def light_pdf(program):
         shines = light > 0
         index = light_index(light)
         cosine = -dot(wi, surface.ng)
-        density = pdf_of_area(scene, index, surface.prim, p, wi, distance, cosine)
+        density = pdf_of_shape(scene, index, surface.prim, p, wi, distance, cosine)
         return where(shines, density * gather(scene.lights.data, index * STRIDE + 3), 0.0)
 
     return with_area_lights
@@ -365,14 +346,14 @@ def _pdf_in_the_tree(scene, light, p, wi, distance, surface):
     shines = light > 0
     index, prim = light_index(light), where(shines, surface.prim, 0)
     cosine = -dot(wi, surface.ng)
-    density = pdf_of_area(scene, index, prim, p, wi, distance, cosine)
+    density = pdf_of_shape(scene, index, prim, p, wi, distance, cosine)
     return where(shines, density * plain_probability(scene, index, prim, p, shines), 0.0)
 
 
 @specialised
 def emitted(program):
     """``emitted(scene, surface, wo)``: radiance that a surface itself sends along the unit wo."""
-    if "area" not in program.lights:
+    if not on_shapes(program):
 
         @kernel
         def dark(scene, surface, wo):
@@ -383,7 +364,7 @@ def emitted(program):
     @kernel
     def on_outer_side(scene, surface, wo):
         shines = (surface.light > 0) & (dot(wo, surface.ng) > 0.0)
-        radiance = emitted_color(scene, light_index(surface.light), surface)
+        radiance = radiance_of_shape(scene, light_index(surface.light), surface, wo)
         return where(shines, radiance, lanes_vec3(0.0))
 
     return on_outer_side
@@ -393,11 +374,12 @@ def environments_of(program) -> tuple[str, ...]:
     """Names of the models of the program's lights from infinity, in the order of their rows."""
     if program.environments:
         return program.environments
-    return tuple(name for name in program.lights if name in LIGHTS and _is_around(name))
+    return tuple(name for name in program.lights if name in LIGHTS and LIGHTS[name].is_around)
 
 
 def _radiance_of(name: str, back: int):
     radiance = LIGHTS[name].radiance
+    assert radiance is not None
 
     @kernel
     def colored(scene, p, d):
@@ -408,6 +390,7 @@ def _radiance_of(name: str, back: int):
 
 def _density_of(name: str, back: int):
     density = LIGHTS[name].pdf
+    assert density is not None
 
     @kernel
     def chosen(scene, p, d):
@@ -421,7 +404,7 @@ def environment_radiance(program):
     """``environment_radiance(scene, d)``: radiance of a ray that leaves the scene along unit d."""
     names = tuple(enumerate(environments_of(program)[::-1], 1))
     # Portals send nothing.
-    parts = tuple(_radiance_of(name, back) for back, name in names if _is_seen(name))
+    parts = tuple(_radiance_of(name, back) for back, name in names if LIGHTS[name].radiance)
     if not parts:
 
         @kernel

@@ -16,10 +16,12 @@ import numpy as np
 from alight.core.spec import Color, Reflectance, Triple
 from alight.lights.daylight import Daylight, picture
 from alight.lights.environment import Environment
+from alight.lights.environment import map_of as map_of_picture
 from alight.lights.environment import pdf as pdf
 from alight.lights.environment import power as power
 from alight.lights.environment import radiance as radiance
 from alight.lights.environment import sample as sample
+from alight.lights.environment_map import EnvironmentMap
 from alight.textures.images import Image
 
 
@@ -61,7 +63,8 @@ def place(spec: Sky, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
     return spec.scale, np.zeros(3)
 
 
-def as_environment(spec: Sky) -> Environment:
-    """The environment that it is."""
+def map_of(spec: Sky, to_world: np.ndarray, compensated: bool) -> EnvironmentMap:
+    """The tables of its picture; see `alight.lights.environment.map_of`."""
     pixels = picture(spec, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), spec.ground)
-    return Environment(pixels=Image(pixels), scale=spec.scale)
+    drawn = Environment(pixels=Image(pixels), scale=spec.scale)
+    return map_of_picture(drawn, to_world, compensated)

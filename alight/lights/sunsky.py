@@ -18,11 +18,13 @@ from alight.core.spec import Color, Reflectance, Triple
 from alight.core.vec import luminance
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, picture, solid_angle
 from alight.lights.environment import Environment
+from alight.lights.environment import map_of as map_of_picture
 from alight.lights.environment import pdf as pdf_of_sky
 from alight.lights.environment import power as power
 from alight.lights.environment import radiance as radiance_of_sky
 from alight.lights.environment import sample as sample_sky
-from alight.lights.sun import SHARE, disk, to_the_disk
+from alight.lights.environment_map import EnvironmentMap
+from alight.lights.sun import SHARE, TO_SUN, disk, to_the_disk
 from alight.lights.sun import pdf as pdf_of_sun
 from alight.lights.sun import radiance as radiance_of_sun
 from alight.lights.tables import from_infinity, row_of
@@ -89,15 +91,20 @@ def _share_of_sun(spec: SunSky) -> float:
     sky = float(luminance(Vec3(*half.astype(float)))) * np.pi
     sun = [a * b for a, b in zip(spec.of_the_sun, spec.sun_scale, strict=True)]
     direct = float(luminance(Vec3(*sun))) * solid_angle(DIAMETER) * float(spec.to_sun[1])
-    if sky <= 0.0 or spec.sun_scale == (0.0, 0.0, 0.0):
-        return 1.0 if sky <= 0.0 else 0.0
+    none = (0.0, 0.0, 0.0)
+    if spec.sun_scale == none:
+        return 0.0
+    # Below a black sky the ground may still shine.
+    if sky <= 0.0 and spec.ground == none:
+        return 1.0
     return min(max(direct / (direct + sky), _LEAST_SHARE), _MOST_SHARE)
 
 
-def as_environment(spec: SunSky) -> Environment:
-    """The environment that its sky and ground are."""
+def map_of(spec: SunSky, to_world: np.ndarray, compensated: bool) -> EnvironmentMap:
+    """The tables of sky and ground; see `alight.lights.environment.map_of`."""
     pixels = picture(spec, spec.sky_scale, spec.sun_scale, spec.ground)
-    return Environment(pixels=Image(pixels), scale=spec.scale)
+    drawn = Environment(pixels=Image(pixels), scale=spec.scale)
+    return map_of_picture(drawn, to_world, compensated)
 
 
 def beside_the_map(spec: SunSky) -> Triple:
@@ -105,6 +112,11 @@ def beside_the_map(spec: SunSky) -> Triple:
     share = solid_angle(DIAMETER) / (4.0 * np.pi)
     r, g, b = (float(a * c) * share for a, c in zip(spec.of_the_sun, spec.sun_scale, strict=True))
     return r, g, b
+
+
+def share_all_around(numbers: np.ndarray) -> float:
+    """What is left by the sun."""
+    return 1.0 - float(numbers[SHARE - TO_SUN])
 
 
 @kernel

@@ -28,11 +28,13 @@ from collections import namedtuple
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.distributions import UNIT, sample_discrete
-from alight.core.microfacet import FEATURES
+from alight.core.registry import specs_of
 from alight.core.rng import unit_float
+from alight.core.spec import Bsdf
 from alight.core.vec import dot, row_vec3
 from alight.lights.tables import INFO
 from alight.lights.tree_bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
+from alight.shapes.hit import BENT
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     any_lane,
@@ -83,44 +85,6 @@ TOP_BITS, MOST_LEVELS = 2, 28
 #: Smallest cosine at the lit point that counts where light from behind may matter.
 BEHIND = 0.1
 
-#: Materials that only light from the viewer's side of the shading normal reaches, other than by
-#: delta lobes, and those that are made of others. What is not in here may do anything.
-ONE_SIDED = frozenset(
-    {
-        "blend",
-        "burley",
-        "coated_conductor",
-        "conductor",
-        "dielectric",
-        "diffuse",
-        "eon",
-        "mask",
-        "mirror",
-        "null",
-        "oren_nayar",
-        "phong",
-        "plastic",
-        "rough_conductor",
-        "rough_plastic",
-        "thin_dielectric",
-        "two_sided",
-    }
-)
-
-#: What programs call options of these materials that do not change this; bent normals do.
-HARMLESS = frozenset(
-    {
-        *FEATURES.values(),
-        "absorbing",
-        "anisotropic",
-        "delta_and_smooth",
-        "diffuse:uniform",
-        "layered",
-        "rows:many",
-        "tinted",
-    }
-)
-
 #: index: row of a light; pmf: the probability that it had; plain: that for MIS, without the normal;
 #: rest: number of its triangle (exact; 0 for others than meshes).
 Choice = namedtuple("Choice", "index pmf plain rest")
@@ -145,8 +109,13 @@ def more_digits(u, extra, pmf):
 
 
 def least_cosine(program) -> float:
-    """`BEHIND` where a material of the program may scatter light from there, else 0."""
-    return 0.0 if set(program.bsdfs) <= ONE_SIDED | HARMLESS else BEHIND
+    """`BEHIND` where a material of the program may scatter light from there, else 0.
+
+    It may where models say so, and where normals are bent.
+    """
+    models = specs_of(Bsdf)
+    one_sided = all(models[name].one_sided for name in program.bsdfs if name in models)
+    return 0.0 if one_sided and BENT not in program.bsdfs else BEHIND
 
 
 @kernel

@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from alight.core.spec import Color, Medium, Model, PhaseFunction, Positive, Reflectance, invalid
 from alight.core.spec import Triple as Triple
-from alight.phases.isotropic import Isotropic
+from alight.phases import DEFAULT
 
 #: What a medium is that says nothing: as in Mitsuba.
 DEFAULT_EXTINCTION, DEFAULT_ALBEDO = 1.0, 0.75
@@ -40,7 +40,7 @@ class Coefficients(Medium):
     sigma_s: Color | None = None
     scale: Positive = 1.0
     emission: Color = (0.0, 0.0, 0.0)
-    phase: Annotated[PhaseFunction, Model("phase function", "phases")] = Isotropic()
+    phase: Annotated[PhaseFunction, Model("phase function", "phases")] = DEFAULT
 
     @model_validator(mode="after")
     def _given_one_way(self) -> Self:

@@ -17,24 +17,22 @@ integral formulation of light transport, SIGGRAPH 2019; PBR4 section 11.2.1 and 
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from alight.core.maths import log
 from alight.core.spec import Interval, Numbers, Vector3, invalid
-from alight.core.vec import Vec3, gather_vec3
+from alight.core.vec import gather_vec3
 from alight.media.coefficients import Coefficients, extinction
 from alight.media.tables import (
     ALBEDO,
     ALBEDOS,
     DENSITIES,
-    EMISSION,
     EMISSIONS,
     EXTINCTION,
     FARTHEST,
-    INFO,
     LARGEST,
     MATRIX,
     STRIDE,
@@ -46,11 +44,11 @@ from alight.media.tables import (
     step_numbers,
 )
 from alight.media.volumes import Values
+from alight.media.voxels import color_at, density, into_cube
 from alight.phases.henyey_greenstein import HenyeyGreenstein
 from lanewise.jit import kernel
 from lanewise.simd import (
     any_lane,
-    floor,
     gather,
     lanes,
     lanes_mask,
@@ -58,9 +56,6 @@ from lanewise.simd import (
     lanes_vec3,
     maximum,
     minimum,
-    minimum_u32,
-    to_float,
-    to_uint,
     where,
 )
 
@@ -90,6 +85,7 @@ class Grid(Coefficients):
         Three rows of four, instead of both: from the unit cube to the world.
     """
 
+    has_place: ClassVar[bool] = True
     type: Literal["grid"] = "grid"
     file: str | None = None
     values: Values | None = None
@@ -114,6 +110,19 @@ class Grid(Coefficients):
             raise invalid(f"albedo_values: {text}")
         return self
 
+    def problem(self) -> str | None:
+        """Say that tracking would take too long: it makes a step at every mean free path."""
+        assert self.values is not None
+        diagonal = float(np.linalg.norm(to_world(self)[:3, :3].sum(axis=1)))
+        thickest = float(self.values.values.max()) * max(extinction(self)) * diagonal
+        if thickest <= MOST_STEPS:
+            return None
+        return (
+            "the largest extinction times the diagonal of the box must be at most "
+            f"{MOST_STEPS:g}, the steps that a ray may take, got {thickest:.3g}: make sigma_t or "
+            "scale smaller"
+        )
+
 
 def to_world(spec: Grid) -> np.ndarray:
     """The (4, 4) matrix from the unit cube to the world."""
@@ -124,19 +133,6 @@ def to_world(spec: Grid) -> np.ndarray:
         result[:3, :3] = np.diag(np.subtract(spec.high, spec.low))
         result[:3, 3] = spec.low
     return result
-
-
-def thickness_problem(spec: Grid) -> str | None:
-    """Say that tracking would take too long: it makes a step at every mean free path."""
-    assert spec.values is not None
-    diagonal = float(np.linalg.norm(to_world(spec)[:3, :3].sum(axis=1)))
-    thickest = float(spec.values.values.max()) * max(extinction(spec)) * diagonal
-    if thickest <= MOST_STEPS:
-        return None
-    return (
-        f"the largest extinction times the diagonal of the box must be at most {MOST_STEPS:g}, the "
-        f"steps that a ray may take, got {thickest:.3g}: make sigma_t or scale smaller"
-    )
 
 
 _STEP = np.arange(24.0).reshape(2, 3, 4) / 23.0
@@ -161,24 +157,24 @@ def pack(spec: Grid, packer) -> None:
             packer.info[word] += 1
 
 
-# ---------------------------------------------------------------- looking up
+def density_at(spec: Grid, points: np.ndarray) -> np.ndarray:
+    """Density at points (n, 3) of the world: 0 outside of the box."""
+    assert spec.values is not None
+    inverse = np.linalg.inv(to_world(spec))
+    p = points @ inverse[:3, :3].T + inverse[:3, 3]
+    values = np.asarray(spec.values.values, float)[..., 0]
+    count = np.array(values.shape[::-1])
+    at = np.clip(p * count - 0.5, 0.0, count - 1.0)
+    first = at.astype(int)
+    found = np.zeros(len(p))
+    for corner in np.ndindex(2, 2, 2):
+        i, j, k = np.minimum(first + corner, count - 1).T
+        weight = np.where(corner, at - first, 1.0 - (at - first)).prod(axis=1)
+        found += weight * values[k, j, i]
+    return np.where(((p >= 0.0) & (p <= 1.0)).all(axis=1), found, 0.0)
 
 
-@kernel
-def _into_cube(scene, medium, p, w):
-    """p . rows + w . last column: a point (w = 1) or direction (w = 0) in the unit cube."""
-    m, k = scene.media.data, medium * STRIDE + MATRIX
-    return Vec3(
-        gather(m, k) * p.x + gather(m, k + 1) * p.y + gather(m, k + 2) * p.z + w * gather(m, k + 3),
-        gather(m, k + 4) * p.x
-        + gather(m, k + 5) * p.y
-        + gather(m, k + 6) * p.z
-        + w * gather(m, k + 7),
-        gather(m, k + 8) * p.x
-        + gather(m, k + 9) * p.y
-        + gather(m, k + 10) * p.z
-        + w * gather(m, k + 11),
-    )
+# ---------------------------------------------------------------- tracking
 
 
 @kernel
@@ -197,96 +193,6 @@ def _inside(o, d, t_max):
     return _slab(o.z, d.z, near, far)
 
 
-@kernel
-def _place(x, count):
-    """(first cell, its neighbour, how far between both) of a coordinate in [0, 1]."""
-    last = to_float(count - 1)
-    # In this order: a lane that is not a number becomes 0.
-    at = minimum(maximum(x * to_float(count) - 0.5, 0.0), last)
-    whole = floor(at)
-    first = to_uint(whole)
-    return first, minimum_u32(first + 1, count - 1), at - whole
-
-
-@kernel
-def _corners(scene, medium, word, p):
-    """Where the eight neighbours of a point are in a grid: rows of x, and the fractions."""
-    info, k = scene.media.info, medium * INFO + word
-    nx, ny = gather(info, k + 1), gather(info, k + 2)
-    x0, x1, fx = _place(p.x, nx)
-    y0, y1, fy = _place(p.y, ny)
-    z0, z1, fz = _place(p.z, gather(info, k + 3))
-    return (
-        (z0 * ny + y0) * nx,
-        (z0 * ny + y1) * nx,
-        (z1 * ny + y0) * nx,
-        (z1 * ny + y1) * nx,
-        x0,
-        x1,
-        fx,
-        fy,
-        fz,
-    )
-
-
-@kernel
-def _blended(voxels, start, stride, corners):
-    """The value between the neighbours."""
-    r00, r01, r10, r11, x0, x1, fx, fy, fz = corners
-    a0, a1 = (
-        gather(voxels, start + (r00 + x0) * stride),
-        gather(voxels, start + (r00 + x1) * stride),
-    )
-    b0, b1 = (
-        gather(voxels, start + (r01 + x0) * stride),
-        gather(voxels, start + (r01 + x1) * stride),
-    )
-    c0, c1 = (
-        gather(voxels, start + (r10 + x0) * stride),
-        gather(voxels, start + (r10 + x1) * stride),
-    )
-    e0, e1 = (
-        gather(voxels, start + (r11 + x0) * stride),
-        gather(voxels, start + (r11 + x1) * stride),
-    )
-    a, b = a0 + fx * (a1 - a0), b0 + fx * (b1 - b0)
-    c, e = c0 + fx * (c1 - c0), e0 + fx * (e1 - e0)
-    low, high = a + fy * (b - a), c + fy * (e - c)
-    return low + fz * (high - low)
-
-
-@kernel
-def density(scene, medium, p):
-    """Density at a point of the unit cube."""
-    corners = _corners(scene, medium, DENSITIES, p)
-    start = gather(scene.media.info, medium * INFO + DENSITIES)
-    return _blended(scene.media.voxels, start, 1, corners)
-
-
-@kernel
-def _colour(scene, medium, constant, word, p):
-    """Colour at a point of the unit cube: from the grid at a word of the table, or a constant."""
-    value = gather_vec3(scene.media.data, medium * STRIDE + constant)
-    found = gather(scene.media.info, medium * INFO + word)
-    varies = found != 0
-    if any_lane(varies):
-        start = where(varies, found - 1, 0)
-        corners = _corners(scene, where(varies, medium, 0), word, p)
-        voxels = scene.media.voxels
-        red = _blended(voxels, start, 3, corners)
-        green = _blended(voxels, start + 1, 3, corners)
-        value = where(varies, Vec3(red, green, _blended(voxels, start + 2, 3, corners)), value)
-    return value
-
-
-@kernel
-def emission(scene, medium, p):
-    """What a medium shines with at a point of the world."""
-    return _colour(scene, medium, EMISSION, EMISSIONS, _into_cube(scene, medium, p, 1.0))
-
-
-# ---------------------------------------------------------------- tracking
-
 #: What stays the same on the way of a ray: the ray in the unit cube, its end, extinctions of the
 #: channels where the density is 1, rate of collisions in the one that chose, and reciprocals.
 _Way = namedtuple("_Way", "o d end thickness largest rate ratio per_rate per_largest")
@@ -300,7 +206,7 @@ def _enter(scene, medium, o, d, t_max, channel, active):
     chosen = pick(thickness, channel)
     rate, ratio = chosen * largest, share(thickness, chosen)
     per_rate, per_largest = 1.0 / maximum(rate, 1e-30), 1.0 / maximum(largest, 1e-30)
-    og, dg = _into_cube(scene, medium, o, 1.0), _into_cube(scene, medium, d, 0.0)
+    og, dg = into_cube(scene, medium, o, 1.0), into_cube(scene, medium, d, 0.0)
     t, end = _inside(og, dg, t_max)
     way = _Way(og, dg, end, thickness, largest, rate, ratio, per_rate, per_largest)
     return way, t, active & (t < end)
@@ -338,7 +244,7 @@ def fly(scene, medium, o, d, t_max, channel, u, stream, active):
         t = where(going, reached, t)
         going = null
         step = step + 1
-    albedo = _colour(scene, medium, ALBEDO, ALBEDOS, way.o + t * way.d)
+    albedo = color_at(scene, medium, ALBEDO, ALBEDOS, way.o + t * way.d)
     return Flight(scattered, where(scattered, t, t_max), factor, light, albedo)
 
 

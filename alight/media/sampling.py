@@ -7,20 +7,17 @@ lanes that are not active are arbitrary, but for the crossing of empty space, wh
 from __future__ import annotations
 
 from alight.core.frame import frame_from_normal
-from alight.core.registry import modules
 from alight.core.vec import length_squared
 from alight.core.warps import direction_around_z
+from alight.media.model import MEDIA
 from alight.media.tables import INFO, KIND, PARAMETER, PHASE, STRIDE, Crossing, Flight
+from alight.phases.model import PHASES
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_vec3, where
 
 
-def _models(family, names):
-    return [
-        (number, model)
-        for number, model in enumerate(modules(family))
-        if model.EXAMPLES[0].type_name() in names
-    ]
+def _models(records, names):
+    return [model for name, model in records.items() if name in names]
 
 
 @kernel
@@ -37,7 +34,7 @@ def fly(program):
 
     `medium` is a row of the tables, not 0 where active.
     """
-    chain = _fly_chain(_models("media", program.media))
+    chain = _fly_chain(_models(MEDIA, program.media))
 
     @kernel
     def fly(scene, medium, o, d, t_max, channel, u, stream, active):
@@ -50,8 +47,7 @@ def fly(program):
 def _fly_chain(models):
     if not models:
         return _stay
-    (number, model), rest = models[0], _fly_chain(models[1:])
-    own = model.fly
+    own, number, rest = models[0].fly, models[0].number, _fly_chain(models[1:])
 
     @kernel
     def step(scene, medium, kind, o, d, t_max, channel, u, stream, active):
@@ -80,7 +76,7 @@ def _stay(scene, medium, kind, o, d, t_max, channel, u, stream, active):
 @specialised
 def cross(program):
     """``(scene, medium, o, d, t_max, channel, stream, active) -> Crossing``."""
-    chain = _cross_chain(_models("media", program.media))
+    chain = _cross_chain(_models(MEDIA, program.media))
 
     @kernel
     def cross(scene, medium, o, d, t_max, channel, stream, active):
@@ -93,8 +89,7 @@ def cross(program):
 def _cross_chain(models):
     if not models:
         return _come_through
-    (number, model), rest = models[0], _cross_chain(models[1:])
-    own = model.cross
+    own, number, rest = models[0].cross, models[0].number, _cross_chain(models[1:])
 
     @kernel
     def step(scene, medium, kind, o, d, t_max, channel, stream, active):
@@ -126,7 +121,7 @@ def evaluate_phase(program):
 
     Both are unit vectors; d is the direction of the path before, wi that after.
     """
-    chain = _density_chain(_models("phases", program.phases))
+    chain = _density_chain(_models(PHASES, program.phases))
 
     @kernel
     def evaluate_phase(scene, medium, d, wi, active):
@@ -141,8 +136,7 @@ def evaluate_phase(program):
 def _density_chain(models):
     if not models:
         return _nowhere
-    (number, model), rest = models[0], _density_chain(models[1:])
-    own = model.density
+    own, number, rest = models[0].density, models[0].number, _density_chain(models[1:])
 
     @kernel
     def step(kind, parameter, one_minus_cosine, active):
@@ -162,8 +156,8 @@ def _nowhere(kind, parameter, one_minus_cosine, active):
 
 @specialised
 def sample_phase(program):
-    """``(scene, medium, d, u2, active) -> (wi, density)``: where a path continues."""
-    models = _models("phases", program.phases)
+    """``(scene, medium, d, u2, active) -> (wi, density)``: where a path goes on."""
+    models = _models(PHASES, program.phases)
     sample, density = _sample_chain(models), _density_chain(models)
 
     @kernel
@@ -182,8 +176,7 @@ def sample_phase(program):
 def _sample_chain(models):
     if not models:
         return _straight_on
-    (number, model), rest = models[0], _sample_chain(models[1:])
-    own = model.sample
+    own, number, rest = models[0].sample, models[0].number, _sample_chain(models[1:])
 
     @kernel
     def step(kind, parameter, u, active):

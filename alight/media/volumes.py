@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from pydantic_core import core_schema
 
 from alight.core.errors import show_value
-from alight.core.spec import LARGEST, Spec, invalid
+from alight.core.fields import LARGEST, invalid
+from alight.core.spec import Spec
 
 #: Limits of one grid: it takes at most half a gigabyte.
 MOST_SIDE, MOST_CELLS = 2**12, 2**27

@@ -11,3 +11,6 @@ MODELS = (
     henyey_greenstein,
     rayleigh,
 )
+
+#: That of media which say nothing.
+DEFAULT = isotropic.Isotropic()

@@ -340,6 +340,8 @@ def described(flat: FlatScene) -> Iterator[Spec]:
     """Every description of a model that a scene uses."""
     yield from (flat.film.filter, flat.sampler, flat.integrator, flat.camera.camera)
     yield from flat.bsdfs
+    yield from flat.media
+    yield from (placed.shape for placed in flat.shapes)
     yield from (placed.light for placed in flat.lights)
     yield from (shape.light for shape in flat.shapes if shape.light is not None)
     yield from (placed.light for placed in flat.environments)

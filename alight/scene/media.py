@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from alight.core.errors import Issue, SceneError, join_path, unknown_name
 from alight.core.spec import Medium
-from alight.media.grid import Grid, thickness_problem
 from alight.scene.description import VACUUM, Node, Scene
 from alight.scene.volumes import VolumeStore
 
@@ -39,7 +38,7 @@ def _unreadable(medium: Medium, path: str, volumes: VolumeStore) -> list[Issue]:
         loaded = volumes.loaded(medium)
     except SceneError as error:
         return [issue.under(path) for issue in error.issues]
-    problem = thickness_problem(loaded) if isinstance(loaded, Grid) else None
+    problem = loaded.problem()
     return [Issue(path, problem)] if problem else []
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from alight.core.errors import Issue, join_path
 from alight.core.spec import Camera
-from alight.media.grid import Grid
 from alight.scene.description import Node, Scene
 from alight.scene.keyframes import Keyframes
 from alight.scene.motion import NOWHERE, Placement
@@ -35,8 +34,9 @@ def _node_problems(scene: Scene, node: Node, here: Placement) -> Iterator[tuple[
     for side in ("interior", "exterior"):
         medium = getattr(node, side)
         medium = scene.media.get(medium) if isinstance(medium, str) else medium
-        if isinstance(medium, Grid):
-            yield side, "a grid medium has its own place in the world: its border cannot move"
+        if medium is not None and medium.has_place:
+            name = medium.type_name()
+            yield side, f"a {name} medium has its own place in the world: its border cannot move"
     if node.light is None:
         return
     kind = node.light.type_name()

@@ -7,9 +7,12 @@ Source: the plug-in ``cube`` of Mitsuba 3 for the canonical placement.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
+
+import numpy as np
 
 from alight.core.spec import Shape
+from alight.shapes.rectangle import Rectangle
 
 
 class Cube(Shape):
@@ -21,7 +24,27 @@ class Cube(Shape):
         Point the normals inwards.
     """
 
+    closed: ClassVar[bool] = True
     type: Literal["cube"] = "cube"
+
+    def parts(self) -> tuple[tuple[Shape, np.ndarray], ...]:
+        """Six rectangles."""
+        face = Rectangle(flip_normals=self.flip_normals)
+        return tuple((face, side) for side in sides())
 
 
 EXAMPLES = (Cube(), Cube(flip_normals=True))
+
+
+def sides() -> list[np.ndarray]:
+    """Rotations and shifts that take the rectangle to the six faces of [-1, 1]^3, z outwards."""
+    sides = []
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            side = np.eye(4)
+            normal, first = np.zeros(3), np.zeros(3)
+            normal[axis], first[(axis + 1) % 3] = sign, 1.0
+            side[:3, 0], side[:3, 1] = first, np.cross(normal, first)
+            side[:3, 2] = side[:3, 3] = normal
+            sides.append(side)
+    return sides

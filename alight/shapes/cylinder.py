@@ -34,9 +34,9 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.constants import INV_TWO_PI, gamma
+from alight.core.constants import INV_TWO_PI, PI, TWO_PI, gamma
 from alight.core.frame import frame_from_tangent
-from alight.core.maths import arctan2, sincos_2pi
+from alight.core.maths import arctan2, sincos, sincos_2pi
 from alight.core.spec import Positive, Shape, Vector3, invalid
 from alight.core.vec import Vec3, absolute_vec3, dot, gather_vec3, length_squared, row_vec3
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
@@ -87,6 +87,9 @@ EXAMPLES = (
 )
 
 STRIDE = 32
+
+#: A rectangle, seen from the side.
+PROJECTION = 1.0 / PI
 SIDE, DENSITY, AREA, INVERSE, MATRIX = 5, 6, 7, 8, 17
 
 _GAMMA_4, _GAMMA_12, _GAMMA_32 = gamma(4), gamma(12), gamma(32)
@@ -279,3 +282,12 @@ def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     k = gather(tables.info, shape * INFO + 3)
     q = local_point(data, k, p + distance * wi)
     return area_to_solid_angle(area_density(data, k, q), distance, cosine)
+
+
+@kernel
+def derivatives(tables, k, surface):
+    """(dp/du, dp/dv) at points of the surface, in the world."""
+    s, c = sincos(TWO_PI * surface.u)
+    around, up = Vec3(-TWO_PI * s, TWO_PI * c, lanes(0.0)), Vec3(0.0 * s, 0.0 * s, lanes(1.0))
+    k = k + MATRIX
+    return times(tables.data, k, around), times(tables.data, k, up)

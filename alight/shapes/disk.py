@@ -11,15 +11,24 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.constants import INV_TWO_PI
+from alight.core.constants import INV_TWO_PI, TWO_PI
 from alight.core.maths import arctan2
 from alight.core.spec import Shape
 from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.core.warps import square_to_disk_concentric
-from alight.shapes.flat import AREA, E1, E2, flat_geometry, flat_point, meet_plane, pack_flat
+from alight.shapes.flat import (
+    AREA,
+    E1,
+    E2,
+    flat_geometry,
+    flat_point,
+    local_coordinates,
+    meet_plane,
+    pack_flat,
+)
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel
-from lanewise.simd import gather, maximum, sqrt, where
+from lanewise.simd import gather, lanes_u32, maximum, sqrt, where
 
 
 class Disk(Shape):
@@ -35,6 +44,10 @@ class Disk(Shape):
 
 
 EXAMPLES = (Disk(), Disk(flip_normals=True))
+
+
+#: Itself, seen from the front.
+PROJECTION = 1.0
 
 
 def pack(spec: Disk, matrix: np.ndarray) -> np.ndarray:
@@ -98,3 +111,26 @@ def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
     k = gather(tables.info, shape * INFO + 3)
     return area_to_solid_angle(1.0 / gather(tables.data, k + AREA), distance, cosine)
+
+
+@kernel
+def derivatives(tables, k, surface):
+    """(dp/du, dp/dv) at points of the surface, in the world."""
+    # u is the radius, v the angle.
+    e1, e2 = gather_vec3(tables.data, k + E1), gather_vec3(tables.data, k + E2)
+    x, y = local_coordinates(tables.data, k, surface.p)
+    r = sqrt(x * x + y * y)
+    per_r = 1.0 / where(r > 0.0, r, 1.0)
+    return (x * per_r) * e1 + (y * per_r) * e2, TWO_PI * (x * e2 - y * e1)
+
+
+@kernel
+def coordinates(tables, cdf, start, shape, k, q, u, u2):
+    """Local coordinates of a sampled point q, as `intersect` reports them."""
+    x, y = local_coordinates(tables.data, k, q)
+    return x, y, lanes_u32(0)
+
+
+def facing(row: np.ndarray) -> tuple[np.ndarray, float]:
+    """The one outer normal."""
+    return row[0:3].astype(float), 0.0

@@ -12,6 +12,8 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.core.constants import gamma
+from alight.core.registry import specs_of
+from alight.core.spec import Texture
 from lanewise.jit import kernel
 from lanewise.simd import absolute, copysign, fma, maximum, where
 
@@ -41,13 +43,21 @@ ShapeTables = namedtuple("ShapeTables", "info data faces vertices normals uvs co
 INFO = 8
 FLIP, SMOOTH, UVS, COLORS, INSTANCED = 1, 2, 4, 8, 16
 
+#: What programs call it that a material has a normal or bump map.
+BENT = "bent"
+
 _GAMMA_24 = gamma(24)
+
+
+def varies(program) -> bool:
+    """True if a texture of the program is not the same everywhere."""
+    models = specs_of(Texture)
+    return any(name not in models or models[name].varies for name in program.textures)
 
 
 def needs_uv(program) -> bool:
     """True if anything in the program reads texture coordinates; the axes of a map do."""
-    bent = "bent" in program.bsdfs
-    return bent or "uv" in program.aovs or any(name != "constant" for name in program.textures)
+    return BENT in program.bsdfs or "uv" in program.aovs or varies(program)
 
 
 @kernel(strict=True)

@@ -43,6 +43,8 @@ from alight.core.vec import (
 )
 from alight.core.warps import square_to_triangle
 from alight.shapes.arrays import Coordinates, Indices, Points, Sets
+from alight.shapes.charts import along_rows, corners_of, rows_if
+from alight.shapes.charts import derivatives as derivatives
 from alight.shapes.hit import (
     COLORS,
     FLIP,
@@ -162,14 +164,6 @@ _GAMMA_6, _GAMMA_16 = gamma(6), gamma(16)
 
 
 @kernel
-def corners_of(tables, shape, prim):
-    """Vertex indices of a triangle of a mesh; those of triangle 0 for other shapes."""
-    _, first, _, count = gather_row(tables.info, shape * INFO + 4, 4)
-    face = 3 * where(prim < count, first + prim, 0)
-    return gather_row(tables.faces, face, 3)
-
-
-@kernel
 def mix(view, mask, i0, i1, i2, b1, b2):
     """Rows of three numbers interpolated by barycentric coordinates, where the mask holds."""
     i0, i1, i2 = rows_if(mask, i0, i1, i2)
@@ -190,16 +184,6 @@ def triangle_error(v0, v1, v2, n):
     extent = larger(absolute_vec3(v1 - v0), absolute_vec3(v2 - v0))
     reach = dot(absolute_vec3(n), larger(a0, larger(a1, a2)))
     return _GAMMA_16 * reach + _GAMMA_6 * max_component(extent)
-
-
-@kernel(strict=True)
-def along_rows(data, k, v):
-    """The upper 3 x 3 part of the 3 x 4 matrix at k times v."""
-    return Vec3(
-        dot(gather_vec3(data, k), v),
-        dot(gather_vec3(data, k + 4), v),
-        dot(gather_vec3(data, k + 8), v),
-    )
 
 
 @kernel(strict=True)
@@ -284,12 +268,6 @@ def surface(tables, k, hit, o, d):
     ns = where(dot(ns, n) < 0.0, -ns, ns)
     s, t = frame_from_tangent(ns, tangent)
     return Geometry(p, error, n, ns, s, t, u, v, color)
-
-
-@kernel
-def rows_if(mask, i0, i1, i2):
-    """Row numbers where the mask holds, else 0: the table may have no further rows."""
-    return where(mask, i0, 0), where(mask, i1, 0), where(mask, i2, 0)
 
 
 @kernel
@@ -411,3 +389,12 @@ def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     _, _, _, _, area, _ = light_triangle(tables, shape, prim)
     pmf = triangle_probability(cdf, where(mine, start, 0), where(mine, prim, 0))
     return area_to_solid_angle(pmf / area, distance, cosine)
+
+
+@kernel
+def coordinates(tables, cdf, start, shape, k, q, u, u2):
+    """Barycentrics and triangle of a sampled point: the same numbers choose the same again."""
+    count = gather(tables.info, shape * INFO + 7)
+    prim, _ = choose_triangle(cdf, start, count, u)
+    b1, b2 = square_to_triangle(u2)
+    return b1, b2, prim

@@ -14,7 +14,8 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.spec import Shape
-from alight.shapes.flat import flat_geometry, meet_plane, pack_flat, point_error
+from alight.core.vec import gather_vec3
+from alight.shapes.flat import E1, E2, flat_geometry, meet_plane, pack_flat, point_error
 from lanewise.jit import kernel
 
 
@@ -57,3 +58,9 @@ def surface(tables, k, hit, o, d):
     """The `Geometry` of hits; k: offsets of the rows, lanes."""
     error = point_error(tables.data, k, hit.u, hit.v)
     return flat_geometry(tables.data, k, hit.u, hit.v, error, hit.u, hit.v)
+
+
+@kernel
+def derivatives(tables, k, surface):
+    """(dp/du, dp/dv) at points of the surface, in the world."""
+    return gather_vec3(tables.data, k + E1), gather_vec3(tables.data, k + E2)

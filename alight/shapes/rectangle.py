@@ -25,13 +25,14 @@ from alight.shapes.flat import (
     E2,
     IS_RECTANGLE,
     flat_point,
+    local_coordinates,
     meet_plane,
     pack_flat,
     point_on_plane,
 )
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel
-from lanewise.simd import absolute, gather, lanes_vec3, maximum, minimum, rsqrt, where
+from lanewise.simd import absolute, gather, lanes_u32, lanes_vec3, maximum, minimum, rsqrt, where
 
 
 class Rectangle(Shape):
@@ -51,6 +52,10 @@ EXAMPLES = (Rectangle(), Rectangle(flip_normals=True))
 #: Rectangles reach a little over their edges, so that rays do not slip through where two of them
 #: (the faces of a cube) share one: 2^-20 of the half side, above the rounding of local coordinates.
 REACH = 1.0 + 2.0**-20
+
+
+#: Itself, seen from the front.
+PROJECTION = 1.0
 
 
 def pack(spec: Rectangle, matrix: np.ndarray) -> np.ndarray:
@@ -166,3 +171,22 @@ def density_of(data, k, seen, to_light, distance, cosine):
     by_area = area_to_solid_angle(1.0 / gather(data, k + AREA), distance, cosine)
     by_angle = spherical_rectangle_pdf(seen, to_light)
     return where(gather(data, k + IS_RECTANGLE) > 0.0, by_angle, by_area)
+
+
+@kernel
+def derivatives(tables, k, surface):
+    """(dp/du, dp/dv) at points of the surface, in the world."""
+    # u and v run from 0 to 1 over twice the half edges.
+    return 2.0 * gather_vec3(tables.data, k + E1), 2.0 * gather_vec3(tables.data, k + E2)
+
+
+@kernel
+def coordinates(tables, cdf, start, shape, k, q, u, u2):
+    """Local coordinates of a sampled point q, as `intersect` reports them."""
+    x, y = local_coordinates(tables.data, k, q)
+    return x, y, lanes_u32(0)
+
+
+def facing(row: np.ndarray) -> tuple[np.ndarray, float]:
+    """The one outer normal."""
+    return row[0:3].astype(float), 0.0

@@ -38,13 +38,21 @@ for Direct Lighting Calculations, for sampling the cone.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.constants import INV_FOUR_PI, INV_PI, INV_TWO_PI, MACHINE_EPSILON, gamma
+from alight.core.constants import (
+    INV_FOUR_PI,
+    INV_PI,
+    INV_TWO_PI,
+    MACHINE_EPSILON,
+    PI,
+    TWO_PI,
+    gamma,
+)
 from alight.core.frame import frame_from_normal, frame_from_tangent, to_world
-from alight.core.maths import arccos, arctan2
+from alight.core.maths import arccos, arctan2, sincos
 from alight.core.spec import Positive, Shape, Vector3
 from alight.core.vec import (
     Vec3,
@@ -84,6 +92,7 @@ class Sphere(Shape):
         Point the normals inwards.
     """
 
+    closed: ClassVar[bool] = True
     type: Literal["sphere"] = "sphere"
     center: Vector3 = (0.0, 0.0, 0.0)
     radius: Positive = 1.0
@@ -97,6 +106,9 @@ EXAMPLES = (
 )
 
 STRIDE = 32
+
+#: A disk of its radius.
+PROJECTION = 0.25
 IS_ELLIPSOID, SIDE, DENSITY, AREA, INVERSE, MATRIX = 4, 5, 6, 7, 8, 17
 
 _GAMMA_4, _GAMMA_8, _GAMMA_12, _GAMMA_32 = gamma(4), gamma(8), gamma(12), gamma(32)
@@ -405,3 +417,14 @@ def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     q = q * (1.0 / sqrt(length_squared(q)))
     by_area = area_to_solid_angle(area_density(data, k, q), distance, cosine)
     return where(by_cone, uniform_cone_pdf(one_minus_cos), by_area)
+
+
+@kernel
+def derivatives(tables, k, surface):
+    """(dp/du, dp/dv) at points of the surface, in the world."""
+    s, c = sincos(TWO_PI * surface.u)
+    sine, cosine = sincos(PI * surface.v)
+    around = Vec3(-TWO_PI * sine * s, TWO_PI * sine * c, lanes(0.0))
+    down = Vec3(PI * cosine * c, PI * cosine * s, -PI * sine)
+    k = k + MATRIX
+    return times(tables.data, k, around), times(tables.data, k, down)

@@ -14,24 +14,11 @@ from alight.core.motion import (
 )
 from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import dot, normalize
-from alight.shapes import MODELS, cylinder, disk, mesh, plane, rectangle, sphere
+from alight.shapes.charts import corners_of
 from alight.shapes.hit import INFO, Geometry, Surface
-from alight.shapes.mesh import corners_of
+from alight.shapes.model import SHAPES, ShapeModel
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, gather_row, lanes, lanes_u32, lanes_vec3, where
-
-#: Name of a shape -> its number in `ShapeTables.info`. (A cube is compiled to six rectangles.)
-KINDS = {model.__name__.rpartition(".")[2]: i for i, model in enumerate(MODELS)}
-
-#: The shapes that appear in tables, and the kernels that describe their surfaces.
-SURFACES = {
-    "sphere": sphere.surface,
-    "plane": plane.surface,
-    "rectangle": rectangle.surface,
-    "disk": disk.surface,
-    "mesh": mesh.surface,
-    "cylinder": cylinder.surface,
-}
 
 
 def needs_tangents(program) -> bool:
@@ -62,7 +49,7 @@ def blank():
     return Geometry(vector, zero, vector, vector, vector, vector, zero, zero, vector)
 
 
-def _chain(kinds: tuple[str, ...]):
+def _chain(kinds: tuple[ShapeModel, ...]):
     """A kernel that runs the surface kernel of each kind for the lanes that hit one."""
     if not kinds:
 
@@ -71,7 +58,8 @@ def _chain(kinds: tuple[str, ...]):
             return blank()
 
         return nothing
-    number, surface, rest = KINDS[kinds[0]], SURFACES[kinds[0]], _chain(kinds[1:])
+    number, surface, rest = kinds[0].number, kinds[0].surface, _chain(kinds[1:])
+    assert surface is not None
 
     @kernel
     def choose(tables, kind, k, hit, o, d, active):
@@ -87,10 +75,11 @@ def _chain(kinds: tuple[str, ...]):
 @specialised
 def find_geometry(program):
     """``find_geometry(tables, kind, k, hit, o, d, active) -> Geometry``."""
-    kinds = tuple(name for name in SURFACES if name in program.shapes)
+    kinds = tuple(SHAPES[name] for name in SHAPES if name in program.shapes)
     if len(kinds) != 1:
         return _chain(kinds)
-    surface = SURFACES[kinds[0]]
+    surface = kinds[0].surface
+    assert surface is not None
 
     @kernel
     def only(tables, kind, k, hit, o, d, active):

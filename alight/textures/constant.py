@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.core.spec import Reflectance, Texture, Triple
 
@@ -16,6 +16,7 @@ class Constant(Texture):
         Linear sRGB, each channel in [0, 1].
     """
 
+    varies: ClassVar[bool] = False
     type: Literal["constant"] = "constant"
     color: Reflectance = (0.5, 0.5, 0.5)
 

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from pydantic_core import core_schema
 
 from alight.core.errors import show_value
-from alight.core.spec import LARGEST, Spec, Triple, invalid
+from alight.core.fields import LARGEST, invalid
+from alight.core.spec import Spec, Triple
 from alight.core.srgb import decode_srgb
 
 #: Limits of one picture: floats count its columns exactly, and it takes at most 0.8 GB.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from alight.core.registry import modules, type_name_of
+from alight.core.registry import Models, Numbers
 from lanewise.jit import kernel
 from lanewise.simd import any_lane, where
 
@@ -10,9 +10,9 @@ from lanewise.simd import any_lane, where
 def models_of(program, attribute):
     """(kind number, module) of the used textures that have a kernel of this name."""
     return [
-        (number, model)
-        for number, model in enumerate(modules("textures"))
-        if type_name_of(model) in program.textures and hasattr(model, attribute)
+        (Numbers("textures")[name], model)
+        for name, model in Models("textures").items()
+        if name in program.textures and hasattr(model, attribute)
     ]
 
 

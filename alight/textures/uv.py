@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from pydantic_core import PydanticCustomError, core_schema
 
 from alight.core.errors import show_value, unknown_name
-from alight.core.spec import LARGEST, Interval, Numbers, invalid
+from alight.core.fields import LARGEST, Interval, Numbers, invalid
 from alight.core.uv_sets import uv_of_texture
 from alight.core.vec import gather_vec3
 from lanewise.jit import kernel

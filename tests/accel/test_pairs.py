@@ -37,7 +37,7 @@ def test_pairs_give_the_bits_of_single_triangles():
         triangles = triangle_set(vertices, faces, shape=np.arange(24) // 8)
         o, d = rays_at(rng, vertices, faces, 6000)
         worlds = {s: World(triangles, structure=s) for s in ("auto", "list", "bvh")}
-        assert "pairs" in worlds["auto"].plan and "pairs" not in worlds["list"].plan
+        assert "list pairs" in worlds["auto"].plan and "list pairs" not in worlds["list"].plan
         paired, listed, tree = (w.trace(o, d) for w in worlds.values())
         assert same_bits(listed, tree)
         assert same_bits(paired, listed)
@@ -49,7 +49,7 @@ def test_rays_along_the_shared_edge_meet_the_first_triangle():
     """A wall at right angles to the rays: its diagonal is met exactly."""
     square = [[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]]
     world = World(triangle_set(square, [[0, 1, 2], [0, 2, 3]]))
-    assert world.plan == ("pairs",)
+    assert world.plan == ("list pairs",)
     k = np.linspace(0.25, 3.75, 15, dtype=np.float32)
     o = np.stack([k, k, np.ones_like(k)], axis=1)
     hits = world.trace(o, np.tile(np.float32([0, 0, -1]), (15, 1)))
@@ -79,7 +79,7 @@ def test_an_odd_triangle_of_a_mesh_is_listed_beside_its_pairs():
     vertices, faces = quadrilaterals(np.random.default_rng(4), 4)
     triangles = triangle_set(vertices, np.vstack([faces, [[1, 6, 9]]]))
     accelerator, plan, stats = build_accelerator(triangles)
-    assert plan == ("pairs", "triangles") and stats["listed"] == 9
+    assert plan == ("list pairs", "list triangles") and stats["listed"] == 9
     assert accelerator.pair_ids.size == 4 * 3 and accelerator.triangle_ids.size == 2
     # Of two that lie on each other the lower prim counts, whichever list it is in.
     for lower in ([0, 1, 2], [0, 2, 3]):
@@ -87,6 +87,6 @@ def test_an_odd_triangle_of_a_mesh_is_listed_beside_its_pairs():
         twice = triangle_set(vertices[:8], faces)
         o, d = rays_at(np.random.default_rng(5), vertices[:4], np.array([lower]), 600)
         worlds = [World(twice, structure=s) for s in ("auto", "list")]
-        assert worlds[0].plan == ("pairs", "triangles")
+        assert worlds[0].plan == ("list pairs", "list triangles")
         paired, listed = (world.trace(o, d) for world in worlds)
         assert same_bits(paired, listed) and 0 in paired.prim[np.isfinite(paired.t)]

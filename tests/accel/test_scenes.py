@@ -52,7 +52,7 @@ def mixed_scene(seed):
     below = np.eye(4)
     below[2, 3] = -2.0
     rows.append(plane.pack(plane.Plane(), below))
-    planes = [(5, sum(len(r) for r in rows[:-1]))]
+    planes = [("plane", 5, sum(len(r) for r in rows[:-1]))]
     return (triangles, shapes, planes), np.concatenate(rows)
 
 
@@ -99,7 +99,7 @@ def test_vertices_that_no_face_uses_do_not_enlarge_an_instance():
 def test_structures_of_a_scene_follow_from_its_size():
     small = triangle_set(icosphere(0)[0], icosphere(0)[1])
     big = triangle_set(*icosphere(3))
-    assert build_accelerator(small)[1] == ("triangles",)
+    assert build_accelerator(small)[1] == ("list triangles",)
     assert build_accelerator(big)[1] == ("tree",)
     assert build_accelerator()[1] == ()
     # Walls around a fine mesh stay in the list; the mesh goes into the tree.
@@ -110,7 +110,7 @@ def test_structures_of_a_scene_follow_from_its_size():
         np.repeat([0, 1], [2, len(big.faces)]),
     )
     _, plan, stats = build_accelerator(room)
-    assert plan == ("triangles", "tree")
+    assert plan == ("list triangles", "tree")
     assert stats["listed"] == 2
     o, d = random_rays(3, 10_000)
     assert same_bits(World(room).trace(o, d), World(room, structure="list").trace(o, d))

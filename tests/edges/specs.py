@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from alight.core.errors import SceneError
-from alight.core.spec import LARGEST, Interval, NumberOrTexture, Numbers, Spec
+from alight.core.fields import LARGEST, Interval, NumberOrTexture, Numbers
+from alight.core.spec import Spec
 from alight.textures.checkerboard import Checkerboard
 
 #: What stands for an end that is not given: descriptions take no larger number.

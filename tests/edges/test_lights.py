@@ -7,8 +7,8 @@ import pytest
 
 from alight.compiled.scene import compile_scene
 from alight.core.constants import ONE_MINUS_EPSILON
+from alight.core.fields import LARGEST
 from alight.core.registry import Models, modules, type_name_of
-from alight.core.spec import LARGEST
 from alight.laws.lights import PLACE
 from alight.laws.materials import stacked
 from alight.lights.at_point import NEAREST

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 import types
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import pytest
@@ -249,19 +249,22 @@ def test_names_slots_and_examples_are_checked(old, new, message):
     assert message in str(caught.value)
 
 
-def test_families_that_are_closed_say_so():
+def test_shapes_and_lights_need_what_their_place_asks_for():
     class Blob(Shape):
         type: Literal["blob"] = "blob"
 
     class Glow(Light):
+        placement: ClassVar[Literal["node", "shape", "environment"]] = "shape"
         type: Literal["glow"] = "glow"
 
-    with pytest.raises(RegistrationError, match='of the family "shapes"; models of these can'):
+    with pytest.raises(RegistrationError, match=r"intersect\(data, k, o, d, t_max\) is missing"):
         alight.register(types.SimpleNamespace(EXAMPLES=(Blob(),)))
     point = vars(Models("lights")["point"])
-    space = {**point, "EXAMPLES": (Glow(),), "DELTA": False}
-    with pytest.raises(RegistrationError, match="rays must not hit a registered light"):
+    space = {**point, "EXAMPLES": (Glow(),), "DELTA": True}
+    with pytest.raises(RegistrationError) as caught:
         alight.register(types.SimpleNamespace(**space))
+    assert "emitted(scene, index, surface, wo) is missing" in str(caught.value)
+    assert 'rays hit a light of placement "shape": DELTA must be False' in str(caught.value)
     with pytest.raises(RegistrationError, match="a model is a module, a class or a namespace"):
         alight.register(3.0)
 

@@ -5,7 +5,7 @@ import pytest
 
 from alight.compiled.program import Program
 from alight.core.errors import SceneError
-from alight.lights.environment import EXAMPLES, Environment, make_map
+from alight.lights.environment import EXAMPLES, Environment, map_of
 from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
 from alight.scene.transform import rotate, scale
 from lanewise.jit import instantiate
@@ -227,6 +227,6 @@ def test_power_is_that_of_the_mean_radiance():
     texels = sky()
     d = directions(400_000, np.random.default_rng(8))
     mean = seen(world_of(texels), d).mean(1)
-    made = make_map(Environment(pixels=texels), np.eye(4), False)
+    made = map_of(Environment(pixels=texels), np.eye(4), False)
     error = seen(world_of(texels), d).std(1) / np.sqrt(d.shape[1])
     assert np.all(np.abs(mean - made.mean) < LARGEST_Z * error)

@@ -48,7 +48,7 @@ def picture(text, spp):
 
 
 def test_directional_light_on_a_list_of_triangles():
-    assert "triangles" in compile_scene(flatten(loads(DIRECTIONAL))).program.accel
+    assert "list triangles" in compile_scene(flatten(loads(DIRECTIONAL))).program.accel
     # rho / pi E cos(60 degrees), without any noise.
     expected = 0.5 / np.pi * 0.5 * np.broadcast_to([1.0, 2.0, 4.0], (8, 8, 3))
     np.testing.assert_allclose(picture(DIRECTIONAL, 4), expected, rtol=1e-5)

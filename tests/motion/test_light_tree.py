@@ -8,7 +8,8 @@ from alight.compiled.lights import _rows
 from alight.compiled.motion import MotionTable
 from alight.compiled.shapes import compile_shapes
 from alight.formats import loads
-from alight.lights.sampling import KINDS, sample_light
+from alight.lights.model import LIGHTS
+from alight.lights.sampling import sample_light
 from alight.lights.tables import INFO
 from alight.lights.tree import FAR_FROM_ALL, choose_by_tree, plain_probability
 from alight.scene import flatten, keyframes, rotate, translate
@@ -109,7 +110,7 @@ def test_choices_among_moving_lights_follow_their_probabilities(place):
     error = np.sqrt(there.mean() * (1.0 - there.mean()) / n)
     assert abs(said.sum() - there.mean()) <= LARGEST_Z * error + 1e-5
     np.testing.assert_allclose(found.plain[there], found.pmf[there], rtol=1e-5)
-    lamps = info[:, 0] == KINDS["area"]
+    lamps = info[:, 0] == LIGHTS["area"].number
     mine = there & lamps[found.index]
     assert len(set(word[mine])) >= 4
     asked = twin_of(plain_probability, scene)(

@@ -65,7 +65,7 @@ LABORATORY = (
     ),
     Mutant(
         "a bound of samples that no light was sampled for",
-        "rendering/largest_sample.py",
+        "integrators/largest_sample.py",
         (("(weight * share if d < depth else 0.0)", "0.0"),),
         f"{BOUNDS}::test_without_roulette_it_is_a_geometric_series",
     ),

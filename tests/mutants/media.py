@@ -4,7 +4,7 @@ from tests.mutants.mutant import Mutant
 
 FORMS = "tests/media/test_closed_forms.py"
 FLIGHTS = "tests/media/test_flights.py"
-PHASES = "tests/media/test_phases.py"
+LAWS = "tests/laws/test_every_model.py"
 BORDERS = "tests/media/test_light_at_borders.py"
 NUMBERS = "tests/rendering/test_random_dimensions.py"
 
@@ -29,7 +29,7 @@ MEDIA = (
     ),
     Mutant(
         "cells looked up at their corners",
-        "media/grid.py",
+        "media/voxels.py",
         (("to_float(count) - 0.5", "to_float(count)"),),
         f"{FLIGHTS}::test_shadow_rays_come_through_as_the_transmittance_says[grid]",
     ),
@@ -43,7 +43,7 @@ MEDIA = (
         "Henyey and Greenstein sampled with a wrong sign",
         "phases/henyey_greenstein.py",
         (("(1.0 + g * u)", "(1.0 - g * u)"),),
-        f"{PHASES}::test_samples_follow_the_density",
+        f"{LAWS}::test_it_obeys_the_laws_of_its_family[phases-henyey_greenstein]",
     ),
     Mutant(
         "borders turned inside out",

@@ -18,10 +18,11 @@ from alight.shapes.cylinder import intersect as intersect_cylinder
 from alight.shapes.disk import intersect as intersect_disk
 from alight.shapes.hit import INFO, Hit, side_of, spawn_origin
 from alight.shapes.mesh import Mesh
+from alight.shapes.model import SHAPES
 from alight.shapes.plane import intersect as intersect_plane
 from alight.shapes.rectangle import intersect as intersect_rectangle
 from alight.shapes.sphere import intersect as intersect_sphere
-from alight.shapes.surfaces import KINDS, make_surface
+from alight.shapes.surfaces import make_surface
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
 from lanewise.jit import instantiate, kernel
@@ -39,7 +40,7 @@ from lanewise.simd import (
 from lanewise.view import View
 
 ANALYTIC = ("sphere", "plane", "rectangle", "disk", "cylinder")
-SPHERE, PLANE, RECTANGLE, DISK, CYLINDER = (KINDS[kind] for kind in ANALYTIC)
+SPHERE, PLANE, RECTANGLE, DISK, CYLINDER = (SHAPES[kind].number for kind in ANALYTIC)
 
 Scene = namedtuple("Scene", "shapes lights triangles triangle_ids")
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError
-from alight.core.spec import LARGEST
+from alight.core.fields import LARGEST
 from alight.formats.glow import Glow
 from alight.formats.names import free_name
 from alight.formats.surfaces import Surface

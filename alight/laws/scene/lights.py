@@ -26,7 +26,8 @@ from alight.core.vec import Vec3
 from alight.laws.materials import stacked
 from alight.laws.scene.findings import Finding
 from alight.laws.statistics import chi_square, chi_square_tail, length_error, unit_vectors
-from alight.lights.sampling import LIGHTS, choose_light, environment_pdf, light_pdf, sample_light
+from alight.lights.model import LIGHTS
+from alight.lights.sampling import choose_light, environment_pdf, light_pdf, sample_light
 from alight.lights.tree import choose_by_tree
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.surfaces import make_surface

@@ -11,7 +11,7 @@ from alight.formats.gltf.scene import parse
 from alight.formats.gltf.write import write
 from alight.formats.reach import Reach
 from alight.formats.report import Report
-from alight.lights.environment import make_map
+from alight.lights.environment import map_of
 from alight.scene import content_hash, flatten
 from tests.formats.gltf.maker import POINTS, Maker, everything
 
@@ -329,7 +329,7 @@ def test_the_studio_looks_the_same_from_any_camera(azimuth, tmp_path):
     flat = flatten(load(tmp_path / "a.glb"))
     (light,) = flat.environments
     # A direction of the studio's picture, seen from the camera: columns are to_world's axes.
-    to_studio = make_map(light.light, light.to_world, compensated=False).table[:9].reshape(3, 3)
+    to_studio = map_of(light.light, light.to_world, compensated=False).table[:9].reshape(3, 3)
     seen = flat.camera.to_world[:3, :3].T @ to_studio.T @ [0.0, 0.0, 1.0]
     # Its front is 30 degrees to the left of the viewer.
     np.testing.assert_allclose(seen, [-0.5, 0.0, np.sqrt(0.75)], atol=1e-6)

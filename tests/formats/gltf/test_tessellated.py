@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from alight.compiled.shapes import cube_sides
 from alight.formats import load, loads
 from alight.formats.gltf.write import write
 from alight.scene import flatten
+from alight.shapes.cube import sides
 
 HEAD = "alight: 1\ncamera: {type: orthographic}\nnodes:\n"
 
@@ -81,7 +81,7 @@ def test_cubes_are_their_six_rectangles(tmp_path):
     assert lost == []
     assert ((centers * across).sum(axis=1) > 0.0).all()
     assert np.linalg.norm(across, axis=1).sum() == pytest.approx(24.0)
-    for i, side in enumerate(cube_sides()):
+    for i, side in enumerate(sides()):
         own = slice(4 * i, 4 * i + 4)
         flat = np.column_stack([2.0 * uvs[own] - 1.0, np.zeros(4), np.ones(4)])
         np.testing.assert_allclose(points[own], (flat @ side.T)[:, :3], atol=1e-6)

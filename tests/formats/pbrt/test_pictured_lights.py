@@ -6,7 +6,7 @@ import pytest
 from alight.formats.pbrt.octahedral import to_sphere
 from alight.formats.pbrt.transforms import rotation, scaling, translation
 from alight.lights.area import mean_color
-from alight.lights.sampling import LIGHTS
+from alight.lights.model import LIGHTS
 from alight.scene.flatten import flatten
 from tests.formats.pbrt.reading import HEAD, messages, read, read_old
 from tests.lights.test_light_sampling import sample

@@ -1,0 +1,384 @@
+"""Laws of shapes: hits, normals and coordinates fit each other, areas and densities the surface.
+
+Each law is a function of an example and raises `BrokenLawError`. All of them look at it under
+`PLACEMENTS`, which turn, stretch, slant and mirror it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache, wraps
+from typing import Any
+
+import numpy as np
+
+from alight.accel import intersect_closest
+from alight.cameras import MODELS as CAMERAS
+from alight.compiled.scene import compile_scene
+from alight.compiled.shapes import compile_shapes
+from alight.core.constants import INFINITY
+from alight.core.spec import Shape
+from alight.laws.report import BrokenLawError, demand, demand_close
+from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
+from alight.lights.emission import coordinates
+from alight.lights.model import LIGHTS
+from alight.lights.shining import sample_shape, shape_pdf
+from alight.scene import Node, Scene, flatten
+from alight.scene.transform import Transform, matrix, rotate, scale, translate
+from alight.shapes.derivatives import uv_derivatives
+from alight.shapes.hit import Hit, spawn_origin
+from alight.shapes.surfaces import make_surface
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes, to_float, where
+from lanewise.vec3 import Vec3
+from lanewise.view import View
+
+#: Affine maps that keep, move and turn, stretch and mirror, and slant.
+PLACEMENTS: dict[str, Transform] = {
+    "as it is": scale(1.0),
+    "turned": translate(1, -2, 0.5) @ rotate((1, 2, 3), 40) @ scale(0.7),
+    "mirrored": rotate((1, 0, 2), 25) @ scale(-0.5, 2.0, 1.3),
+    "slanted": matrix([[1, 0.6, -0.2, 0.1], [0, 0.8, 0.5, 0.3], [0.2, 0, 1.1, -0.4], [0, 0, 0, 1]]),
+}
+N = 20_000
+#: Surfaces that one line crosses at most, of those that are counted.
+MOST_CROSSINGS = 8
+
+
+def scene_of(nodes: dict[str, Node]) -> Scene:
+    """A scene of these nodes, with a camera and an environment."""
+    sky = next(light for light in LIGHTS.values() if light.is_around).EXAMPLES[0]
+    return Scene(nodes=nodes, camera=Node(camera=CAMERAS[0].EXAMPLES[0]), environment=sky)
+
+
+class Body:
+    """One shape that shines, alone in the world, by the text of the kernels.
+
+    Attributes
+    ----------
+    low, high : (3,) float64, metres
+        Its box.
+    center, radius : (3,) float64 and float, metres
+        A sphere around that.
+    """
+
+    def __init__(self, spec: Shape, placement: Transform):
+        lamp = next(light for light in LIGHTS.values() if light.is_on_shape).EXAMPLES[0]
+        light = lamp if spec.finite else None
+        flat = flatten(scene_of({"body": Node(shape=spec, transform=placement, light=light)}))
+        compiled = compile_scene(flat, structure="list")
+        shapes = compile_shapes(flat)
+        # All that surfaces know of themselves.
+        self.program = compiled.program._replace(
+            aovs=("uv",), bsdfs=(*compiled.program.bsdfs, "anisotropic")
+        )
+        self.scene = compiled.tables
+        self.spec, self.shapes = spec, shapes
+        corners = [np.array([low, high], float) for *_, low, high in shapes.analytic]
+        corners += [shapes.triangles.vertices.astype(float)] if len(shapes.triangles.faces) else []
+        # What is infinite is looked at near its node.
+        points = np.concatenate(corners or [placement.matrix[:3, 3] + [[-3.0], [3.0]]])
+        self.low, self.high = points.min(axis=0), points.max(axis=0)
+        self.center = 0.5 * (self.low + self.high)
+        self.radius = 0.5 * float(np.linalg.norm(self.high - self.low))
+
+    def run(self, kernel: Callable, *arguments: Any) -> Any:
+        """A kernel on lanes of NumPy."""
+        with np.errstate(all="ignore"):
+            return instantiate(kernel, self.program, compiled=False)(*arguments)
+
+    def hit(self, o: np.ndarray, d: np.ndarray, active: np.ndarray) -> tuple[Hit, Any]:
+        """Nearest hits of rays (3, n), and the surfaces there."""
+        n = o.shape[1]
+        far = np.full(n, np.inf, np.float32)
+        hit = self.run(intersect_closest, self.scene, _vec(o), _vec(d), far, active)
+        found = active & np.isfinite(hit.t)
+        hit = hit._replace(t=np.where(found, hit.t, np.float32(1.0)))
+        hit = Hit(*(np.broadcast_to(part, n) for part in hit))
+        return hit._replace(t=np.where(found, hit.t, np.inf)), self.run(
+            make_surface, self.scene, hit, _vec(o), _vec(d), found
+        )
+
+    def lines(self, seed: int) -> tuple[np.ndarray, np.ndarray]:
+        """Uniform random lines through the sphere around it, from outside: origins, directions."""
+        d = unit_vectors(N, seed).astype(np.float64)
+        across = np.cross(d, unit_vectors(N, seed + 100), axis=0)
+        across /= np.linalg.norm(across, axis=0)
+        r = self.radius * np.sqrt(np.random.default_rng(seed).random(N))
+        middle = self.center[:, None] + r * across
+        o = middle - 1.5 * self.radius * d
+        return np.ascontiguousarray(o, np.float32), np.ascontiguousarray(d, np.float32)
+
+
+def _vec(v: np.ndarray) -> Vec3:
+    return Vec3(*np.ascontiguousarray(v, np.float32))
+
+
+def _rows(v: Any, n: int) -> np.ndarray:
+    return np.stack([np.broadcast_to(c, n) for c in (v.x, v.y, v.z)]).astype(np.float64)
+
+
+@lru_cache(maxsize=8)
+def body_of(spec: Shape, placement: str) -> Body:
+    """The example under one of `PLACEMENTS`."""
+    return Body(spec, PLACEMENTS[placement])
+
+
+def placed_everywhere(law: Callable[[Body], None]) -> Callable[[Shape], None]:
+    """A law of an example from one of it where it is placed."""
+
+    @wraps(law)
+    def judged(spec: Shape) -> None:
+        for name in PLACEMENTS:
+            try:
+                law(body_of(spec, name))
+            except BrokenLawError as error:
+                raise BrokenLawError(f"{name}: {error}") from None
+
+    return judged
+
+
+# ---------------------------------------------------------------- hits
+
+
+@placed_everywhere
+def hits_lie_on_their_rays_and_in_the_box(body: Body) -> None:
+    """Hits lie on their rays, within the box, with unit normals and a right-handed frame."""
+    o, d = body.lines(1)
+    hit, surface = body.hit(o, d, np.ones(N, bool))
+    # What is infinite is met anywhere.
+    found = hit.t < 6.0 * body.radius
+    demand(found.any(), "no line through its box meets it")
+    p = _rows(surface.p, N)[:, found]
+    along = (o + np.where(found, hit.t, 0.0) * d)[:, found]
+    # The ray's own rounding, from where it starts.
+    margin = 3e-6 * (np.abs(o).max() + 6.0 * body.radius)
+    off = np.linalg.norm(np.cross(p - o[:, found], d[:, found], axis=0), axis=0)
+    demand_close(off, 0.0, "metres from the ray", atol=margin)
+    facing = np.abs(np.sum(_rows(surface.ng, N)[:, found] * d[:, found], axis=0))
+    demand_close(
+        np.abs(np.sum((p - along) * d[:, found], axis=0)) * facing, 0.0,
+        "metres from the hit, along the normal", atol=margin,
+    )  # fmt: skip
+    if body.spec.finite:
+        low, high = body.low[:, None] - margin, body.high[:, None] + margin
+        demand((p >= low) & (p <= high), "a hit lies outside of the box")
+    ng, ns, s, t = (_rows(v, N)[:, found] for v in (surface.ng, surface.ns, surface.s, surface.t))
+    for name, v in (("ng", ng), ("ns", ns), ("s", s), ("t", t)):
+        demand_close(np.linalg.norm(v, axis=0), 1.0, f"length of {name}", atol=4e-6)
+    demand_close(np.cross(s, t, axis=0), ns, "s x t against ns", atol=1e-5)
+
+
+@placed_everywhere
+def neighbours_differ_as_the_derivatives_say(body: Body) -> None:
+    """Hits next to each other differ along the surface, by dp/du du + dp/dv dv."""
+    o, d = body.lines(2)
+    first, here = body.hit(o, d, np.ones(N, bool))
+    # To both sides: what is left is of the third order.
+    size = 2e-3 * body.radius + 2e-5 * np.abs(body.center).max()
+    step = size * np.cross(d, unit_vectors(N, 5), axis=0)
+    ends = [body.hit((o + side * step).astype(np.float32), d, np.ones(N, bool)) for side in (1, -1)]
+    found = first.t < 6.0 * body.radius
+    for hit, _ in ends:
+        found = found & np.isfinite(hit.t) & (hit.shape == first.shape) & (hit.prim == first.prim)
+    ng, (a, b) = _rows(here.ng, N), (surface for _, surface in ends)
+    found = found & (np.abs(np.sum(ng * d, axis=0)) > 0.3)
+    du, dv = (np.broadcast_to(getattr(a, k) - getattr(b, k), N).astype(float) for k in "uv")
+    # Not across a seam.
+    found = found & (np.abs(du) < 0.1) & (np.abs(dv) < 0.1)
+    if found.sum() < 50:
+        return
+    moved = _rows(a.p, N) - _rows(b.p, N)
+    size = np.linalg.norm(moved, axis=0) + 1e-30
+    off = np.abs(np.sum(ng * moved, axis=0)) / size
+    demand(np.quantile(off[found], 0.95) < 0.02, "neighbours lie beside the tangent plane")
+    along, across = body.run(uv_derivatives, body.scene, here)
+    said = _rows(along, N) * du + _rows(across, N) * dv
+    wrong = np.linalg.norm(said - moved, axis=0) / size
+    # Near a pole the step is not small.
+    demand(
+        np.quantile(wrong[found], 0.8) < 0.05,
+        f"dp/du du + dp/dv dv is {np.quantile(wrong[found], 0.8):.3g} off",
+    )
+
+
+def crossings(body: Body, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """How often random lines cross the surface, and whether they go in and out by turns."""
+    o, d = body.lines(seed)
+    active, count, in_turns = np.ones(N, bool), np.zeros(N), np.ones(N, bool)
+    side = np.zeros(N)
+    for _ in range(MOST_CROSSINGS):
+        hit, surface = body.hit(o, d, active)
+        active = active & np.isfinite(hit.t)
+        if not active.any():
+            break
+        now = np.sign(np.sum(_rows(surface.ng, N) * d, axis=0))
+        in_turns &= ~active | (now != side)
+        side, count = np.where(active, now, side), count + active
+        start = body.run(spawn_origin, surface.p, surface.error, surface.ng, _vec(d))
+        o = np.where(active, _rows(start, N), o).astype(np.float32)
+    return count, in_turns
+
+
+@placed_everywhere
+def area_is_that_of_crofton(body: Body) -> None:
+    """Random lines cross it as often as its area says (Crofton's formula)."""
+    if not body.spec.finite:
+        return
+    count, in_turns = crossings(body, 3)
+    area = sum(float(row.areas.sum()) for row in body.shapes.rows)
+    expected = area / (2.0 * np.pi * body.radius**2)
+    z = z_of_mean(count, expected, 1e-4 * expected)
+    demand(abs(z) < LARGEST_Z, f"{count.mean():.5g} crossings a line, by the area {expected:.5g}")
+    if body.spec.closed:
+        even = (count % 2 == 0) & in_turns
+        demand(even.mean() > 1.0 - 2e-4, f"{(~even).sum()} of {N} lines do not come out again")
+
+
+# ---------------------------------------------------------------- light
+
+
+def _points_around(body: Body) -> Iterator[np.ndarray]:
+    """Where it is looked at from: near it, farther away."""
+    for k, distance in enumerate((1.6, 5.0)):
+        yield body.center + distance * body.radius * unit_vectors(1, 11 + k)[:, 0]
+
+
+def _sampled(body: Body, point: np.ndarray, seed: int) -> tuple[Any, np.ndarray, tuple]:
+    rng = np.random.default_rng(seed)
+    u, u2 = rng.random(N, np.float32), tuple(rng.random((2, N), np.float32))
+    p = np.repeat(point.astype(np.float32)[:, None], N, axis=1)
+    shape = rng.integers(0, len(body.shapes.rows), N).astype(np.uint32)
+    lights, cdf = body.scene.lights, body.scene.lights.cdf
+    # Rows of the lights are those of the shapes.
+    start = lights.info.array.reshape(-1, 4)[shape, 3]
+    sample = body.run(sample_shape, body.scene.shapes, cdf, start, shape, _vec(p), u, u2)
+    return sample, p, (shape, start, u, u2)
+
+
+@placed_everywhere
+def densities_give_the_solid_angle(body: Body) -> None:
+    """Visible samples over their density fill the same directions as those that meet it."""
+    if not body.spec.finite:
+        return
+    for point in _points_around(body):
+        sample, p, (shape, *_) = _sampled(body, point, 21)
+        wi, pdf = _rows(sample.wi, N), np.broadcast_to(sample.pdf, N).astype(float)
+        hit, _ = body.hit(p, wi.astype(np.float32), pdf > 0.0)
+        t, distance = np.asarray(hit.t, float), np.broadcast_to(sample.distance, N)
+        near = np.abs(t - distance) < 2e-3 * distance
+        seen = (pdf > 0.0) & near & (hit.shape == shape)
+        weight = np.where(seen, len(body.shapes.rows) / np.where(pdf > 0.0, pdf, 1.0), 0.0)
+        # All directions within a cone around it.
+        axis = (body.center - point) / np.linalg.norm(body.center - point)
+        edge = np.sqrt(1.0 - (body.radius / np.linalg.norm(body.center - point)) ** 2)
+        d = _in_cone(axis, edge, 22)
+        met, _ = body.hit(p, d, np.ones(N, bool))
+        cone = np.where(np.isfinite(met.t), 2.0 * np.pi * (1.0 - edge), 0.0)
+        for name, a, b in (("solid angle", 1.0, 1.0), *((c, wi[i], d[i]) for i, c in _AXES)):
+            x, y = weight * a, cone * b
+            error = np.sqrt(x.var() / N + y.var() / N) + 2e-3 * cone.mean()
+            z = (x.mean() - y.mean()) / error
+            demand(abs(z) < LARGEST_Z, f"{name}: {x.mean():.5g} by samples, {y.mean():.5g} by rays")
+
+
+_AXES = ((0, "mean of x"), (1, "mean of y"), (2, "mean of z"))
+
+
+def _in_cone(axis: np.ndarray, edge: float, seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    z, phi = rng.uniform(edge, 1.0, N), rng.uniform(0.0, 2.0 * np.pi, N)
+    s = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.6 else [0.0, 1.0, 0.0])
+    s /= np.linalg.norm(s)
+    r = np.sqrt(1.0 - z * z)
+    d = np.outer(s, r * np.cos(phi)) + np.outer(np.cross(axis, s), r * np.sin(phi))
+    return np.ascontiguousarray(d + np.outer(axis, z), np.float32)
+
+
+@placed_everywhere
+def samples_are_hits_with_their_density(body: Body) -> None:
+    """A sample is the hit that it says it is, and has there the density that it came with."""
+    if not body.spec.finite:
+        return
+    for point in _points_around(body):
+        sample, p, (shape, start, u, u2) = _sampled(body, point, 23)
+        pdf = np.broadcast_to(sample.pdf, N)
+        distance = np.broadcast_to(sample.distance, N)
+        cosine = np.broadcast_to(sample.cosine, N)
+        ok = (pdf > 0.0) & np.isfinite(pdf) & (np.abs(cosine) > 0.05)
+        q = _vec(p) + distance * sample.wi
+        x, y, prim = body.run(coordinates, body.scene, shape, start, q, u, u2)
+        prim = np.broadcast_to(prim, N).astype(np.uint32)
+        x, y = np.broadcast_to(x, N), np.broadcast_to(y, N)
+        hit = Hit(distance, x, y, shape, prim)
+        surface = body.run(make_surface, body.scene, hit, _vec(p), sample.wi, ok)
+        margin = 1e-5 * (np.abs(point).max() + 8.0 * body.radius)
+        off = np.linalg.norm(_rows(surface.p, N) - _rows(q, N), axis=0)
+        demand_close(off[ok], 0.0, "metres between a sample and its hit", atol=margin)
+        facing = -np.sum(_rows(surface.ng, N) * _rows(sample.wi, N), axis=0)
+        demand_close(facing[ok], cosine[ok], "cosine of a sample", atol=2e-3)
+        density = body.run(
+            shape_pdf, body.scene.shapes, body.scene.lights.cdf, start, shape, prim, _vec(p),
+            sample.wi, distance, cosine,
+        )  # fmt: skip
+        again = np.broadcast_to(density, N)
+        demand_close(again[ok], pdf[ok], "pdf against that of the sample", rtol=5e-3, atol=1e-9)
+
+
+# ---------------------------------------------------------------- machine code
+
+RESULTS = 12
+
+
+@kernel
+def look_all(scene, o, d, out, n):
+    """Hits and surfaces of n rays."""
+    for i in range(0, n, LANES):
+        origin = Vec3(load_lanes(o, i), load_lanes(o, i + n), load_lanes(o, i + 2 * n))
+        direction = Vec3(load_lanes(d, i), load_lanes(d, i + n), load_lanes(d, i + 2 * n))
+        hit = intersect_closest(scene, origin, direction, lanes(INFINITY), lanes_mask(True))
+        found = hit.t < INFINITY
+        safe = Hit(where(found, hit.t, 1.0), hit.u, hit.v, hit.shape, hit.prim)
+        g = make_surface(scene, safe, origin, direction, found)
+        for_misses = where(found, 1.0, 0.0)
+        store_lanes(out, i, where(found, hit.t, -1.0))
+        store_lanes(out, i + n, for_misses * g.p.x)
+        store_lanes(out, i + 2 * n, for_misses * g.p.y)
+        store_lanes(out, i + 3 * n, for_misses * g.p.z)
+        store_lanes(out, i + 4 * n, for_misses * g.ng.x)
+        store_lanes(out, i + 5 * n, for_misses * g.ng.y)
+        store_lanes(out, i + 6 * n, for_misses * g.ng.z)
+        store_lanes(out, i + 7 * n, for_misses * g.s.x)
+        store_lanes(out, i + 8 * n, for_misses * g.s.y)
+        store_lanes(out, i + 9 * n, for_misses * g.u)
+        store_lanes(out, i + 10 * n, for_misses * g.v)
+        store_lanes(out, i + 11 * n, where(found, to_float(hit.shape), -1.0))
+
+
+def compiled_surfaces_are_the_twins(spec: Shape) -> None:
+    """Machine code finds the hits and surfaces of the Python text."""
+    body = body_of(spec, "turned")
+    n = 2048
+    o, d = (np.ascontiguousarray(v[:, :n]) for v in body.lines(7))
+    found = []
+    for compiled in (True, False):
+        out = View(np.zeros((RESULTS, n), np.float32))
+        run = instantiate(look_all, body.program, compiled=compiled)
+        with np.errstate(all="ignore"):
+            run(body.scene, View(o), View(d), out, n)
+        found.append(out.shaped)
+    same = (found[0][0] < 0.0) == (found[1][0] < 0.0)
+    demand(same.mean() > 0.999, "machine code hits and misses otherwise")
+    a, b = (np.where(np.isnan(x), 0.0, x)[:, same] for x in found)
+    close = np.isclose(a, b, rtol=1e-3, atol=1e-4 * max(body.radius, 1e-3))
+    demand(close.mean() > 0.998, f"{100 * (1 - close.mean()):.2g} % of the numbers differ")
+
+
+LAWS = (
+    hits_lie_on_their_rays_and_in_the_box,
+    neighbours_differ_as_the_derivatives_say,
+    area_is_that_of_crofton,
+    densities_give_the_solid_angle,
+    samples_are_hits_with_their_density,
+)
+COMPILED_LAWS = (compiled_surfaces_are_the_twins,)

@@ -1,0 +1,65 @@
+"""What rays find that hit a shape which shines, whatever lights a scene has."""
+
+from __future__ import annotations
+
+from alight.lights.model import LIGHTS, LightModel
+from alight.lights.moving import moving_pdf
+from alight.lights.tables import INFO
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes_u32, where
+
+
+def on_shapes(program) -> tuple[LightModel, ...]:
+    """The lights of the program that are shapes which shine."""
+    return tuple(m for name, m in LIGHTS.items() if name in program.lights and m.is_on_shape)
+
+
+@specialised
+def pdf_of_shape(program):
+    """``pdf_of_shape(scene, index, prim, p, wi, distance, cosine)`` of the lights `index`."""
+    chain = _pdf_chain(on_shapes(program))
+    return moving_pdf(chain) if "lights" in program.motion else chain
+
+
+def _pdf_chain(models: tuple[LightModel, ...]):
+    """A kernel that runs each light's `pdf` where it was hit."""
+    own, number = models[0].pdf, models[0].number
+    assert own is not None
+    if len(models) == 1:
+        return own
+    others = _pdf_chain(models[1:])
+
+    @kernel
+    def choose(scene, index, prim, p, wi, distance, cosine):
+        result = others(scene, index, prim, p, wi, distance, cosine)
+        mine = lanes_u32(0) + gather(scene.lights.info, index * INFO) == number
+        if any_lane(mine):
+            result = where(mine, own(scene, index, prim, p, wi, distance, cosine), result)
+        return result
+
+    return choose
+
+
+@specialised
+def radiance_of_shape(program):
+    """``(scene, index, surface, wo)``: what the lights `index` emit on their outer side."""
+    return _emission_chain(on_shapes(program))
+
+
+def _emission_chain(models: tuple[LightModel, ...]):
+    """A kernel that runs each light's `emitted` where it was hit."""
+    own, number = models[0].emitted, models[0].number
+    assert own is not None
+    if len(models) == 1:
+        return own
+    others = _emission_chain(models[1:])
+
+    @kernel
+    def choose(scene, index, surface, wo):
+        result = others(scene, index, surface, wo)
+        mine = lanes_u32(0) + gather(scene.lights.info, index * INFO) == number
+        if any_lane(mine):
+            result = where(mine, own(scene, index, surface, wo), result)
+        return result
+
+    return choose

@@ -1,0 +1,89 @@
+"""Points of shapes that shine, whatever shapes a scene has: chosen, and how densely."""
+
+from __future__ import annotations
+
+from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.hit import ShapeSample
+from alight.shapes.model import SHAPES, ShapeModel
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_vec3, where
+
+
+@kernel
+def blend(mask, a, b):
+    """Lane-wise choice between two `ShapeSample`."""
+    return ShapeSample(
+        where(mask, a.wi, b.wi),
+        where(mask, a.distance, b.distance),
+        where(mask, a.cosine, b.cosine),
+        where(mask, a.error, b.error),
+        where(mask, a.pdf, b.pdf),
+    )
+
+
+@kernel
+def no_sample(tables, cdf, start, shape, p, u, u2):
+    """A `ShapeSample` of zeros in every lane."""
+    zero = lanes(0.0)
+    return ShapeSample(lanes_vec3(0.0), zero, zero, zero, zero)
+
+
+@kernel
+def no_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
+    """Zero in every lane."""
+    return lanes(0.0)
+
+
+def _sample_by_kind(shapes: tuple[ShapeModel, ...]):
+    """A kernel that runs each shape's `sample` where it was chosen."""
+    if not shapes:
+        return no_sample
+    own, number = shapes[0].sample, shapes[0].number
+    assert own is not None
+    if len(shapes) == 1:
+        return own
+    others = _sample_by_kind(shapes[1:])
+
+    @kernel
+    def choose(tables, cdf, start, shape, p, u, u2):
+        result = others(tables, cdf, start, shape, p, u, u2)
+        mine = gather(tables.info, shape * SHAPE_INFO) == number
+        if any_lane(mine):
+            result = blend(mine, own(tables, cdf, start, shape, p, u, u2), result)
+        return result
+
+    return choose
+
+
+def _pdf_by_kind(shapes: tuple[ShapeModel, ...]):
+    """A kernel that runs each shape's `pdf` where it was hit."""
+    if not shapes:
+        return no_pdf
+    own, number = shapes[0].pdf, shapes[0].number
+    assert own is not None
+    if len(shapes) == 1:
+        return own
+    others = _pdf_by_kind(shapes[1:])
+
+    @kernel
+    def choose(tables, cdf, start, shape, prim, p, wi, distance, cosine):
+        result = others(tables, cdf, start, shape, prim, p, wi, distance, cosine)
+        mine = gather(tables.info, shape * SHAPE_INFO) == number
+        if any_lane(mine):
+            found = own(tables, cdf, start, shape, prim, p, wi, distance, cosine)
+            result = where(mine, found, result)
+        return result
+
+    return choose
+
+
+@specialised
+def sample_shape(program):
+    """``sample_shape(tables, cdf, start, shape, p, u, u2) -> ShapeSample``."""
+    return _sample_by_kind(tuple(SHAPES[name] for name in program.light_shapes))
+
+
+@specialised
+def shape_pdf(program):
+    """``shape_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine)``, per solid angle."""
+    return _pdf_by_kind(tuple(SHAPES[name] for name in program.light_shapes))

@@ -1,0 +1,64 @@
+"""What the renderer takes from the file of a shape."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from alight.core.constants import PI
+from alight.core.registry import Kernel, Record, Records
+
+
+def everywhere(row: np.ndarray) -> tuple[np.ndarray, float]:
+    """Normals of all directions."""
+    return np.array([0.0, 0.0, 1.0]), PI
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShapeModel(Record):
+    """A shape: a formula, the triangles of a mesh, or (without `surface`) made of others.
+
+    Attributes
+    ----------
+    pack : (spec, (4, 4) float64) -> (n,) float32
+        The row of the table from the matrix object to world; at most 64 numbers.
+    area, bounds, facing : functions of a packed row
+        Surface area, m^2; corners of the box, metres; unit axis and half angle of a cone around all
+        outer normals, radians.
+    intersect : kernel ``(data, k, o, d, t_max) -> (t, u, v, hit)``
+        Nearest hits of a shape with a formula; see `alight.shapes.rectangle.intersect`.
+    surface : kernel ``(tables, k, hit, o, d) -> Geometry``
+    derivatives : kernel ``(tables, k, surface) -> (dp/du, dp/dv)``
+        In the world, metres; without it the tangents of the surface.
+    sample : kernel ``(tables, cdf, start, shape, p, u, u2) -> ShapeSample``
+        A point of a shape that shines; see `alight.shapes.rectangle.sample`.
+    pdf : kernel ``(tables, cdf, start, shape, prim, p, wi, distance, cosine)``
+        Density of `sample` per solid angle.
+    coordinates : kernel ``(tables, cdf, start, shape, k, q, u, u2) -> (u, v, prim)``
+        The sampled point q as `intersect` reports it; without it all are 0.
+    PROJECTION : float
+        Area of its largest shadow over its surface area.
+    """
+
+    pack: Callable[..., np.ndarray] | None = None
+    area: Callable[[np.ndarray], float] | None = None
+    bounds: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
+    facing: Callable[[np.ndarray], tuple[np.ndarray, float]] = everywhere
+    intersect: Kernel | None = None
+    surface: Kernel | None = None
+    derivatives: Kernel | None = None
+    sample: Kernel | None = None
+    pdf: Kernel | None = None
+    coordinates: Kernel | None = None
+    PROJECTION: float = 0.25
+
+    @property
+    def has_formula(self) -> bool:
+        """Whether rays meet it by a formula, and not triangle by triangle."""
+        return self.intersect is not None
+
+
+#: All shapes, by name.
+SHAPES = Records("shapes", ShapeModel)

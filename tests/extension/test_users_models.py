@@ -1,0 +1,102 @@
+"""A torus, a light on it and haze around it, each a user's one file: laws, light tree, motion."""
+
+import numpy as np
+import pytest
+
+import alight
+from alight.core.registration import unregister
+from alight.formats import loads
+from tests.extension import beam, haze, torus
+
+USERS = {"torus": ("shapes", torus), "beam": ("lights", beam), "haze": ("media", haze)}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def registered():
+    for _, model in USERS.values():
+        alight.register(model)
+    yield
+    for name, (family, _) in USERS.items():
+        unregister(family, name)
+
+
+@pytest.mark.parametrize("name", USERS)
+def test_they_obey_the_laws_of_their_families(name):
+    report = alight.check_laws(USERS[name][1], compiled=name == "torus")
+    assert report, str(report)
+
+
+SCENE = """
+alight: 1
+camera: {type: pinhole, fov: 50, transform: {look_at: {origin: [0, 2.5, 5], target: [0, 0.3, 0]}}}
+film: {size: [24, 16]}
+sampler: independent
+integrator: INTEGRATOR
+nodes:
+  floor: {shape: plane, transform: {rotate: {axis: x, angle: -90}}}
+  ring:
+    shape: {type: torus, major: 0.8, minor: 0.2}
+    transform: MOTION
+    light: {type: beam, radiance: [20, 15, 10], exponent: 2}
+  other:
+    shape: {type: torus, minor: 0.2}
+    transform: [{rotate: {axis: x, angle: 70}}, {translate: [-0.4, 0.6, -0.8]}]
+    light: {type: area, radiance: [0, 1, 2]}
+  ball: {shape: {type: sphere, center: [1.2, 0.5, 0.5], radius: 0.4}}
+"""
+AT_REST = "[{rotate: {axis: x, angle: 30}}, {translate: [0.6, 1.6, 0]}]"
+MOVING = """
+      keyframes:
+        - {time: 0, translate: [0.6, 1.6, 0]}
+        - {time: 1, rotate: {axis: x, angle: 50}, translate: [0.2, 1.3, 0.3]}
+"""
+
+
+def film(integrator, motion=AT_REST, spp=256, seed=1, text=SCENE):
+    text = text.replace("INTEGRATOR", integrator).replace("MOTION", motion)
+    return alight.render(loads(text, "users"), spp=spp, seed=seed)
+
+
+def agree(a, b):
+    """The means of both pictures, by their error bars."""
+    assert a.invalid == b.invalid == 0
+    means = np.array([f.image.mean(axis=(0, 1)) for f in (a, b)])
+    squares = [(f.standard_error**2).sum(axis=(0, 1)) for f in (a, b)]
+    errors = np.sqrt(squares) / a.image[..., 0].size
+    assert means.min() > 0.01
+    z = np.abs(means[0] - means[1]) / np.sqrt((errors**2).sum(axis=0))
+    assert z.max() < 4.5, (means, z)
+
+
+@pytest.mark.parametrize("motion", [AT_REST, MOVING], ids=["at rest", "moving"])
+def test_every_way_to_find_their_light_gives_one_picture(motion):
+    """By its surface, by light sampling, by both, and with the lights chosen by a tree."""
+    by_bsdf = film("{type: path, max_depth: 4, light_sampling: bsdf}", motion, spp=1024)
+    for options in ("light_sampling: emitter", "light_sampling: mis", "light_choice: tree"):
+        agree(film(f"{{type: path, max_depth: 4, {options}}}", motion), by_bsdf)
+
+
+def test_haze_dims_by_the_closed_form():
+    """Straight up through haze of the height h over y = 0: exp(-sigma h (1 - exp(-y / h)))."""
+    text = """
+alight: 1
+camera:
+  type: orthographic
+  height: 0.1
+  medium: air
+  transform: {rotate: {axis: x, angle: 90}}
+film: {size: [4, 4]}
+media:
+  air: {type: haze, sigma_t: [1.0, 2.0, 0.5], albedo: 0, height: 0.7}
+environment: {type: constant, radiance: 1}
+integrator: {type: volpath, max_depth: 8}
+nodes:
+  air:
+    shape: {type: sphere, radius: 2}
+    bsdf: {type: "null"}
+    interior: air
+"""
+    scene = loads(text, "haze")
+    image = alight.render(scene, spp=4096, seed=3).image.mean(axis=(0, 1))
+    depth = 0.7 * (1.0 - np.exp(-2.0 / 0.7))
+    np.testing.assert_allclose(image, np.exp(-depth * np.array([1.0, 2.0, 0.5])), rtol=0.02)

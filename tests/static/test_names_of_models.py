@@ -1,0 +1,184 @@
+"""Nobody asks for a model by its name: what others must know of it stands in its own file.
+
+Outside its own file a model is named by its family's registry (``__init__.py``) and by the readers
+of scene formats. A model may be made of others of its family. `OFFENDERS` are still to go, and must
+leave the list when they do; `OTHER_MEANINGS` are words that happen to be the name of a model too.
+"""
+
+import ast
+from functools import cache
+from importlib import import_module
+
+import pytest
+
+from tests.static.sources import FAMILIES, PACKAGE, assigned_names, package_files, tree
+
+#: Folders of scenes, which name what they are made of, as files of scenes do.
+SCENES = ("formats", "scene/builtin", "lab/random_scenes")
+
+#: Words of another meaning, by file.
+OTHER_MEANINGS: dict[str, set[str]] = {
+    "core/registration.py": {"area"},
+    "core/spec.py": {"environment"},
+    "integrators/queue.py": {"direct"},
+    "integrators/volume_walk.py": {"channel"},
+    "lab/arms.py": {"environment"},
+    "lab/steering.py": {"threshold"},
+    "lab/why/trials.py": {"environment"},
+    "laws/lights.py": {"environment"},
+    "lights/area.py": {"environment"},
+    "lights/constant.py": {"constant", "environment"},
+    "lights/daylight.py": {"environment"},
+    "lights/model.py": {"environment"},
+    "lights/portal.py": {"environment"},
+    "lights/sampling.py": {"environment"},
+    "rendering/cycles.py": {"threshold"},
+    "rendering/options.py": {"direct"},
+    "rendering/tile.py": {"direct"},
+    "rendering/tile_kernel.py": {"direct"},
+    "scene/flatten.py": {"environment"},
+    "scene/moving.py": {"environment"},
+    "scene/validation.py": {"environment"},
+    "textures/bitmap.py": {"clamp", "mirror"},
+    "textures/constant.py": {"constant"},
+}
+
+#: Files that still name models, by family.
+OFFENDERS: dict[str, dict[str, set[str]]] = {
+    "shapes": {
+        "lab/acceleration.py": {"mesh", "rectangle", "sphere"},
+        "scene/build.py": {"rectangle"},
+        "scene/dump.py": {"mesh"},
+        "scene/flatten.py": {"mesh"},
+        "scene/meshes.py": {"mesh"},
+        "scene/validation.py": {"mesh"},
+    },
+    "bsdfs": {
+        "bsdfs/nesting.py": {"mask"},
+        "bsdfs/phong.py": {"diffuse"},
+        "bsdfs/switch.py": {"two_sided"},
+        "laws/others.py": {"diffuse"},
+        "rendering/trace.py": {"null"},
+        "scene/build.py": {"diffuse", "null"},
+        "scene/flatten.py": {"diffuse"},
+        "scene/plain_yaml.py": {"null"},
+        "scene/validation.py": {"two_sided"},
+    },
+    "textures": {
+        "bsdfs/bump_map.py": {"checkerboard"},
+        "compiled/program.py": {"constant"},
+        "compiled/textures.py": {"bitmap", "constant"},
+        "laws/scene/materials.py": {"constant"},
+        "scene/build.py": {"constant"},
+        "textures/composed.py": {"constant"},
+    },
+    "lights": {
+        "compiled/program.py": {"constant"},
+        "compiled/textures.py": {"constant"},
+        "laws/scene/materials.py": {"constant"},
+        "scene/build.py": {"area", "constant", "environment"},
+        "scene/images.py": {"ies"},
+        "scene/validation.py": {"portal"},
+        "textures/composed.py": {"constant"},
+    },
+    "cameras": {
+        "compiled/program.py": {"pinhole"},
+        "lab/acceleration.py": {"pinhole"},
+        "scene/build.py": {"pinhole"},
+    },
+    "samplers": {
+        "compiled/program.py": {"sobol"},
+        "lab/arms.py": {"sobol"},
+        "lab/integrals.py": {"halton", "independent", "sobol"},
+        "laws/scene/pictures.py": {"independent"},
+        "scene/description.py": {"sobol"},
+    },
+    "filters": {
+        "compiled/program.py": {"box"},
+        "scene/description.py": {"box"},
+    },
+    "phases": {
+        "media/grid.py": {"henyey_greenstein"},
+        "media/homogeneous.py": {"henyey_greenstein"},
+    },
+    "integrators": {
+        "compiled/program.py": {"path"},
+        "lab/acceleration.py": {"ambient_occlusion"},
+        "laws/scene/pictures.py": {"direct", "path", "random_walk"},
+        "options/render.py": {"direct"},
+        "options/table.py": {"path"},
+        "rendering/depth_cap.py": {"random_walk"},
+        "rendering/layers.py": {"direct"},
+        "scene/description.py": {"path", "volpath"},
+    },
+}
+
+
+@cache
+def models(family):
+    """Type name -> (module, name of the description's class)."""
+    found = {}
+    for module in import_module(f"alight.{family}").MODELS:
+        spec = type(module.EXAMPLES[0])
+        found[spec.type_name()] = module.__name__, spec.__name__
+    return found
+
+
+@cache
+def words(path):
+    """Texts and imports of a file: (strings, imported modules)."""
+    strings, imported = set(), set()
+    for node in ast.walk(tree(path)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            strings.add(node.value)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            imported |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            imported |= {alias.name for alias in node.names}
+    return strings, imported
+
+
+def named_models(family, path):
+    """Models of a family that a file names and should not."""
+    place = path.relative_to(PACKAGE).as_posix()
+    own = f"alight.{place[:-3].replace('/', '.')}"
+    if place.startswith(SCENES) or place == f"{family}/__init__.py":
+        return set()
+    strings, imported = words(path)
+    # A model may be made of others of its family.
+    related = place.startswith(f"{family}/") and "EXAMPLES" in assigned_names(path)
+    return {
+        name
+        for name, (module, _) in models(family).items()
+        if own != module
+        and (
+            (name in strings and name not in OTHER_MEANINGS.get(place, set()))
+            or (module in imported and not related)
+        )
+    }
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_models_are_named_in_their_own_files_only(family):
+    found = {
+        path.relative_to(PACKAGE).as_posix(): names
+        for path in package_files()
+        if path.is_relative_to(PACKAGE) and (names := named_models(family, path))
+    }
+    assert found == OFFENDERS.get(family, {})
+
+
+def test_a_name_is_found_as_a_text_and_as_an_import(tmp_path, monkeypatch):
+    monkeypatch.setattr("tests.static.test_names_of_models.PACKAGE", tmp_path)
+    path = tmp_path / "compiled.py"
+    for text, found in {
+        "kind == 'sphere'": {"sphere"},
+        "from alight.shapes.sphere import Sphere": {"sphere"},
+        "from alight.shapes import disk, sphere": {"disk", "sphere"},
+        "import alight.shapes.disk": {"disk"},
+        "kind == 'spheres'": set(),
+    }.items():
+        path.write_text(text)
+        tree.cache_clear()
+        words.cache_clear()
+        assert named_models("shapes", path) == found
