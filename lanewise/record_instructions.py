@@ -65,14 +65,19 @@ def _blend_type_of_records(mask, a, b):
     return types.BaseTuple.from_types(kinds, class_of_a) if kinds else a
 
 
+def is_record(kind: Any) -> bool:
+    """True for tuples, named ones too."""
+    return isinstance(kind, types.BaseTuple)
+
+
 def _blend(context: Any, builder: Any, mask: Any, kinds: Any, values: Any, target: Any) -> Any:
     """``where`` for a mask of bits, one (lanes or not) for all fields of a record."""
-    if isinstance(target, types.BaseTuple):
+    if is_record(target):
         parts = [
             _blend(
                 context, builder, mask, (x, y), [builder.extract_value(v, i) for v in values], part
             )
-            for i, (x, y, part) in enumerate(zip(*kinds, target, strict=True))
+            for i, (x, y, part) in enumerate(zip(*kinds, target.types, strict=True))
         ]
         return context.make_tuple(builder, target, parts)
     element = target.component if isinstance(target, Vec3Type) else target
