@@ -4,6 +4,8 @@ PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 SEEDS ?= 0-1
+SEED ?= 1
+COUNT ?= 500
 BIN := $(VENV)/bin
 # --require-hashes: only the very files that were locked; --only-binary: never start a compiler.
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
@@ -13,13 +15,14 @@ PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-ch
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-dev demo test proofs campaign lint format types docs figures peers lock canary clean
+.PHONY: help setup setup-dev demo test proofs campaign mutants lint format types docs figures peers lock canary clean
 
 help:
 	@echo "make demo      install into .venv and render the Cornell box to cornell.png"
 	@echo "make test      run the test suite (at most 10 minutes on 2 cores)"
 	@echo "make proofs    run the long statistics, the planted bugs and the 8-lane build (30 minutes)"
 	@echo "make campaign  check the invariants of rendering on random scenes (SEEDS=0-1)"
+	@echo "make mutants   try random slips in the code against the tests (SEED=1 COUNT=500)"
 	@echo "make lint      check style and import layers        make format  fix formatting with ruff"
 	@echo "make types     check static types                   make docs    build the site in site/"
 	@echo "make figures   render the figures of docs/          make peers   install Mitsuba and Embree"
@@ -69,6 +72,9 @@ proofs: setup-dev
 campaign: setup-dev
 	$(BIN)/python benchmarks/campaign/run.py --seeds $(SEEDS)
 	$(BIN)/python benchmarks/known_error/random_scenes.py --seeds $(SEEDS) --save campaign.jsonl
+
+mutants: setup-dev
+	$(BIN)/python -m tests.mutants.campaign --seed $(SEED) --count $(COUNT) --save mutants.jsonl
 
 lint: setup-dev
 	$(BIN)/ruff check .

@@ -42,7 +42,7 @@ SLOTS = {"scale": 1, "modes": 1}
 IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0
 #: Times the set of texture coordinates that orients a normal map; only in programs with sets.
 OF_SET = 32.0
-#: The mirrored viewer stays this part of his height above the surface.
+#: The mirrored viewer stays this part of his height above the surface, over |n + k z|^2.
 MARGIN = 0.1
 #: Distance of two heights whose difference is a slope, in texture coordinates.
 STEP = 2.0**-13

@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
+from alight.formats.glow import Glow
+from alight.formats.model_scene import model_scene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.formats.surfaces import plain_surface
-from alight.formats.surroundings import Bounds, add_camera, add_light
+from alight.formats.surroundings import Bounds
 from alight.meshes import ply, stl
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
-from alight.scene.build import FORMAT_VERSION
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 
@@ -28,15 +29,17 @@ _UPRIGHT = {"rotate": {"axis": "x", "angle": -90.0}}
 
 def parse_ply(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """Read a PLY file as a scene; see `alight.formats.obj_scene.parse`."""
-    return _parse(ply.read, data, name, z_is_up=False)
+    return _parse(ply.read, data, name, reach or Reach(), z_is_up=False)
 
 
 def parse_stl(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """Read an STL file as a scene; see `alight.formats.obj_scene.parse`."""
-    return _parse(stl.read, data, name, z_is_up=True)
+    return _parse(stl.read, data, name, reach or Reach(), z_is_up=True)
 
 
-def _parse(read: Callable[[bytes], MeshArrays], data: bytes, name: str, *, z_is_up: bool) -> Parsed:
+def _parse(
+    read: Callable[[bytes], MeshArrays], data: bytes, name: str, reach: Reach, *, z_is_up: bool
+) -> Parsed:
     try:
         arrays = read(data)
     except SceneError as error:
@@ -52,11 +55,6 @@ def _parse(read: Callable[[bytes], MeshArrays], data: bytes, name: str, *, z_is_
     if z_is_up:
         node["transform"] = _UPRIGHT
         report.approximate("STL files do not say which way is up: z is taken")
-    scene: dict[str, Any] = {
-        "alight": FORMAT_VERSION,
-        "bsdfs": {"surface": plain_surface(arrays.colors is not None).bsdf},
-        "nodes": {"mesh": node},
-    }
-    add_light(scene, report, shines=False)
-    add_camera(scene, report, bounds)
-    return Parsed.of(scene, {"": name}, report, framed=bounds)
+    surface = plain_surface(arrays.colors is not None)
+    tables = {"bsdfs": {"surface": surface.bsdf}, "nodes": {"mesh": node}}
+    return model_scene(tables, {"": name}, report, bounds, Glow(reach.folder))

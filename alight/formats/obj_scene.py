@@ -10,22 +10,21 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
 from alight.formats import mtl
 from alight.formats.glow import Glow
+from alight.formats.model_scene import model_scene
 from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
 from alight.formats.surfaces import Surface, plain_surface
-from alight.formats.surroundings import Bounds, add_camera, add_light
+from alight.formats.surroundings import Bounds
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
-from alight.scene.build import FORMAT_VERSION
 from alight.scene.meshes import mesh_problem
 from alight.shapes.mesh import Mesh
 
@@ -110,11 +109,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         found = f"{points} points without a face" if points else "an empty mesh"
         raise SceneError([Issue("", f"must hold at least one triangle, got {found}", name)])
     report.count("materials", len(materials))
-    scene: dict[str, Any] = {"alight": FORMAT_VERSION, "bsdfs": bsdfs, "nodes": nodes}
-    if not glow.suffices(bounds):
-        add_light(scene, report, shines=glow.total > 0.0)
-    add_camera(scene, report, bounds)
-    return Parsed.of(scene, places, report, framed=bounds)
+    return model_scene({"bsdfs": bsdfs, "nodes": nodes}, places, report, bounds, glow)
 
 
 def _with_line(message: str, name: str) -> Issue:

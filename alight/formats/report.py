@@ -8,8 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
-from alight.core.errors import Issue, nearest, quote
+from alight.core.errors import Issue, SceneError, nearest, quote
+
+
+class Item(Protocol):
+    """A part of a file that remarks are about: an element, a directive, a parameter."""
+
+    place: str
+
+    @property
+    def label(self) -> str:
+        """Its beginning, as messages show it."""
+        ...
 
 
 @dataclass
@@ -31,7 +43,7 @@ class Report:
     assumed : dict of str to str
         Key path -> the warning that holds as long as its value stays.
     told : set of (str, str)
-        Kinds and words of the file of which it was said that they are left out.
+        What has been said, each but once: a file may have as many remarks as shapes.
     """
 
     lenient: bool = False
@@ -41,6 +53,45 @@ class Report:
     counts: dict[str, int] = field(default_factory=dict)
     assumed: dict[str, str] = field(default_factory=dict)
     told: set[tuple[str, str]] = field(default_factory=set)
+
+    def error(self, item: Item, message: str) -> None:
+        """Report a problem of a part of the file, which nothing mends but an edit."""
+        self.issues.append(Issue(item.label, message, item.place))
+
+    def errors_of(self, item: Item, error: SceneError) -> None:
+        """Report the problems of something that a part of the file asks for."""
+        for issue in error.issues:
+            message = f"{issue.path}: {issue.message}" if issue.path else issue.message
+            self.error(item, message)
+
+    def not_covered(self, item: Item, message: str, replacement: str) -> None:
+        """Report what alight has no model for; when lenient, say what takes its place."""
+        if self.lenient:
+            self.warn(item, f"{message.partition('  (')[0]}: {replacement}")
+        else:
+            self.error(item, message)
+
+    def unknown(
+        self, item: Item, kind: str, name: str, covered: Iterable[str], replacement: str
+    ) -> None:
+        """Report a kind of object, by its name in the file, that alight has no model for."""
+        known = sorted(covered)
+        listed = ", ".join(word or '""' for word in known)
+        text = f"{kind} {quote(name)} is not covered{did_you_mean(name, known)}"
+        self.not_covered(item, f"{text}  (covered: {listed})", replacement)
+
+    def note(self, item: Item, text: str) -> None:
+        """Remark on a part of the file that is left out without harm."""
+        self._say(self.notes, f"{item.place}: {item.label} {text}")
+
+    def warn(self, item: Item, text: str) -> None:
+        """Remark on a part of the file that changes the picture."""
+        self._say(self.warnings, f"{item.place}: {item.label} {text}")
+
+    def _say(self, lines: list[str], line: str) -> None:
+        if ("", line) not in self.told:
+            self.told.add(("", line))
+            lines.append(line)
 
     def problem(self, place: str, path: str, message: str) -> None:
         """Report what nothing mends but an edit: file or line, what it is about, what is wrong."""
@@ -75,19 +126,16 @@ class Report:
         elif word in approximated:
             self.approximate(f"{quote(word)} is left out: {approximated[word]}")
         else:
-            near = nearest(word, known)
-            hint = f"; did you mean {quote(near)}?" if near else ""
-            self.warnings.append(f"{place}: unknown {kind} {quote(word)} is left out{hint}")
+            text = f"unknown {kind} {quote(word)} is left out{did_you_mean(word, known)}"
+            self.warnings.append(f"{place}: {text}")
 
     def drop(self, text: str) -> None:
         """Say once what is left out."""
-        if text not in self.notes:
-            self.notes.append(text)
+        self._say(self.notes, text)
 
     def approximate(self, text: str) -> None:
         """Say once what is not quite what the file says."""
-        if text not in self.warnings:
-            self.warnings.append(text)
+        self._say(self.warnings, text)
 
     def assume(self, key: str, text: str) -> None:
         """Say what is chosen for the file, as long as the user does not choose otherwise."""
@@ -97,3 +145,9 @@ class Report:
     def count(self, kind: str, number: int = 1) -> None:
         """Count what was read."""
         self.counts[kind] = self.counts.get(kind, 0) + number
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown word: the known one that is nearest, if any is."""
+    near = nearest(word, known)
+    return f"; did you mean {quote(near)}?" if near and near != word else ""

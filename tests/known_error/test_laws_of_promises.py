@@ -13,6 +13,7 @@ from alight.rendering.stopping import (
     Unseen,
     cell_sum,
     first_look,
+    judge_means,
     next_look,
     share_within,
     spread_over_pixels,
@@ -275,3 +276,15 @@ def test_looks_are_whole_rounds_that_grow_by_a_quarter(replicates):
         assert later % replicates == 0
         assert 1.25 * spp <= later < 1.25 * spp + replicates
         spp = later
+
+
+@pytest.mark.parametrize("metric", ["relrmse", "pixel"])
+@pytest.mark.parametrize("counts", [[0, 0, 0, 0], [4, 4, 4, 0], [0, 0, 0, 4]])
+def test_with_an_empty_replicate_nothing_is_known(metric, counts):
+    """No number, no verdict in favour, and no number of samples that would do."""
+    counts = np.broadcast_to(counts, (8, 8, 4))
+    found = judge_means(np.ones((8, 8, 4, 3)), counts, Promise(10.0, metric=metric), 0, 1.0)
+    unknown = ("achieved", "share", "unseen", "bound", "value")
+    assert all(math.isnan(getattr(found, name)) for name in unknown)
+    assert (found.within, found.met, found.doubted) == (False, False, False)
+    assert (found.doubtful, found.factor) == (1.0, math.inf)

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import alight
 from alight.cli.main import app
+from alight.formats import loads
 from alight.laws.mutants import MUTANTS, plant, run_with
 from alight.laws.scene import Finding, Verdict, check_scene
 from alight.laws.scene.dump import write_failures
@@ -50,6 +51,24 @@ def test_a_scene_without_a_bug_keeps_all_laws():
     assert sum("follow their density" in f.law and f.part.startswith("light ") for f in
                verdict.findings) == 6  # fmt: skip
     assert all(f.p is not None or f.holds is not None for f in verdict.findings)
+
+
+@pytest.mark.parametrize(
+    "sky",
+    ["{type: sky, sun_direction: [0.6, 0.5, 0.2]}", "{type: sunsky, sun_direction: [0.6, 0.5, 0]}"],
+    ids=["sky", "sunsky"],
+)
+def test_light_that_varies_over_the_sky_keeps_all_laws(sky):
+    scene = loads(f"""
+alight: 1
+camera: {{fov: 45, transform: {{translate: [0.5, 1, 4]}}}}
+film: {{size: [8, 8]}}
+environment: {sky}
+nodes: {{floor: {{shape: rectangle, bsdf: {{type: diffuse}}}}}}
+""")
+    verdict = check_scene(scene, only=("lights",))
+    assert verdict.ok, verdict.failures
+    assert sum("follow their density" in finding.law for finding in verdict.findings) == 2
 
 
 @pytest.mark.proofs

@@ -6,7 +6,7 @@ import pytest
 from alight.compiled.materials import compile_materials
 from alight.core.registry import modules, type_name_of
 from alight.lights.tree import BEHIND, ONE_SIDED, least_cosine
-from alight.lights.tree_bounds import bounds_of_row, guess, pack, unpack
+from alight.lights.tree_bounds import NEVER, Bounds, bounds_of_row, guess, pack, unpack
 from alight.lights.tree_build import Leaves, _groups
 from lanewise.jit import instantiate
 from lanewise.view import View
@@ -41,6 +41,26 @@ def test_a_pair_shines_up_to_the_edge_of_each_lamp():
         bounds = instantiate(bounds_of_row, TREE, compiled=False)(View(group), 0)
         found = run(guess, bounds, p, p * np.float32(0.0), np.ones(n, bool), 0.0)
         assert np.all(found.plain > 0.0), angle
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.4, 1.2, 1.5])
+def test_a_far_group_is_the_mean_of_the_lit_cosines_over_the_squared_distance(spread):
+    """Seen at an angle to its axis, its lamps' cosines lie evenly between the ends of its cone."""
+    angle, far = np.linspace(0.01, 3.1, 200), 7.0
+    across, zero = np.sin(angle), 0.0 * angle
+    axis, dark = vec(np.array([0.0, 0.0, 1.0])), np.cos(min(spread + 0.5 * np.pi, np.pi))
+    group = Bounds(
+        vec(np.zeros(3)), 1e-4, 0.0, axis, np.cos(spread), np.sin(spread), dark, 5.0, 1.0, NEVER
+    )
+    # From straight below the point's normal: the cosine there is 1.
+    p = vec(far * np.stack([across, zero, np.cos(angle)]))
+    n = vec(-np.stack([across, zero, np.cos(angle)]))
+    found = run(guess, group, p, n, np.zeros(len(angle), bool), 0.0)
+    first, last = (np.cos(np.clip(angle + end, 0.0, np.pi)) for end in (-spread, spread))
+    part = (np.arange(2000) + 0.5) / 2000
+    lit = np.maximum(last + np.multiply.outer(part, first - last), 0.0).mean(axis=0)
+    np.testing.assert_allclose(found.plain, 5.0 * lit / far**2, rtol=2e-3, atol=3e-4)
+    np.testing.assert_allclose(found.importance, found.plain, rtol=1e-3)
 
 
 EXAMPLES = {module: module.EXAMPLES for module in modules("bsdfs")}

@@ -117,3 +117,21 @@ def test_shadow_rays_come_through_as_the_transmittance_says(bench, ray):
     expected = np.exp(-optical_depth(*ray) * np.array(EXTINCTION))
     for c in range(3):
         assert_mean(weight[:, c], expected[c])
+
+
+def test_a_flight_knows_what_the_shadow_ray_of_the_same_numbers_does(bench):
+    """Both meet the same collisions; what passes by chance here is weighted there by 1 - real."""
+    active = np.ones(COUNT, bool)
+    rows, o, d, length, channel, u, stream = bench.arguments(*RAYS["grid"])
+    flight = bench.fly(bench.scene, rows, o, d, length, channel, u, stream, active)
+    crossing = bench.cross(bench.scene, rows, o, d, length, channel, stream, active)
+    # Without roulette.
+    alike = ~flight.scattered & (np.broadcast_to(crossing.boost, COUNT) == 1.0)
+    alike &= crossing.passed.x > 0.0
+    assert alike.mean() > 0.05
+    passed, light = columns(crossing.passed)[alike], columns(crossing.light)[alike]
+    np.testing.assert_allclose(columns(flight.factor)[alike], light, rtol=1e-5)
+    np.testing.assert_allclose(columns(flight.light)[alike] * passed, light * light, rtol=1e-4)
+    # Some met nothing, and some several.
+    kept = passed[:, 0] / light[:, 0]
+    assert (kept == 1.0).any() and (kept < 0.9).any()

@@ -163,6 +163,15 @@ def test_without_a_sample_pixels_are_as_bright_as_their_surroundings():
     assert many.lowest > 0.95 * many.value
 
 
+@pytest.mark.parametrize("pixels", [1, 2, 5, 10])
+def test_where_b_sees_nothing_the_prior_alone_speaks(pixels):
+    """A gamma prior of weight 1 among E expected samples, none seen: rho and rho^2 have the mean
+    m = 1 / (1 + E), so v = log(1 + E), and E[rho^-2] = m^-2 exp(3 v) = (1 + E)^5."""
+    found = gathered(np.zeros(9 * pixels), 4, np.ones(9 * pixels))
+    expected = 2.0 * pixels / math.sqrt(8.0)
+    assert found.weights[0] == pytest.approx((1.0 + expected) ** 5, rel=2e-3)
+
+
 @pytest.mark.parametrize("mean", [0.01, 0.5, 3.0, 20.0, 49.0, 300.0])
 def test_the_poisson_tail_is_scipys(mean):
     for k in (0, 1, 2, round(mean), round(mean + 2 * math.sqrt(mean)) + 1):

@@ -206,16 +206,16 @@ LIGHT = (
     Mutant(
         "power of a sphere of OpenUSD normalised by its area before it is placed",
         "formats/usd/lights.py",
-        (("_area_of_ball(world, max(", "_area_of_ball(np.eye(4), max("),),
+        (("area_of_ball(world, max(", "area_of_ball(np.eye(4), max("),),
         f"{POWER}[sphere-larger-1]",
     ),
     Mutant(
         "area of a slanted rectangle by the lengths of its edges",
-        "formats/usd/lights.py",
+        "formats/lamps.py",
         (
             (
-                "np.linalg.norm(np.cross(world[:3, 0], world[:3, 1]))",
-                "np.prod(np.linalg.norm(world[:3, :2], axis=0))",
+                "np.linalg.norm(np.cross(to_world[:3, 0], to_world[:3, 1]))",
+                "np.prod(np.linalg.norm(to_world[:3, :2], axis=0))",
             ),
         ),
         f"{POWER}[rectangle-slanted-1]",

@@ -9,7 +9,7 @@ import alight
 from alight.cli.words import takes_words
 from alight.core.errors import OptionError
 from alight.options import laboratory, render, resume
-from alight.options.kinds import Anything
+from alight.options.kinds import Anything, File, Files
 from alight.options.table import PANELS, Options, documented
 from tests.options.examples import WRONG, example
 
@@ -50,6 +50,9 @@ def test_what_is_written_is_read_again(table, name):
     value = one.check(example(one))
     assert value != one.check(one.default)
     assert one.check(value) == value
+    if not isinstance(one.kind, File | Files):
+        given = example(one)
+        assert value == (tuple(given) if isinstance(given, list) else given)
     if one.flags and not one.kind.is_repeated and type(value) is not bool:
         assert one.parse(one.kind.write(value)) == value
 

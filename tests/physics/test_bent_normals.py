@@ -6,7 +6,7 @@ import pytest
 from alight.bsdfs.bump_map import BumpMap
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.normal_map import NormalMap
-from alight.bsdfs.relief import _fading
+from alight.bsdfs.relief import _fading, _lit
 from alight.bsdfs.two_sided import TwoSided
 from alight.core.vec import Vec3
 from alight.laws.materials import Material, direction, random_numbers
@@ -80,3 +80,23 @@ def test_rounded_normals_do_not_make_grazing_light_a_nan():
     low = np.float32(1e-6) * np.arange(1, 100, dtype=np.float32)
     grazing = Vec3(np.sqrt(1 - low**2), np.zeros_like(low), low)
     np.testing.assert_array_equal(_fading(normal, np.ones(99, bool), grazing), 1.0)
+
+
+def test_lit_normals_rise_until_the_mirrored_viewer_is_above_the_surface():
+    n, wo = upper(4000, 8), unit_vectors(4000, 9)
+    wo[2] = np.copysign(np.maximum(np.abs(wo[2]), 0.01), wo[2])
+    moved = _lit(Vec3(*n), Vec3(*wo))
+    found = np.stack([moved.x, moved.y, moved.z])
+    # Seen from below, the frame stands on its head.
+    w = np.where(wo[2] < 0.0, -wo, wo)
+    before, after = (2.0 * (m * w).sum(axis=0) * m[2] - w[2] for m in (n, found))
+    enough = (before > 0.1 * w[2]) & ((n * w).sum(axis=0) > 0.0)
+    assert 0.2 < enough.mean() < 0.8
+    np.testing.assert_array_equal(found[:, enough], n[:, enough])
+    # n + k z, normalised: a tenth of the viewer's height, over the square of its length.
+    np.testing.assert_allclose(np.linalg.norm(found, axis=0), 1.0, atol=1e-5)
+    np.testing.assert_allclose(found[0] * n[1], found[1] * n[0], atol=1e-5)
+    length = np.hypot(n[0], n[1]) / np.hypot(found[0], found[1])
+    bent = ~enough & (np.hypot(n[0], n[1]) > 0.1)
+    np.testing.assert_allclose((after * length**2)[bent], 0.1 * w[2][bent], rtol=0.02, atol=1e-3)
+    assert np.all(after[~enough] > -1e-5)

@@ -23,6 +23,8 @@ FURNACES = {
     "glass": {"transmission": 1.0},
     "water": {"transmission": 1.0, "ior": 1.33},
     "sheet": {"transmission": 1.0, "thin": True},
+    "dull glass": {"transmission": 1.0, "specular": 0.6},
+    "tinted glass": {"transmission": 1.0, "specular_color": (0.9, 0.3, 0.5)},
     "half and half": {"metallic": 0.5, "transmission": 0.5, "thin": True},
     "layers": {"clearcoat": 1.0, "clearcoat_roughness": 0.4, "sheen_color": 0.6},
     "film": {"iridescence": 1.0},

@@ -52,6 +52,13 @@ def mixed_ids(specs=MIXED):
     return np.random.default_rng(5).integers(0, len(specs), N).astype(np.uint32)
 
 
+def test_no_result_is_left_out_or_stands_for_another():
+    """Else the laws here would compare less than they say."""
+    results = scatter(MIXED, mixed_ids(), False)
+    assert results.any(axis=1).all()
+    assert len(np.unique(results, axis=0)) == len(results)
+
+
 @pytest.mark.parametrize(
     "specs",
     [MIXED, (Diffuse(),), (TwoSided(bsdf=Diffuse(reflectance=0.2)), Diffuse(sampling="uniform"))],

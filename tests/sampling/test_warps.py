@@ -110,6 +110,15 @@ def test_disk_points_are_uniform(warp):
     np.testing.assert_array_equal(disk_pdf(f(0.999 * x), f(0.999 * y)), f(1.0 / np.pi))
 
 
+def test_polar_points_have_the_radius_and_the_angle_that_are_stated():
+    u = square(4)
+    x, y = (v.astype(float) for v in square_to_disk_polar(u))
+    np.testing.assert_allclose(np.hypot(x, y), np.sqrt(u[0]), atol=1e-6)
+    turn = 2.0 * np.pi * u[1].astype(float)
+    np.testing.assert_allclose(x * np.sin(turn), y * np.cos(turn), atol=1e-6)
+    assert np.all(x * np.cos(turn) + y * np.sin(turn) >= 0.0)
+
+
 @pytest.mark.parametrize("warp", [square_to_disk_concentric, square_to_disk_polar])
 def test_disk_points_stay_inside_at_the_ends_of_the_square(warp):
     x, y = warp(corners_and_edges())

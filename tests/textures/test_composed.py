@@ -43,7 +43,9 @@ def test_operators_are_their_formulas():
         Threshold(texture=(0.5, 0.5, 0.5), cutoff=0.5): np.ones((64, 3)),
         Clamp(texture=A, high=0.4): np.minimum(a, 0.4),
         Clamp(texture=Multiply(a=A, b=1.5)): np.minimum(1.5 * a, 1.0),
+        Channel(texture=A, channel="r"): a[:, [0, 0, 0]],
         Channel(texture=A, channel="g"): a[:, [1, 1, 1]],
+        Channel(texture=A, channel="b"): a[:, [2, 2, 2]],
         Channel(texture=A, channel="a"): np.ones((64, 3)),
     }
     for texture, wanted in cases.items():
@@ -61,7 +63,9 @@ def test_means_and_maxima_are_those_of_the_parts():
             0.75 * mean + 0.25 * np.array((1.0, 0.0, 0.5)),
             np.maximum(high, (1.0, 0.0, 0.5)),
         ),
+        Channel(texture=C, channel="r"): (mean[[0] * 3], high[[0] * 3]),
         Channel(texture=C, channel="g"): (mean[[1] * 3], high[[1] * 3]),
+        Channel(texture=C, channel="b"): (mean[[2] * 3], high[[2] * 3]),
         Threshold(texture=C, cutoff=0.5): (mean * [1, 1, 0], [1, 1, 0]),
         Clamp(texture=C, high=0.3): (np.minimum(mean, 0.3), np.minimum(high, 0.3)),
     }

@@ -10,8 +10,8 @@ from __future__ import annotations
 import difflib
 from typing import Any
 
-from alight.core.errors import nearest, quote
-from alight.formats.report import Report
+from alight.core.errors import quote
+from alight.formats.report import Report, did_you_mean
 
 #: Kind of object -> its keys -> the kind of what stands there: "" for plain values.
 _INFO = {"index": "", "texCoord": ""}
@@ -143,8 +143,7 @@ def say_what_is_unknown(document: Any, report: Report) -> None:
                     stack.append((inner, keys[key], KINDS[keys[key]], f"{pointer}/{key}"))
             elif key not in _ALWAYS and (kind, key) not in said:
                 said.add((kind, key))
-                near = nearest(key, keys)
-                hint = f'; did you mean "{near}"?' if near else ""
+                hint = did_you_mean(key, keys)
                 report.approximate(f"{pointer or '/'}: unknown key {quote(key)} was left out{hint}")
         found = value.get("extensions")
         for name, inner in found.items() if isinstance(found, dict) else ():

@@ -25,6 +25,7 @@ from alight.formats.gltf.places import unscaled
 from alight.formats.gltf.skins import joint_matrices
 from alight.formats.gltf.textures import Data
 from alight.formats.gltf.values import Item
+from alight.formats.lamps import parallel, point, spot, turned
 from alight.formats.names import free_name
 from alight.formats.surroundings import Bounds
 from alight.scene.transform import Matrix, is_singular
@@ -34,8 +35,6 @@ from alight.shapes.mesh import Mesh
 DEEPEST = 16
 #: Radians, least and most, that a picture can span.
 _ANGLES = 1e-12, math.radians(179.9999)
-#: Spots and directional lights of glTF shine along -z, ours along +z.
-_TURNED = {"rotate": {"axis": "x", "angle": 180.0}}
 
 
 @dataclass
@@ -374,17 +373,11 @@ def punctual(light: Item) -> Data:
     if light.has("range"):
         light.report.drop("range: lights reach as far as light does")
     if kind == "point":
-        return {"light": {"type": "point", "intensity": emitted}}
+        return {"light": point(emitted)}
     if kind == "directional":
-        return {"transform": _TURNED, "light": {"type": "directional", "irradiance": emitted}}
+        return turned(parallel(emitted), "x")
     cone = light.object("spot") or Item({}, light.at("spot"), light.name, light.report)
     outer = cone.number("outerConeAngle", math.pi / 4.0, 1e-4, math.pi / 2.0)
     inner = cone.number("innerConeAngle", 0.0, 0.0, outer)
-    spot = {
-        "type": "spot",
-        "intensity": emitted,
-        "cutoff_angle": math.degrees(outer),
-        "beam_width": min(math.degrees(inner), math.degrees(outer)),
-        "falloff": "quadratic",
-    }
-    return {"transform": _TURNED, "light": spot}
+    cutoff = math.degrees(outer)
+    return turned(spot(emitted, cutoff, min(math.degrees(inner), cutoff), "quadratic"), "x")

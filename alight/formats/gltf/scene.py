@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from alight.core.errors import SceneError, nearest
+from alight.core.errors import SceneError
 from alight.formats.gltf.accessors import COMPRESSED
 from alight.formats.gltf.container import Document, open_document
 from alight.formats.gltf.keys import left_out, say_what_is_unknown
 from alight.formats.gltf.materials import COVERED as MATERIALS
 from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.nodes import Graph
+from alight.formats.model_scene import model_scene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
-from alight.formats.report import Report
-from alight.formats.surroundings import SIZE, add_camera, add_light, say_if_empty, use_first_camera
-from alight.scene.build import FORMAT_VERSION
+from alight.formats.report import Report, did_you_mean
+from alight.formats.surroundings import SIZE
 
 #: Extensions that are read.
 COVERED = (
     *MATERIALS, "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
 )  # fmt: skip
-_HEIGHT = 600
 
 
 def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
@@ -46,37 +43,35 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
-    scene: dict[str, Any] = {
-        "alight": FORMAT_VERSION,
-        "bsdfs": graph.bsdfs,
-        "prototypes": graph.prototypes,
-        "nodes": graph.nodes,
-    }
-    say_if_empty(report, graph.bounds)
-    if not graph.is_lit and not graph.glow.suffices(graph.bounds):
-        add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
-    if graph.cameras:
-        _use_camera(document, graph, scene)
-    else:
-        add_camera(scene, report, graph.bounds)
+    tables = {"bsdfs": graph.bsdfs, "prototypes": graph.prototypes, "nodes": graph.nodes}
     report.count("nodes", len(document.list("nodes")))
-    framed = None if graph.cameras else graph.bounds
-    return Parsed.of(scene, graph.places | {"": name}, report, framed=framed)
+    return model_scene(
+        tables,
+        graph.places | {"": name},
+        report,
+        graph.bounds,
+        graph.glow,
+        is_lit=graph.is_lit,
+        cameras=[path for path, _ in graph.cameras],
+        aspect=_aspect(document, graph),
+        view=graph.view,
+    )
 
 
-def _use_camera(document: Document, graph: Graph, scene: dict[str, Any]) -> None:
-    """Show what the first camera sees."""
-    use_first_camera(scene, document.report, [path for path, _ in graph.cameras])
+def _aspect(document: Document, graph: Graph) -> float:
+    """The shape of the first camera's picture, width by height."""
+    aspect = SIZE[0] / SIZE[1]
+    if not graph.cameras:
+        return aspect
     item = document.list("cameras")[graph.cameras[0][1]]
     perspective = item.object("perspective")
     orthographic = item.object("orthographic")
-    aspect = SIZE[0] / SIZE[1]
     if perspective is not None and perspective.has("aspectRatio"):
-        aspect = perspective.number("aspectRatio", aspect, 1e-3, 1e3)
-    elif orthographic is not None:
+        return perspective.number("aspectRatio", aspect, 1e-3, 1e3)
+    if orthographic is not None:
         height = orthographic.number("ymag", 1.0, 1e-9)
-        aspect = orthographic.number("xmag", height, 1e-9) / height
-    scene["film"] = {"size": [max(1, min(round(_HEIGHT * aspect), 2**14)), _HEIGHT]}
+        return orthographic.number("xmag", height, 1e-9) / height
+    return aspect
 
 
 def _check_extensions(document: Document) -> None:
@@ -91,9 +86,7 @@ def _check_extensions(document: Document) -> None:
         if name in COMPRESSED:
             root.wrong("extensionsRequired", COMPRESSED[name])
         elif name not in COVERED:
-            near = nearest(name, COVERED)
-            hint = f'; did you mean "{near}"?' if near else ""
-            text = f'requires "{name}", which is not covered{hint}'
+            text = f'requires "{name}", which is not covered{did_you_mean(name, COVERED)}'
             root.wrong("extensionsRequired", f"{text}  (covered: {', '.join(sorted(COVERED))})")
     for name in used:
         if name not in COVERED and name not in required:

@@ -42,13 +42,14 @@ def convert(context: Context, element: Element, path: str) -> Data | str:
 
 
 def _build(context: Context, element: Element, path: str) -> Data:
-    if element.type not in COVERED:
-        context.report.unknown(element, "bsdf", COVERED, "grey diffuse 0.5 is taken")
+    known = context.materials
+    if element.type not in known:
+        context.report.unknown(element, "bsdf", element.type, known, "grey diffuse 0.5 is taken")
         context.places[path] = element.place
         return dict(GREY)
     if not context.enter(element):
         return dict(GREY)
-    native, fill = COVERED[element.type]
+    native, fill = known[element.type]
     draft = Draft(context, element, path, native)
     fill(draft)
     draft.properties.finish()

@@ -79,7 +79,7 @@ class Colors(ColorReader[Element]):
             return _hot(p.number("temperature", 5000.0), p.number("scale", 1.0) or 0.0)
         if kind in ("regular", "irregular"):
             return reduced(_sampled(kind, p), role)
-        self.report.unknown(element, "spectrum", _PLUGINS, "0.5 is taken")
+        self.report.unknown(element, "spectrum", element.type, _PLUGINS, "0.5 is taken")
         p.named.clear()
         p.objects.clear()
         return [0.5] * 3

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from alight.core.errors import join_path, unknown_name
 from alight.formats.mitsuba.colors import Colors
 from alight.formats.mitsuba.elements import Element
-from alight.formats.mitsuba.report import Report
 from alight.formats.reach import Reach
+from alight.formats.report import Report
 from alight.scene.description import name_problem
 
 Data = dict[str, Any]
@@ -29,6 +29,8 @@ class Context:
     report : Report
     reach : Reach
         Finds files.
+    materials : mapping
+        Plug-in -> our name, and what reads its parameters.
     ids : dict of str to Element
         Objects that can be referred to.
     places : dict of str to str
@@ -45,6 +47,7 @@ class Context:
 
     report: Report
     reach: Reach
+    materials: Mapping[str, tuple[str, Callable[[Any], None]]]
     ids: dict[str, Element] = field(default_factory=dict)
     places: dict[str, str] = field(default_factory=dict)
     tables: dict[str, dict[str, Data]] = field(default_factory=dict)

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.formats.mitsuba.elements import MOST_BYTES, MOST_ELEMENTS, Element, parse
-from alight.formats.mitsuba.report import Report
 from alight.formats.reach import OutOfReachError, Reach
+from alight.formats.report import Report
 
 MOST_INCLUDES = 64
 MOST_INCLUDE_LEVELS = 8

@@ -167,8 +167,10 @@ class _Reader:
 
 def _normalise(root: Element) -> None:
     """Mark every element with the spelling of its file, and put names into snake_case."""
-    version = root.attributes.get("version", "")
-    old = is_old(version, root)
+    try:
+        old = is_old(root.attributes.get("version", ""))
+    except ValueError as error:
+        raise SceneError([Issue(root.label, str(error), root.place)]) from None
     stack = [root]
     while stack:
         element = stack.pop()

@@ -140,7 +140,7 @@ def unknown(context: Context, element: Element) -> None:
         context.report.note(element, "shines where a shape refers to it")
         return
     known = (*NODES, "constant", "area (on a shape)")
-    context.report.unknown(element, "emitter", known, "left out")
+    context.report.unknown(element, "emitter", element.type, known, "left out")
 
 
 #: Emitters with a node of their own.

@@ -51,7 +51,7 @@ def film(context: Context, element: Element | None) -> Data:
     if element.type in OTHER_FILMS:
         context.report.note(element, "is about files, see the options of the command line")
     elif element.type not in FILMS:
-        context.report.unknown(element, "film", FILMS, "hdrfilm is taken")
+        context.report.unknown(element, "film", element.type, FILMS, "hdrfilm is taken")
     draft = Draft(context, element, "film")
     p = draft.properties
     p.ignore("it is about files, see the options of the command line", *_OF_FILES)
@@ -83,7 +83,7 @@ def _filter(context: Context, element: Element | None) -> Data:
     known = ("box", "tent", "gaussian", "mitchell", "catmullrom")
     kind = element.type
     if kind not in known:
-        context.report.unknown(element, "filter", known, "gaussian is taken")
+        context.report.unknown(element, "filter", element.type, known, "gaussian is taken")
         return gaussian
     native = "mitchell" if kind == "catmullrom" else kind
     draft = Draft(context, element, "film.filter", native)
@@ -119,7 +119,7 @@ def sampler(context: Context, element: Element | None) -> tuple[int | None, Data
         return SAMPLE_COUNT, {"type": "independent"}
     kind = element.type
     if kind not in SAMPLERS:
-        context.report.unknown(element, "sampler", SAMPLERS, "independent is taken")
+        context.report.unknown(element, "sampler", element.type, SAMPLERS, "independent is taken")
     native, has_strata = SAMPLERS.get(kind, ("independent", False))
     draft = Draft(context, element, "sampler", native)
     p = draft.properties

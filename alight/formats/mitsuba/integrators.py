@@ -41,7 +41,7 @@ def convert(context: Context, element: Element) -> Data | None:
         context.report.warn(element, "shows a layer: path is taken, and --aov asks for layers")
         return {"type": "path"}
     if kind not in COVERED:
-        context.report.unknown(element, "integrator", COVERED, "path is taken")
+        context.report.unknown(element, "integrator", element.type, COVERED, "path is taken")
         return {"type": "path"}
     draft = Draft(context, element, "integrator", "direct" if kind == "direct" else "path")
     p = draft.properties

@@ -61,7 +61,7 @@ def medium(context: Context, element: Element, path: str) -> str | Data | None:
         context.report.note(element, "plays no part: the integrator does not see media")
         return None
     if target.type not in COVERED:
-        context.report.unknown(target, "medium", COVERED, "empty space is taken")
+        context.report.unknown(target, "medium", target.type, COVERED, "empty space is taken")
         return None
     context.uses_media = True
 
@@ -133,7 +133,9 @@ def _constant(draft: Draft, element: Element, role: Role) -> list[float] | None:
     """The colour of a ``constvolume``."""
     inner = Draft(draft.context, element, draft.path)
     if element.type != "constvolume":
-        draft.context.report.unknown(element, "volume", ("constvolume",), "the default is taken")
+        draft.context.report.unknown(
+            element, "volume", element.type, ("constvolume",), "the default is taken"
+        )
         return None
     found = inner.properties.find("value")
     inner.properties.finish()
@@ -147,7 +149,9 @@ def _grid(context: Context, element: Element) -> tuple[Volume, list[float]]:
     """Values of a ``gridvolume``, and the rows of its matrix from the unit cube to the world."""
     p, report = Draft(context, element, "").properties, context.report
     if element.type != "gridvolume":
-        report.unknown(element, "volume", ("gridvolume", "constvolume"), "an empty one is taken")
+        report.unknown(
+            element, "volume", element.type, ("gridvolume", "constvolume"), "an empty one is taken"
+        )
     p.text("filter_type", "trilinear", ("trilinear",))
     p.text("wrap_mode", "clamp", ("clamp",))
     in_box = p.flag("use_grid_bbox", False)
@@ -186,9 +190,11 @@ def _phase(draft: Draft) -> None:
             phase.properties.finish()
             draft.put("phase", phase.data)
         else:
-            draft.context.report.unknown(
-                element, "phase function", PHASES, "an isotropic one is taken"
-            )
+            _unknown_phase(draft.context, element, "an isotropic one is taken")
+
+
+def _unknown_phase(context: Context, element: Element, replacement: str) -> None:
+    context.report.unknown(element, "phase function", element.type, PHASES, replacement)
 
 
 def _mean_cosine(context: Context, element: Element) -> float:
@@ -207,7 +213,7 @@ def _mean_cosine(context: Context, element: Element) -> float:
         g = found[0] + weight * (found[1] - found[0])
     else:
         if element.type not in PHASES:
-            context.report.unknown(element, "phase function", PHASES, "isotropic is taken")
+            _unknown_phase(context, element, "isotropic is taken")
         g = 0.0
     p.finish()
     return min(max(g, -0.99), 0.99)

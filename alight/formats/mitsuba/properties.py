@@ -7,13 +7,13 @@ from typing import overload
 
 from alight.core.errors import quote, unknown_name
 from alight.formats.mitsuba.elements import Element
-from alight.formats.mitsuba.report import Report
 from alight.formats.mitsuba.values import (
     NotNumbersError,
     parse_integer,
     parse_number,
     parse_numbers,
 )
+from alight.formats.report import Report
 
 #: Elements that give a value to a parameter.
 VALUES = ("float", "integer", "boolean", "string", "point", "vector", "transform", "animation")

@@ -21,14 +21,14 @@ from alight.formats.mitsuba.context import Context
 from alight.formats.mitsuba.document import Document, read_document
 from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.framing import surround
-from alight.formats.mitsuba.report import Report
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
+from alight.formats.report import Report
 from alight.formats.surroundings import Bounds
 from alight.scene.build import FORMAT_VERSION
 
-bsdfs.COVERED.update(stand_ins.STAND_INS)
-
+#: What converts materials, those that are approximated included.
+MATERIALS = bsdfs.COVERED | stand_ins.STAND_INS
 #: Kinds of objects at the top level, in the order in which they are converted.
 TOP = ("sensor", "integrator", "texture", "bsdf", "medium", "shape", "emitter")
 
@@ -65,7 +65,7 @@ def parse(
     """
     report = Report(lenient)
     objects, document = read_document(text, name, reach or Reach(), definitions or {}, report)
-    context = Context(report, document.reach)
+    context = Context(report, document.reach, MATERIALS)
     _collect_ids(context, objects, document)
     data, spp, framed = _convert(context, objects)
     places = context.places | {"": f"{name}:1:1"}

@@ -31,7 +31,9 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
     """
     kind = element.type
     if kind not in COVERED:
-        context.report.unknown(element, "sensor", COVERED, "a perspective camera is taken")
+        context.report.unknown(
+            element, "sensor", element.type, COVERED, "a perspective camera is taken"
+        )
         kind = "perspective"
     draft = Draft(context, element, "camera")
     p = draft.properties

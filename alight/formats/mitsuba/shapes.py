@@ -40,7 +40,7 @@ def convert(context: Context, element: Element, path: str) -> Data | None:
         return _instance(context, element, path)
     if kind not in COVERED:
         known = (*COVERED, "shapegroup", "instance")
-        context.report.unknown(element, "shape", known, "left out")
+        context.report.unknown(element, "shape", element.type, known, "left out")
         return None
     return _shape(context, element, path)
 

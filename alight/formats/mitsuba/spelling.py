@@ -6,32 +6,27 @@ The attribute ``version`` of ``<scene>`` decides. Everything after this file kno
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
-from alight.core.errors import Issue, SceneError, quote
-
-if TYPE_CHECKING:
-    from alight.formats.mitsuba.elements import Element
+from alight.core.errors import quote
 
 #: The first version with the new spelling.
 NEW = 2
 
 
-def is_old(version: str, root: Element) -> bool:
+def is_old(version: str) -> bool:
     """Whether a file has the spelling of Mitsuba 0.6.
 
     Raises
     ------
-    SceneError
+    ValueError
         If the version is missing or is none.
     """
     found = re.fullmatch(r"(\d{1,4})(\.\d{1,4}){0,3}", version.strip())
     if not version:
         text = 'needs the attribute version, as version="3.0.0" (0.x: names in camelCase)'
-        raise SceneError([Issue(root.label, text, root.place)])
+        raise ValueError(text)
     if found is None:
-        text = f"version must be numbers with dots as 3.0.0, got {quote(version)}"
-        raise SceneError([Issue(root.label, text, root.place)])
+        raise ValueError(f"version must be numbers with dots as 3.0.0, got {quote(version)}")
     return int(found[1]) < NEW
 
 

@@ -83,7 +83,7 @@ def texture_value(
     if target is None:
         return None
     if target.type not in COVERED:
-        context.report.unknown(target, "texture", COVERED, "grey 0.5 is taken")
+        context.report.unknown(target, "texture", target.type, COVERED, "grey 0.5 is taken")
         return GREY
     swapped = as_number and target.type == "checkerboard"
 

@@ -102,7 +102,7 @@ class Attributes:
         """Warn of what moves while the shutter is open, and does not here."""
         if self.state.is_animated:
             text = "moves: it stands where it is at the start time"
-            self.context.report.approximated(directive, text)
+            self.context.report.warn(directive, text)
 
     def rests(self, directive: Directive, shines: bool) -> bool:
         """Whether a shape stands still, as one that shines does unless it only shifts and turns."""

@@ -15,8 +15,8 @@ from alight.core.errors import unknown_name
 from alight.formats.colors import Color, ColorReader, NoColorError, Pairs, Role, pairs_of, reduced
 from alight.formats.metals import METALS
 from alight.formats.pbrt.directives import Parameter
-from alight.formats.pbrt.report import Report
 from alight.formats.reach import Reach
+from alight.formats.report import Report
 from alight.formats.spectra import TO_SRGB, blackbody, to_linear_srgb
 
 KINDS = ("rgb", "spectrum", "blackbody", "xyz")

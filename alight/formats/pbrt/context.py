@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.formats.pbrt.colors import Colors
-from alight.formats.pbrt.report import Report
 from alight.formats.reach import Reach
+from alight.formats.report import Report
 from alight.scene.description import name_problem
 
 Data = dict[str, Any]
@@ -36,8 +36,8 @@ class Context:
         ``bsdfs``, ``textures`` and ``prototypes`` by name, as the native format has them.
     loaded : dict
         Meshes that have been read.
-    textures : mapping
-        What converts textures, by pbrt's name.
+    textures, materials : mapping
+        What converts textures and materials, by pbrt's name.
     """
 
     report: Report
@@ -51,6 +51,7 @@ class Context:
     )
     loaded: dict[Any, Any] = field(default_factory=dict)
     textures: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)
+    materials: Mapping[str, Callable[[Any], Data]] = field(default_factory=dict)
     _taken: set[tuple[str, str]] = field(default_factory=set)
     _last: dict[tuple[str, str], int] = field(default_factory=dict)
 

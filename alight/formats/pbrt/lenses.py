@@ -116,7 +116,7 @@ def realistic(
         context.exposure *= math.pi * (lens.radius / image) ** 2
     shown = f"one thin lens of {lens.focal_length / MILLIMETRE:.3g} mm is taken"
     text = f"{shown}, without distortion and dark corners"
-    context.report.approximated(p.directive, f"is made of {len(surfaces)} surfaces: {text}")
+    context.report.warn(p.directive, f"is made of {len(surfaces)} surfaces: {text}")
     return Perspective(angle_of(2.0 * half, image), "y", lens.radius, distance)
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
+from alight.formats.lamps import parallel, point, spot
 from alight.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.octahedral import to_latitude_longitude, to_sphere
@@ -49,7 +50,7 @@ def light_node(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
 def _point(context: Context, p: Parameters, matrix: Matrix) -> Data:
     color = with_power(p, amount(context, p, "I"), "power", 4.0 * math.pi)
     place = _moved(matrix, p.triple("from", (0.0, 0.0, 0.0)))
-    return placed({"type": "point", "intensity": color}, _at(place))
+    return placed(point(color), _at(place))
 
 
 def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
@@ -67,14 +68,8 @@ def _spot(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
     if turn is None:
         return None
     if not keeps_angles(matrix):
-        p.report.approximated(p.directive, "is stretched by its transformation: it stays round")
-    light = {
-        "type": "spot",
-        "intensity": color,
-        "cutoff_angle": max(cone, 0.001),
-        "beam_width": cone - delta,
-        "falloff": "quartic" if context.old else "smooth",
-    }
+        p.report.warn(p.directive, "is stretched by its transformation: it stays round")
+    light = spot(color, cone, cone - delta, "quartic" if context.old else "smooth")
     return placed(light, _at(_moved(matrix, start)) @ turn)
 
 
@@ -82,7 +77,7 @@ def _distant(context: Context, p: Parameters, matrix: Matrix) -> Data | None:
     color = with_power(p, amount(context, p, "L"), "illuminance", 1.0)
     start, target = p.triple("from", (0.0, 0.0, 0.0)), p.triple("to", (0.0, 0.0, 1.0))
     turn = _towards(p, matrix, target - start)
-    return None if turn is None else placed({"type": "directional", "irradiance": color}, turn)
+    return None if turn is None else placed(parallel(color), turn)
 
 
 def _towards(p: Parameters, matrix: Matrix, direction: np.ndarray) -> Matrix | None:
@@ -164,7 +159,7 @@ def surroundings(
                 text = (
                     "is not square: it is taken for a map of latitude and longitude, as in pbrt 3"
                 )
-                p.report.approximated(found, text)
+                p.report.warn(found, text)
                 file = context.reach.name_of(path)
                 light = {"type": "environment", "file": file, "scale": color}
                 return [0.0] * 3, placed(light, matrix @ _MAP_OF_3)

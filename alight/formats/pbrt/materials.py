@@ -80,7 +80,7 @@ class Making(Source):
             if max(found) > 1.0:
                 shown = ", ".join(f"{channel:g}" for channel in found)
                 text = f"reflects more than it gets, [{shown}]: it is cut at 1"
-                self.p.report.approximated(self.p.named[name], text)
+                self.p.report.warn(self.p.named[name], text)
             return [min(channel, 1.0) for channel in found]
         return (
             entry(self, {"type": "clamp", "texture": found}) if self._may_exceed(found) else found
@@ -100,7 +100,7 @@ class Making(Source):
 
     def warn(self, text: str) -> None:
         """Remark on what is not the same here."""
-        self.p.report.approximated(self.p.directive, text)
+        self.p.report.warn(self.p.directive, text)
 
     def nested(self, name: str, parameter: Parameter) -> str:
         """The native name of another material."""
@@ -143,13 +143,14 @@ def material_name(
 
 
 def _converted(m: Making, item: MaterialItem) -> Data:
-    if item.kind not in COVERED:
-        known = [name for name in COVERED if name]
+    materials = m.context.materials
+    if item.kind not in materials:
+        known = [name for name in materials if name]
         m.p.report.unknown(m.p.directive, "material", item.kind, known, "grey 0.5 is taken")
         return two_sided({"type": "diffuse"})
     # Its own name, in MakeNamedMaterial.
     m.p.find("type")
-    data = COVERED[item.kind](m)
+    data = materials[item.kind](m)
     data = _bumpy(m, data)
     m.p.finish()
     return data
@@ -439,7 +440,7 @@ def _subsurface(m: Making) -> Data:
     m.p.ignore("light leaves where it enters", "scale", "mfp", "g", "Kr", "Kt")
     if name and name not in SUBSTANCES:
         known = unknown_name("medium", name, SUBSTANCES, listed_as="known")
-        m.p.report.approximated(m.p.named["name"], f"{known.partition('  (')[0]}: 0.7 is taken")
+        m.p.report.warn(m.p.named["name"], f"{known.partition('  (')[0]}: 0.7 is taken")
         base = base or [0.7] * 3
     if base is None and isinstance(absorbed, list) and isinstance(scattered, list):
         base = [diffuse_reflectance(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
@@ -447,7 +448,7 @@ def _subsurface(m: Making) -> Data:
     return two_sided({**coat(m, alpha, base or [0.7] * 3, eta, None), "nonlinear": True})
 
 
-#: Materials of pbrt that alight has models for; those of pbrt 3 are added by their module.
+#: Materials of pbrt that alight has models for, but for most of those that only pbrt 3 has.
 COVERED: dict[str, Callable[[Making], Data]] = {
     "": _interface,
     "coatedconductor": _coated_conductor,
@@ -457,6 +458,7 @@ COVERED: dict[str, Callable[[Making], Data]] = {
     "diffuse": _diffuse,
     "diffusetransmission": _diffuse_transmission,
     "interface": _interface,
+    "kdsubsurface": _subsurface,
     "mix": _mix,
     "none": _interface,
     "subsurface": _subsurface,

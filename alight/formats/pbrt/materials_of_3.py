@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.materials import (
-    COVERED,
     Making,
     alphas,
     coat,
@@ -162,5 +161,3 @@ OF_3: dict[str, Callable[[Making], Data]] = {
     "translucent": _translucent,
     "uber": _uber,
 }
-COVERED |= OF_3
-COVERED["kdsubsurface"] = COVERED["subsurface"]

@@ -176,7 +176,7 @@ def _preset(context: Context, p: Parameters) -> dict[str, tuple[float, float, fl
     scattered, absorbed = SUBSTANCES[name]
     if p.number("g", 0.0) != 0.0:
         text = "is left out: what is known of the medium holds for scattering to all sides alike"
-        context.report.approximated(p.named.pop("g"), text)
+        context.report.warn(p.named.pop("g"), text)
     return {"sigma_a": absorbed, "sigma_s": scattered}
 
 
@@ -208,7 +208,7 @@ def _colored_grid(context: Context, p: Parameters, data: Data, matrix: np.ndarra
     mean = whole.mean(axis=1)
     if np.ptp(whole, axis=1).max() > 1e-3 * max(float(mean.max()), 1e-30):
         text = "is not as dense for all colours: their mean is taken, their albedos are kept"
-        report.approximated(p.directive, text)
+        report.warn(p.directive, text)
     shape = (count[2], count[1], count[0])
     albedo = np.where(whole > 0.0, scattered / np.where(whole > 0.0, whole, 1.0), 0.0)
     data |= {"sigma_t": scale}
@@ -253,7 +253,7 @@ def _phase(context: Context, p: Parameters, data: Data) -> None:
     elif g != 0.0:
         cut = min(max(g, -_LARGEST_G), _LARGEST_G)
         if cut != g:
-            context.report.approximated(p.named["g"], f"was cut to {cut:g}")
+            context.report.warn(p.named["g"], f"was cut to {cut:g}")
         data["phase"] = {"type": "henyey_greenstein", "g": cut}
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from alight.core.errors import quote, unknown_name
 from alight.formats.pbrt.directives import Directive, Parameter
-from alight.formats.pbrt.report import Report
+from alight.formats.report import Report
 
 #: Numbers in one value of a kind.
 WIDTHS = {"point": 3, "vector": 3, "normal": 3, "point2": 2, "vector2": 2}
@@ -147,7 +147,7 @@ class Parameters:
         for name in names:
             found = self.find(name)
             if found is not None:
-                self.report.approximated(found, f"is left out: {why}")
+                self.report.warn(found, f"is left out: {why}")
 
     def forget(self) -> None:
         """Ask for all: what is unknown itself has no unknown parameters."""

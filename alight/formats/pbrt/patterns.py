@@ -27,7 +27,7 @@ _TO_MIDDLES: list[Data] = [{"scale": [0.5, 0.5]}, {"translate": [0.25, 0.25]}]
 
 
 def _approximated(source: Source, text: str) -> None:
-    source.p.report.approximated(source.p.directive, text)
+    source.p.report.warn(source.p.directive, text)
 
 
 def _gradient(source: Source, corners: list[list[float]], steps: Data) -> Value:
@@ -82,7 +82,7 @@ def _waves(source: Source, octaves: int, gain: float, size: float = 1.0) -> tupl
     gain = min(max(wanted[1], 0.0), 1.0)
     for name, value, taken in zip(("octaves", "roughness"), wanted, (octaves, gain), strict=True):
         if value != taken:
-            p.report.approximated(p.named[name], f"became {taken:g}")
+            p.report.warn(p.named[name], f"became {taken:g}")
     scale, offset = _space(source, size)
     data: Data = {"type": "noise", "octaves": octaves, "gain": gain, "scale": scale}
     if any(offset):

@@ -99,5 +99,5 @@ def angle_of(p: Parameters) -> float:
 def cut(placed: Placed, keys: dict[str, np.ndarray], why: str) -> Mesh | None:
     """A mesh in the place of a surface with a formula."""
     count = len(keys["faces"])
-    placed.p.report.approximated(placed.p.directive, f"{why}: {count} triangles are taken")
+    placed.p.report.warn(placed.p.directive, f"{why}: {count} triangles are taken")
     return mesh_of(placed, keys, placed.turned)

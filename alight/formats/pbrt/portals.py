@@ -37,5 +37,5 @@ def portal(p: Parameters) -> Data | None:
     made[:3, 0], made[:3, 1], made[:3, 2] = x, y, normal / np.linalg.norm(normal) * size
     made[:3, 3] = 0.25 * (a + b + c + d)
     text = "light that does not come through its portal counts, too"
-    p.report.approximated(p.directive, text)
+    p.report.warn(p.directive, text)
     return {"light": {"type": "portal"}, "transform": steps(made)}

@@ -14,12 +14,12 @@ from alight.formats.pbrt import settings
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, directives
 from alight.formats.pbrt.materials_of_3 import OF_3
-from alight.formats.pbrt.report import Report
 from alight.formats.pbrt.stand_ins import ONLY_IN_3
 from alight.formats.pbrt.transforms import FACING, inverse, keyframes
 from alight.formats.pbrt.words import BrokenError, Words
 from alight.formats.pbrt.world import World
 from alight.formats.reach import OutOfReachError, Reach
+from alight.formats.report import Report
 from alight.scene.build import FORMAT_VERSION
 
 SUFFIX = ".pbrt"
@@ -140,7 +140,7 @@ class _Reader:
         if directive.name in self.settings:
             first = self.settings[directive.name].place
             text = f"is given twice, first at {first}: the last one counts"
-            self.context.report.approximated(directive, text)
+            self.context.report.warn(directive, text)
         self.settings[directive.name] = directive
         if directive.name == "Camera":
             state = self.world.state

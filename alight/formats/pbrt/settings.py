@@ -129,7 +129,7 @@ def film(context: Context, directive: Directive | None, pixel_filter: Directive 
     p.ignore("pictures are linear sRGB", "nbuckets", "lambdamin", "lambdamax")
     p.leave_out("no sample is cut off", "maxcomponentvalue", "maxsampleluminance")
     if p.text("sensor", "cie1931") != "cie1931":
-        context.report.approximated(p.named["sensor"], "is not covered: cie1931 is taken")
+        context.report.warn(p.named["sensor"], "is not covered: cie1931 is taken")
     _white(p)
     iso = p.positive("iso", 100.0)
     # The scale of pbrt 3 is left in scenes for early versions of pbrt 4.
@@ -153,7 +153,7 @@ def _white(p: Parameters) -> None:
         text = (
             f"is left out: white stays that of D65 (shown otherwise by --white-balance {kelvin:g})"
         )
-        p.report.approximated(p.named["whitebalance"], text)
+        p.report.warn(p.named["whitebalance"], text)
 
 
 def _crop(p: Parameters, size: list[int]) -> list[int] | None:
@@ -188,7 +188,7 @@ def _filter(context: Context, directive: Directive | None) -> Data:
     names = ("xwidth", "ywidth") if p.has("xwidth") or p.has("ywidth") else ("xradius", "yradius")
     radius = [p.positive(name, default) for name in names]
     if radius[0] != radius[1]:
-        context.report.approximated(directive, "is not as wide as high: its width is taken")
+        context.report.warn(directive, "is not as wide as high: its width is taken")
     data: Data = {"type": "gaussian", "stddev": 0.5, "radius": 1.5}
     if kind == "box":
         data = {"type": "box", "radius": radius[0]}
@@ -203,7 +203,7 @@ def _filter(context: Context, directive: Directive | None) -> Data:
         data |= {"stddev": p.positive("sigma", sigma), "radius": radius[0]}
     elif kind == "sinc":
         p.leave_out("a Mitchell filter is taken", "tau")
-        context.report.approximated(directive, "has negative parts: a Catmull-Rom filter is taken")
+        context.report.warn(directive, "has negative parts: a Catmull-Rom filter is taken")
         data = {"type": "mitchell", "b": 0.0, "c": 0.5}
     else:
         context.report.unknown(directive, "filter", kind, FILTERS, "gaussian is taken")
@@ -256,10 +256,10 @@ def integrator(context: Context, directive: Directive | None, in_media: bool = F
     context.places["integrator"] = directive.place
     if kind in ("directlighting", "whitted"):
         text = "shows direct light and mirrors only: paths of all kinds are taken"
-        context.report.approximated(directive, text)
+        context.report.warn(directive, text)
     elif kind in FROM_LIGHTS:
         text = "becomes path, which finds no caustics of lights without a size (point, spot, ...)"
-        context.report.approximated(directive, text)
+        context.report.warn(directive, text)
     elif kind not in PATHS:
         known = (*PATHS, *FROM_LIGHTS, "directlighting", "whitted")
         context.report.unknown(directive, "integrator", kind, known, "path is taken")

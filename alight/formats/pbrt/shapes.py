@@ -168,7 +168,7 @@ def _bilinear_mesh(placed: Placed) -> Mesh | None:
     ]
     if not all(is_exact for _, is_exact in made):
         count = 2 * surfaces.ACROSS**2
-        p.report.approximated(p.directive, f"is not flat: {count} triangles a patch are taken")
+        p.report.warn(p.directive, f"is not flat: {count} triangles a patch are taken")
     parts = [keys for keys, _ in made]
     if not all("normals" in part for part in parts):
         parts = [_with_normals(part) for part in parts] if len(parts) > 1 else parts

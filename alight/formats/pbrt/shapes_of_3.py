@@ -127,7 +127,7 @@ def _nurbs(placed: Placed) -> Mesh | None:
         whole = np.einsum("ni,nj,jik->nk", at_u(u), at_v(v), net)
         return whole[:, :3] / np.where(whole[:, 3:] == 0.0, 1.0, whole[:, 3:])
 
-    p.report.approximated(p.directive, f"becomes {2 * DICE * DICE} triangles")
+    p.report.warn(p.directive, f"becomes {2 * DICE * DICE} triangles")
     return mesh_of(placed, _bent(formula, DICE, DICE), placed.reverse)
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from alight.formats.lamps import area_across, area_of_ball, area_of_mantle, area_of_mesh
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.transforms import steps, translation
 from alight.meshes.normals import vertex_normals
 from alight.shapes.mesh import Mesh
-from alight.shapes.sphere import ellipsoid_area
 
 #: Distance between the two surfaces of a light with two sides, of its size.
 GAP = 1e-5
@@ -16,20 +16,13 @@ GAP = 1e-5
 
 def area_of(shape: Data | Mesh, matrix: np.ndarray) -> float:
     """Area in m^2 of a shape that a matrix moves."""
-    linear = matrix[:3, :3]
     if isinstance(shape, Mesh):
-        vertices, faces = _arrays(shape)
-        a, b, c = ((vertices.astype(np.float64) @ linear.T)[faces[:, i]] for i in range(3))
-        return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+        return area_of_mesh(shape, matrix)
     if shape["type"] == "sphere":
-        return ellipsoid_area(linear * shape["radius"])
+        return area_of_ball(matrix, shape["radius"])
     if shape["type"] == "disk":
-        return float(np.pi * np.linalg.norm(np.cross(linear[:, 0], linear[:, 1])))
-    turn = np.linspace(0.0, 2.0 * np.pi, 1025)
-    circle = shape["radius"] * np.stack([np.cos(turn), np.sin(turn), 0.0 * turn])
-    height = shape["p1"][2] - shape["p0"][2]
-    along = np.cross(np.diff(linear @ circle).T, linear[:, 2] * height)
-    return float(np.linalg.norm(along, axis=1).sum())
+        return np.pi * area_across(matrix)
+    return area_of_mantle(matrix, shape["radius"], shape["p1"][2] - shape["p0"][2])
 
 
 def has_one_side(shape: Data | Mesh) -> bool:

@@ -17,6 +17,7 @@ import math
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
+from alight.formats.lamps import point
 from alight.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.octahedral import texel, to_square
@@ -48,7 +49,7 @@ def projection(context: Context, p: Parameters, matrix: np.ndarray) -> Data | No
     taken = min(max(across, 0.1), 179.0)
     if taken != across:
         place = p.named.get("fov", p.directive)
-        p.report.approximated(place, f"makes a picture {across:.4g} degrees wide: became {taken:g}")
+        p.report.warn(place, f"makes a picture {across:.4g} degrees wide: became {taken:g}")
     pixels = texels[:, ::-1] if not context.old else texels[::-1, ::-1]
     light: Data = {
         "type": "projector",
@@ -74,7 +75,7 @@ def goniometric(context: Context, p: Parameters, matrix: np.ndarray) -> Data | N
     color = amount(context, p, "I")
     if not (p.has("filename") or p.has("mapname")):
         color = with_power(p, color, "power", 4.0 * math.pi)
-        return placed({"type": "point", "intensity": color}, matrix)
+        return placed(point(color), matrix)
     texels = _picture(context, p)
     if texels is None:
         return None
@@ -85,7 +86,7 @@ def goniometric(context: Context, p: Parameters, matrix: np.ndarray) -> Data | N
         return None
     map_ = texels.mean(axis=2, dtype=np.float64)
     if np.ptp(texels, axis=2).max() > 1e-3 * map_.max():
-        p.report.approximated(p.directive, "shines in one colour: that of its picture is left out")
+        p.report.warn(p.directive, "shines in one colour: that of its picture is left out")
     vertical = np.arange(0.0, 180.0 + _DOWN, _DOWN)
     horizontal = np.arange(0.0, 360.0 + _AROUND, _AROUND)
     theta, phi = np.radians(vertical)[None, :], np.radians(horizontal)[:, None]

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from alight.formats import hair
 from alight.formats.pbrt.context import Data
-from alight.formats.pbrt.materials import COVERED, Making, coat
+from alight.formats.pbrt.materials import Making, coat
 from alight.formats.surfaces import two_sided
 
 _MIDDLE = [0.3] * 3
@@ -24,7 +24,7 @@ def _hair(m: Making) -> Data:
     color = m.color("color" if p.has("color") else "reflectance", None)
     absorbed = m.color("sigma_a", None, "index")
     if isinstance(absorbed, str):
-        p.report.approximated(p.named["sigma_a"], "is a texture: the usual hair is taken")
+        p.report.warn(p.named["sigma_a"], "is a texture: the usual hair is taken")
     elif isinstance(absorbed, list) and min(absorbed) < 0.0:
         p.report.error(p.named["sigma_a"], "must be >= 0 in each channel")
     eumelanin = _hairy(m, "eumelanin", 0.0, hair.MOST)
@@ -59,6 +59,5 @@ STAND_INS: dict[str, Callable[[Making], Data]] = {
     "hair": _hair,
     "measured": _measured,
 }
-COVERED |= STAND_INS
 #: Those of pbrt 3 alone.
 ONLY_IN_3 = ("fourier",)

@@ -108,7 +108,7 @@ class Source:
         value = self.number(name, default)
         if isinstance(value, str):
             text = f"is a texture, which this cannot be here: {default:g} is taken"
-            self.p.report.approximated(self.p.named[name], text)
+            self.p.report.warn(self.p.named[name], text)
             return default
         return default if value is None else value
 
@@ -253,14 +253,14 @@ def _direction_mix(source: Source) -> Value:
     source.p.leave_out("the mean of both is taken", "dir")
     a, b = part(source, "tex1", _BLACK), part(source, "tex2", _WHITE)
     text = "depends on the direction of the normal: the mean of both is taken"
-    source.p.report.approximated(source.p.directive, text)
+    source.p.report.warn(source.p.directive, text)
     return mixture(source, a, b, 0.5)
 
 
 def _checkerboard(source: Source) -> Value:
     p = source.p
     if p.integer("dimension", 2) != 2:
-        p.report.approximated(p.directive, "is made of cubes: squares of (u, v) are taken")
+        p.report.warn(p.directive, "is made of cubes: squares of (u, v) are taken")
     p.ignore("many samples smooth the edges", "aamode")
     a, b = part(source, "tex1", _WHITE), part(source, "tex2", _BLACK)
     board: Data = {"type": "checkerboard", **mapping(source)}
@@ -295,14 +295,14 @@ def _imagemap(source: Source) -> Value:
         data["interpolation"] = "nearest"
     wrap = p.text("wrap", "repeat", ("repeat", "clamp", "black", "octahedralsphere"))
     if wrap not in ("repeat", "clamp"):
-        p.report.approximated(p.named["wrap"], f"{quote(wrap)} is not covered: clamp is taken")
+        p.report.warn(p.named["wrap"], f"{quote(wrap)} is not covered: clamp is taken")
     if wrap != "repeat":
         data["wrap"] = "clamp"
     encoding = p.text("encoding", "sRGB")
     if p.has("gamma") and not p.flag("gamma", True):
         encoding = "linear"
     if encoding.startswith("gamma"):
-        p.report.approximated(p.named["encoding"], "is a power: the curve of sRGB is taken")
+        p.report.warn(p.named["encoding"], "is a power: the curve of sRGB is taken")
     elif encoding not in ("sRGB", "linear"):
         message = unknown_name("encoding", encoding, ("sRGB", "linear", "gamma 2.2"))
         p.report.error(p.named["encoding"], message)
@@ -324,7 +324,7 @@ def mapping(source: Source) -> Data:
     kind = p.text("mapping", "uv")
     p.ignore("coordinates are (u, v)", "v1", "v2")
     if kind != "uv":
-        p.report.approximated(p.named["mapping"], f"{quote(kind)} is not covered: uv is taken")
+        p.report.warn(p.named["mapping"], f"{quote(kind)} is not covered: uv is taken")
     scale = [p.number("uscale", 1.0), p.number("vscale", 1.0)]
     shift = [p.number("udelta", 0.0), p.number("vdelta", 0.0)]
     steps: list[Data] = [{"scale": scale}] if scale != [1.0, 1.0] else []

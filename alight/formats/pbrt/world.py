@@ -7,17 +7,20 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
+from alight.formats.lamps import point
 from alight.formats.pbrt import lights, materials, patterns, textures
 from alight.formats.pbrt.attributes import Attributes
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive
 from alight.formats.pbrt.materials import MaterialItem
+from alight.formats.pbrt.materials_of_3 import OF_3
 from alight.formats.pbrt.media import Media
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.placed import Placed
 from alight.formats.pbrt.portals import portal
 from alight.formats.pbrt.shapes import convert as convert_shape
 from alight.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
+from alight.formats.pbrt.stand_ins import STAND_INS
 from alight.formats.pbrt.state import State
 from alight.formats.pbrt.strands import MOST_TRIANGLES, Bundle
 from alight.formats.pbrt.textures import Source, TextureItem
@@ -38,6 +41,10 @@ COUNTED = {
     "Texture": "textures",
 }
 
+#: What converts textures and materials, those that are approximated included.
+TEXTURES = textures.COVERED | patterns.PATTERNS
+MATERIALS = materials.COVERED | OF_3 | STAND_INS
+
 
 class World(Attributes):
     """Follows directives, and collects nodes.
@@ -52,7 +59,7 @@ class World(Attributes):
 
     def __init__(self, context: Context) -> None:
         super().__init__(context)
-        context.textures = textures.COVERED | patterns.PATTERNS
+        context.textures, context.materials = TEXTURES, MATERIALS
         self.named: dict[str, MaterialItem] = {}
         self.textures: list[TextureItem] = []
         self.objects: dict[str, str] = {}
@@ -209,7 +216,7 @@ class World(Attributes):
             bsdf = {"type": "mask", "opacity": opacity, "bsdf": bsdf}
         node: Data = {"shape": shape, "bsdf": bsdf, **self.media.sides(state.media)}
         if alpha is not None and "interior" in node:
-            context.report.approximated(directive, "is a border of media in its holes too")
+            context.report.warn(directive, "is a border of media in its holes too")
         step = steps(placed.matrix)
         if step is not None:
             node["transform"] = step
@@ -230,7 +237,7 @@ class World(Attributes):
         if (known, sides) not in self.bundles:
             self.bundles[known, sides] = Bundle(directive, rest)
             text = "and those like it become tubes, or ribbons, of triangles"
-            self.context.report.approximated(directive, text)
+            self.context.report.warn(directive, text)
         if not self.bundles[known, sides].add(shape):
             self.context.report.error(directive, f"has over {MOST_TRIANGLES} triangles before it")
 
@@ -248,7 +255,7 @@ class World(Attributes):
             return None, False
         if self._target is not self.nodes:
             text = "shines in an object: pbrt shows no light there"
-            context.report.approximated(directive, text)
+            context.report.warn(directive, text)
             return None, False
         if state.light.type not in ("diffuse", "area"):
             text = unknown_name("area light", state.light.type, ("diffuse",))
@@ -266,16 +273,16 @@ class World(Attributes):
         report, shape = self.context.report, node["shape"]
         round_ = not isinstance(shape, Mesh) and shape["type"] == "sphere"
         if self.context.old or not round_ or not keeps_angles(placed.matrix):
-            report.approximated(directive, "has no opacity, but shines: it is seen here")
+            report.warn(directive, "has no opacity, but shines: it is seen here")
             return False
         # From outside a sphere lights as a point does, but for the edges of shadows.
         area = area_of(shape, placed.matrix)
         color, power = light["radiance"], light["power"]
         intensity = [c * (power / np.pi if power > 0.0 else area) / 4.0 for c in color]
-        report.approximated(directive, "shines without being seen: it becomes a point light")
+        report.warn(directive, "shines without being seen: it becomes a point light")
         center = placed.matrix[:3, 3].tolist()
-        point: Data = {"light": {"type": "point", "intensity": intensity}}
-        self.add(self.nodes, "nodes", directive, {**point, "transform": {"translate": center}})
+        node = {"light": point(intensity), "transform": {"translate": center}}
+        self.add(self.nodes, "nodes", directive, node)
         return True
 
     def shine(
@@ -295,7 +302,7 @@ class World(Attributes):
         self.add(self.nodes, "nodes", directive, node, rests)
         if sides and not has_one_side(shape):
             text = f"shines from two sides: two surfaces, {GAP:g} of its size apart, are taken"
-            self.context.report.approximated(directive, text)
+            self.context.report.warn(directive, text)
             back = back_of(node, matrix)
             # The first of both is the border of media.
             sides_of_media = ("interior", "exterior")

@@ -14,17 +14,24 @@ from typing import Any
 
 import numpy as np
 
+from alight.formats.lamps import (
+    area_across,
+    area_of_ball,
+    area_of_mantle,
+    parallel,
+    point,
+    spot,
+    turned,
+)
 from alight.formats.reach import OutOfReachError
 from alight.formats.usd.modules import UsdLux
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import picture_of
-from alight.shapes.cylinder import mantle_area
-from alight.shapes.sphere import ellipsoid_area
 
 Data = dict[str, Any]
 _BLACK: Data = {"type": "diffuse", "reflectance": 0.0}
 #: From our light along +z to one along -z.
-_TURNED: Data = {"rotate": {"axis": "y", "angle": 180}}
+_TURNED: Data = {"rotate": {"axis": "y", "angle": 180.0}}
 
 
 @dataclass(frozen=True)
@@ -89,20 +96,6 @@ def _scale_of(world: np.ndarray) -> np.ndarray:
     return np.linalg.norm(world[:3, :3], axis=0)
 
 
-def _area_across(world: np.ndarray) -> float:
-    """Of the image of a square of 1 m in the plane z = 0."""
-    return float(np.linalg.norm(np.cross(world[:3, 0], world[:3, 1])))
-
-
-def _area_of_ball(world: np.ndarray, radius: float) -> float:
-    """Of the ellipsoid that a transform makes of a sphere; never of nothing."""
-    sizes = np.linalg.svd(world[:3, :3], compute_uv=False)
-    size = radius * float(sizes[0])
-    form = np.maximum(sizes / max(sizes[0], 1e-30), 1e-6)
-    # What is too large to be squared becomes infinite: ``**`` would raise an error.
-    return size * size * ellipsoid_area(np.diag(form))
-
-
 def _area_light(
     stage: Stage, prim: Any, shape: Data, steps: list[Data], area: float, world: np.ndarray
 ) -> Placed:
@@ -131,7 +124,7 @@ def _say_shaping(stage: Stage, prim: Any) -> None:
 def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     light = UsdLux.SphereLight(prim)
     radius = float(stage.value(light.GetRadiusAttr(), 0.5))
-    area = _area_of_ball(world, max(radius, 1e-6))
+    area = area_of_ball(world, max(radius, 1e-6))
     cone = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr(), 90.0))
     is_point = bool(stage.value(light.GetTreatAsPointAttr(), False)) or radius <= 0.0
     if not is_point and cone >= 90.0:
@@ -139,13 +132,12 @@ def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     # Intensity of a sphere seen from far away: radiance times its disk, a quarter of its area.
     intensity = _radiance(stage, prim) * 0.25 * (1.0 if _is_normalised(stage, prim) else area)
     if cone >= 90.0:
-        return Placed({"light": {"type": "point", "intensity": intensity.tolist()}})
+        return Placed({"light": point(intensity.tolist())})
     stage.report.approximate(f"{prim.GetPath()}: a sphere with a cone became a spot")
     softness = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeSoftnessAttr(), 0.0))
     cone = max(cone, 0.001)
     beam = cone * (1.0 - min(max(softness, 0.0), 1.0))
-    spot = {"type": "spot", "cutoff_angle": cone, "beam_width": beam}
-    return Placed({"light": spot | {"intensity": intensity.tolist()}, "transform": [_TURNED]})
+    return Placed(turned(spot(intensity.tolist(), cone, beam), "y"))
 
 
 def _rectangle(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
@@ -155,14 +147,14 @@ def _rectangle(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     if stage.value(light.GetTextureFileAttr()) is not None:
         stage.report.approximate(f"{prim.GetPath()}: its picture is left out")
     steps = [{"scale": [0.5 * width, 0.5 * height, 1.0]}, _TURNED]
-    area = width * height * _area_across(world)
+    area = width * height * area_across(world)
     return _area_light(stage, prim, {"type": "rectangle"}, steps, area, world)
 
 
 def _disk(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     radius = float(stage.value(UsdLux.DiskLight(prim).GetRadiusAttr(), 0.5))
     steps = [{"scale": [radius, radius, 1.0]}, _TURNED]
-    area = math.pi * radius * radius * _area_across(world)
+    area = math.pi * radius * radius * area_across(world)
     return _area_light(stage, prim, {"type": "disk"}, steps, area, world)
 
 
@@ -172,7 +164,7 @@ def _cylinder(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     half = 0.5 * float(stage.value(light.GetLengthAttr(), 1.0))
     shape = {"type": "cylinder", "p0": [-half, 0, 0], "p1": [half, 0, 0], "radius": radius}
     # Across, across and along, in the order that the mantle is measured in.
-    area = 2.0 * radius * half * mantle_area(world[:3, [1, 2, 0]])
+    area = area_of_mantle(world[:3, [1, 2, 0]], radius, 2.0 * half)
     return _area_light(stage, prim, shape, [], area, world)
 
 
@@ -185,8 +177,7 @@ def _distant(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     if angle > 0.0:
         text = f"{angle:g} degrees wide, became parallel rays with hard shadows"
         stage.report.approximate(f"{prim.GetPath()}: a distant light, {text}")
-    light = {"type": "directional", "irradiance": irradiance.tolist()}
-    return Placed({"light": light, "transform": [_TURNED]})
+    return Placed(turned(parallel(irradiance.tolist()), "y"))
 
 
 def _dome(stage: Stage, prim: Any, world: np.ndarray) -> Placed:

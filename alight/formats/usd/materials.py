@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from alight.core.errors import nearest, quote
+from alight.core.errors import quote
+from alight.formats.report import did_you_mean
 from alight.formats.surfaces import LARGEST_IOR, Surface, reflection
 from alight.formats.textures import cut
 from alight.formats.usd.modules import UsdGeom, UsdShade
@@ -157,8 +158,7 @@ class _Preview:
         for entry in self.shader.GetInputs():
             name = entry.GetBaseName()
             if name not in INPUTS:
-                near = nearest(name, INPUTS)
-                hint = f'; did you mean "{near}"?' if near else ""
+                hint = did_you_mean(name, INPUTS)
                 self._approximate(f"unknown input {quote(name)} is left out{hint}")
 
     def _plain(self, name: str) -> Any:

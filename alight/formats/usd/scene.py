@@ -5,17 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from alight.core.errors import Issue, SceneError, show_value
+from alight.formats.model_scene import model_scene
 from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
-from alight.formats.surroundings import add_camera, add_light, say_if_empty, use_first_camera
 from alight.formats.usd.graph import Graph
 from alight.formats.usd.modules import Tf
 from alight.formats.usd.stage import first_line, open_stage, to_world, world_matrix
-from alight.scene.build import FORMAT_VERSION
-
-_HEIGHT = 600
 
 
 def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
@@ -47,27 +44,26 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         raise SceneError([*report.issues, issue]) from None
     if report.issues:
         raise SceneError(report.issues)
-    scene: dict[str, Any] = {
-        "alight": FORMAT_VERSION,
+    tables: dict[str, Any] = {
         "bsdfs": graph.bsdfs,
         "prototypes": graph.prototypes,
         "nodes": graph.nodes,
     }
     for around in graph.environments:
         # They stand in the world, not where their prims do.
-        if "environment" in scene:
+        if "environment" in tables:
             name = free_name("dome", graph.nodes, "dome")
             graph.nodes[name] = {"light": around}
         else:
-            scene["environment"] = around
-    say_if_empty(report, graph.bounds)
-    if not graph.is_lit and not graph.glow.suffices(graph.bounds):
-        add_light(scene, report, shines=graph.glow.total > 0.0, view=graph.view)
-    if graph.cameras:
-        use_first_camera(scene, report, [path for path, _ in graph.cameras])
-        aspect = graph.cameras[0][1]
-        scene["film"] = {"size": [max(1, min(round(_HEIGHT * aspect), 2**14)), _HEIGHT]}
-    else:
-        add_camera(scene, report, graph.bounds)
-    framed = None if graph.cameras else graph.bounds
-    return Parsed.of(scene, graph.places | {"": name}, report, framed=framed)
+            tables["environment"] = around
+    return model_scene(
+        tables,
+        graph.places | {"": name},
+        report,
+        graph.bounds,
+        graph.glow,
+        is_lit=graph.is_lit,
+        cameras=[path for path, _ in graph.cameras],
+        aspect=graph.cameras[0][1] if graph.cameras else 1.0,
+        view=graph.view,
+    )

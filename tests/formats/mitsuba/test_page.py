@@ -4,7 +4,7 @@ import re
 
 from alight.core.errors import SceneError
 from alight.formats import loads
-from alight.formats.mitsuba import bsdfs, emitters, films, integrators, sensors, shapes, textures
+from alight.formats.mitsuba import emitters, films, integrators, scene, sensors, shapes, textures
 from tests.docs.pages import ROOT, blocks
 
 PAGE = ROOT / "docs" / "mitsuba.md"
@@ -12,7 +12,7 @@ PAGE = ROOT / "docs" / "mitsuba.md"
 
 def test_page_names_every_plugin_that_is_covered():
     covered = {
-        *shapes.COVERED, *bsdfs.COVERED, *emitters.NODES, "constant", *textures.COVERED,
+        *shapes.COVERED, *scene.MATERIALS, *emitters.NODES, "constant", *textures.COVERED,
         *sensors.COVERED, *films.FILMS, *films.OTHER_FILMS, *films.SAMPLERS, *integrators.COVERED,
     }  # fmt: skip
     named = set(re.findall(r"`([\w-]+)`", PAGE.read_text(encoding="utf-8")))
