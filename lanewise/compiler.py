@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from lanewise import simd
+from lanewise import record_instructions, simd, wide_instructions
+from lanewise.instructions import PRIMITIVES
 from lanewise.lane_types import N
 from lanewise.numba_adapter import jit, object_code
-from lanewise.wide_instructions import PRIMITIVES
 
 __all__ = ["jit", "object_code", "primitive"]
+
+# Both fill PRIMITIVES.
+assert record_instructions and wide_instructions
 
 
 def primitive(value: Any) -> Any:

@@ -31,9 +31,7 @@ from lanewise.lane_types import (
     convert,
     emit,
     f32,
-    is_number,
     pointer_of,
-    splat,
     suffix,
     widest,
 )
@@ -122,52 +120,7 @@ _arithmetic(simd.minimum, 2, lambda b, x, y: b.select(b.fcmp_ordered("<", x, y),
 _arithmetic(simd.maximum, 2, lambda b, x, y: b.select(b.fcmp_ordered(">", x, y), x, y))
 
 
-# ---------------------------------------------------------------- choice and masks
-
-
-def _blend_type(mask, a, b):
-    kind = widest((a, b))
-    lanes = isinstance(mask, Mask)
-    if kind is None:
-        if not (is_number(a) and is_number(b)):
-            return a if a == b else None
-        both_bool = isinstance(a, types.Boolean) and isinstance(b, types.Boolean)
-        real = isinstance(a, types.Float) or isinstance(b, types.Float)
-        if lanes:
-            return Mask(mask.n) if both_bool else Floats(mask.n) if real else Uints(mask.n)
-        return types.boolean if both_bool else f32 if real else types.int64
-    if lanes and kind == Vec3Type(f32):
-        return Vec3Type(Floats(mask.n))
-    return kind
-
-
-@_stands_for(simd.where)
-@intrinsic
-def _where(typing, mask, a, b):
-    kind = _blend_type(mask, a, b)
-    if kind is None:
-        return None
-
-    def codegen(context, builder, sig, args):
-        condition = args[0]
-        if not isinstance(sig.args[0], Mask):
-            condition = context.cast(builder, condition, sig.args[0], types.boolean)
-            condition = context.get_value_as_data(builder, types.boolean, condition)
-            condition = builder.trunc(condition, I1) if condition.type != I1 else condition
-            if isinstance(kind, LaneType):
-                condition = splat(builder, condition, kind.n)
-            elif isinstance(kind, Vec3Type) and isinstance(kind.component, LaneType):
-                condition = splat(builder, condition, kind.component.n)
-        return emit(
-            context,
-            builder,
-            sig.args[1:],
-            args[1:],
-            kind,
-            lambda b, x, y: b.select(condition, x, y),
-        )
-
-    return kind(mask, a, b), codegen
+# ---------------------------------------------------------------- masks
 
 
 @_stands_for(simd.any_lane)

@@ -51,8 +51,8 @@ from numba.core.untyped_passes import (
 from lanewise.machine_code import ObjectCode
 
 __all__ = [
-    "AbstractTemplate", "cgutils", "infer_global", "jit", "lower_constant", "make_struct",
-    "object_code",
+    "AbstractTemplate", "TypingError", "cgutils", "infer_global", "jit", "lower_constant",
+    "make_struct", "object_code",
 ]  # fmt: skip
 
 

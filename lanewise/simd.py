@@ -29,7 +29,16 @@ _ALL = np.arange(int(LANES), dtype=np.uint32)
 
 
 def where(mask, a, b) -> Any:
-    """Lane-wise choice: `a` where `mask`, else `b` (scalars, lanes or Vec3)."""
+    """Lane-wise choice: `a` where `mask`, else `b` (scalars, lanes, Vec3, tuples of them).
+
+    Of a record every field is chosen, those of records in it too. A field that is the same number
+    in all lanes becomes lanes, so `records.replace` puts back what must stay uniform.
+    """
+    if isinstance(a, tuple):
+        if type(a) is not type(b):
+            raise TypeError(f"{type(a).__name__} and {type(b).__name__} are different records")
+        parts = [where(mask, x, y) for x, y in zip(a, b, strict=True)]
+        return type(a)(*parts) if hasattr(a, "_fields") else tuple(parts)
     if isinstance(a, Vec3) or isinstance(b, Vec3):
         ax, ay, az = (a.x, a.y, a.z) if isinstance(a, Vec3) else (a, a, a)
         bx, by, bz = (b.x, b.y, b.z) if isinstance(b, Vec3) else (b, b, b)

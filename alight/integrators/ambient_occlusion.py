@@ -16,11 +16,12 @@ from alight.core.constants import INFINITY
 from alight.core.spec import Integrator, Positive
 from alight.core.vec import dot
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.integrators.walk import BSDF_DIRECTION, Path, count_lanes, to_world, vertex_dimension
+from alight.integrators.walk import BSDF_DIRECTION, count_lanes, to_world, vertex_dimension
 from alight.samplers.sampling import get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
+from lanewise.records import replace
 from lanewise.simd import any_lane, lanes, lanes_mask, where
 
 
@@ -65,19 +66,6 @@ def step(program):
             rays += count_lanes(active)
             shut = is_occluded(scene, o, d, lanes(settings.distance), active)
             L = where(active & ~shut, path.beta, L)
-        return Path(
-            path.o,
-            path.d,
-            path.p,
-            L,
-            L,
-            path.beta,
-            path.pdf,
-            path.delta,
-            depth,
-            path.sampler,
-            lanes_mask(False),
-            rays,
-        )
+        return replace(path, L=L, L_direct=L, depth=depth, active=lanes_mask(False), rays=rays)
 
     return ambient_occlusion_step

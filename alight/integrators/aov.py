@@ -36,7 +36,6 @@ from alight.core.vec import Vec3, max_component
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
-    Path,
     count_lanes,
     to_local,
     to_world,
@@ -46,6 +45,7 @@ from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
+from lanewise.records import replace
 from lanewise.simd import any_lane, lanes, lanes_mask, lanes_vec3, to_float, where
 
 #: Layers and their channels. ids count from 1; 0 is nothing. depth: metres along the ray.
@@ -146,19 +146,10 @@ def step(program):
                 L = where(active & ~passes, value, L)
             else:
                 L = where(active, first_hit(scene, settings, path, hit, surface, active), L)
-        return Path(
-            o,
-            d,
-            path.p,
-            L,
-            L,
-            beta,
-            path.pdf,
-            path.delta,
-            path.depth + 1,
-            path.sampler,
-            passes,
-            path.rays + count_lanes(path.active),
-        )
+        rays = path.rays + count_lanes(path.active)
+        return replace(
+            path, o=o, d=d, L=L, L_direct=L, beta=beta, depth=path.depth + 1, active=passes,
+            rays=rays,
+        )  # fmt: skip
 
     return aov_step

@@ -74,9 +74,6 @@ from alight.integrators.walk import (
     to_world,
     vertex_dimension,
 )
-from alight.integrators.walk import (
-    Path as WalkPath,
-)
 from alight.lights.hits import on_shapes
 from alight.lights.sampling import (
     emitted,
@@ -93,6 +90,7 @@ from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
+from lanewise.records import replace
 from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
 
 #: Strategies of light sampling, as numbers that kernels compare.
@@ -210,11 +208,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
         # The ray left the scene: light of the environment.
         if environment:
             L, L_direct = reach_environment(scene, path, path.depth + 1, missed, L, L_direct)
-        traced = WalkPath(
-            path.o, path.d, path.p, L, L_direct, path.beta, path.pdf, path.delta, path.depth,
-            path.sampler, active, rays,
-        )  # fmt: skip
-        return traced, hit
+        return replace(path, L=L, L_direct=L_direct, active=active, rays=rays), hit
 
     @kernel
     def shade(scene, settings, path, hit):
@@ -264,22 +258,15 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         if roulette:
             beta, active = play_roulette(scene, settings, path, surface, wi, depth, beta, active)
-        p, delta = surface.p, (flags & DELTA) != 0
+        on = replace(path, o=o, d=d, L=L, L_direct=L_direct, beta=beta, depth=depth, active=active)
+        vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
-            on = (flags & NULL) != 0
-            p, pdf, delta = (
-                where(on, path.p, p),
-                where(on, path.pdf, pdf),
-                where(on, path.delta, delta),
-            )
+            vertex = where((flags & NULL) != 0, on, vertex)
         if hides:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
-            o, d, p = where(hidden, beyond, o), where(hidden, path.d, d), where(hidden, path.p, p)
-            beta, pdf = where(hidden, path.beta, beta), where(hidden, path.pdf, pdf)
-            delta, depth = where(hidden, path.delta, delta), where(hidden, path.depth, depth)
-            active = active | hidden
-        return WalkPath(o, d, p, L, L_direct, beta, pdf, delta, depth, path.sampler, active, rays)
+            vertex = where(hidden, replace(path, o=beyond), vertex)
+        return replace(vertex, sampler=path.sampler, rays=rays)
 
     return trace, shade
 
@@ -292,10 +279,7 @@ def _write_through(absorbing):
     @kernel
     def through(scene, surface, wo, t, active, path):
         dimmed = path.beta * transmittance(scene, surface, wo, where(active, t, 0.0))
-        return WalkPath(
-            path.o, path.d, path.p, path.L, path.L_direct, where(active, dimmed, path.beta),
-            path.pdf, path.delta, path.depth, path.sampler, path.active, path.rays,
-        )  # fmt: skip
+        return replace(path, beta=where(active, dimmed, path.beta))
 
     return through
 

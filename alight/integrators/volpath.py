@@ -35,7 +35,6 @@ from alight.integrators.path import (
 from alight.integrators.shadow_rays import come_through
 from alight.integrators.volume_walk import (
     FREE_FLIGHT,
-    VolumePath,
     mean,
     medium_beyond,
 )
@@ -71,6 +70,7 @@ from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import (
     any_lane,
     lanes,
@@ -187,13 +187,13 @@ def step(program):
         d = where(passing, path.d, d)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         medium = medium_beyond(scene, surface, d, path.medium)
-        return VolumePath(
-            where(scattered, p, o), d, where(passing, path.p, p), L, L_direct,
-            where(passing, path.beta, beta), where(passing, path.pdf, pdf),
-            where(passing, path.delta, delta), where(passing, path.depth, depth), path.sampler,
-            active | passing, rays, where(scattered, path.medium, medium), path.channel,
-            path.steps, path.ours, where(passing, path.lights, lights),
+        on = replace(
+            path, o=where(scattered, p, o), d=d, L=L, L_direct=L_direct,
+            medium=where(scattered, path.medium, medium),
         )  # fmt: skip
+        vertex = replace(on, p=p, beta=beta, pdf=pdf, delta=delta, depth=depth, lights=lights)
+        path = where(passing, on, vertex)
+        return replace(path, sampler=on.sampler, active=active | passing, rays=rays)
 
     return volpath_step
 
@@ -263,9 +263,9 @@ def _shine(scene, path, medium, t, beta, ours, albedo, scattered):
 @kernel
 def _moved(path, L, L_direct, medium, beta, ours, lights):
     """The path with one more step, and these."""
-    return VolumePath(
-        path.o, path.d, path.p, L, L_direct, beta, path.pdf, path.delta, path.depth,
-        path.sampler, path.active, path.rays, medium, path.channel, path.steps + 1, ours, lights,
+    return replace(
+        path, L=L, L_direct=L_direct, beta=beta, medium=medium, steps=path.steps + 1, ours=ours,
+        lights=lights,
     )  # fmt: skip
 
 

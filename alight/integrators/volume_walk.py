@@ -30,6 +30,7 @@ from alight.media.tables import CHROMATIC, KEEP
 from alight.samplers.sampling import get_1d
 from alight.shapes.hit import side_of
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import (
     gather,
     lanes_u32,
@@ -95,14 +96,12 @@ def empty_paths():
 @kernel
 def start_paths(new, o, d, weight, sampler, path):
     """As `alight.integrators.walk.begin_paths`; in which medium, the first step finds out."""
-    return with_media(
-        begin_paths(new, o, d, weight, sampler, path),
-        path.medium,
-        where(new, first_channel(sampler), path.channel),
-        where(new, lanes_u32(0), path.steps),
-        where(new, lanes_vec3(1.0), path.ours),
-        where(new, lanes_vec3(0.0), path.lights),
-    )
+    path = begin_paths(new, o, d, weight, sampler, path)
+    begun = replace(
+        path, channel=first_channel(sampler), steps=lanes_u32(0), ours=lanes_vec3(1.0),
+        lights=lanes_vec3(0.0),
+    )  # fmt: skip
+    return replace(where(new, begun, path), sampler=sampler, rays=path.rays)
 
 
 @specialised

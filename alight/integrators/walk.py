@@ -18,6 +18,7 @@ from alight.core.vec import Vec3, dot, normalize
 from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import (
     as_int,
     count_bits,
@@ -82,19 +83,11 @@ def no_paths():
     zero = lanes_u32(0)
     black = lanes_vec3(0.0)
     return Path(
-        black,
-        lanes_vec3(1.0),
-        black,
-        black,
-        black,
-        black,
-        lanes(0.0),
-        lanes_mask(False),
-        zero,
-        SamplerState(zero, zero, zero, zero, zero, zero, zero),
-        lanes_mask(False),
-        as_int(0),
-    )
+        o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
+        delta=lanes_mask(False), depth=zero,
+        sampler=SamplerState(zero, zero, zero, zero, zero, zero, zero),
+        active=lanes_mask(False), rays=as_int(0),
+    )  # fmt: skip
 
 
 @kernel
@@ -113,20 +106,11 @@ def begin_paths(new, o, d, weight, sampler, path):
         What continues in the other lanes.
     """
     black = lanes_vec3(0.0)
-    return Path(
-        o,
-        d,
-        where(new, o, path.p),
-        where(new, black, path.L),
-        where(new, black, path.L_direct),
-        where(new, lanes_vec3(1.0) * weight, path.beta),
-        where(new, lanes(0.0), path.pdf),
-        path.delta | new,
-        where(new, lanes_u32(0), path.depth),
-        sampler,
-        path.active | new,
-        path.rays,
-    )
+    begun = replace(
+        path, p=o, L=black, L_direct=black, beta=lanes_vec3(1.0) * weight, pdf=lanes(0.0),
+        delta=new, depth=lanes_u32(0), active=new,
+    )  # fmt: skip
+    return replace(where(new, begun, path), o=o, d=d, sampler=sampler, rays=path.rays)
 
 
 @specialised

@@ -35,4 +35,18 @@ COMPILER = (
         "::test_the_cache_folder_changes_with_any_callee[lanewise/instructions.py]",
         "lanewise",
     ),
+    Mutant(
+        "records blended the wrong way round",
+        "record_instructions.py",
+        (("b.select(mask, x, y)", "b.select(mask, y, x)"),),
+        "tests/lanewise/test_records.py::test_one_bit_chooses_for_all_lanes[machine code]",
+        "lanewise",
+    ),
+    Mutant(
+        "a first field that is never replaced",
+        "record_instructions.py",
+        (("given.get(name, builder", "given.get(name if i else '', builder"),),
+        "tests/lanewise/test_records.py::test_replace_changes_the_named_fields_only[machine code]",
+        "lanewise",
+    ),
 )
