@@ -5,9 +5,10 @@ import pytest
 
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
-from alight.media.grid import Grid, emission
+from alight.media.grid import Grid
 from alight.media.sampling import fly
 from alight.media.tables import Stream
+from alight.media.voxels import emission
 from alight.scene import flatten, rotate, scale, translate
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
