@@ -40,7 +40,7 @@ class Mutant(NamedTuple):
 _PATH = "integrators/path.py"
 _NO_COSINE = """f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
             f_cos = f_cos * (1.0 / where(wi.z > 0.0, wi.z, 1e-6 - wi.z))"""
-_PER_AREA = """density = pdf_of_area(scene, index, surface.prim, p, wi, distance, cosine)
+_PER_AREA = """density = pdf_of_shape(scene, index, surface.prim, p, wi, distance, cosine)
         density = density * where(cosine > 0.0, cosine, 0.0) / (distance * distance)"""
 
 MUTANTS = {
@@ -60,7 +60,7 @@ MUTANTS = {
         (
             (
                 "lights/sampling.py",
-                "density = pdf_of_area(scene, index, surface.prim, p, wi, distance, cosine)",
+                "density = pdf_of_shape(scene, index, surface.prim, p, wi, distance, cosine)",
                 _PER_AREA,
             ),
         ),

@@ -5,10 +5,10 @@ import pytest
 
 from alight.bsdfs import conductor, thin_film
 from alight.core import rng, vec
-from alight.core.constants import LUMINANCE
 from alight.formats import cie, metals, spectra
 from alight.formats.pbrt import amounts, colors
 from alight.lights import atmosphere
+from alight.metrics import comparison
 from alight.outputs import tone_mapping, white_balance
 from alight.samplers.halton import PRIMES
 from alight.samplers.sobol import _second_dimension
@@ -78,7 +78,7 @@ def test_luminance_is_the_second_row():
     found = [
         [float(vec.luminance(Vec3(*c))) for c in ones],
         [mix._grey(tuple(c)) for c in ones.tolist()],
-        LUMINANCE, tone_mapping.LUMINANCE, amounts.LUMINANCE,
+        comparison._LUMINANCE, tone_mapping.LUMINANCE, amounts.LUMINANCE,
     ]  # fmt: skip
     for weights in found:
         np.testing.assert_allclose(weights, REC709[1], atol=1e-4)

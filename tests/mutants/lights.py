@@ -96,8 +96,8 @@ LIGHT = (
         "lights/emission.py",
         (
             (
-                "x, y = where(mine, x1, x), where(mine, y1, y)",
-                "x, y = where(mine, y1, x), where(mine, x1, y)",
+                "x, y, prim = where(mine, x1, x), where(mine, y1, y)",
+                "x, y, prim = where(mine, y1, x), where(mine, x1, y)",
             ),
         ),
         f"{LAMPS}::test_samples_show_the_texture_of_the_point_that_they_hit",

@@ -60,7 +60,7 @@ MEDIA = (
     Mutant(
         "surfaces that are not there count as edges",
         "integrators/volpath.py",
-        (("where(passing, path.depth, depth)", "depth"),),
+        (("where(passing, on, vertex)", "where(passing, replace(on, depth=depth), vertex)"),),
         f"{FORMS}::test_light_scattered_once_is_the_integral_along_the_ray",
     ),
     Mutant(
