@@ -54,7 +54,7 @@ def check(
     import alight
     from alight.cli.reporting import warn
     from alight.laws.scene.dump import write_failures
-    from alight.rendering.loading import scene_of
+    from alight.options.loading import scene_of
 
     description = scene_of(scene, options)
     for warning in description.warnings:

@@ -25,7 +25,7 @@ def convert(
     from alight.core.errors import OutputError
     from alight.formats import save
     from alight.formats.gltf.write import write
-    from alight.rendering.loading import scene_of
+    from alight.options.loading import scene_of
     from alight.scene import flatten
 
     check_suffix(output)

@@ -21,8 +21,8 @@ def reference(
     """Render a reference picture to a given error."""
     from alight.cli.progress import ProgressBar
     from alight.core.errors import OptionError
+    from alight.options.loading import scene_of
     from alight.outputs.image import check_writable
-    from alight.rendering.loading import scene_of
 
     if output.suffix.lower() != ".exr":
         text = f"must end in .exr, which keeps standard errors, got {output}"

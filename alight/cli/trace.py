@@ -24,7 +24,7 @@ def trace(
     """Follow one sample of a pixel, one path vertex a line; breakpoints in kernels work."""
     import alight
     from alight.cli.reporting import warn
-    from alight.rendering.loading import scene_of
+    from alight.options.loading import scene_of
 
     position = parse_pixel(pixel)
     description = scene_of(scene, options)

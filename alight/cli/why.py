@@ -24,7 +24,7 @@ def why(
     import alight
     from alight.cli.reporting import warn
     from alight.lab.why.maps import check_maps
-    from alight.rendering.loading import scene_of
+    from alight.options.loading import scene_of
 
     target = options.output or Path(f"{Path(scene).stem}.why.png")
     check_maps(target)

@@ -85,7 +85,7 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
     >>> dict(alight.info("cornell-box").facts)["lights"]
     '1 (1 area)'
     """
-    from alight.rendering.loading import scene_of
+    from alight.options.loading import scene_of
     from alight.scene import flatten
 
     description = scene_of(scene, options)

@@ -21,9 +21,9 @@ from alight.films import Film
 from alight.metrics.relmse import Estimate
 from alight.options.entry import takes
 from alight.options.laboratory import PlanOptions
+from alight.options.loading import scene_of
 from alight.options.render import RenderOptions
 from alight.outputs import html
-from alight.rendering.loading import scene_of
 from alight.rendering.main_loop import render_film
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Goal, Schedule, Verdict

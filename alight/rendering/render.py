@@ -18,9 +18,9 @@ from alight.core.errors import OptionError
 from alight.films import Film
 from alight.films.denoising import FEATURES
 from alight.options.entry import takes
+from alight.options.loading import scene_of
 from alight.options.render import RenderOptions
 from alight.rendering import main_loop
-from alight.rendering.loading import scene_of
 from alight.rendering.writing import Targets, finish
 from alight.scene import Scene
 

@@ -13,12 +13,12 @@ from alight.films import Film
 from alight.formats import load
 from alight.options.entry import takes
 from alight.options.kinds import Files
+from alight.options.plugins import load_plugins
 from alight.options.resume import ResumeOptions
 from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.main_loop import Clock, make_job, run
 from alight.rendering.passes import Pace
-from alight.rendering.plugins import load_plugins
 from alight.rendering.schedules import promise_of, restored_schedule
 from alight.rendering.steering import towards
 from alight.rendering.writing import Targets, finish

@@ -34,8 +34,8 @@ from alight.lights.sampling import (
 from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.options.entry import takes
 from alight.options.laboratory import TraceOptions
+from alight.options.loading import scene_of
 from alight.outputs import html
-from alight.rendering.loading import scene_of
 from alight.rendering.observation import Event, Observer
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile, add_finished

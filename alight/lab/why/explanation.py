@@ -15,8 +15,8 @@ from alight.lab.why.trials import Trial, try_alternatives
 from alight.lab.why.words import plain, ranked, share_lines, share_tables, trial_lines
 from alight.options.entry import takes
 from alight.options.laboratory import WhyOptions
+from alight.options.loading import scene_of
 from alight.outputs import html
-from alight.rendering.loading import scene_of
 from alight.scene import Scene
 
 #: Parts that get a map of their own.

@@ -16,7 +16,7 @@ from alight.laws.scene.numbers import check_numbers, check_paths
 from alight.laws.scene.pictures import check_accelerators, check_strategies, integrator_of, small
 from alight.options.entry import takes
 from alight.options.laboratory import PARTS, CheckOptions
-from alight.rendering.loading import scene_of
+from alight.options.loading import scene_of
 from alight.scene import Scene, flatten
 from alight.scene.flatten import FlatScene, at_opening
 

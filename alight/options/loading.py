@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from alight.formats import load
 from alight.formats.loading import changed
+from alight.options.plugins import load_plugins
 from alight.options.scene import SceneOptions
-from alight.rendering.plugins import load_plugins
 from alight.scene import Scene
 
 
