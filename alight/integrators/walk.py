@@ -39,7 +39,7 @@ from lanewise.simd import (
 #: delta : mask, d was chosen by a delta lobe, or is a camera ray;
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far.
-Path = namedtuple("Path", "o d p L L_direct beta pdf delta depth sampler active rays")
+PathState = namedtuple("PathState", "o d p L L_direct beta pdf delta depth sampler active rays")
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed, replicates and layer (whole; the layer is
 #: for `alight.integrators.aov`), distance (float32, metres).
@@ -58,9 +58,6 @@ CAMERA_DIMENSIONS = 8
 #: Sixteen dimensions a vertex; these are their places.
 VERTEX_DIMENSIONS = 16
 LIGHT_CHOICE, LIGHT_POINT, BSDF_CHOICE, BSDF_DIRECTION, ROULETTE = 0, 1, 3, 4, 6
-
-#: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
-MAX_SURVIVAL = 0.95
 
 
 def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Settings:
@@ -82,7 +79,7 @@ def no_paths():
     """Paths, none of them active."""
     zero = lanes_u32(0)
     black = lanes_vec3(0.0)
-    return Path(
+    return PathState(
         o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(zero, zero, zero, zero, zero, zero, zero),
@@ -123,8 +120,8 @@ def empty_paths(program):
 def start_paths(program):
     """``start_paths(new, o, d, weight, sampler, path)``: as `begin_paths`, for the integrator.
 
-    An integrator that keeps more than a `Path` has kernels of the names `empty_paths` and
-    `start_paths`, and `put_more` and `take_more` for the time that its paths wait (`queue`).
+    An integrator that keeps more than a `PathState` has kernels of the names `empty_paths` and
+    `start_paths`.
     """
     return getattr(module_of(program), "start_paths", begin_paths)
 
