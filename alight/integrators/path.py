@@ -71,14 +71,10 @@ from alight.integrators.walk import (
     to_world,
     vertex_dimension,
 )
+from alight.lights.choice import lit_normal
 from alight.lights.hits import on_shapes
-from alight.lights.sampling import (
-    environments_of,
-    has_delta_lights,
-    lit_normal,
-    sample_light,
-    shadow_ray,
-)
+from alight.lights.misses import environments_of
+from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface

@@ -7,7 +7,8 @@ In multiple importance sampling this is the technique of the BSDF; the factories
 from __future__ import annotations
 
 from alight.core.vec import length
-from alight.lights.sampling import emitted, environment_pdf, environment_radiance, light_pdf
+from alight.lights.hits import emitted, light_pdf
+from alight.lights.misses import environment_pdf, environment_radiance
 from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import any_lane, where

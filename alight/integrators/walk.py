@@ -41,9 +41,9 @@ from lanewise.simd import (
 #: rays : uniform whole number, rays traced by all lanes so far.
 PathState = namedtuple("PathState", "o d p L L_direct beta pdf delta depth sampler active rays")
 
-#: Uniform numbers of a render: max_depth, rr_depth, seed, replicates and layer (whole; the layer is
-#: for `alight.integrators.aov`), distance (float32, metres).
-Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance layer")
+#: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
+#: metres).
+Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance")
 
 #: Modules of this package that can replace an integrator.
 PASSES = ("aov", "contributions")
@@ -70,7 +70,6 @@ def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Sett
         seed=seed,
         replicates=replicates,
         distance=np.float32(fields.get("distance") or np.inf),
-        layer=0,
     )
 
 

@@ -12,8 +12,9 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.cameras.rays import generate_ray
-from alight.films.fixed_point import split
+from alight.films.fixed_point import put_limbs
 from alight.filters.importance import sample_filter
+from alight.integrators.aov import LayerFilm, look
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
 from alight.integrators.walk import (
@@ -188,15 +189,6 @@ def add_finished(program):
     return add_finished
 
 
-@kernel(strict=True)
-def put_limbs(limbs, channel, value):
-    """Store both limbs of one channel; returns where it was saturated."""
-    parts = split(value)
-    store_lanes(limbs, (2 * channel) * LANES, parts.hi)
-    store_lanes(limbs, (2 * channel + 1) * LANES, parts.lo)
-    return parts.saturated
-
-
 @kernel
 def finish(settings, tile, film, path, before):
     """Add the paths that have ended since they were active in the lanes of `before`."""
@@ -292,3 +284,14 @@ def render_in_stages(scene, settings, tile, ranges, film):
             path = shade(scene, settings, path, hit)
             finish(settings, tile, film, path, before)
     film.tally[RAYS] += rays
+
+
+@kernel
+def render_layers(scene, settings, tile, ranges, wanted, sums):
+    """Render layers (`alight.integrators.aov`) of the samples `ranges` of one tile."""
+    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
+    _, cells = count_cells(tile)
+    film = LayerFilm(tile, wanted, sums)
+    while cursor.cell < cells:
+        cursor, path = start(scene, settings, tile, ranges, cursor)
+        look(scene, film, path)
