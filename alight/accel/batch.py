@@ -9,12 +9,12 @@ from functools import lru_cache
 import numpy as np
 
 from alight.accel.build import build_bvh
+from alight.accel.interleaved import write_packet
 from alight.accel.layout import Bvh
-from alight.accel.packets import start
+from alight.accel.leaf_test import any_of_hits, closest_of_hits
+from alight.accel.node_test import NONE, is_traceable
+from alight.accel.query import start
 from alight.accel.rays import MOST, Hits
-from alight.accel.single import NONE, is_traceable
-from alight.accel.turns import write_packet
-from alight.accel.visits import any_of_hits, closest_of_hits
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
 from lanewise.jit import instantiate, kernel

@@ -22,7 +22,7 @@ from alight.accel.layout import (
     number_of,
 )
 from alight.accel.lists import NOTHING, Accelerator, keep, wins, write_lists
-from alight.accel.mixed import (
+from alight.accel.other_leaves import (
     leaves_of,
     visits_to,
     write_chain,
@@ -194,7 +194,7 @@ def _moved(meet: Callable) -> Callable:
 
 
 def write_moving_leaves(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
-    """As `mixed.write_leaves`, for the `AtTimes` of one ray."""
+    """As `other_leaves.write_leaves`, for the `AtTimes` of one ray."""
     moving = [(MOVING + number_of(k), *visits_to(k)) for k in kinds_in(plan, MOVING_TREE)]
     resting = [(number_of(k), *map(_unmoved, visits_to(k))) for k in kinds_in(plan, TREE)]
     return leaves_of(*write_chain(resting, *map(_moved, write_chain(moving))))

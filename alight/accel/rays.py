@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.accel.layout import CHILDREN, UPPER, WIDTH
-from alight.accel.single import BoxRay, TriangleRay, safe_reciprocal
+from alight.accel.node_test import BoxRay, TriangleRay, safe_reciprocal
 from alight.core.vec import Vec3
 from alight.shapes.triangle import Shear, rotated, shear_of
 from lanewise.jit import kernel

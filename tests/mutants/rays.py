@@ -25,7 +25,7 @@ RAYS = (
     ),
     Mutant(
         "children as near as the nearest are forgotten",
-        "accel/stacks.py",
+        "accel/stack.py",
         (("met & ~mask_of(CHILDREN, 1 << first)", "met & (enter > nearest)"),),
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),
@@ -37,7 +37,7 @@ RAYS = (
     ),
     Mutant(
         "box test that culls what it should keep",
-        "accel/single.py",
+        "accel/node_test.py",
         (("STRETCH = 1.0 + 2.0**-20", "STRETCH = 1.0 - 2.0**-10"),),
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),

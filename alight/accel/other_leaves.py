@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from alight.accel.layout import IDS, INSTANCE, TRIANGLES, number_of
-from alight.accel.single import NONE, SingleHit
-from alight.accel.traversal import write_single
-from alight.accel.visits import SOMETHING_ELSE, any_of_hits, closest_of_hits
+from alight.accel.leaf_test import SOMETHING_ELSE, any_of_hits, closest_of_hits
+from alight.accel.node_test import NONE, SingleHit
+from alight.accel.single_ray import write_single
 from alight.core.vec import Vec3
 from alight.shapes.model import SHAPES
 from lanewise.jit import kernel
@@ -169,7 +169,7 @@ def leaves_of(meet_other: Callable, block_other: Callable) -> tuple[Callable, Ca
 
     @kernel(strict=True)
     def closest_of_found(tree, data, at, o, d, numbers, k, bits, best):
-        """The nearer one of `best` and what is hit in a block; as `visits.closest_of_hits`."""
+        """The nearer one of `best` and what is hit in a block; as `leaf_test.closest_of_hits`."""
         if bits == SOMETHING_ELSE:
             index = as_int(float_bits(tree.blocks[at + IDS]))
             kind = as_int(float_bits(tree.blocks[at]))

@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
+from alight.accel.interleaved import write_packet
 from alight.accel.layout import LIST, MOVING_LIST, MOVING_TREE, TREE, kinds_in, kinds_in_order
+from alight.accel.leaf_test import any_of_hits, closest_of_hits, data_of_all
 from alight.accel.lists import (
     NOTHING,
     closest_of_nothing,
@@ -18,7 +20,6 @@ from alight.accel.lists import (
     wins,
     write_lists,
 )
-from alight.accel.mixed import write_leaves
 from alight.accel.moving import (
     data_at_times,
     data_of_ray,
@@ -26,10 +27,9 @@ from alight.accel.moving import (
     write_moving_leaves,
     write_moving_lists,
 )
+from alight.accel.node_test import NONE, STRETCH, is_traceable, safe_reciprocal
+from alight.accel.other_leaves import write_leaves
 from alight.accel.rays import MOST, Hits
-from alight.accel.single import NONE, STRETCH, is_traceable, safe_reciprocal
-from alight.accel.turns import write_packet
-from alight.accel.visits import any_of_hits, closest_of_hits, data_of_all
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
 from alight.shapes.hit import Hit

@@ -3,11 +3,11 @@
 Rays of neighbouring samples, and from one point to one light, visit the same nodes. One box against
 all of them is one test, and the overhead of a step, mostly the misprediction of the next child, is
 paid once. So a packet opens a node together while enough of its rays are in it (`FEW`); a subtree
-that only few enter waits until they reach it alone (`turns`). The choice is made at every node, so
-nothing depends on a guess about the scene.
+that only few enter waits until they reach it alone (`interleaved`). The choice is made at every
+node, so nothing depends on a guess about the scene.
 
 The companions of a ray change the order of its visits, but not its hit: the nearest one, the lowest
-among equals, is the same in any order, as no box is culled wrongly (`single`).
+among equals, is the same in any order, as no box is culled wrongly (`node_test`).
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, MAX_DEPTH, NODE, STACK, UPPER
+from alight.accel.node_test import SHRINK, STRETCH, fetch_ahead
 from alight.accel.rays import MOST, RECIPROCAL
-from alight.accel.single import SHRINK, STRETCH, fetch_ahead
-from alight.accel.stacks import ROOM
+from alight.accel.stack import ROOM
 from alight.core.vec import Vec3
 from lanewise.jit import kernel
 from lanewise.simd import (
@@ -59,7 +59,7 @@ _ENTRIES = MOST * _PLACES
 def meet_box(nodes, k, o, r, t):
     """One box, whose first bound is nodes[k], and all rays: (entry, met before t).
 
-    As `single.meet_boxes`, but the lanes differ in which bound comes first.
+    As `node_test.meet_boxes`, but the lanes differ in which bound comes first.
     """
     # This way round the bound is an operand from memory.
     x0, x1 = (o.x - nodes[k]) * -r.x, (o.x - nodes[k + UPPER]) * -r.x
@@ -127,7 +127,7 @@ def write_push_places(nearest_first: bool) -> Callable:
 
 
 def write_together(visit_all: Callable, nearest_first: bool) -> Callable:
-    """The first part of a packet's traversal; `visit_all` is from `visits.write_visit_all`."""
+    """The first part of a packet's traversal; `visit_all` is from `leaf_test.write_visit_all`."""
     push_places = write_push_places(nearest_first)
     meet_children = write_meet_children(nearest_first)
 
@@ -138,7 +138,7 @@ def write_together(visit_all: Callable, nearest_first: bool) -> Callable:
         Parameters
         ----------
         tree, data, o, rays, bits, hits
-            As of `turns.write_packet`.
+            As of `interleaved.write_packet`.
         stacks : Stacks
         bases : local uints
             Subtrees for ray i, at most `WAITING`, are put in front of number bases[i] of the

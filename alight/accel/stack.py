@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 from alight.accel.layout import CHILD, CHILDREN, NODE, STACK
-from alight.accel.single import fetch_ahead, meet_boxes
+from alight.accel.node_test import fetch_ahead, meet_boxes
 from alight.core.constants import INFINITY
 from lanewise.jit import kernel
 from lanewise.simd import (

@@ -1,6 +1,6 @@
 """The rays of a packet through the bounding volume hierarchy: together, then in turns.
 
-Nodes that enough of them enter they open together (`together`). After that each continues alone,
+Nodes that enough of them enter they open together (`packet`). After that each continues alone,
 but all take their steps at the same time: a turn pops the next entry from the stack of each ray,
 opens all nodes, then visits all leaves. Which children a ray hits, and whether it hits anything, is
 unpredictable; so no branch depends on it, and the latencies of all rays overlap. Decision 11 has
@@ -13,11 +13,11 @@ from collections.abc import Callable
 from functools import lru_cache
 
 from alight.accel.layout import BLOCK, CHILDREN, LEAF
+from alight.accel.leaf_test import data_of_all, no_visits, write_visit_all
+from alight.accel.node_test import SHRINK
+from alight.accel.packet import OWN, WAITING, write_together
 from alight.accel.rays import MOST, NUMBERS, ROWS, Rays, box_ray_of, write_rays
-from alight.accel.single import SHRINK
-from alight.accel.stacks import Stacks, write_open_node
-from alight.accel.together import OWN, WAITING, write_together
-from alight.accel.visits import data_of_all, no_visits, write_visit_all
+from alight.accel.stack import Stacks, write_open_node
 from lanewise.jit import kernel
 from lanewise.simd import (
     as_int,
@@ -103,7 +103,7 @@ def write_packet(
     Parameters
     ----------
     settle : kernel
-        What a ray makes of what it found in a block, as `visits.closest_of_hits`.
+        What a ray makes of what it found in a block, as `leaf_test.closest_of_hits`.
     nearest_first : bool
         False where any hit will do.
     mixed : bool
@@ -130,7 +130,7 @@ def write_packet(
             The lanes that are wanted; their rays are finite and have a direction.
         hits : Hits
             In: the largest t that counts, and `NONE`. Out: what was found; of primitives at the
-            same t the one with the lowest (shape, prim). Where any will do (`visits`): t -1.
+            same t the one with the lowest (shape, prim). Where any will do (`leaf_test`): t -1.
         """
         rays = Rays(local_floats(NUMBERS), local_uints(ROWS))
         stacks, bases = Stacks(local_uints(_STACKS), local_floats(_STACKS)), local_uints(MOST)

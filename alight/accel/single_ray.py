@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 from alight.accel.layout import BLOCK, CHILDREN, LEAF
-from alight.accel.single import (
+from alight.accel.node_test import (
     NONE,
     SHRINK,
     SingleHit,
@@ -21,7 +21,7 @@ from alight.accel.single import (
     meet_triangles,
     triangle_ray,
 )
-from alight.accel.stacks import ROOM, Stacks, write_open_node
+from alight.accel.stack import ROOM, Stacks, write_open_node
 from lanewise.jit import kernel
 from lanewise.simd import as_float, as_int, as_uint, local_floats, local_uints, mask_bits
 

@@ -11,8 +11,8 @@ from collections import namedtuple
 from collections.abc import Callable
 
 from alight.accel.layout import IDS, OTHER, WIDTH
+from alight.accel.node_test import SingleHit, meet_triangles
 from alight.accel.rays import DIRECTION, MOST, ORIGIN, triangle_ray_of, vector_of
-from alight.accel.single import SingleHit, meet_triangles
 from lanewise.jit import kernel
 from lanewise.simd import (
     as_float,
