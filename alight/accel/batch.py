@@ -9,12 +9,10 @@ from functools import lru_cache
 import numpy as np
 
 from alight.accel.build import build_bvh
-from alight.accel.interleaved import write_packet
 from alight.accel.layout import Bvh
-from alight.accel.leaf_test import any_of_hits, closest_of_hits
-from alight.accel.node_test import NONE, is_traceable
-from alight.accel.query import start
-from alight.accel.rays import MOST, Hits
+from alight.accel.node_test import is_traceable
+from alight.accel.query import trace_tree
+from alight.accel.rays import NONE
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
 from lanewise.jit import instantiate, kernel
@@ -26,8 +24,6 @@ from lanewise.simd import (
     bits_float,
     gather,
     lane_index,
-    local_floats,
-    local_uints,
     mask_bits,
     maximum,
     minimum_u32,
@@ -38,34 +34,26 @@ from lanewise.view import View
 _CHUNK = 16384
 
 
-closest_of_rays = write_packet(closest_of_hits, True)
-any_of_rays = write_packet(any_of_hits, False)
-
-
 @kernel(strict=True)
-def packet(origins, directions, t_max, begin, end):
-    """Rays begin, begin + 1, ...: (origins, directions, largest t, bits of the lanes in use)."""
-    lane = begin + lane_index()
-    i = minimum_u32(lane, end - 1)
+def trace_rays(bvh, origins, directions, t_max, begin, end, nearest):
+    """The `Hits` of rays begin, begin + 1, ..., as many as there are lanes."""
+    ray = begin + lane_index()
+    i = minimum_u32(ray, end - 1)
     o = Vec3(gather(origins, 3 * i), gather(origins, 3 * i + 1), gather(origins, 3 * i + 2))
     d = Vec3(
         gather(directions, 3 * i), gather(directions, 3 * i + 1), gather(directions, 3 * i + 2)
     )
     t = gather(t_max, i)
-    return o, d, t, mask_bits((lane < end) & is_traceable(o, d, t))
+    bits = mask_bits((ray < end) & is_traceable(o, d, t))
+    # Rays that meet nothing for lack of a direction keep an end that is not negative.
+    return trace_tree(bvh, bvh.blocks, o, d, maximum(t, 0.0), bits, nearest, None)
 
 
 @kernel(strict=True)
 def intersect_range(bvh, origins, directions, t_max, results, begin, end):
     """Rays begin to end; results: 4 floats a ray: t, index (bits), u, v."""
-    hits = Hits(
-        local_floats(MOST), local_floats(MOST), local_floats(MOST),
-        local_uints(MOST), local_uints(MOST),
-    )  # fmt: skip
     for first in range(begin, end, LANES):
-        o, d, t, bits = packet(origins, directions, t_max, first, end)
-        start(hits, t)
-        closest_of_rays(bvh, bvh.blocks, o, d, bits, hits)
+        hits = trace_rays(bvh, origins, directions, t_max, first, end, True)
         for j in range(min(LANES, end - first)):
             at, found = 4 * (first + j), hits.index[j] != NONE
             results[at] = where(found, hits.t[j], as_float(0) + INFINITY)
@@ -76,15 +64,8 @@ def intersect_range(bvh, origins, directions, t_max, results, begin, end):
 @kernel(strict=True)
 def occluded_range(bvh, origins, directions, t_max, results, begin, end):
     """Rays begin to end; results: 1 where something is met."""
-    hits = Hits(
-        local_floats(MOST), local_floats(MOST), local_floats(MOST),
-        local_uints(MOST), local_uints(MOST),
-    )  # fmt: skip
     for first in range(begin, end, LANES):
-        o, d, t, bits = packet(origins, directions, t_max, first, end)
-        # Rays that meet nothing for lack of a direction keep an end that is not negative.
-        start(hits, maximum(t, 0.0))
-        any_of_rays(bvh, bvh.blocks, o, d, bits, hits)
+        hits = trace_rays(bvh, origins, directions, t_max, first, end, False)
         for j in range(min(LANES, end - first)):
             results[first + j] = as_float(where(hits.t[j] < 0.0, 1, 0))
 
