@@ -76,9 +76,10 @@ def take_next(found, met, hit, nearest):
 
 @kernel(strict=True)
 def end_list(found, best, nearest):
-    """The better one of what a list found and what there was before."""
+    """The better one of what a list found and what there was before, of other shapes."""
     if nearest:
-        return where((found.shape != NOTHING) & wins(found, best), found, best)
+        better = (found.shape != NOTHING) & ((found.t < best.t) | (found.shape < best.shape))
+        return where(better, found, best)
     return found
 
 
@@ -108,7 +109,10 @@ def search_triangles(accel, data, o, d, best, nearest):
         t, u, v, met = intersect_triangle(accel.triangles, 9 * i, origin, shear, found.t)
         hit = Hit(t, u, v, lanes_u32(ids[2 * i]), lanes_u32(ids[2 * i + 1]))
         found = take_next(found, met, hit, nearest)
-    return end_list(found, best, nearest)
+    # Others of the same mesh may have been met as pairs.
+    if nearest:
+        return where((found.shape != NOTHING) & wins(found, best), found, best)
+    return found
 
 
 @kernel(strict=True)
