@@ -56,8 +56,11 @@ def no_leaf_tests():
 
 
 @kernel(strict=True)
-def meet_triangles(blocks, at, ray, t):
-    """The triangles of the block that starts at `at`: t, u, v, and which are hit up to t."""
+def meet_block(blocks, at, ray, t, numbers, k, nearest):
+    """The triangles (bits) of the block at `at` that a ray hits up to t: all tested at once.
+
+    Written to numbers[k : k + RECORD]: t of each triangle and, where the nearest is wanted, u, v.
+    """
     x = load_wide(WIDTH, blocks, at + ray.row_x) - ray.o.x
     y = load_wide(WIDTH, blocks, at + ray.row_y) - ray.o.y
     z = load_wide(WIDTH, blocks, at + ray.row_z) - ray.o.z
@@ -71,21 +74,11 @@ def meet_triangles(blocks, at, ray, t):
         (permuted(x, c), permuted(y, c)),
     )
     found, u, v = where_met(w, az, bz - az, cz - az, ray.shear)
-    return found, u, v, inside & (found > 0.0) & (found <= t)
-
-
-@kernel(strict=True)
-def meet_block(blocks, at, ray, t, numbers, k, nearest):
-    """The triangles (bits) of the block at `at` that a ray hits up to t.
-
-    Written to numbers[k : k + RECORD]: t of each triangle and, where the nearest is wanted, u, v.
-    """
-    found, u, v, hit = meet_triangles(blocks, at, ray, t)
     store_wide(numbers, k, found)
     if nearest:
         store_wide(numbers, k + WIDTH, u)
         store_wide(numbers, k + 2 * WIDTH, v)
-    return mask_bits(hit)
+    return mask_bits(inside & (found > 0.0) & (found <= t))
 
 
 @kernel(strict=True)

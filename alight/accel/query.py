@@ -8,7 +8,6 @@ own.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
 
 from alight.accel.interleaved import trace_interleaved
@@ -33,41 +32,79 @@ from lanewise.simd import gather_row, load_lanes, mask_bits, where
 
 
 @kernel(strict=True)
-def trace_tree(tree, data, o, d, t_max, bits, nearest, others):
-    """What each of some rays of a packet meets in a tree.
+def intersect_closest(scene, o, d, t_max, active):
+    """The first surface that each ray meets.
 
     Parameters
     ----------
-    tree : Bvh
-    data, nearest, others
-        As of `leaf_test.run_leaf_tests`.
-    o, d : Vec3 of lanes
+    scene : namedtuple
+        With ``accel`` (`Accelerator`) and ``shapes.data``; where things move, with ``motions``
+        and ``time`` too.
+    o, d : Vec3
         Origins, metres, and directions, whose length is the unit of t.
-    t_max : lanes
+    t_max : float
         Largest t that counts.
-    bits : int
-        The lanes that are wanted; their rays are finite and have a direction.
+    active : mask
+        Other lanes, and rays that are not finite or have no direction, meet nothing.
 
     Returns
     -------
-    Hits
-        Of primitives at the same t the one with the lowest (shape, prim). Where any will do: t -1.
+    Hit
+        t infinite for a miss; of hits at the same t the one with the lowest (shape, prim).
     """
-    packet = no_packet()
-    write_packet(packet, o, d, t_max)
-    trace_packet(tree, data, o, packet, bits, nearest, others)
-    trace_interleaved(tree, data, packet, bits, nearest, others)
-    return packet.hits
+    hit = search_scene(scene, o, d, t_max, active & is_traceable(o, d, t_max), True)
+    missed = hit.shape == NOTHING
+    return replace(hit, t=where(missed, INFINITY, hit.t), shape=where(missed, 0, hit.shape))
+
+
+@kernel(strict=True)
+def is_occluded(scene, o, d, t_max, active):
+    """Lanes that meet anything at 0 < t <= t_max; parameters as of `intersect_closest`."""
+    traceable = active & is_traceable(o, d, t_max)
+    return traceable & (search_scene(scene, o, d, t_max, traceable, False).t < 0.0)
+
+
+@specialised
+def search_scene(program):
+    """The search of the lists and the tree: (scene, o, d, t_max, traceable, nearest) -> Hit."""
+    plan = program.accel
+    data_of, search_lists, in_tree, others = _texts_of(plan, models_of(plan))
+    has_tree = TREE in plan
+
+    @kernel(strict=True)
+    def search(scene, o, d, t_max, traceable, nearest):
+        data = data_of(scene)
+        best = no_hit(where(traceable, t_max, -1.0))
+        best = search_lists(scene.accel, data, o, d, best, nearest)
+        if has_tree:
+            best = in_tree(scene.accel, data, o, d, best, nearest, others)
+        return best
+
+    return search
 
 
 @kernel(strict=True)
 def search_tree(accel, data, o, d, best, nearest, others):
-    """Search the tree, after the lists (`lists.write_lists`)."""
+    """Search the tree: as a packet, then ray by ray.
+
+    Parameters
+    ----------
+    accel : Accelerator
+    data, nearest, others
+        As of `leaf_test.run_leaf_tests`.
+    o, d : Vec3 of lanes
+    best : Hit
+        What the lists hold (`lists.write_lists`); what is returned, too.
+    """
     _, enters = meet_box(accel.box, 0, 1, o, reciprocal_of(d), best.t)
     bits = mask_bits(enters)
     if bits == 0:
         return best
-    hits = trace_tree(accel.tree, data, o, d, best.t, bits, nearest, others)
+    packet = no_packet()
+    write_packet(packet, o, d, best.t)
+    trace_packet(accel.tree, data, o, packet, bits, nearest, others)
+    trace_interleaved(accel.tree, data, packet, bits, nearest, others)
+    hits = packet.hits
     t = load_lanes(hits.t, 0)
     if not nearest:
         return replace(best, t=t)
@@ -87,80 +124,25 @@ def data_of_shapes(scene):
     return scene.shapes.data
 
 
-def _queries(plan: tuple[str, ...]) -> tuple[Callable, Callable]:
-    """The kernels `intersect_closest` and `is_occluded` of one plan (`accelerator`)."""
-    models = tuple(
-        SHAPES[kind]
-        for kind in kinds_in_order({entry.split()[-1] for entry in plan})
-        if kind in SHAPES
-    )
-    return _write_queries(plan, models)
+def models_of(plan: tuple[str, ...]) -> tuple[ShapeModel, ...]:
+    """The models of the shapes in a plan (`accelerator`)."""
+    kinds = kinds_in_order({entry.split()[-1] for entry in plan})
+    return tuple(SHAPES[kind] for kind in kinds if kind in SHAPES)
 
 
 @lru_cache(maxsize=256)
-def _write_queries(
-    plan: tuple[str, ...], models: tuple[ShapeModel, ...]
-) -> tuple[Callable, Callable]:
-    """The same, written once for these shapes: another version of one has other kernels."""
-    moving = bool(kinds_in(plan, MOVING_LIST) or kinds_in(plan, MOVING_TREE))
-    data_of, kinds = data_of_shapes, kinds_in(plan, TREE)
+def _texts_of(plan: tuple[str, ...], models: tuple[ShapeModel, ...]) -> tuple:
+    """What `search_scene` calls for a plan, written once for these models of its shapes.
+
+    Returns
+    -------
+    data_of, search_lists, search_tree : kernels
+    others : kernel or None
+        As of `leaf_test.run_leaf_tests`.
+    """
+    if kinds_in(plan, MOVING_LIST) or kinds_in(plan, MOVING_TREE):
+        in_tree = with_times_in_memory(search_tree)
+        return data_at_times, write_moving_lists(plan), in_tree, write_moving_others(plan)
+    kinds = kinds_in(plan, TREE)
     others = write_others(kinds) if kinds else None
-    search_lists, in_tree = write_lists(kinds_in(plan, LIST)), search_tree
-    if moving:
-        data_of, others = data_at_times, write_moving_others(plan)
-        search_lists, in_tree = write_moving_lists(plan), with_times_in_memory(search_tree)
-    has_tree = TREE in plan
-
-    @kernel(strict=True)
-    def search(scene, o, d, t_max, traceable, nearest):
-        data = data_of(scene)
-        best = no_hit(where(traceable, t_max, -1.0))
-        best = search_lists(scene.accel, data, o, d, best, nearest)
-        if has_tree:
-            best = in_tree(scene.accel, data, o, d, best, nearest, others)
-        return best
-
-    @kernel(strict=True)
-    def closest(scene, o, d, t_max, active):
-        """The first surface that each ray meets.
-
-        Parameters
-        ----------
-        scene : namedtuple
-            With ``accel`` (`Accelerator`) and ``shapes.data``; where things move, with ``motions``
-            and ``time`` too.
-        o, d : Vec3
-            Origins, metres, and directions, whose length is the unit of t.
-        t_max : float
-            Largest t that counts.
-        active : mask
-            Other lanes, and rays that are not finite or have no direction, meet nothing.
-
-        Returns
-        -------
-        Hit
-            t infinite for a miss; of hits at the same t the one with the lowest (shape, prim).
-        """
-        best = search(scene, o, d, t_max, active & is_traceable(o, d, t_max), True)
-        missed = best.shape == NOTHING
-        return replace(best, t=where(missed, INFINITY, best.t), shape=where(missed, 0, best.shape))
-
-    @kernel(strict=True)
-    def occluded(scene, o, d, t_max, active):
-        """Lanes that meet anything at 0 < t <= t_max; parameters as of `closest`."""
-        traceable = active & is_traceable(o, d, t_max)
-        return traceable & (search(scene, o, d, t_max, traceable, False).t < 0.0)
-
-    return closest, occluded
-
-
-@specialised
-def intersect_closest(program):
-    """Closest hits of a packet of rays with the scene; see `_write_queries`."""
-    return _queries(program.accel)[0]
-
-
-@specialised
-def is_occluded(program):
-    """Occlusion of a packet of rays by the scene; see `_write_queries`."""
-    return _queries(program.accel)[1]
+    return data_of_shapes, write_lists(kinds_in(plan, LIST)), search_tree, others
