@@ -1,8 +1,7 @@
 """Acceleration structures find the first surface that a ray hits, or whether it hits any.
 
-`build` makes a bounding volume hierarchy of wide nodes, `single_ray` follows one ray
-through it, `accelerator` puts it together with flat lists, planes and instances for a whole scene,
-and `query` is what integrators call.
+`query` is what integrators ask, `build` makes the bounding volume hierarchy
+and `accelerator` puts it together with flat lists, planes and instances for a whole scene.
 """
 
 from alight.accel.accelerator import build_accelerator as build_accelerator

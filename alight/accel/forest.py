@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.accel.build import aligned_zeros, build_bvh
+from alight.accel.build import build_bvh
 from alight.accel.layout import (
     BLOCK,
     CHILD,
@@ -22,6 +22,7 @@ from alight.accel.layout import (
     TREE,
     TRIANGLES,
     Bvh,
+    aligned_zeros,
     check_blocks,
     kinds_in_order,
     number_of,
