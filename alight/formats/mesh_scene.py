@@ -21,8 +21,7 @@ from alight.formats.surroundings import Bounds
 from alight.meshes import ply, stl
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
-from alight.scene.meshes import mesh_problem
-from alight.shapes.mesh import Mesh
+from alight.scene.meshes import mesh_of
 
 _UPRIGHT = {"rotate": {"axis": "x", "angle": -90.0}}
 
@@ -41,20 +40,17 @@ def _parse(
     read: Callable[[bytes], MeshArrays], data: bytes, name: str, reach: Reach, *, z_is_up: bool
 ) -> Parsed:
     try:
-        arrays = read(data)
+        mesh = mesh_of(read(data))
     except SceneError as error:
-        raise SceneError([Issue("", issue.message, name) for issue in error.issues]) from None
-    problem = mesh_problem(arrays)
-    if problem:
-        raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])
+        raise SceneError([Issue("", issue.sentence, name) for issue in error.issues]) from None
     report, bounds = Report(), Bounds()
     report.count("meshes")
     to_world = transform.rotate("x", -90.0).matrix if z_is_up else np.eye(4)
-    bounds.add(arrays.vertices, to_world)
-    node: dict[str, Any] = {"shape": Mesh(**arrays._asdict()), "bsdf": "surface"}
+    bounds.add(mesh.vertices, to_world)
+    node: dict[str, Any] = {"shape": mesh, "bsdf": "surface"}
     if z_is_up:
         node["transform"] = _UPRIGHT
         report.approximate("STL files do not say which way is up: z is taken")
-    surface = plain_surface(arrays.colors is not None)
+    surface = plain_surface(mesh.colors is not None)
     tables = {"bsdfs": {"surface": surface.bsdf}, "nodes": {"mesh": node}}
-    return model_scene(tables, {"": name}, report, bounds, Glow(reach.folder))
+    return model_scene(tables, {"": name}, report, bounds, Glow(reach.files))

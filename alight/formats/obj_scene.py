@@ -25,7 +25,7 @@ from alight.formats.surfaces import Surface, plain_surface
 from alight.formats.surroundings import Bounds
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
-from alight.scene.meshes import mesh_problem
+from alight.scene.meshes import mesh_of
 from alight.shapes.mesh import Mesh
 
 MOST_LIBRARY_BYTES = 16 * 2**20
@@ -82,7 +82,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     parts = _parts(content, name, reach, report, materials)
     if report.issues:
         raise SceneError(report.issues)
-    bounds, glow, nodes, bsdfs = Bounds(), Glow(reach.folder), {}, {}
+    bounds, glow, nodes, bsdfs = Bounds(), Glow(reach.files), {}, {}
     names: dict[str, str] = {}
     places = {"": name}
     for part in parts:
@@ -192,9 +192,10 @@ def _mesh(content: obj.Content, part: _Part, name: str, report: Report) -> Mesh 
     for kind in content.partly(part.faces):
         group = f"{quote(part.group)}: " if part.group else ""
         report.approximate(f"{name}: {group}only some faces have {kind}: none is used")
-    problem = mesh_problem(arrays)
-    if problem:
-        raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])
+    try:
+        mesh = mesh_of(arrays)
+    except SceneError as error:
+        raise SceneError([Issue("", issue.sentence, name) for issue in error.issues]) from None
     if arrays.normals is None and part.smooth:
-        arrays = arrays._replace(normals=vertex_normals(arrays.vertices, arrays.faces))
-    return Mesh(**arrays._asdict())
+        return mesh.replaced(normals=vertex_normals(arrays.vertices, arrays.faces))
+    return mesh

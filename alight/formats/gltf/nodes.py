@@ -29,7 +29,6 @@ from alight.formats.lamps import parallel, point, spot, turned
 from alight.formats.names import free_name
 from alight.formats.surroundings import Bounds
 from alight.scene.transform import Matrix, is_singular
-from alight.shapes.mesh import Mesh
 
 #: Nodes this deep carry all that is below them; the native format ends at 24.
 DEEPEST = 16
@@ -94,7 +93,7 @@ class Graph:
 
     def __post_init__(self) -> None:
         """Nothing shines yet."""
-        self.glow = Glow(self.document.reach.folder)
+        self.glow = Glow(self.document.reach.files)
 
     def build(self) -> None:
         """Visit all nodes of the scene that the file shows."""
@@ -262,10 +261,9 @@ class Graph:
             material = self.materials.get(index, channels)
             if self.document.report.issues:
                 raise SceneError(self.document.report.issues)
-            arrays = read_primitive(self.document, primitive, weights, material.sets, joints)
-            if arrays is None:
+            shape = read_primitive(self.document, primitive, weights, material.sets, joints)
+            if shape is None:
                 continue
-            shape = Mesh(**arrays._asdict())
             if material.emission is not None and not material.is_unlit:
                 self._shining[id(shape)] = material.emission
             parts[f"primitive {number}"] = {

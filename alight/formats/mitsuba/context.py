@@ -13,6 +13,7 @@ from alight.formats.mitsuba.elements import Element
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.scene.description import name_problem
+from alight.scene.files import Files
 
 Data = dict[str, Any]
 
@@ -37,8 +38,10 @@ class Context:
         Key path of the native description -> ``file:line:column``.
     tables : dict of str to dict
         ``bsdfs``, ``textures``, ``media`` and ``prototypes`` by name, as in the native format.
+    meshes : Files
+        Reads meshes, for the time of the conversion.
     loaded : dict
-        Meshes that have been read.
+        Meshes that have been made of them.
     moves : bool
         Whether the file has animations.
     sees_media, uses_media : bool
@@ -51,6 +54,7 @@ class Context:
     ids: dict[str, Element] = field(default_factory=dict)
     places: dict[str, str] = field(default_factory=dict)
     tables: dict[str, dict[str, Data]] = field(default_factory=dict)
+    meshes: Files = field(default_factory=Files)
     loaded: dict[Any, Any] = field(default_factory=dict)
     moves: bool = False
     sees_media: bool = False

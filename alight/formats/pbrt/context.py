@@ -11,6 +11,7 @@ from alight.formats.pbrt.colors import Colors
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.scene.description import name_problem
+from alight.scene.files import Files
 
 Data = dict[str, Any]
 
@@ -34,8 +35,10 @@ class Context:
         Key path of the native description -> ``file:line:column``.
     tables : dict of str to dict
         ``bsdfs``, ``textures`` and ``prototypes`` by name, as the native format has them.
+    meshes : Files
+        Reads meshes, for the time of the conversion.
     loaded : dict
-        Meshes that have been read.
+        Meshes that have been made of them.
     textures, materials : mapping
         What converts textures and materials, by pbrt's name.
     """
@@ -49,6 +52,7 @@ class Context:
     tables: dict[str, dict[str, Data]] = field(
         default_factory=lambda: {"textures": {}, "bsdfs": {}, "prototypes": {}}
     )
+    meshes: Files = field(default_factory=Files)
     loaded: dict[Any, Any] = field(default_factory=dict)
     textures: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)
     materials: Mapping[str, Callable[[Any], Data]] = field(default_factory=dict)

@@ -16,13 +16,12 @@ from alight.formats.surroundings import Bounds
 from alight.formats.usd.cameras import read_camera
 from alight.formats.usd.lights import is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
-from alight.formats.usd.meshes import has_set, mesh_of, read_mesh, solid
+from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
 from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
-from alight.meshes.triangles import MeshArrays
-from alight.scene.meshes import mesh_problem
+from alight.scene.meshes import mesh_of
 from alight.scene.transform import is_singular
 from alight.shapes.mesh import Mesh
 
@@ -74,7 +73,7 @@ class Graph:
         self.view: Matrix | None = None
         self.bounds = Bounds()
         self.is_lit = False
-        self.glow = Glow(stage.reach.folder)
+        self.glow = Glow(stage.reach.files)
         self.places: dict[str, str] = {}
         self._materials: dict[tuple[str, str], tuple[str, Surface]] = {}
         self._prototype_names: dict[str, str] = {}
@@ -236,13 +235,12 @@ class Graph:
         self, prim: Any, bound: Any, triangles: Triangles, chosen: Any, to_world: Matrix
     ) -> Data:
         sets = self._sets_of(bound, prim)
-        mesh = mesh_of(triangles, sets, chosen)
         self._say_what_is_lacking(prim, bound, triangles)
-        arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
-        problem = mesh_problem(arrays)
-        if problem:
-            self.stage.problem(prim, f"{problem[0]} {problem[1]}")
-            raise SceneError(self.stage.report.issues)
+        try:
+            mesh = mesh_of(arrays_of(triangles, sets, chosen))
+        except SceneError as error:
+            self.stage.problem(prim, error.issues[0].sentence)
+            raise SceneError(self.stage.report.issues) from None
         name, material = self._material_of(bound, prim)
         return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
 
