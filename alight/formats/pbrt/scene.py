@@ -48,7 +48,7 @@ def parse(text: str, name: str, reach: Reach | None = None, lenient: bool = Fals
     reader = _Reader(context)
     reader.file(text, name)
     data = reader.finish()
-    report.issues[:] = _in_order(report.issues)
+    report.sort()
     return Parsed.of(data, context.places | {"": f"{name}:1:1"}, report, reader.spp)
 
 
@@ -69,14 +69,6 @@ _NEW = re.compile(
 def _is_old(text: str) -> bool:
     """Whether a file is one of pbrt 3: files do not say, but some words exist in one only."""
     return bool(_OLD.search(text)) and not _NEW.search(text)
-
-
-def _in_order(issues: list[Issue]) -> list[Issue]:
-    """Sort problems by their lines; files stay in the order in which they were found."""
-    parts = [re.fullmatch(r"(.*):(\d+):(\d+)", issue.place) for issue in issues]
-    files = {part[1] if part else "": i for i, part in reversed(list(enumerate(parts)))}
-    keys = [(files[p[1]], int(p[2]), int(p[3])) if p else (-1, 0, 0) for p in parts]
-    return [issues[i] for i in sorted(range(len(issues)), key=keys.__getitem__)]
 
 
 class _TooManyError(Exception):
