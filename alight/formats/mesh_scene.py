@@ -6,18 +6,15 @@ STL files come from machines whose z is up, so they are turned; PLY files are ta
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.formats.glow import Glow
-from alight.formats.model_scene import model_scene
+from alight.formats.model_scene import Data, ModelScene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.formats.surfaces import plain_surface
-from alight.formats.surroundings import Bounds
 from alight.meshes import ply, stl
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
@@ -43,14 +40,15 @@ def _parse(
         mesh = mesh_of(read(data))
     except SceneError as error:
         raise SceneError([Issue("", issue.sentence, name) for issue in error.issues]) from None
-    report, bounds = Report(), Bounds()
-    report.count("meshes")
-    to_world = transform.rotate("x", -90.0).matrix if z_is_up else np.eye(4)
-    bounds.add(mesh.vertices, to_world)
-    node: dict[str, Any] = {"shape": mesh, "bsdf": "surface"}
-    if z_is_up:
-        node["transform"] = _UPRIGHT
-        report.approximate("STL files do not say which way is up: z is taken")
+    model = ModelScene(Report(), reach, {"": name})
+    model.report.count("meshes")
     surface = plain_surface(mesh.colors is not None)
-    tables = {"bsdfs": {"surface": surface.bsdf}, "nodes": {"mesh": node}}
-    return model_scene(tables, {"": name}, report, bounds, Glow(reach.files))
+    node: Data = {"shape": mesh, "bsdf": model.name_of("surface", surface, "surface")}
+    to_world = np.eye(4)
+    if z_is_up:
+        to_world, node["transform"] = transform.rotate("x", -90.0).matrix, _UPRIGHT
+        model.report.approximate("STL files do not say which way is up: z is taken")
+    assert mesh.vertices is not None
+    model.bounds.add(mesh.vertices, to_world)
+    model.nodes["mesh"] = node
+    return model.finish()

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from alight.core.errors import Issue, SceneError, quote
+from alight.core.errors import SceneError, quote
 from alight.formats.mitsuba.draft import Draft
+from alight.formats.packed import content_of
 from alight.formats.reach import OutOfReachError
 from alight.meshes import obj, ply, serialized
 from alight.meshes.normals import vertex_normals
@@ -70,12 +71,7 @@ def _read(files: Files, path: Path, name: str, kind: str, index: int) -> Seriali
 
 
 def _bytes(path: Path, name: str) -> bytes:
-    try:
-        if path.stat().st_size > MOST_BYTES:
-            raise SceneError([Issue("", f"must be at most {MOST_BYTES // 2**20} MB")])
-        return path.read_bytes()
-    except OSError as error:
-        raise OutOfReachError(f"cannot read {quote(path.name)}: {error.strerror}") from None
+    return content_of(path, MOST_BYTES)
 
 
 def _obj(path: Path, name: str) -> MeshArrays:

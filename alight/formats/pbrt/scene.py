@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, quote
-from alight.formats.packed import content_of
+from alight.core.errors import Issue, SceneError
+from alight.formats.packed import text_of
 from alight.formats.parsed import Parsed
 from alight.formats.pbrt import settings
 from alight.formats.pbrt.context import Context, Data
@@ -186,7 +185,8 @@ class _Reader:
             raise _TooManyError
         try:
             path = context.reach.find(name)
-            text = self.content(path)
+            text = text_of(path, MOST_BYTES - self.bytes)
+            self.bytes += len(text)
         except (OutOfReachError, SceneError) as error:
             context.report.error(directive, str(error))
             return
@@ -199,16 +199,6 @@ class _Reader:
             self.levels -= 1
         if directive.name == "Import":
             self.world.end_attributes(directive)
-
-    def content(self, path: Path) -> str:
-        """The text of an included file, unpacked."""
-        data = content_of(path, MOST_BYTES - self.bytes)
-        self.bytes += len(data)
-        try:
-            return data.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            byte = f"byte 0x{data[error.start]:02x} at {error.start}"
-            raise OutOfReachError(f"{quote(path.name)} must be UTF-8 text, got {byte}") from None
 
     def finish(self) -> Data:
         """Put the description together."""
