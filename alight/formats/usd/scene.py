@@ -17,7 +17,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     Parameters
     ----------
     data, name : bytes and str
-        Content of the file, which OpenUSD reads again itself; and its name for messages.
+        Nothing, as OpenUSD reads the file itself; and its name for messages.
     reach : Reach, optional
         Where it lies, and its layers and pictures may lie; the current folder by default.
 
