@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.core.constants import LUMINANCE
 from alight.core.errors import SceneError
 from alight.formats.surroundings import Bounds
-from alight.outputs.tone_mapping import LUMINANCE
 from alight.scene.files import Files
 from alight.scene.images import picture
 from alight.shapes.mesh import Mesh

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.core.errors import OptionError, show_value, unknown_name
 from alight.core.srgb import encode_srgb
-from alight.outputs.tone_mapping import LUMINANCE, TONE_MAPS
+from alight.outputs.tone_mapping import TONE_MAPS
 from alight.outputs.white_balance import adaptation, grey_world, parse_white
 
 #: Linear value that automatic exposure gives to the middle of the picture: a grey card.

@@ -20,10 +20,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from alight.outputs.white_balance import XYZ_FROM_RGB
-
-#: Luminance as the sRGB standard rounds it: pictures for displays keep its digits.
-LUMINANCE = XYZ_FROM_RGB[1]
+from alight.core.constants import LUMINANCE
 
 
 def clip(rgb: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ import re
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.core.errors import OptionError, quote
 
 #: XYZ from linear sRGB, IEC 61966-2-1.
@@ -115,7 +116,7 @@ def adaptation(white: np.ndarray) -> np.ndarray:
     ndarray of float64, shape (3, 3)
         For column vectors of linear sRGB; the identity for a neutral colour.
     """
-    luminance = XYZ_FROM_RGB[1] @ white
+    luminance = np.dot(LUMINANCE, white)
     gains = (_CONES_FROM_RGB @ np.ones(3)) * luminance / (_CONES_FROM_RGB @ white)
     return np.linalg.solve(_CONES_FROM_RGB, gains[:, None] * _CONES_FROM_RGB)
 

@@ -32,8 +32,9 @@ import mitsuba_scenes
 import mitsuba_textures  # noqa: F401
 import numpy as np
 
+from alight.core.constants import LUMINANCE
+
 REFERENCES = Path(__file__).parent / "references"
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 BLOCK = 2
 
 

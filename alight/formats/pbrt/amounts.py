@@ -8,8 +8,6 @@ from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.transforms import steps
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-
 
 def amount(context: Context, p: Parameters, name: str) -> list[float]:
     """Ask for the light's colour, with ``scale`` and the film's exposure."""

@@ -10,9 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.core.errors import Issue, SceneError
 from alight.formats.lamps import parallel, point, spot
-from alight.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
+from alight.formats.pbrt.amounts import amount, placed, with_power
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.octahedral import to_latitude_longitude, to_sphere
 from alight.formats.pbrt.parameters import Parameters

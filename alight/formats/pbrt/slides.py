@@ -16,9 +16,10 @@ import math
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.core.errors import Issue, SceneError
 from alight.formats.lamps import point
-from alight.formats.pbrt.amounts import LUMINANCE, amount, placed, with_power
+from alight.formats.pbrt.amounts import amount, placed, with_power
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.octahedral import texel, to_square
 from alight.formats.pbrt.parameters import Parameters

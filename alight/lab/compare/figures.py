@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.core.errors import OptionError, quote, unknown_name
 from alight.core.srgb import encode_srgb
 from alight.lab.compare.inputs import Input
@@ -17,7 +18,6 @@ from alight.metrics.mse import mse
 from alight.metrics.relmse import LITERATURE_EPSILON, default_epsilon, relmse
 from alight.metrics.smape import smape
 from alight.metrics.ssim import ssim
-from alight.outputs.tone_mapping import LUMINANCE
 
 #: What the command line can set a limit to.
 LIMITED = ("mse", "rmse", "relmse", "relmse_literature", "smape", "dssim", "flip")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.lab.compare.figures import PictureComparison
 from alight.lab.report import pictures
 from alight.lab.report.numbers import number
@@ -16,7 +17,6 @@ from alight.metrics.relmse import default_epsilon
 from alight.outputs.atomic import replacing
 from alight.outputs.display import Display
 from alight.outputs.image import write_image
-from alight.outputs.tone_mapping import LUMINANCE
 
 #: Linear formats that keep values below 0, for the plain difference.
 _LINEAR = (".exr", ".npy", ".pfm")

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.outputs.display import Display
 from alight.outputs.png import encode_png
-from alight.outputs.tone_mapping import LUMINANCE
 
 #: Share of the display's range that the bright parts of a picture get, and what "bright" is.
 _BRIGHT, _PERCENTILE = 0.85, 97.0

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.lab.report import pictures, tables
 from alight.lab.report.charts import Line, diagram
 from alight.lab.report.numbers import interval, number
 from alight.lab.report.style import Look, looks
 from alight.lab.results import BIASED, DISPUTED, ArmResult, SceneResult
 from alight.metrics.relmse import Estimate, default_epsilon
-from alight.outputs.tone_mapping import LUMINANCE
 
 #: Frames around the crops in the reference, one a crop.
 _FRAMES = ("#ffb000", "#00c2a8", "#ff5d8f", "#8f8bff")

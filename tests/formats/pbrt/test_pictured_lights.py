@@ -14,7 +14,7 @@ from tests.shapes.tracing import PROGRAM, World, rows
 
 PLACED = "Translate 1 2 3 Rotate 40 1 2 3 Scale 2 2 2\n"
 MATRIX = translation(1, 2, 3) @ rotation(40, np.array([1.0, 2.0, 3.0])) @ scaling(2, 2, 2)
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
 
 
 def picture(folder, *shape):

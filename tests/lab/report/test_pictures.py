@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from alight.core.constants import LUMINANCE
 from alight.lab.report import pictures
 from alight.lab.report.pictures import Scale, choose_crops, exposure_for, map_uri, picture_uri
 
@@ -67,7 +68,7 @@ def test_maps_are_monotonic_in_brightness_and_grey_where_unknown():
     plane = np.tile(np.geomspace(1e-4, 1.0, 64), (4, 1))
     plane[0, 0] = np.nan
     shown = decoded(map_uri(plane, Scale("log", 1e-4, 1.0)))
-    brightness = shown[1] @ np.array([0.2126, 0.7152, 0.0722])
+    brightness = shown[1] @ LUMINANCE
     assert (np.diff(brightness) > -1.5).all()
     assert brightness[-1] - brightness[0] > 120
     assert tuple(shown[0, 0]) == (214, 214, 214)
