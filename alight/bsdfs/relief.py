@@ -26,15 +26,16 @@ Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing, for the fol
 from __future__ import annotations
 
 from alight.bsdfs.flags import DELTA
+from alight.bsdfs.model import BsdfValue
 from alight.core.frame import frame_from_tangent, to_local, to_world
-from alight.core.uv_sets import UV_SETS, Chart
+from alight.core.uv_sets import UV_SETS
 from alight.core.vec import Vec3, cross, dot, normalize, renormalize
 from alight.shapes.charts import moved_chart
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import BENT as BENT
-from alight.shapes.hit import Surface
 from alight.textures.fetch import color, scalar, textured_scalar
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import any_lane, floor, gather, lanes, maximum, minimum, sqrt, to_uint, where
 
 #: What programs call it that a material has one of both maps.
@@ -112,12 +113,7 @@ def _own_axes(scene, base, surface):
 @kernel
 def _charted(surface, number):
     """The surface with derivatives by another set."""
-    c = surface.chart
-    return Surface(
-        surface.p, surface.error, surface.ng, surface.ns, surface.s, surface.t,
-        surface.u, surface.v, surface.shape, surface.prim, surface.bsdf, surface.light,
-        surface.color, Chart(c.b1, c.b2, c.i0, c.i1, c.i2, number),
-    )  # fmt: skip
+    return replace(surface, chart=replace(surface.chart, set=number))
 
 
 @specialised
@@ -142,11 +138,8 @@ def _as_it_is(surface, s, t, n):
 @kernel
 def _moved(scene, surface, du, dv, shift):
     """The surface with its texture coordinates moved, and its point with them."""
-    return Surface(
-        surface.p + shift, surface.error, surface.ng, surface.ns, surface.s, surface.t,
-        surface.u + du, surface.v + dv, surface.shape, surface.prim, surface.bsdf, surface.light,
-        surface.color, moved_chart(scene, surface, du, dv),
-    )  # fmt: skip
+    chart = moved_chart(scene, surface, du, dv)
+    return replace(surface, p=surface.p + shift, u=surface.u + du, v=surface.v + dv, chart=chart)
 
 
 @kernel
@@ -262,7 +255,7 @@ def bent_evaluate(one_sided, stride, relief_of):
         f_cos, pdf = one_sided(scene, surface, row, to_local(s, t, n, wo), inner, active)
         agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
         fading = where(wo.z * wi.z > 0.0, _fading(n, fades, wi), 1.0)
-        return where(agrees, f_cos * fading, 0.0), where(agrees, pdf, 0.0)
+        return BsdfValue(where(agrees, f_cos * fading, 0.0), where(agrees, pdf, 0.0))
 
     return evaluate_row
 
@@ -273,13 +266,12 @@ def bent_sample(one_sided, stride, relief_of):
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
         s, t, n, fades = _frame(scene, surface, relief_of(scene, row), stride, wo)
-        inner, weight, pdf, flags = one_sided(
-            scene, surface, row, to_local(s, t, n, wo), u, u2, active
-        )
-        wi = renormalize(to_world(s, t, n, inner))
-        agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
-        faded = (wo.z * wi.z > 0.0) & ((flags & DELTA) == 0)
-        fading = where(faded, _fading(n, fades, wi), 1.0)
-        return wi, where(agrees, weight * fading, 0.0), where(agrees, pdf, 0.0), flags
+        inner = one_sided(scene, surface, row, to_local(s, t, n, wo), u, u2, active)
+        wi = renormalize(to_world(s, t, n, inner.wi))
+        agrees = (inner.wi.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
+        faded = (wo.z * wi.z > 0.0) & ((inner.flags & DELTA) == 0)
+        weight = inner.weight * where(faded, _fading(n, fades, wi), 1.0)
+        weight, pdf = where(agrees, weight, 0.0), where(agrees, inner.pdf, 0.0)
+        return replace(inner, wi=wi, weight=weight, pdf=pdf)
 
     return sample_row
