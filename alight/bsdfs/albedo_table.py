@@ -44,12 +44,12 @@ Place = namedtuple("Place", "index part")
 
 @specialised
 def load_rows(program):
-    """``(scene, slot) -> Table or Grid``: slots hold the start and `Grid.axes`."""
+    """``(scene, slot, surface) -> Table or Grid``: slots hold the start and `Grid.axes`."""
     return _load_grid if ANISOTROPIC in program.bsdfs else load_table
 
 
 @kernel
-def _load_grid(scene, slot):
+def _load_grid(scene, slot, surface):
     data = scene.materials.data
     axes = to_uint(gather(data, slot + 1))
     last = axes & ((1 << ANISOTROPY_BIT) - 1)

@@ -7,11 +7,9 @@ from alight.bsdfs.albedo_table import (
     read_bounced,
 )
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
+from alight.bsdfs.principled_parameters import COAT, GLASS, SHEEN
 from alight.bsdfs.principled_view import (
-    COAT,
     COAT_IOR,
-    GLASS,
-    SHEEN,
     along_facets,
     film_reflectance,
     from_facets,
@@ -58,7 +56,7 @@ def _facet_terms(params, view, cosine):
     dielectric = view.a + view.b * plain
     # At the normal a black tint leaves only the rounding of a + b F, at the rim F is 1.
     dielectric = Vec3(_unit(dielectric.x), _unit(dielectric.y), _unit(dielectric.z))
-    metal = schlick(cosine, params.base)
+    metal = schlick(cosine, params.base_color)
     share, film = film_reflectance(params, view.inside, view.a, view.b, cosine)
     return mixed(share, metal, film), mixed(share, dielectric, film), plain
 
@@ -81,7 +79,7 @@ def _share_reflected(program):
         opaque = where(view.inside, 0.0, params.metallic * luminance(metal))
         plastic = where(view.inside, params.transmission, 1.0) * rest
         back = opaque + plastic * f
-        through = rest * params.transmission * maximum(1.0 - f, 0.0) * luminance(params.base)
+        through = rest * params.transmission * maximum(1.0 - f, 0.0) * luminance(params.base_color)
         return back / maximum(back + through, 1e-9)
 
     return share
@@ -116,7 +114,7 @@ def _facets_f_cos(program):
 
 @kernel
 def _facets_above(params, view, wi):
-    cosine, masking, pdf = _mirrored_by(params.facets, view.wo, wi)
+    cosine, masking, pdf = _mirrored_by(params.brush.facets, view.wo, wi)
     metal, dielectric, _ = _facet_terms(params, view, cosine)
     factor = _reflection_factor(params, view, metal, dielectric)
     return factor * (masking * pdf), pdf
@@ -137,13 +135,19 @@ def _facets_of_glass(params, view, wi):
     stretched = view.eta / where(projected == 0.0, 1.0, projected)
     refracted = -cos_o * cos_i * (stretched * stretched)
     jacobian = where(bends, refracted, 0.25)
-    pdf = jacobian * ggx_density(params.facets, wm) / ggx_visible_area(params.facets, view.wo)
+    pdf = (
+        jacobian
+        * ggx_density(params.brush.facets, wm)
+        / ggx_visible_area(params.brush.facets, view.wo)
+    )
     turned = (bends & (cos_i < 0.0)) | (~bends & (cos_i > 0.0))
     pdf = where(turned & (cos_o > 0.0), pdf, 0.0)
-    masking = absolute(wi.z) / ggx_visible_area(params.facets, wi)
+    masking = absolute(wi.z) / ggx_visible_area(params.brush.facets, wi)
     masking = where(bends, masking / (view.eta * view.eta), masking)
     clear = lanes_vec3(1.0) - dielectric
-    through = clear * view.glass * params.base * ((1.0 - params.metallic) * params.transmission)
+    through = (
+        clear * view.glass * params.base_color * ((1.0 - params.metallic) * params.transmission)
+    )
     factor = where(reflects, _reflection_factor(params, view, metal, dielectric), through)
     share = _share_reflected(params, view, metal, dielectric)
     return factor * (masking * pdf), pdf * where(reflects, share, 1.0 - share)
@@ -230,8 +234,8 @@ def _values(program):
 @kernel
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
-    view = view_from(params, along_facets(params.turn, wo))
-    return _values(params, view, mirrored_if(view.below, along_facets(params.turn, wi)))
+    view = view_from(params, along_facets(params.brush.turn, wo))
+    return _values(params, view, mirrored_if(view.below, along_facets(params.brush.turn, wi)))
 
 
 @specialised
@@ -242,8 +246,8 @@ def _facets_to_sample(program):
 
     @kernel
     def either(params, coat):
-        along = where(coat, params.coat.facets.alpha_x, params.facets.alpha_x)
-        across = where(coat, params.coat.facets.alpha_y, params.facets.alpha_y)
+        along = where(coat, params.coat.facets.alpha_x, params.brush.facets.alpha_x)
+        across = where(coat, params.coat.facets.alpha_y, params.brush.facets.alpha_y)
         return Facets(along, across, lanes(0.0))
 
     return either
@@ -251,7 +255,7 @@ def _facets_to_sample(program):
 
 @kernel
 def _base_facets(params, coat):
-    return params.facets
+    return params.brush.facets
 
 
 @specialised
@@ -288,7 +292,7 @@ def _mirrored_at_facet(params, view, wm, u, coat):
 @kernel
 def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
-    view = view_from(params, along_facets(params.turn, wo))
+    view = view_from(params, along_facets(params.brush.turn, wo))
     to_coat = view.to_facets + view.to_coat
     to_sheen = to_coat + view.to_sheen
     facets, coat = u < view.to_facets, (u >= view.to_facets) & (u < to_coat)
@@ -298,11 +302,16 @@ def sample(params, wo, u, u2):
     wi = where(facets | coat, mirrored, wi)
     f_cos, pdf = _values(params, view, wi)
     flags = where(facets & passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
-    return from_facets(params.turn, mirrored_if(view.below, wi)), quotient(f_cos, pdf), pdf, flags
+    return (
+        from_facets(params.brush.turn, mirrored_if(view.below, wi)),
+        quotient(f_cos, pdf),
+        pdf,
+        flags,
+    )
 
 
 @kernel
 def albedo(params):
     """A colour, without light and angle."""
     root = (params.eta - 1.0) / (params.eta + 1.0)
-    return lerp(params.metallic, params.base * (1.0 - root * root), params.base)
+    return lerp(params.metallic, params.base_color * (1.0 - root * root), params.base_color)

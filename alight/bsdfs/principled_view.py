@@ -19,6 +19,7 @@ from alight.bsdfs.albedo_table import (
     read_plain_curve,
 )
 from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.principled_parameters import COAT, FILM, GLASS, SHEEN
 from alight.bsdfs.sheen import sheen_albedo
 from alight.bsdfs.thin_film import film_fresnel
 from alight.core.frame import mirrored_if
@@ -41,28 +42,10 @@ from lanewise.simd import (
     where,
 )
 
-#: What programs call lobes that not every material has.
-GLASS, COAT = "principled:glass", "principled:coat"
-SHEEN, FILM = "principled:sheen", "principled:film"
 #: Index of the clear coat.
 COAT_IOR = 1.5
 #: Least probability of the facets, before all are scaled to add up to 1.
 LEAST_SHARE = 0.02
-
-#: Parameters at a point: base and specular_color are colours, facets and table those of the base,
-#: thin and compensated masks; the last three are lobes or nothing.
-Params = namedtuple(
-    "PrincipledParams",
-    "base metallic facets turn table eta specular specular_color transmission thin compensated "
-    "coat sheen film",
-)
-#: Where the facets' long axis lies: sine and cosine of its angle from the tangent; and by how much
-#: it is the longer one.
-Turn = namedtuple("Turn", "sine cosine anisotropy")
-NO_TURN = Turn(0.0, 1.0, 0.0)
-Coat = namedtuple("Coat", "strength facets rows")
-Sheen = namedtuple("Sheen", "color roughness rows")
-Film = namedtuple("Film", "share ior thickness")
 
 #: What follows from the viewer's direction `wo`, which is above the surface. rows: of the
 #: albedos from there; seen: from `wo`, which is the normal where not; below: wo was mirrored;
@@ -132,9 +115,11 @@ def film_reflectance(program):
     @kernel
     def film(params, inside, a, b, cosine):
         root = (params.eta - 1.0) / (params.eta + 1.0)
-        f0 = lerp(params.metallic, a + b * (root * root), params.base)
-        found = film_fresnel(cosine, params.film.ior, params.film.thickness, f0)
-        return where(inside, 0.0, params.film.share), found
+        f0 = lerp(params.metallic, a + b * (root * root), params.base_color)
+        found = film_fresnel(
+            cosine, params.film.iridescence_ior, params.film.iridescence_thickness, f0
+        )
+        return where(inside, 0.0, params.film.iridescence), found
 
     return film
 
@@ -186,7 +171,7 @@ def _one_side(params, wo):
 @kernel
 def rows_from(params, w):
     """Where the base's albedos are stored, seen from w."""
-    return facet_rows_at(params.table, params.facets, params.turn.anisotropy, w)
+    return facet_rows_at(params.rows, params.brush.facets, params.brush.turn.anisotropy, w)
 
 
 @specialised
@@ -233,7 +218,7 @@ def _taken_by_film(program):
     @kernel
     def taken(params, a, b, white, reflected, rows, place, needed):
         left, i = lanes_vec3(0.0), lanes_u32(0)
-        needed = needed & (params.film.share > 0.0)
+        needed = needed & (params.film.iridescence > 0.0)
         while any_lane(needed & (i < FILM_PARTS)):
             cosine = read_curve(rows, FILM_COSINES + i, place)
             plain, _ = fresnel_dielectric(minimum(maximum(cosine, 0.0), 1.0), params.eta)
@@ -308,7 +293,7 @@ def view_from(params, wo):
     by_film = _taken_by_film(params, a, b, white, reflected, rows, place, rest > 0.0)
     taken = mixed(share, a * white + b * reflected, by_film)
     glass = _glass_scale(params, rows, place, inside, a, b, white, share, by_film)
-    f0 = mixed(share, params.base, film)
+    f0 = mixed(share, params.base_color, film)
     given = where(params.compensated, (1.0 - white) / white, 0.0)
     metal = lanes_vec3(1.0) + f0 * given
     # What each layer gets.
@@ -320,14 +305,14 @@ def view_from(params, wo):
     mean = mean + b * read_number(rows, lanes_u32(MEANS + 1))
     # What a film takes is not split between both directions.
     split = mixed(share, lanes_vec3(1.0) - mean, lanes_vec3(1.0))
-    diffuse = params.base * (lanes_vec3(1.0) - taken) * matte / split
+    diffuse = params.base_color * (lanes_vec3(1.0) - taken) * matte / split
     # Probabilities, by how much light each lobe sends out.
     to_coat = coat * coat_albedo
     to_sheen = under_coat * luminance(sheen) * sheen_own
     facets = params.metallic * luminance(schlick(wo.z, f0))
     facets = facets + rest * (params.transmission + (1.0 - params.transmission) * luminance(taken))
     facets = maximum(base * facets, LEAST_SHARE)
-    matte_light = base * matte * luminance(params.base) * (1.0 - luminance(taken))
+    matte_light = base * matte * luminance(params.base_color) * (1.0 - luminance(taken))
     per_total = 1.0 / (to_coat + to_sheen + facets + maximum(matte_light, 0.0))
     return View(
         wo, rows, seen, below, inside, eta, a, b, share, metal, glass, diffuse,

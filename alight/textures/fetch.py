@@ -7,6 +7,9 @@ to the table alone.
 
 from __future__ import annotations
 
+from typing import Annotated, Any
+
+from alight.core.parameters import Slots
 from alight.core.vec import gather_vec3, luminance
 from alight.textures.composed import composed_value
 from alight.textures.switch import models_of, value_switch
@@ -94,3 +97,13 @@ def textured_scalar(program):
         return value
 
     return fetch
+
+
+# ---------------------------------------------------------------- fields of a material's parameters
+
+#: See `alight.core.parameters`. A number, a number or the luminance of a texture, a colour, a
+#: colour or that of a texture.
+Scalar = Annotated[Any, Slots(scalar)]
+TexturedScalar = Annotated[Any, Slots(textured_scalar)]
+PlainColor = Annotated[Any, Slots(constant_color, 3)]
+TexturedColor = Annotated[Any, Slots(color, 3)]
