@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 from pydantic import model_validator
 
 from alight.core.microfacet import FEATURES, Facets
-from alight.core.parameters import Slots, reader, slots_of
+from alight.core.parameters import Slots, loader, slots_of
 from alight.core.spec import SMOOTHEST, Bsdf, Interval, NumberOrTexture, Texture, invalid
 from alight.textures.fetch import Scalar, TexturedScalar
 from lanewise.jit import kernel, specialised
@@ -86,8 +86,15 @@ class FacetRow(NamedTuple):
     beckmann: Scalar
 
 
-_along, _across = reader(FacetRow, "alpha_u"), reader(FacetRow, "alpha_v")
-_beckmann = reader(FacetRow, "beckmann")
+class IsotropicRow(NamedTuple):
+    """The same where both are alike: the texture of one of them is not looked up."""
+
+    alpha: TexturedScalar
+    alpha_v: Scalar
+    beckmann: Scalar
+
+
+_load_facets, _load_isotropic = loader(FacetRow), loader(IsotropicRow)
 
 
 @specialised
@@ -97,16 +104,17 @@ def _facets_at(program):
 
         @kernel
         def anisotropic(scene, slot, surface):
-            along = maximum(_along(scene, slot, surface), SMOOTHEST)
-            across = maximum(_across(scene, slot, surface), SMOOTHEST)
-            return Facets(along, across, _beckmann(scene, slot, surface))
+            row = _load_facets(scene, slot, surface)
+            along, across = maximum(row.alpha_u, SMOOTHEST), maximum(row.alpha_v, SMOOTHEST)
+            return Facets(along, across, row.beckmann)
 
         return anisotropic
 
     @kernel
     def isotropic(scene, slot, surface):
-        alpha = maximum(_along(scene, slot, surface), SMOOTHEST)
-        return Facets(alpha, alpha, _beckmann(scene, slot, surface))
+        row = _load_isotropic(scene, slot, surface)
+        alpha = maximum(row.alpha, SMOOTHEST)
+        return Facets(alpha, alpha, row.beckmann)
 
     return isotropic
 

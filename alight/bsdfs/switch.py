@@ -71,48 +71,44 @@ def models_of(program) -> list[BsdfModel]:
     ]
 
 
-def _answers(program, models: Iterable[BsdfModel], answer_of: Callable[[BsdfModel], Kernel]):
-    """Write ``(scene, surface, row, query, active, value) -> value``.
+def _answers(program, models: Iterable[BsdfModel], answer_of: Callable[..., Kernel]) -> Kernel:
+    """Write ``(scene, surface, kind, query, active, value) -> value``.
 
     It is what the model of each row answers, or the given value if that is none of `models`.
 
     Parameters
     ----------
-    answer_of : (model) -> kernel ``(scene, base, surface, query) -> value``
-        `base` is the first slot of a material of the model.
+    answer_of : (model, base_of) -> kernel of the same form
+        ``base_of(row, active)`` is where a row that a query names begins.
     """
-    stride, models = stride_of(program.bsdfs), list(models)
+    models, stride = list(models), stride_of(program.bsdfs)
     if models and models == models_of(program)[:1] == models_of(program):
-        answer = answer_of(models[0])
+        return answer_of(models[0], _any_base(stride))
+    base_of = _own_base(stride)
+    return switch((model.number, answer_of(model, base_of)) for model in models)
 
-        @kernel
-        def of_the_only_model(scene, surface, row, query, active, value):
-            return answer(scene, row * stride, surface, query)
 
-        return of_the_only_model
-    of_kind = switch((model.number, _in_own_rows(answer_of(model), stride)) for model in models)
-
+def _any_base(stride):
     @kernel
-    def of_each_model(scene, surface, row, query, active, value):
-        return of_kind(scene, surface, _kind(scene, row), (row, query), active, value)
+    def base_of(row, active):
+        return row * stride
 
-    return of_each_model
+    return base_of
 
 
-def _in_own_rows(answer, stride):
-    """An answer from rows of one kind in every lane.
+def _own_base(stride):
+    """Rows of one kind in every lane, those of active ones in their places.
 
     Rows of other kinds hold other numbers, and what means the start of a table to one model would
     lead another one out of all tables.
     """
 
     @kernel
-    def in_own_rows(scene, surface, query, mine, value):
-        row, asked = query
-        some = as_uint(as_int(horizontal_max(where(mine, to_float(row), 0.0))))
-        return answer(scene, where(mine, row, some) * stride, surface, asked)
+    def base_of(row, active):
+        some = as_uint(as_int(horizontal_max(where(active, to_float(row), 0.0))))
+        return where(active, row, some) * stride
 
-    return in_own_rows
+    return base_of
 
 
 # ---------------------------------------------------------------- evaluate
@@ -126,7 +122,7 @@ def evaluate_row(program):
     @kernel
     def one_sided(scene, surface, row, wo, wi, active):
         nothing = BsdfValue(lanes_vec3(0.0), lanes(0.0))
-        return answers(scene, surface, row, (wo, wi), active, nothing)
+        return answers(scene, surface, _kind(scene, row), (row, wo, wi), active, nothing)
 
     if BENT in program.bsdfs:
         one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _relief)
@@ -141,16 +137,16 @@ def evaluate_row(program):
     return evaluate_row
 
 
-def _evaluating(model):
+def _evaluating(model, base_of):
     load, evaluate = model.load, model.evaluate
 
     @kernel
-    def value(scene, base, surface, query):
-        wo, wi = query
-        f_cos, pdf = evaluate(load(scene, base, surface), wo, wi)
+    def answer(scene, surface, kind, query, active, value):
+        row, wo, wi = query
+        f_cos, pdf = evaluate(load(scene, base_of(row, active), surface), wo, wi)
         return BsdfValue(f_cos, pdf)
 
-    return value
+    return answer
 
 
 # ---------------------------------------------------------------- sample
@@ -164,7 +160,7 @@ def sample_row(program):
     @kernel
     def one_sided(scene, surface, row, wo, u, u2, active):
         failed = BsdfSample(lanes_vec3(0.0), lanes_vec3(0.0), lanes(0.0), lanes_u32(0))
-        return answers(scene, surface, row, (wo, u, u2), active, failed)
+        return answers(scene, surface, _kind(scene, row), (row, wo, u, u2), active, failed)
 
     if BENT in program.bsdfs:
         one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _relief)
@@ -180,16 +176,17 @@ def sample_row(program):
     return sample_row
 
 
-def _sampling(model):
+def _sampling(model, base_of):
     load, sample = model.load, model.sample
 
     @kernel
-    def value(scene, base, surface, query):
-        wo, u, u2 = query
-        wi, weight, pdf, flags = sample(load(scene, base, surface), wo, u, u2)
+    def answer(scene, surface, kind, query, active, value):
+        row, wo, u, u2 = query
+        params = load(scene, base_of(row, active), surface)
+        wi, weight, pdf, flags = sample(params, wo, u, u2)
         return BsdfSample(wi, weight, pdf, flags)
 
-    return value
+    return answer
 
 
 # ---------------------------------------------------------------- albedo, for the AOV
@@ -202,19 +199,19 @@ def albedo_row(program):
 
     @kernel
     def albedo_row(scene, surface, row, active):
-        return answers(scene, surface, row, (), active, lanes_vec3(0.0))
+        return answers(scene, surface, _kind(scene, row), row, active, lanes_vec3(0.0))
 
     return albedo_row
 
 
-def _albedo_of(model):
+def _albedo_of(model, base_of):
     load, albedo = model.load, model.albedo
 
     @kernel
-    def value(scene, base, surface, query):
-        return albedo(load(scene, base, surface))
+    def answer(scene, surface, kind, row, active, value):
+        return albedo(load(scene, base_of(row, active), surface))
 
-    return value
+    return answer
 
 
 # ---------------------------------------------------------------- surfaces that are not there
@@ -271,20 +268,21 @@ def concentration(program):
     @kernel
     def concentration(scene, surface, wi):
         inside = wi.z < 0.0
-        eta = answers(scene, surface, surface.bsdf, (), inside, lanes(1.0))
+        kind = _kind(scene, surface.bsdf)
+        eta = answers(scene, surface, kind, surface.bsdf, inside, lanes(1.0))
         return where(inside, maximum(eta * eta, 1.0), 1.0)
 
     return concentration
 
 
-def _inner_index_of(model):
+def _inner_index_of(model, base_of):
     inner_index = model.inner_index
 
     @kernel
-    def value(scene, base, surface, query):
-        return inner_index(scene, base, surface)
+    def answer(scene, surface, kind, row, active, value):
+        return inner_index(scene, base_of(row, active), surface)
 
-    return value
+    return answer
 
 
 def absorbs(program) -> bool:
@@ -305,18 +303,19 @@ def transmittance(program):
     @kernel
     def transmittance(scene, surface, wo, t):
         inside = wo.z < 0.0
-        sigma = answers(scene, surface, surface.bsdf, (), inside, lanes_vec3(0.0))
+        kind = _kind(scene, surface.bsdf)
+        sigma = answers(scene, surface, kind, surface.bsdf, inside, lanes_vec3(0.0))
         sigma = where(inside, sigma, 0.0)
         return Vec3(exp(-sigma.x * t), exp(-sigma.y * t), exp(-sigma.z * t))
 
     return transmittance
 
 
-def _absorption_of(model):
+def _absorption_of(model, base_of):
     absorption = model.absorption
 
     @kernel
-    def value(scene, base, surface, query):
-        return absorption(scene, base, surface)
+    def answer(scene, surface, kind, row, active, value):
+        return absorption(scene, base_of(row, active), surface)
 
-    return value
+    return answer

@@ -18,8 +18,8 @@ def switch(cases: Iterable[tuple[int, Kernel]]) -> Kernel:
     Parameters
     ----------
     cases : iterable of (int, kernel)
-        Number of a model, and ``(scene, surface, query, mine, value) -> value``: what it makes of
-        the value in its lanes `mine`. Whatever it answers in the others is not used.
+        Number of a model, and a kernel ``(scene, surface, kind, query, active, value) -> value``:
+        what it makes of a value in its lanes. What it answers in the others is not used.
 
     Returns
     -------
@@ -36,7 +36,7 @@ def switch(cases: Iterable[tuple[int, Kernel]]) -> Kernel:
     def step(scene, surface, kind, query, active, value):
         mine = active & (kind == number)
         if any_lane(mine):
-            value = where(mine, answer(scene, surface, query, mine, value), value)
+            value = where(mine, answer(scene, surface, kind, query, mine, value), value)
         return rest(scene, surface, kind, query, active, value)
 
     return step

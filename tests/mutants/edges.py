@@ -9,7 +9,7 @@ EDGES = (
     Mutant(
         "models that read the rows of other models",
         "bsdfs/switch.py",
-        (("where(mine, row, some) * stride", "row * stride"),),
+        (("where(active, row, some) * stride", "row * stride"),),
         f"{MODELS}::test_models_read_rows_of_their_own_kind_only",
     ),
     Mutant(

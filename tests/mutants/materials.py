@@ -30,8 +30,8 @@ MATERIALS = (
         "bsdfs/mask.py",
         (
             (
-                'Part(Null(), "rest"), Part(self.bsdf, "weight")',
-                'Part(Null(), "weight"), Part(self.bsdf, "rest")',
+                'Part(Null(), "rest", is_hole=True), Part(self.bsdf, "weight")',
+                'Part(Null(), "weight", is_hole=True), Part(self.bsdf, "rest")',
             ),
         ),
         f"{LAYERED}::test_holes_of_a_mask_let_light_straight_on",
