@@ -99,7 +99,7 @@ TEXTURES = (
     Mutant(
         "pictures upside down",
         "textures/bitmap.py",
-        (("_neighbours(1.0 - _folded(t, wrap_v), h", "_neighbours(_folded(t, wrap_v), h"),),
+        (("_neighbours(1.0 - _folded(t, wrap_v), p", "_neighbours(_folded(t, wrap_v), p"),),
         f"{BITMAPS}::test_lookups_are_those_of_mitsuba[repeat-bilinear]",
     ),
     Mutant(

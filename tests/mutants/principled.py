@@ -77,8 +77,8 @@ PRINCIPLED = (
         "bsdfs/principled_lobes.py",
         (
             (
-                "view.glass * params.base_color * ((1.0",
-                "view.glass * where(params.thin, lanes_vec3(1.0), params.base_color) * ((1.0",
+                "params.base_color * share_of_glass",
+                "where(params.thin, lanes_vec3(1.0), params.base_color) * share_of_glass",
             ),
         ),
         f"{TINTS}::test_what_passes_has_the_tint[sheet-0.8]",
