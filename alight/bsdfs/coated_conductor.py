@@ -138,10 +138,10 @@ def layers_of(spec: CoatedConductor) -> Layers:
     """The layers, each with its index over that of the one above."""
     eta, k = spec.index_of_refraction
     eta, k = ((x / spec.int_ior, y / spec.int_ior, z / spec.int_ior) for x, y, z in (eta, k))
+    ior = spec.int_ior / spec.ext_ior
     return Layers(
-        spec.int_ior / spec.ext_ior, spec.coat_alpha, spec.alpha, eta, k, spec.thickness,
-        spec.bounces,
-    )  # fmt: skip
+        ior, spec.coat_alpha, spec.alpha, eta, k, thickness=spec.thickness, bounces=spec.bounces
+    )
 
 
 def pack(spec: CoatedConductor, packer) -> None:
