@@ -17,6 +17,7 @@ in its machine code.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_type_hints
@@ -41,9 +42,13 @@ class Slots:
     widths: int | Mapping[str, int] = 1
 
 
-def _fields(record: type) -> dict[str, Slots]:
-    """The metadata of all fields."""
-    hints = get_type_hints(record, include_extras=True)
+def _fields(record: type, names: dict[str, Any]) -> dict[str, Slots]:
+    """The metadata of all fields: annotations are texts, with names of the record's file.
+
+    A notebook's or script's that cannot be imported has those of the caller.
+    """
+    known = vars(sys.modules[record.__module__]) if record.__module__ in sys.modules else names
+    hints = get_type_hints(record, known, include_extras=True)
     return {
         name: next(item for item in hints[name].__metadata__ if isinstance(item, Slots))
         for name in record._fields  # pyright: ignore[reportAttributeAccessIssue]
@@ -59,15 +64,15 @@ def slots_of(record: type) -> dict[str, int]:
         A named tuple whose fields are annotated with `Slots`.
     """
     slots: dict[str, int] = {}
-    for name, field in _fields(record).items():
+    for name, field in _fields(record, sys._getframe(1).f_globals).items():
         slots |= {name: field.widths} if isinstance(field.widths, int) else field.widths
     return slots
 
 
-def _readers(record: type) -> dict[str, tuple[Kernel, int]]:
+def _readers(record: type, names: dict[str, Any]) -> dict[str, tuple[Kernel, int]]:
     """How to read each field, and where in the row."""
     found, start = {}, 0
-    for name, field in _fields(record).items():
+    for name, field in _fields(record, names).items():
         found[name] = field.read, start
         width = field.widths
         start += width if isinstance(width, int) else sum(width.values())
@@ -76,7 +81,7 @@ def _readers(record: type) -> dict[str, tuple[Kernel, int]]:
 
 def loader(record: type) -> Kernel:
     """Write the kernel ``(scene, base, surface) -> record`` that reads a whole row."""
-    readers = _readers(record)
+    readers = _readers(record, sys._getframe(1).f_globals)
     # As text, because kernels take no loops over fields of different types.
     values = [
         f"read_{name}(scene, base + {start}, surface)" for name, (_, start) in readers.items()
@@ -92,7 +97,7 @@ def loader(record: type) -> Kernel:
 
 def reader(record: type, name: str) -> Kernel:
     """Write the kernel ``(scene, base, surface) -> value`` that reads one field of a row."""
-    read, start = _readers(record)[name]
+    read, start = _readers(record, sys._getframe(1).f_globals)[name]
 
     @kernel
     def read_field(scene, base, surface):
