@@ -45,6 +45,16 @@ def no_features(spec: Any) -> tuple[str, ...]:
     return ()
 
 
+def not_lossless(spec: Any) -> bool:
+    """Some light is lost."""
+    return False
+
+
+def left_open(spec: Any) -> bool | None:
+    """Nothing is said."""
+    return None
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BsdfModel(Record):
     """A model that scatters light, or a material made of others, which has no kernels.
@@ -89,8 +99,8 @@ class BsdfModel(Record):
     REFRACTING: str = ""
     absorption: Kernel | None = None
     relative_ior: Callable[[Any], float] | None = None
-    is_lossless: Callable[[Any], bool] | None = None
-    is_reciprocal: Callable[[Any], bool | None] | None = None
+    is_lossless: Callable[[Any], bool] = not_lossless
+    is_reciprocal: Callable[[Any], bool | None] = left_open
     MOST_SENT_OUT: float = 1.0
 
 
