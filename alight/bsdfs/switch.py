@@ -83,7 +83,14 @@ def _answers(program, models: Iterable[BsdfModel], answer_of: Callable[..., Kern
     """
     models, stride = list(models), stride_of(program.bsdfs)
     if models and models == models_of(program)[:1] == models_of(program):
-        return answer_of(models[0], _any_base(stride))
+        answer = answer_of(models[0], _any_base(stride))
+
+        @kernel
+        def of_the_only_model(scene, surface, kind, query, active, value):
+            # Its kind is not looked up.
+            return answer(scene, surface, 0, query, active, value)
+
+        return of_the_only_model
     base_of = _own_base(stride)
     return switch((model.number, answer_of(model, base_of)) for model in models)
 
