@@ -19,13 +19,9 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from alight.core.spec import Bsdf, Interval, Reflectance
-from alight.core.vec import gather_vec3
-from lanewise.jit import kernel
 
 #: What programs call a material that absorbs inside.
 ABSORBING = "absorbing"
-#: Slots of the coefficients, per metre.
-ABSORPTION_SLOTS = {"absorption": 3}
 #: Colours count as at least this: nothing real is blacker after a finite way.
 DARKEST = 1e-6
 
@@ -77,11 +73,5 @@ def absorption_features(spec: Absorbing) -> tuple[str, ...]:
 
 
 def pack_absorption(spec: Absorbing, packer) -> None:
-    """Fill the slots `ABSORPTION_SLOTS`."""
+    """Fill the slots of the coefficients, per metre."""
     packer.numbers("absorption", *spec.coefficients)
-
-
-@kernel
-def coefficients_at(scene, slot):
-    """Absorption coefficients per metre, from the three slots on."""
-    return gather_vec3(scene.materials.data, slot)

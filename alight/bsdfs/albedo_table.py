@@ -33,8 +33,10 @@ from lanewise.simd import absolute, gather, lanes_u32, maximum, minimum, sqrt, t
 
 #: Rows along three axes: where they start, and the number of the last one along each (floats).
 Grid = namedtuple("Grid", "curves start last anisotropy azimuth")
-#: A place between eight rows: start of the first; for each axis distance to the next, part of that.
-Corners = namedtuple("Corners", "curves row step part step_2 part_2 step_3 part_3")
+#: A place between eight rows: the two along the roughness, and how to get on along both other axes.
+Corners = namedtuple("Corners", "along strength azimuth")
+#: Distance of the next row along an axis, and the part of it.
+Step = namedtuple("Step", "step part")
 #: A cosine's place in a row: number of the point before it, and the part of the next one.
 Place = namedtuple("Place", "index part")
 
@@ -44,12 +46,12 @@ Place = namedtuple("Place", "index part")
 
 @specialised
 def load_rows(program):
-    """``(scene, slot) -> Table or Grid``: slots hold the start and `Grid.axes`."""
+    """``(scene, slot, surface) -> Table or Grid``: slots hold the start and `Grid.axes`."""
     return _load_grid if ANISOTROPIC in program.bsdfs else load_table
 
 
 @kernel
-def _load_grid(scene, slot):
+def _load_grid(scene, slot, surface):
     data = scene.materials.data
     axes = to_uint(gather(data, slot + 1))
     last = axes & ((1 << ANISOTROPY_BIT) - 1)
@@ -93,7 +95,8 @@ def _corners(table, facets, anisotropy, w):
     a = rows_between(a, sqrt(facets.alpha_y), strengths)
     b = rows_between(Table(table.curves, a.row, table.anisotropy), anisotropy, turns)
     c = rows_between(Table(table.curves, b.row, table.azimuth), _place_of_azimuth(w), ROW)
-    return Corners(table.curves, c.row, a.step, a.part, b.step, b.part, c.step, c.part)
+    along = Rows(table.curves, c.row, a.step, a.part)
+    return Corners(along, Step(b.step, b.part), Step(c.step, c.part))
 
 
 # ---------------------------------------------------------------- numbers of a row
@@ -109,14 +112,13 @@ def read_number(program):
 
 @kernel
 def _read_eight(rows, i):
-    along = Rows(rows.curves, rows.row, rows.step, rows.part)
-    a = _read_four(along, rows, i)
-    return lerp(rows.part_3, a, _read_four(along, rows, i + rows.step_3))
+    return lerp(rows.azimuth.part, _read_four(rows, i), _read_four(rows, i + rows.azimuth.step))
 
 
 @kernel
-def _read_four(along, rows, i):
-    return lerp(rows.part_2, read_two(along, i), read_two(along, i + rows.step_2))
+def _read_four(rows, i):
+    a, b = read_two(rows.along, i), read_two(rows.along, i + rows.strength.step)
+    return lerp(rows.strength.part, a, b)
 
 
 @kernel

@@ -18,10 +18,10 @@ from typing import Annotated, ClassVar, Literal
 
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
-from alight.bsdfs.relief import BENT, HEIGHTS, IS_HEIGHT, packed_modes
-from alight.bsdfs.relief import SLOTS as RELIEF_SLOTS
+from alight.bsdfs.relief import BENT, HEIGHTS, IS_HEIGHT, BumpMapRow, packed_modes
+from alight.core.parameters import slots_of
 from alight.core.spec import Interval, NestedBsdf, NumberOrTexture, Texture, Truth
-from alight.textures.checkerboard import Checkerboard
+from alight.textures import VARYING
 
 Height = Annotated[float | Texture | str, NumberOrTexture(Interval(), other=(str, Texture))]
 Number = Annotated[float, Interval()]
@@ -60,11 +60,11 @@ class BumpMap(Nested):
 
 EXAMPLES = (
     BumpMap(),
-    BumpMap(texture=Checkerboard(), scale=0.01, bsdf=Diffuse(reflectance=1.0)),
-    BumpMap(texture=Checkerboard(), rims="black", fading=False, bsdf=Diffuse(reflectance=0.5)),
+    BumpMap(texture=VARYING, scale=0.01, bsdf=Diffuse(reflectance=1.0)),
+    BumpMap(texture=VARYING, rims="black", fading=False, bsdf=Diffuse(reflectance=0.5)),
 )
 
-SLOTS = RELIEF_SLOTS | {"texture": 1}
+SLOTS = slots_of(BumpMapRow)
 
 
 def pack(spec: BumpMap, packer) -> None:

@@ -38,8 +38,7 @@ Mitsuba 3 (https://mitsuba.readthedocs.io).
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
@@ -48,10 +47,15 @@ from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
 from alight.core.maths import exp, log, sincos_2pi
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
+from alight.core.parameters import loader, reader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.vec import Vec3, dot, lerp, luminance, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import color, scalar, textured_scalar
+from alight.textures.fetch import (
+    Scalar,
+    TexturedColor,
+    TexturedScalar,
+)
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes, lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
 
@@ -131,29 +135,41 @@ def relative_ior(spec: Burley) -> float:
 
 # ---------------------------------------------------------------- tables
 
-_NUMBERS = (
-    "metallic", "roughness", "anisotropic", "spec_trans", "spec_tint", "sheen", "sheen_tint",
-    "flatness", "clearcoat", "clearcoat_gloss",
-)  # fmt: skip
-SLOTS = {"base_color": 3} | dict.fromkeys(_NUMBERS, 1) | {"eta": 1}
-ETA = 13
-Params = namedtuple(
-    "BurleyParams",
-    "base metallic roughness facets glass spec_tint sheen sheen_tint flatness coat gloss eta",
-)
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    base_color: TexturedColor
+    metallic: TexturedScalar
+    roughness: TexturedScalar
+    anisotropic: TexturedScalar
+    spec_trans: TexturedScalar
+    spec_tint: TexturedScalar
+    sheen: TexturedScalar
+    sheen_tint: TexturedScalar
+    flatness: TexturedScalar
+    clearcoat: TexturedScalar
+    clearcoat_gloss: TexturedScalar
+    eta: Scalar
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
+_eta, _spec_trans = reader(Params, "eta"), reader(Params, "spec_trans")
 
 
 def pack(spec: Burley, packer) -> None:
     """Fill the row of one material."""
-    pack_burley(spec, packer, _NUMBERS)
+    pack_burley(spec, packer)
     packer.numbers("eta", relative_ior(spec))
 
 
-def pack_burley(spec, packer, names: tuple[str, ...]) -> None:
+def pack_burley(spec, packer) -> None:
     """Fill the slots of the colour and of what may be textured, here and in the thin sheet."""
     packer.color("base_color", spec.base_color)
-    for name in names:
-        packer.scalar(name, getattr(spec, name))
+    for name, value in spec:
+        if name in packer.slots and name != "base_color":
+            packer.scalar(name, value)
 
 
 def features(spec) -> tuple[str, ...]:
@@ -170,30 +186,9 @@ def burley_facets(roughness, anisotropic):
 
 
 @kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    roughness = textured_scalar(scene, base + 4, surface)
-    return Params(
-        color(scene, base, surface),
-        textured_scalar(scene, base + 3, surface),
-        roughness,
-        burley_facets(roughness, textured_scalar(scene, base + 5, surface)),
-        textured_scalar(scene, base + 6, surface),
-        textured_scalar(scene, base + 7, surface),
-        textured_scalar(scene, base + 8, surface),
-        textured_scalar(scene, base + 9, surface),
-        textured_scalar(scene, base + 10, surface),
-        textured_scalar(scene, base + 11, surface),
-        textured_scalar(scene, base + 12, surface),
-        scalar(scene, base + ETA, surface),
-    )
-
-
-@kernel
 def inner_index(scene, base, surface):
     """Index inside over that outside, where there is glass."""
-    glass = textured_scalar(scene, base + 6, surface) > 0.0
-    return where(glass, scalar(scene, base + ETA, surface), 1.0)
+    return where(_spec_trans(scene, base, surface) > 0.0, _eta(scene, base, surface), 1.0)
 
 
 # ---------------------------------------------------------------- parts, shared with the thin sheet
@@ -260,8 +255,8 @@ def _smith(w):
 @kernel
 def _shares(params, inside):
     """Probabilities of the facets, the coat and the diffuse part."""
-    matte = (1.0 - params.metallic) * (1.0 - params.glass)
-    coat = where(inside, 0.0, 0.25 * params.coat)
+    matte = (1.0 - params.metallic) * (1.0 - params.spec_trans)
+    coat = where(inside, 0.0, 0.25 * params.clearcoat)
     matte = where(inside, 0.0, matte)
     per = 1.0 / (1.0 + coat + matte)
     return per, coat * per, matte * per
@@ -270,16 +265,17 @@ def _shares(params, inside):
 @kernel
 def _share_reflected(params, inside, fresnel):
     """Probability of reflection at a facet."""
-    clear = (1.0 - params.metallic) * params.glass
+    clear = (1.0 - params.metallic) * params.spec_trans
     return where(inside, fresnel, 1.0 - clear * (1.0 - fresnel))
 
 
 @kernel
 def _values(params, inside, wo, wi):
     """(f cos theta_i, pdf) from above, wi mirrored as wo was."""
+    facets = burley_facets(params.roughness, params.anisotropic)
     eta = where(inside, 1.0 / params.eta, params.eta)
     rest = 1.0 - params.metallic
-    clear, matte = rest * params.glass, rest * (1.0 - params.glass)
+    clear, matte = rest * params.spec_trans, rest * (1.0 - params.spec_trans)
     valid = (wo.z > 0.0) & (wi.z != 0.0) & (~inside | (clear > 0.0))
     up = Vec3(0.0, 0.0, 1.0)
     wo, wi = where(valid, wo, up), where(valid, wi, up)
@@ -289,8 +285,8 @@ def _values(params, inside, wo, wi):
     cos_o, cos_i = dot(wo, wm), dot(wi, wm)
     cosine = minimum(maximum(cos_o, 0.0), 1.0)
     plain, _ = fresnel_dielectric(cosine, eta)
-    metal = lerp(schlick_weight(cosine), params.base, lanes_vec3(1.0))
-    colored = schlick_of_tint(params.base, params.eta, cosine)
+    metal = lerp(schlick_weight(cosine), params.base_color, lanes_vec3(1.0))
+    colored = schlick_of_tint(params.base_color, params.eta, cosine)
     fresnel = metal * params.metallic + colored * (rest * params.spec_tint)
     fresnel = fresnel + rest * (1.0 - params.spec_tint) * plain
     fresnel = where(inside, lanes_vec3(1.0) * (clear * plain), fresnel)
@@ -298,12 +294,12 @@ def _values(params, inside, wo, wi):
     projected = cos_o + eta * cos_i
     stretched = eta / where(projected == 0.0, 1.0, projected)
     jacobian = where(reflects, 0.25, -cos_o * cos_i * (stretched * stretched))
-    density = jacobian * ggx_density(params.facets, wm) / ggx_visible_area(params.facets, wo)
+    density = jacobian * ggx_density(facets, wm) / ggx_visible_area(facets, wo)
     right = (reflects & (cos_i > 0.0)) | (~reflects & (cos_i < 0.0) & (clear > 0.0))
     right = right & (cos_o > 0.0)
     density = where(right, density, 0.0)
-    masking = absolute(wi.z) / ggx_visible_area(params.facets, wi)
-    base = params.base
+    masking = absolute(wi.z) / ggx_visible_area(facets, wi)
+    base = params.base_color
     root = Vec3(sqrt(base.x), sqrt(base.y), sqrt(base.z)) * (clear * (1.0 - plain) / (eta * eta))
     f_cos = where(reflects, fresnel, root) * (masking * density)
     # What only the outside has.
@@ -312,9 +308,9 @@ def _values(params, inside, wo, wi):
     both = base * (matte * INV_PI * diffuse)
     sheen = burley_sheen(base, params.sheen * rest, params.sheen_tint, cos_i)
     both = both + where(matte > 0.0, sheen, lanes_vec3(0.0))
-    d, _ = _gtr1(params.gloss, wm.z)
+    d, _ = _gtr1(params.clearcoat_gloss, wm.z)
     schlick = fresnel_schlick(cosine, lanes(0.04))
-    coat = 0.25 * params.coat * schlick * d * _smith(wo) * _smith(wi)
+    coat = 0.25 * params.clearcoat * schlick * d * _smith(wo) * _smith(wi)
     coat = where(right, coat, 0.0)
     f_cos = f_cos + where(outside, (both + coat) * wi.z, lanes_vec3(0.0))
     to_facets, to_coat, to_matte = _shares(params, inside)
@@ -329,21 +325,21 @@ def _values(params, inside, wo, wi):
 @kernel
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
-    inside = (wo.z < 0.0) & (params.glass > 0.0)
+    inside = (wo.z < 0.0) & (params.spec_trans > 0.0)
     return _values(params, inside, mirrored_if(inside, wo), mirrored_if(inside, wi))
 
 
 @kernel
 def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
-    inside = (wo.z < 0.0) & (params.glass > 0.0)
+    inside = (wo.z < 0.0) & (params.spec_trans > 0.0)
     wo = mirrored_if(inside, wo)
     eta = where(inside, 1.0 / params.eta, params.eta)
     to_facets, to_coat, _ = _shares(params, inside)
     facets, coat = u < to_facets, (u >= to_facets) & (u < to_facets + to_coat)
-    wm = sample_ggx_visible(params.facets, wo, u2)
+    wm = sample_ggx_visible(burley_facets(params.roughness, params.anisotropic), wo, u2)
     # The coat's normals have the density D cos theta.
-    _, squared = _gtr1(params.gloss, lanes(1.0))
+    _, squared = _gtr1(params.clearcoat_gloss, lanes(1.0))
     height2 = (1.0 - exp(log(squared) * (1.0 - u2[1]))) / (1.0 - squared)
     flat = sqrt(maximum(1.0 - height2, 0.0))
     s, c = sincos_2pi(u2[0])
@@ -367,4 +363,4 @@ def sample(params, wo, u, u2):
 @kernel
 def albedo(params):
     """A colour, without light and angle."""
-    return params.base
+    return params.base_color

@@ -20,8 +20,7 @@ Mitsuba 3 (https://mitsuba.readthedocs.io).
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from alight.bsdfs.burley import albedo as albedo
 from alight.bsdfs.burley import (
@@ -36,13 +35,18 @@ from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
+from alight.core.microfacet import ggx_density, ggx_visible_area, sample_ggx_visible
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.vec import Vec3, dot, lerp, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import color, scalar, textured_scalar
+from alight.textures.fetch import (
+    Scalar,
+    TexturedColor,
+    TexturedScalar,
+)
 from lanewise.jit import kernel
-from lanewise.simd import lanes, lanes_u32, lanes_vec3, maximum, minimum, where
+from lanewise.simd import lanes_u32, lanes_vec3, maximum, minimum, where
 
 #: What a white sheet sends out at most of the light that it gets, measured.
 MOST_SENT_OUT = 1.61
@@ -109,52 +113,40 @@ def relative_ior(spec: BurleyThin) -> float:
 
 # ---------------------------------------------------------------- tables
 
-_NUMBERS = (
-    "roughness", "anisotropic", "spec_trans", "through", "spec_tint", "sheen", "sheen_tint",
-    "flatness",
-)  # fmt: skip
-SLOTS = {"base_color": 3} | dict.fromkeys(_NUMBERS, 1) | {"eta": 1}
-Params = namedtuple(
-    "BurleyThinParams",
-    "base roughness facets passing glass through spec_tint sheen sheen_tint flatness eta",
-)
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    base_color: TexturedColor
+    roughness: TexturedScalar
+    anisotropic: TexturedScalar
+    spec_trans: TexturedScalar
+    through: TexturedScalar
+    spec_tint: TexturedScalar
+    sheen: TexturedScalar
+    sheen_tint: TexturedScalar
+    flatness: TexturedScalar
+    eta: Scalar
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: BurleyThin, packer) -> None:
     """Fill the row of one material."""
-    pack_burley(spec, packer, _NUMBERS)
+    pack_burley(spec, packer)
     packer.numbers("eta", spec.ior)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    roughness = textured_scalar(scene, base + 3, surface)
-    anisotropic = textured_scalar(scene, base + 4, surface)
-    eta = scalar(scene, base + 11, surface)
-    return Params(
-        color(scene, base, surface),
-        roughness,
-        burley_facets(roughness, anisotropic),
-        burley_facets((0.65 * eta - 0.35) * roughness, anisotropic),
-        textured_scalar(scene, base + 5, surface),
-        textured_scalar(scene, base + 6, surface),
-        textured_scalar(scene, base + 7, surface),
-        textured_scalar(scene, base + 8, surface),
-        textured_scalar(scene, base + 9, surface),
-        textured_scalar(scene, base + 10, surface),
-        eta,
-    )
 
 
 # ---------------------------------------------------------------- scattering
 
 
 @kernel
-def _chosen(mask, a, b):
-    """The facets a where the mask holds, else b."""
-    along, across = where(mask, a.alpha_x, b.alpha_x), where(mask, a.alpha_y, b.alpha_y)
-    return Facets(along, across, lanes(0.0))
+def _facets(params, passes):
+    """Those that mirror, and where it passes those that let through."""
+    wider = where(passes, 0.65 * params.eta - 0.35, 1.0)
+    return burley_facets(wider * params.roughness, params.anisotropic)
 
 
 @kernel
@@ -167,24 +159,24 @@ def _values(params, wo, wi):
     w = mirrored_if(~reflects, wi)
     wm = normalize(wo + w)
     cosine = minimum(maximum(dot(wo, wm), 0.0), 1.0)
-    facets = _chosen(reflects, params.facets, params.passing)
+    facets = _facets(params, ~reflects)
     density = 0.25 * ggx_density(facets, wm) / ggx_visible_area(facets, wo)
     # As Mitsuba has it: what passes must leave behind the facet that mirrors it.
     density = where(reflects | (dot(wi, wm) < 0.0), density, 0.0)
     masking = w.z / ggx_visible_area(facets, w)
     plain, _ = fresnel_dielectric(cosine, params.eta)
-    colored = schlick_of_tint(params.base, params.eta, cosine)
+    colored = schlick_of_tint(params.base_color, params.eta, cosine)
     mirror = lerp(params.spec_tint, lanes_vec3(1.0) * plain, colored)
-    clear = where(reflects, mirror, params.base * (1.0 - plain)) * params.glass
+    clear = where(reflects, mirror, params.base_color * (1.0 - plain)) * params.spec_trans
     f_cos = clear * (masking * density)
-    rest = 1.0 - params.glass
+    rest = 1.0 - params.spec_trans
     diffuse = burley_diffuse(params.roughness, params.flatness, wo.z, w.z, cosine)
-    sheen = burley_sheen(params.base, params.sheen, params.sheen_tint, cosine)
-    back = (params.base * (INV_PI * diffuse) + sheen) * (1.0 - params.through)
-    through = params.base * (INV_PI * params.through)
+    sheen = burley_sheen(params.base_color, params.sheen, params.sheen_tint, cosine)
+    back = (params.base_color * (INV_PI * diffuse) + sheen) * (1.0 - params.through)
+    through = params.base_color * (INV_PI * params.through)
     f_cos = f_cos + where(reflects, back, through) * (rest * w.z)
     share = where(reflects, 1.0 - params.through, params.through)
-    pdf = 0.5 * params.glass * density + rest * share * INV_PI * w.z
+    pdf = 0.5 * params.spec_trans * density + rest * share * INV_PI * w.z
     return where(valid, f_cos, 0.0), where(valid, pdf, 0.0)
 
 
@@ -200,12 +192,12 @@ def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
     below = wo.z < 0.0
     wo = mirrored_if(below, wo)
-    clear = u < params.glass
+    clear = u < params.spec_trans
     # Which of both sides: half of the clear light, and the stated part of the rest.
-    matte = (u - params.glass) / maximum(1.0 - params.glass, 1e-9)
-    passes = where(clear, u, 0.0) >= 0.5 * params.glass
+    matte = (u - params.spec_trans) / maximum(1.0 - params.spec_trans, 1e-9)
+    passes = where(clear, u, 0.0) >= 0.5 * params.spec_trans
     passes = (clear & passes) | (~clear & (matte < params.through))
-    facets = _chosen(passes, params.passing, params.facets)
+    facets = _facets(params, passes)
     w = renormalize(reflect(wo, sample_ggx_visible(facets, wo, u2)))
     w = where(clear, w, square_to_cosine_hemisphere(u2))
     # Light that its facet sends below the surface is lost.

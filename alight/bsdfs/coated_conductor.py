@@ -25,7 +25,7 @@ lobe with the widths of several layers.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
@@ -35,14 +35,15 @@ from alight.bsdfs.conductor import OfMetal
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.interface import MEDIA, Medium
 from alight.bsdfs.layered import CURVES, SCALE, SHARE, Layers, lobe_alpha, rounds
-from alight.bsdfs.rows import load_table, rows_at
+from alight.bsdfs.rows import rows_at, rows_in_slots
 from alight.core.constants import INV_PI
 from alight.core.fresnel import cos_transmitted, fresnel_dielectric
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Interval, invalid
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import constant_color, scalar
+from alight.textures.fetch import PlainColor, Scalar
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32, maximum, minimum, sqrt, where
 
@@ -114,9 +115,20 @@ def is_reciprocal(spec: CoatedConductor) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {
-    "eta": 1, "coat_alpha": 1, "alpha": 1, "wide": 1, "color": 3, "rows": 1, "last_row": 1,
-}  # fmt: skip
+
+class Row(NamedTuple):
+    """A row of the table."""
+
+    eta: Scalar
+    coat_alpha: Scalar
+    alpha: Scalar
+    wide: Scalar
+    color: PlainColor
+    rounds: Annotated[Any, rows_in_slots("rounds")]
+
+
+SLOTS = slots_of(Row)
+_load_row = loader(Row)
 #: eta: of the coat over that outside; coat, metal: facets; wide: of the samples that are not the
 #: coat's, the part for which the lobe is too wide; rows: see `alight.bsdfs.layered`.
 Params = namedtuple("CoatedConductorParams", "eta coat metal wide color rows")
@@ -126,10 +138,10 @@ def layers_of(spec: CoatedConductor) -> Layers:
     """The layers, each with its index over that of the one above."""
     eta, k = spec.index_of_refraction
     eta, k = ((x / spec.int_ior, y / spec.int_ior, z / spec.int_ior) for x, y, z in (eta, k))
+    ior = spec.int_ior / spec.ext_ior
     return Layers(
-        spec.int_ior / spec.ext_ior, spec.coat_alpha, spec.alpha, eta, k, spec.thickness,
-        spec.bounces,
-    )  # fmt: skip
+        ior, spec.coat_alpha, spec.alpha, eta, k, thickness=spec.thickness, bounces=spec.bounces
+    )
 
 
 def pack(spec: CoatedConductor, packer) -> None:
@@ -141,23 +153,18 @@ def pack(spec: CoatedConductor, packer) -> None:
     packer.numbers("alpha", lobe_alpha(layers))
     packer.numbers("wide", found.trapped)
     packer.numbers("color", *found.albedo)
-    packer.curve("rows", found.row)
-    packer.numbers("last_row", 0)
+    packer.curve("rounds", found.row)
+    packer.numbers("last_rounds", 0)
 
 
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    coat = scalar(scene, base + 1, surface)
-    metal = scalar(scene, base + 2, surface)
-    return Params(
-        scalar(scene, base, surface),
-        Facets(coat, coat, lanes(0.0)),
-        Facets(metal, metal, lanes(0.0)),
-        scalar(scene, base + 3, surface),
-        constant_color(scene, base + 4, surface),
-        rows_at(load_table(scene, base + 7), lanes(0.0), CURVES * STEPS),
-    )
+    row = _load_row(scene, base, surface)
+    coat = Facets(row.coat_alpha, row.coat_alpha, lanes(0.0))
+    metal = Facets(row.alpha, row.alpha, lanes(0.0))
+    rows = rows_at(row.rounds, lanes(0.0), CURVES * STEPS)
+    return Params(row.eta, coat, metal, row.wide, row.color, rows)
 
 
 # ---------------------------------------------------------------- scattering

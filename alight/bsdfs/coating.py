@@ -27,7 +27,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.bsdfs.rows import load_table, read_row, rows_at
+from alight.bsdfs.rows import read_row, rows_at
 from alight.bsdfs.visible_facets import bounce, see_facets
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
@@ -123,9 +123,9 @@ def share_of_coat(reflected, specular, matte):
 
 
 @kernel
-def load_coat(scene, slot, alpha):
-    """The `Rows` of a coat, whose start and last row are in two slots."""
-    return rows_at(load_table(scene, slot), sqrt(alpha), ROW)
+def coat_at(table, alpha):
+    """The `Rows` of a coat of this roughness."""
+    return rows_at(table, sqrt(alpha), ROW)
 
 
 @kernel

@@ -16,16 +16,16 @@ to its white (a constant n becomes (1.205, 0.948, 0.909) n), as Mitsuba 3 does i
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import AfterValidator, model_validator
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
-from alight.bsdfs.tints import WHITE, tint, tint_features
+from alight.bsdfs.tints import WHITE, Tint, tint_features
 from alight.core.errors import unknown_name
 from alight.core.fresnel import fresnel_conductor
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import (
     Bsdf,
     Color,
@@ -36,7 +36,7 @@ from alight.core.spec import (
     largest_channel,
 )
 from alight.core.vec import Vec3
-from alight.textures.fetch import constant_color
+from alight.textures.fetch import PlainColor
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32, where
 
@@ -162,8 +162,17 @@ def is_reciprocal(spec: Conductor) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"eta": 3, "k": 3, "specular_reflectance": 3}
-Params = namedtuple("ConductorParams", "eta k tint")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    eta: PlainColor
+    k: PlainColor
+    tint: Tint
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: Conductor, packer) -> None:
@@ -172,26 +181,16 @@ def pack(spec: Conductor, packer) -> None:
 
 
 def pack_metal(spec: Metallic, packer) -> None:
-    """Fill the slots of `SLOTS`."""
+    """Fill the slots of `Params`."""
     eta, k = spec.index_of_refraction
     packer.numbers("eta", *eta)
     packer.numbers("k", *k)
-    packer.color("specular_reflectance", spec.specular_reflectance)
+    packer.color("tint", spec.specular_reflectance)
 
 
 def features(spec: Conductor) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     return tint_features(spec.specular_reflectance)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(
-        constant_color(scene, base, surface),
-        constant_color(scene, base + 3, surface),
-        tint(scene, base + 6, surface),
-    )
 
 
 # ---------------------------------------------------------------- scattering

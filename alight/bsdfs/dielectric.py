@@ -17,14 +17,12 @@ Source: PBR4 section 9.5; Veach, Robust Monte Carlo Methods (1997), section 5.2 
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs import interface
 from alight.bsdfs.absorption import (
-    ABSORPTION_SLOTS,
     Absorbing,
     absorption_features,
-    coefficients_at,
     pack_absorption,
 )
 from alight.bsdfs.dirac import evaluate as evaluate
@@ -32,10 +30,11 @@ from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import is_lossless as is_lossless
-from alight.bsdfs.interface import load as load
+from alight.bsdfs.tints import Tint
 from alight.core.fresnel import fresnel_dielectric, refract
+from alight.core.parameters import loader, reader, slots_of
 from alight.core.vec import Vec3
-from alight.textures.fetch import scalar
+from alight.textures.fetch import PlainColor, Scalar
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, where
 
@@ -74,7 +73,19 @@ def is_reciprocal(spec: Dielectric) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = interface.SLOTS | ABSORPTION_SLOTS
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    eta: Scalar
+    reflectance: Tint
+    transmittance: Tint
+    absorption: PlainColor
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
+inner_index, absorption = reader(Params, "eta"), reader(Params, "absorption")
 
 
 def pack(spec: Dielectric, packer) -> None:
@@ -88,19 +99,7 @@ def features(spec: Dielectric) -> tuple[str, ...]:
     return (*interface.features(spec), *absorption_features(spec))
 
 
-@kernel
-def absorption(scene, base, surface):
-    """Absorption coefficients inside, per metre."""
-    return coefficients_at(scene, base + 7)
-
-
 # ---------------------------------------------------------------- scattering
-
-
-@kernel
-def inner_index(scene, base, surface):
-    """Index of refraction inside over that outside, of a row that begins with `SLOTS`."""
-    return scalar(scene, base, surface)
 
 
 @kernel

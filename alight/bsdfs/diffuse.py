@@ -20,15 +20,15 @@ Source: Lambert, Photometria (1760); PBR4 section 9.2 and appendix A.5.3.
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
 from alight.core.noise_only import NoiseOnly
+from alight.core.parameters import Slots, loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, largest_channel
 from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
-from alight.textures.fetch import color, scalar
+from alight.textures.fetch import TexturedColor, scalar
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, lanes, lanes_u32, where
 
@@ -81,8 +81,26 @@ def is_reciprocal(spec: Diffuse) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"reflectance": 3, "uniform": 1}
-Params = namedtuple("DiffuseParams", "reflectance uniform")
+
+@specialised
+def _uniform(program):
+    return scalar if UNIFORM in program.bsdfs else _never
+
+
+@kernel
+def _never(scene, slot, surface):
+    return 0.0
+
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    reflectance: TexturedColor
+    uniform: Annotated[Any, Slots(_uniform)]
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: Diffuse, packer) -> None:
@@ -94,22 +112,6 @@ def pack(spec: Diffuse, packer) -> None:
 def features(spec: Diffuse) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     return (UNIFORM,) if spec.sampling == "uniform" else ()
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(color(scene, base, surface), _uniform(scene, base + 3, surface))
-
-
-@specialised
-def _uniform(program):
-    return scalar if UNIFORM in program.bsdfs else _never
-
-
-@kernel
-def _never(scene, slot, surface):
-    return 0.0
 
 
 # ---------------------------------------------------------------- scattering

@@ -17,14 +17,15 @@ Source: PBR4 section 9.2 and the material ``diffusetransmission`` of its program
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture
 from alight.core.vec import Vec3, luminance
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import color
+from alight.textures.fetch import TexturedColor
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, maximum, where
 
@@ -73,7 +74,16 @@ def is_reciprocal(spec: DiffuseTransmission) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"reflectance": 3, "transmittance": 3}
+
+class Row(NamedTuple):
+    """A row of the table."""
+
+    reflectance: TexturedColor
+    transmittance: TexturedColor
+
+
+SLOTS = slots_of(Row)
+_load_row = loader(Row)
 #: share: probability of reflection.
 Params = namedtuple("DiffuseTransmissionParams", "reflectance transmittance share")
 
@@ -87,7 +97,7 @@ def pack(spec: DiffuseTransmission, packer) -> None:
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface, textures looked up."""
-    back, on = color(scene, base, surface), color(scene, base + 3, surface)
+    back, on = _load_row(scene, base, surface)
     whole = back + on
     scale = Vec3(
         1.0 / maximum(whole.x, 1.0), 1.0 / maximum(whole.y, 1.0), 1.0 / maximum(whole.z, 1.0)

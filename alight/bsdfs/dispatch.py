@@ -20,6 +20,7 @@ Source: Veach and Guibas, Optimally combining sampling techniques, SIGGRAPH 1995
 from __future__ import annotations
 
 from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH
+from alight.bsdfs.model import BsdfValue
 from alight.bsdfs.switch import (
     MIXED,
     albedo_row,
@@ -32,6 +33,7 @@ from alight.bsdfs.switch import (
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.textures.fetch import textured_scalar
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import (
     any_lane,
     gather,
@@ -80,7 +82,7 @@ def _count(scene, surface):
 
 @specialised
 def evaluate_bsdf(program):
-    """``(scene, surface, wo, wi, active) -> (f_cos, pdf)`` in the local frame."""
+    """``(scene, surface, wo, wi, active) -> BsdfValue`` in the local frame."""
     return _evaluate_layers if LAYERED_NAME in program.bsdfs else _evaluate_one
 
 
@@ -91,18 +93,18 @@ def _evaluate_one(scene, surface, wo, wi, active):
 
 @kernel
 def _evaluate_layers(scene, surface, wo, wi, active):
-    f_cos, pdf = lanes_vec3(0.0), lanes(0.0)
+    total = BsdfValue(lanes_vec3(0.0), lanes(0.0))
     count, i = _count(scene, surface), lanes_u32(0)
     more = active & (count > i)
     while any_lane(more):
         row, share = _layer(scene, surface, i, more)
         more = more & (share > 0.0)
-        f_cos_new, pdf_new = evaluate_row(scene, surface, row, wo, wi, more)
-        f_cos = where(more, f_cos + f_cos_new * share, f_cos)
-        pdf = where(more, pdf + pdf_new * share, pdf)
+        f_cos, pdf = evaluate_row(scene, surface, row, wo, wi, more)
+        both = BsdfValue(total.f_cos + f_cos * share, total.pdf + pdf * share)
+        total = where(more, both, total)
         i = i + 1
         more = active & (count > i)
-    return f_cos, pdf
+    return total
 
 
 # ---------------------------------------------------------------- sample
@@ -110,7 +112,7 @@ def _evaluate_layers(scene, surface, wo, wi, active):
 
 @specialised
 def sample_bsdf(program):
-    """``(scene, surface, wo, u, u2, active) -> (wi, weight, pdf, flags)`` in the local frame."""
+    """``(scene, surface, wo, u, u2, active) -> BsdfSample`` in the local frame."""
     return _sample_layers if LAYERED_NAME in program.bsdfs else _sample_one
 
 
@@ -141,19 +143,18 @@ def _choose_layer(scene, surface, u, active):
 @kernel
 def _sample_layers(scene, surface, wo, u, u2, active):
     row, share, rest = _choose_layer(scene, surface, u, active)
-    wi, weight, pdf, flags = sample_row(scene, surface, row, wo, rest, u2, active)
-    pdf = pdf * share
+    found = sample_row(scene, surface, row, wo, rest, u2, active)
+    found = replace(found, pdf=found.pdf * share)
     # Of a Dirac lobe the share cancels: share * f / (share * pmf). A smooth direction might have
     # come from the other models too.
     layered = active & (_count(scene, surface) > 1)
-    smooth = layered & ((flags & DELTA) == 0) & (pdf > 0.0)
+    smooth = layered & ((found.flags & DELTA) == 0) & (found.pdf > 0.0)
     if any_lane(smooth):
-        f_cos, density = _evaluate_layers(scene, surface, wo, wi, smooth)
+        f_cos, pdf = _evaluate_layers(scene, surface, wo, found.wi, smooth)
         # Rounding may put a direction of the chosen model to where it says 0.
-        ok = density > 0.0
-        weight = where(smooth, f_cos * where(ok, 1.0 / where(ok, density, 1.0), 0.0), weight)
-        pdf = where(smooth, density, pdf)
-    return wi, weight, pdf, flags
+        weight = f_cos * where(pdf > 0.0, 1.0 / where(pdf > 0.0, pdf, 1.0), 0.0)
+        found = where(smooth, replace(found, weight=weight, pdf=pdf), found)
+    return found
 
 
 # ---------------------------------------------------------------- further questions

@@ -23,17 +23,18 @@ alone.
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
 from alight.core.maths import arccos
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, UnitTexture
 from alight.core.vec import Vec3
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import color, textured_scalar
+from alight.textures.fetch import TexturedColor, TexturedScalar
 from lanewise.jit import kernel
+from lanewise.records import replace
 from lanewise.simd import lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
 
 
@@ -78,8 +79,16 @@ def is_reciprocal(spec: Eon) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"reflectance": 3, "roughness": 1}
-Params = namedtuple("EonParams", "reflectance roughness")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    reflectance: TexturedColor
+    roughness: TexturedScalar
+
+
+SLOTS = slots_of(Params)
+_load_row = loader(Params)
 
 
 def pack(spec: Eon, packer) -> None:
@@ -91,8 +100,8 @@ def pack(spec: Eon, packer) -> None:
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    roughness = textured_scalar(scene, base + 3, surface)
-    return Params(color(scene, base, surface), minimum(maximum(roughness, 0.0), 1.0))
+    row = _load_row(scene, base, surface)
+    return replace(row, roughness=minimum(maximum(row.roughness, 0.0), 1.0))
 
 
 # ---------------------------------------------------------------- scattering

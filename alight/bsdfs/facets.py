@@ -6,20 +6,19 @@ distributions in use are compiled.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
 from alight.core.microfacet import FEATURES, Facets
+from alight.core.parameters import Slots, loader, slots_of
 from alight.core.spec import SMOOTHEST, Bsdf, Interval, NumberOrTexture, Texture, invalid
-from alight.textures.fetch import scalar, textured_scalar
+from alight.textures.fetch import Scalar, TexturedScalar
 from lanewise.jit import kernel, specialised
 from lanewise.simd import maximum
 
 #: What programs call roughness that depends on the direction.
 ANISOTROPIC = "anisotropic"
-#: Slots of `load_facets`.
-FACET_SLOTS = {"alpha_u": 1, "alpha_v": 1, "beckmann": 1}
 
 # A number as `Roughness`, or nothing.
 Alpha = Annotated[
@@ -72,29 +71,53 @@ def facet_features(spec: Rough) -> tuple[str, ...]:
 
 
 def pack_facets(spec: Rough, packer) -> None:
-    """Fill the slots `FACET_SLOTS`."""
+    """Fill the slots of `FacetRow`."""
     along, across = spec.roughness
     packer.scalar("alpha_u", along)
     packer.scalar("alpha_v", across)
     packer.numbers("beckmann", float(spec.distribution == "beckmann"))
 
 
+class FacetRow(NamedTuple):
+    """How facets lie in a row of the table."""
+
+    alpha_u: TexturedScalar
+    alpha_v: TexturedScalar
+    beckmann: Scalar
+
+
+class IsotropicRow(NamedTuple):
+    """The same where both are alike: the texture of one of them is not looked up."""
+
+    alpha: TexturedScalar
+    alpha_v: Scalar
+    beckmann: Scalar
+
+
+_load_facets, _load_isotropic = loader(FacetRow), loader(IsotropicRow)
+
+
 @specialised
-def load_facets(program):
-    """``load_facets(scene, slot, surface) -> Facets``, from three slots on."""
+def _facets_at(program):
+    """``(scene, slot, surface) -> Facets``, from the slots of a `FacetRow`."""
     if ANISOTROPIC in program.bsdfs:
 
         @kernel
         def anisotropic(scene, slot, surface):
-            along = maximum(textured_scalar(scene, slot, surface), SMOOTHEST)
-            across = maximum(textured_scalar(scene, slot + 1, surface), SMOOTHEST)
-            return Facets(along, across, scalar(scene, slot + 2, surface))
+            row = _load_facets(scene, slot, surface)
+            along, across = maximum(row.alpha_u, SMOOTHEST), maximum(row.alpha_v, SMOOTHEST)
+            return Facets(along, across, row.beckmann)
 
         return anisotropic
 
     @kernel
     def isotropic(scene, slot, surface):
-        alpha = maximum(textured_scalar(scene, slot, surface), SMOOTHEST)
-        return Facets(alpha, alpha, scalar(scene, slot + 2, surface))
+        row = _load_isotropic(scene, slot, surface)
+        alpha = maximum(row.alpha, SMOOTHEST)
+        return Facets(alpha, alpha, row.beckmann)
 
     return isotropic
+
+
+#: Field of a record of parameters.
+FacetsOfRow = Annotated[Any, Slots(_facets_at, slots_of(FacetRow))]

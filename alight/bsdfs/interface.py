@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from pydantic import BeforeValidator
 
-from alight.bsdfs.tints import WHITE, tint, tint_features
+from alight.bsdfs.tints import WHITE, Tint, tint_features
 from alight.core.errors import unknown_name
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, invalid
-from alight.textures.fetch import scalar
+from alight.textures.fetch import Scalar
 from lanewise.jit import kernel
 
 # Indices at 589.3 nm (sodium D), from the CRC Handbook of Chemistry and Physics and the
@@ -64,30 +64,28 @@ def is_lossless(spec: Interface) -> bool:
     return spec.specular_reflectance == spec.specular_transmittance == WHITE
 
 
-SLOTS = {"eta": 1, "specular_reflectance": 3, "specular_transmittance": 3}
-Params = namedtuple("InterfaceParams", "eta reflectance transmittance")
+class Params(NamedTuple):
+    """A row of the table; those of other models begin with the same fields."""
+
+    eta: Scalar
+    reflectance: Tint
+    transmittance: Tint
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: Interface, packer) -> None:
-    """Fill the slots of `SLOTS`."""
+    """Fill the slots of `Params`."""
     packer.numbers("eta", spec.int_ior / spec.ext_ior)
-    packer.color("specular_reflectance", spec.specular_reflectance)
-    packer.color("specular_transmittance", spec.specular_transmittance)
+    packer.color("reflectance", spec.specular_reflectance)
+    packer.color("transmittance", spec.specular_transmittance)
 
 
 def features(spec: Interface) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     return tint_features(spec.specular_reflectance, spec.specular_transmittance)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(
-        scalar(scene, base, surface),
-        tint(scene, base + 1, surface),
-        tint(scene, base + 4, surface),
-    )
 
 
 @kernel

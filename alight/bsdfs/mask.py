@@ -40,7 +40,7 @@ class Mask(Nested):
     @property
     def parts(self) -> tuple[Part, ...]:
         """The holes and the material."""
-        return Part(Null(), "rest"), Part(self.bsdf, "weight")
+        return Part(Null(), "rest", is_hole=True), Part(self.bsdf, "weight")
 
 
 EXAMPLES = (Mask(), Mask(opacity=0.8, bsdf=Diffuse(reflectance=1.0)))

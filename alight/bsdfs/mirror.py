@@ -10,14 +10,14 @@ Source: PBR4 section 9.3.1.
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, largest_channel
 from alight.core.vec import Vec3
-from alight.textures.fetch import color
+from alight.textures.fetch import TexturedColor
 from lanewise.jit import kernel
 from lanewise.simd import lanes_u32, where
 
@@ -58,19 +58,20 @@ def is_reciprocal(spec: Mirror) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"reflectance": 3}
-Params = namedtuple("MirrorParams", "reflectance")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    reflectance: TexturedColor
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: Mirror, packer) -> None:
     """Fill the row of one material."""
     packer.color("reflectance", spec.reflectance)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(color(scene, base, surface))
 
 
 # ---------------------------------------------------------------- scattering

@@ -29,10 +29,13 @@ class Part(NamedTuple):
         Description, or name of one.
     share : {"all", "weight", "rest"}
         All of the light, the part that the outer material's weight says, or the rest of it.
+    is_hole : bool
+        Nothing is there, seen from both sides.
     """
 
     bsdf: Bsdf | str
     share: str = "all"
+    is_hole: bool = False
 
 
 class Nested(Bsdf):
@@ -154,19 +157,14 @@ def levels_problem(spec: Bsdf, counts: Mapping[str, int] | None = None) -> str |
 def find_transmissive(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> Bsdf | None:
     """The first model inside a material that has two sides already.
 
-    Names that are not known are skipped. The holes of a mask are on both sides anyway and do not
-    count.
+    Names that are not known are skipped. Holes are on both sides anyway and do not count.
     """
     if isinstance(spec, str):
         return find_transmissive(known[spec], known) if spec in known else None
     if not isinstance(spec, Nested):
         return spec if spec.transmissive else None
     for part in spec.parts:
-        found = None if _is_hole(spec, part) else find_transmissive(part.bsdf, known)
+        found = None if part.is_hole else find_transmissive(part.bsdf, known)
         if found is not None:
             return found
     return None
-
-
-def _is_hole(spec: Nested, part: Part) -> bool:
-    return spec.type_name() == "mask" and part.share == "rest"

@@ -19,9 +19,9 @@ from typing import ClassVar, Literal
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, OF_SET, packed_modes
-from alight.bsdfs.relief import SLOTS as RELIEF_SLOTS
+from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, OF_SET, NormalMapRow, packed_modes
 from alight.bsdfs.rough_conductor import RoughConductor
+from alight.core.parameters import slots_of
 from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Truth
 from alight.textures.nesting import uv_set_of
 
@@ -67,7 +67,7 @@ EXAMPLES = (
     NormalMap(texture=(0.6, 0.6, 0.9), scale=0.5, bsdf=Plastic(diffuse_reflectance=1.0)),
 )
 
-SLOTS = RELIEF_SLOTS | {"texture": 3}
+SLOTS = slots_of(NormalMapRow)
 
 
 def pack(spec: NormalMap, packer) -> None:

@@ -51,7 +51,6 @@ def is_reciprocal(spec: Null) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS: dict[str, int] = {}
 Params = namedtuple("NullParams", "")
 
 

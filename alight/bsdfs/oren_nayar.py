@@ -20,14 +20,14 @@ Source: Oren and Nayar, Generalization of Lambert's reflectance model, SIGGRAPH 
 from __future__ import annotations
 
 import math
-from collections import namedtuple
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, Interval
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import color, scalar
+from alight.textures.fetch import Scalar, TexturedColor
 from lanewise.jit import kernel
 from lanewise.simd import lanes_u32, maximum, where
 
@@ -81,8 +81,17 @@ def is_reciprocal(spec: OrenNayar) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"reflectance": 3, "a": 1, "b": 1}
-Params = namedtuple("OrenNayarParams", "reflectance a b")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    reflectance: TexturedColor
+    a: Scalar
+    b: Scalar
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: OrenNayar, packer) -> None:
@@ -91,16 +100,6 @@ def pack(spec: OrenNayar, packer) -> None:
     packer.color("reflectance", spec.reflectance)
     packer.numbers("a", a)
     packer.numbers("b", b)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(
-        color(scene, base, surface),
-        scalar(scene, base + 3, surface),
-        scalar(scene, base + 4, surface),
-    )
 
 
 # ---------------------------------------------------------------- scattering

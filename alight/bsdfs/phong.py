@@ -14,8 +14,7 @@ rendering, report CW 197, K.U. Leuven (1994).
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
@@ -23,10 +22,11 @@ from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.maths import exp, expm1, log1p
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, ScalarTexture, energy_problem, invalid
 from alight.core.vec import Vec3, length_squared, luminance, quotient
 from alight.core.warps import direction_around_z, square_to_cosine_hemisphere
-from alight.textures.fetch import color, textured_scalar
+from alight.textures.fetch import TexturedColor, TexturedScalar
 from lanewise.jit import kernel
 from lanewise.simd import lanes_u32, where
 
@@ -83,8 +83,17 @@ def is_reciprocal(spec: Phong) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"diffuse": 3, "specular": 3, "exponent": 1}
-Params = namedtuple("PhongParams", "diffuse specular exponent")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    diffuse: TexturedColor
+    specular: TexturedColor
+    exponent: TexturedScalar
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 #: Sharper lobes than this (0.001 degrees) are narrower than rounding errors of directions.
 SHARPEST = 1e10
@@ -96,16 +105,6 @@ def pack(spec: Phong, packer) -> None:
     packer.color("specular", spec.specular)
     n = spec.exponent
     packer.scalar("exponent", min(n, SHARPEST) if isinstance(n, float) else n)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(
-        color(scene, base, surface),
-        color(scene, base + 3, surface),
-        textured_scalar(scene, base + 6, surface),
-    )
 
 
 # ---------------------------------------------------------------- scattering

@@ -17,7 +17,7 @@ Fresnel's equations. R is exact here, where Mitsuba uses a fit (0.1 % of rho').
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.coating import (
     base_f_cos,
@@ -29,10 +29,11 @@ from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH, REFLECTION
 from alight.bsdfs.interface import MEDIA, Medium
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture, Truth
 from alight.core.vec import Vec3
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import color, scalar
+from alight.textures.fetch import Scalar, TexturedColor
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32, maximum, where
 
@@ -98,15 +99,26 @@ def is_reciprocal(spec: Plastic) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-COAT_SLOTS = {"diffuse_reflectance": 3, "specular_reflectance": 3, "eta": 1, "nonlinear": 1}
-SLOTS = COAT_SLOTS | {"internal": 1}
+
+class Row(NamedTuple):
+    """A row of the table."""
+
+    diffuse: TexturedColor
+    specular: TexturedColor
+    eta: Scalar
+    nonlinear: Scalar
+    internal: Scalar
+
+
+SLOTS = slots_of(Row)
+_load_row = loader(Row)
 Params = namedtuple("PlasticParams", "base specular eta internal")
 
 
 def pack_coat(spec: Coated, packer) -> None:
-    """Fill the slots `COAT_SLOTS`."""
-    packer.color("diffuse_reflectance", spec.diffuse_reflectance)
-    packer.color("specular_reflectance", spec.specular_reflectance)
+    """Fill the slots of the base and its coat."""
+    packer.color("diffuse", spec.diffuse_reflectance)
+    packer.color("specular", spec.specular_reflectance)
     packer.numbers("eta", spec.int_ior / spec.ext_ior)
     packer.numbers("nonlinear", float(spec.nonlinear))
 
@@ -125,14 +137,9 @@ def features(spec: Plastic) -> tuple[str, ...]:
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    internal = scalar(scene, base + 8, surface)
-    matte = color(scene, base, surface)
-    return Params(
-        base_reflectance(matte, internal, scalar(scene, base + 7, surface)),
-        color(scene, base + 3, surface),
-        scalar(scene, base + 6, surface),
-        internal,
-    )
+    row = _load_row(scene, base, surface)
+    matte = base_reflectance(row.diffuse, row.internal, row.nonlinear)
+    return Params(matte, row.specular, row.eta, row.internal)
 
 
 # ---------------------------------------------------------------- scattering

@@ -34,49 +34,39 @@ Kelemen and Szirmay-Kalos 2001 for the diffuse part; Walter et al. 2007 for refr
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal
 
 from alight.bsdfs.absorption import (
-    ABSORPTION_SLOTS,
     Absorbing,
     absorption_features,
-    coefficients_at,
     pack_absorption,
 )
 from alight.bsdfs.albedo_rows import (
-    LEAST_ALPHA,
-    ROW,
     ROWS,
     Needs,
     albedo_rows,
-    alpha_along,
     facet_rows,
 )
-from alight.bsdfs.albedo_table import load_rows
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.principled_lobes import albedo as albedo
 from alight.bsdfs.principled_lobes import evaluate as evaluate
 from alight.bsdfs.principled_lobes import sample as sample
-from alight.bsdfs.principled_view import (
+from alight.bsdfs.principled_parameters import (
     COAT,
-    COAT_IOR,
     FILM,
     GLASS,
-    NO_TURN,
+    RARELY_TEXTURED,
     SHEEN,
-    Coat,
-    Film,
+    TEXTURED,
+    VARIED,
     Params,
-    Sheen,
-    Turn,
+    within_a_turn,
 )
-from alight.bsdfs.rows import MANY_ROWS, load_table, rows_at
-from alight.bsdfs.sheen import ROW as SHEEN_ROW
+from alight.bsdfs.principled_view import COAT_IOR
+from alight.bsdfs.rows import MANY_ROWS
 from alight.bsdfs.sheen import ROWS as SHEEN_ROWS
 from alight.bsdfs.sheen import sheen_rows
-from alight.core.maths import sincos
-from alight.core.microfacet import Facets
+from alight.core.parameters import loader, reader, slots_of
 from alight.core.spec import (
     ColorTexture,
     IndexOfRefraction,
@@ -86,24 +76,13 @@ from alight.core.spec import (
     Truth,
     UnitTexture,
 )
-from alight.textures.fetch import color, constant_color, scalar, textured_scalar
-from lanewise.jit import kernel, specialised
-from lanewise.simd import lanes, lanes_vec3, maximum, minimum, where
+from lanewise.jit import kernel
+from lanewise.simd import where
 
 #: Programs in which none is glass or a sheet have nothing that refracts.
 REFRACTING = GLASS
-#: What programs call it that metallic or roughness are textured, and that any of the others is:
-#: each lookup of a texture is compiled inline.
-TEXTURED, VARIED = "principled:textured", "principled:varied"
-RARELY_TEXTURED = (
-    "specular", "specular_color", "anisotropy", "anisotropy_rotation", "transmission", "clearcoat",
-    "clearcoat_roughness", "sheen_color", "sheen_roughness", "iridescence", "iridescence_thickness",
-)  # fmt: skip
 #: Index of glass at least: the facet that refracts is found from it.
 LEAST_IOR = 1.001
-
-#: Larger angles of textures, in radians, are taken for this one: kernels do not know them.
-MOST_TURNED = 1e5
 
 _Any = Interval()
 Angle = Annotated[float | Texture | str, NumberOrTexture(_Any, other=(str, Texture))]
@@ -217,26 +196,9 @@ def relative_ior(spec: Principled) -> float:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {
-    "base_color": 3, "metallic": 1, "roughness": 1, "specular": 1, "specular_color": 3,
-    "anisotropy": 1, "anisotropy_rotation": 1, "transmission": 1, "clearcoat": 1,
-    "clearcoat_roughness": 1, "sheen_color": 3, "sheen_roughness": 1, "iridescence": 1,
-    "iridescence_ior": 1, "iridescence_thickness": 1, "eta": 1, "modes": 1, "rows": 1,
-    "last_row": 1, "coat_rows": 1, "last_coat_row": 1, "sheen_rows": 1, "last_sheen_row": 1,
-    **ABSORPTION_SLOTS,
-}  # fmt: skip
-_AT = dict(zip(SLOTS, (sum(list(SLOTS.values())[:i]) for i in range(len(SLOTS))), strict=True))
-METALLIC, ROUGHNESS, SPECULAR = _AT["metallic"], _AT["roughness"], _AT["specular"]
-SPECULAR_COLOR, ANISOTROPY = _AT["specular_color"], _AT["anisotropy"]
-ROTATION, TRANSPARENT = _AT["anisotropy_rotation"], _AT["transmission"]
-CLEARCOAT, COAT_ROUGHNESS = _AT["clearcoat"], _AT["clearcoat_roughness"]
-SHEEN_COLOR, SHEEN_ROUGHNESS = _AT["sheen_color"], _AT["sheen_roughness"]
-IRIDESCENCE, FILM_IOR, FILM_THICKNESS = (
-    _AT["iridescence"], _AT["iridescence_ior"], _AT["iridescence_thickness"]
-)  # fmt: skip
-ETA, MODES = _AT["eta"], _AT["modes"]
-TABLE, COAT_TABLE, SHEEN_TABLE = _AT["rows"], _AT["coat_rows"], _AT["sheen_rows"]
-ABSORPTION = _AT["absorption"]
+SLOTS = slots_of(Params)
+load = loader(Params)
+_eta, _thin, _absorption = (reader(Params, name) for name in ("eta", "thin", "absorption"))
 
 
 def pack(spec: Principled, packer) -> None:
@@ -250,14 +212,13 @@ def pack(spec: Principled, packer) -> None:
     ):  # fmt: skip
         packer.scalar(name, getattr(spec, name))
     if isinstance(spec.anisotropy_rotation, float):
-        # Kernels know no angles of many turns.
-        turn = math.remainder(spec.anisotropy_rotation, 2.0 * math.pi)
-        packer.numbers("anisotropy_rotation", turn)
+        packer.numbers("anisotropy_rotation", within_a_turn(spec.anisotropy_rotation))
     packer.numbers("iridescence_ior", spec.iridescence_ior)
     refracts = spec.transmissive and not spec.thin
     eta = max(spec.ior, LEAST_IOR) if refracts else spec.ior
     packer.numbers("eta", eta)
-    packer.numbers("modes", spec.thin + 2.0 * spec.compensation)
+    packer.numbers("thin", spec.thin)
+    packer.numbers("compensated", spec.compensation)
     needs = Needs(eta, refracts, not is_zero(spec.iridescence))
     grid = facet_rows(_constant(packer, "roughness"), _constant(packer, "anisotropy"), needs)
     packer.curve("rows", grid.rows)
@@ -265,18 +226,18 @@ def pack(spec: Principled, packer) -> None:
     if not is_zero(spec.clearcoat):
         root = _constant(packer, "clearcoat_roughness")
         packer.curve("coat_rows", albedo_rows(root, Needs(COAT_IOR)))
-        packer.numbers("last_coat_row", 0 if root is not None else ROWS - 1)
+        packer.numbers("last_coat_rows", 0 if root is not None else ROWS - 1)
     if not is_zero(spec.sheen_color):
         root = _constant(packer, "sheen_roughness")
         packer.curve("sheen_rows", sheen_rows(root))
-        packer.numbers("last_sheen_row", 0 if root is not None else SHEEN_ROWS - 1)
+        packer.numbers("last_sheen_rows", 0 if root is not None else SHEEN_ROWS - 1)
     pack_absorption(spec, packer)
 
 
 def _constant(packer, name: str) -> float | None:
-    """The number in a slot; None where it is textured."""
-    at = packer.starts[name]
-    return None if packer.textures[at] else min(max(float(packer.row[at]), 0.0), 1.0)
+    """The number in a slot, in [0, 1]; None where it is textured."""
+    value = packer.number(name)
+    return None if value is None else min(max(value, 0.0), 1.0)
 
 
 def features(spec: Principled) -> tuple[str, ...]:
@@ -300,142 +261,13 @@ def _is_textured(value: object) -> bool:
     return value.varies if isinstance(value, Texture) else not isinstance(value, float | tuple)
 
 
-# ---------------------------------------------------------------- what a point of a surface holds
-
-
-@specialised
-def _usual(program):
-    """``(scene, slot, surface) -> number`` of metallic and roughness."""
-    return textured_scalar if TEXTURED in program.bsdfs else scalar
-
-
-@specialised
-def _rare(program):
-    """``(scene, slot, surface) -> number`` of `RARELY_TEXTURED`."""
-    return textured_scalar if VARIED in program.bsdfs else scalar
-
-
-@specialised
-def _rare_color(program):
-    """``(scene, slot, surface) -> Vec3``, likewise."""
-    return color if VARIED in program.bsdfs else constant_color
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    root = _unit(_usual(scene, base + ROUGHNESS, surface))
-    alpha = maximum(root * root, LEAST_ALPHA)
-    modes = scalar(scene, base + MODES, surface)
-    facets, turn = _facets(scene, base, surface, alpha)
-    return Params(
-        color(scene, base, surface),
-        _usual(scene, base + METALLIC, surface),
-        facets,
-        turn,
-        load_rows(scene, base + TABLE),
-        scalar(scene, base + ETA, surface),
-        _rare(scene, base + SPECULAR, surface),
-        _rare_color(scene, base + SPECULAR_COLOR, surface),
-        _rare(scene, base + TRANSPARENT, surface),
-        (modes == 1.0) | (modes == 3.0),
-        modes >= 2.0,
-        _coat(scene, base, surface),
-        _sheen(scene, base, surface),
-        _film(scene, base, surface),
-    )
-
-
-@kernel
-def _unit(a):
-    return minimum(maximum(a, 0.0), 1.0)
-
-
-@specialised
-def _facets(program):
-    """``(scene, base, surface, alpha) -> (Facets, Turn)``."""
-    if ANISOTROPIC not in program.bsdfs:
-
-        @kernel
-        def isotropic(scene, base, surface, alpha):
-            return Facets(alpha, alpha, lanes(0.0)), NO_TURN
-
-        return isotropic
-
-    @kernel
-    def anisotropic(scene, base, surface, alpha):
-        a = _unit(_rare(scene, base + ANISOTROPY, surface))
-        angle = _rare(scene, base + ROTATION, surface)
-        s, c = sincos(minimum(maximum(angle, -MOST_TURNED), MOST_TURNED))
-        return Facets(alpha_along(alpha, a), alpha, lanes(0.0)), Turn(s, c, a)
-
-    return anisotropic
-
-
-@specialised
-def _coat(program):
-    """``(scene, base, surface) -> Coat``, or nothing."""
-    if COAT not in program.bsdfs:
-        return _nothing
-
-    @kernel
-    def coat(scene, base, surface):
-        root = _unit(_rare(scene, base + COAT_ROUGHNESS, surface))
-        alpha = maximum(root * root, LEAST_ALPHA)
-        strength = _rare(scene, base + CLEARCOAT, surface)
-        rows = rows_at(load_table(scene, base + COAT_TABLE), root, ROW)
-        return Coat(strength, Facets(alpha, alpha, lanes(0.0)), rows)
-
-    return coat
-
-
-@specialised
-def _sheen(program):
-    """``(scene, base, surface) -> Sheen``, or nothing."""
-    if SHEEN not in program.bsdfs:
-        return _nothing
-
-    @kernel
-    def sheen(scene, base, surface):
-        roughness = _unit(_rare(scene, base + SHEEN_ROUGHNESS, surface))
-        rows = rows_at(load_table(scene, base + SHEEN_TABLE), roughness, SHEEN_ROW)
-        return Sheen(_rare_color(scene, base + SHEEN_COLOR, surface), roughness, rows)
-
-    return sheen
-
-
-@specialised
-def _film(program):
-    """``(scene, base, surface) -> Film``, or nothing."""
-    if FILM not in program.bsdfs:
-        return _nothing
-
-    @kernel
-    def film(scene, base, surface):
-        return Film(
-            _rare(scene, base + IRIDESCENCE, surface),
-            scalar(scene, base + FILM_IOR, surface),
-            _rare(scene, base + FILM_THICKNESS, surface),
-        )
-
-    return film
-
-
-@kernel
-def _nothing(scene, base, surface):
-    return lanes(0.0)
-
-
 @kernel
 def inner_index(scene, base, surface):
     """Index inside over that outside; 1 for sheets."""
-    modes = scalar(scene, base + MODES, surface)
-    return where((modes == 1.0) | (modes == 3.0), 1.0, scalar(scene, base + ETA, surface))
+    return where(_thin(scene, base, surface), 1.0, _eta(scene, base, surface))
 
 
 @kernel
 def absorption(scene, base, surface):
     """Absorption coefficients inside, per metre."""
-    modes = scalar(scene, base + MODES, surface)
-    found = coefficients_at(scene, base + ABSORPTION)
-    return where((modes == 1.0) | (modes == 3.0), lanes_vec3(0.0), found)
+    return where(_thin(scene, base, surface), 0.0, _absorption(scene, base, surface))

@@ -7,11 +7,9 @@ from alight.bsdfs.albedo_table import (
     read_bounced,
 )
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
+from alight.bsdfs.principled_parameters import COAT, GLASS, SHEEN
 from alight.bsdfs.principled_view import (
-    COAT,
     COAT_IOR,
-    GLASS,
-    SHEEN,
     along_facets,
     film_reflectance,
     from_facets,
@@ -54,12 +52,12 @@ from lanewise.simd import (
 @kernel
 def _facet_terms(params, view, cosine):
     """(metal, dielectric, F): Fresnel's terms at a facet, and the dielectric's plain one."""
-    plain, _ = fresnel_dielectric(cosine, view.eta)
-    dielectric = view.a + view.b * plain
+    plain, _ = fresnel_dielectric(cosine, view.side.eta)
+    dielectric = view.fresnel.a + view.fresnel.b * plain
     # At the normal a black tint leaves only the rounding of a + b F, at the rim F is 1.
     dielectric = Vec3(_unit(dielectric.x), _unit(dielectric.y), _unit(dielectric.z))
-    metal = schlick(cosine, params.base)
-    share, film = film_reflectance(params, view.inside, view.a, view.b, cosine)
+    metal = schlick(cosine, params.base_color)
+    share, film = film_reflectance(params, view.side.inside, view.fresnel.a, view.fresnel.b, cosine)
     return mixed(share, metal, film), mixed(share, dielectric, film), plain
 
 
@@ -78,10 +76,10 @@ def _share_reflected(program):
     def share(params, view, metal, dielectric):
         rest = 1.0 - params.metallic
         f = luminance(dielectric)
-        opaque = where(view.inside, 0.0, params.metallic * luminance(metal))
-        plastic = where(view.inside, params.transmission, 1.0) * rest
+        opaque = where(view.side.inside, 0.0, params.metallic * luminance(metal))
+        plastic = where(view.side.inside, params.transmission, 1.0) * rest
         back = opaque + plastic * f
-        through = rest * params.transmission * maximum(1.0 - f, 0.0) * luminance(params.base)
+        through = rest * params.transmission * maximum(1.0 - f, 0.0) * luminance(params.base_color)
         return back / maximum(back + through, 1e-9)
 
     return share
@@ -96,8 +94,9 @@ def _all_reflected(params, view, metal, dielectric):
 def _reflection_factor(params, view, metal, dielectric):
     """Of the facets' mirrored light: metal, plastic and glass."""
     rest, t = 1.0 - params.metallic, params.transmission
-    opaque = metal * view.metal * params.metallic + dielectric * (rest * (1.0 - t))
-    return where(view.inside, lanes_vec3(0.0), opaque) + dielectric * view.glass * (rest * t)
+    opaque = metal * view.factors.metal * params.metallic + dielectric * (rest * (1.0 - t))
+    opaque = where(view.side.inside, lanes_vec3(0.0), opaque)
+    return opaque + dielectric * view.factors.glass * (rest * t)
 
 
 @kernel
@@ -116,7 +115,7 @@ def _facets_f_cos(program):
 
 @kernel
 def _facets_above(params, view, wi):
-    cosine, masking, pdf = _mirrored_by(params.facets, view.wo, wi)
+    cosine, masking, pdf = _mirrored_by(params.brush.facets, view.side.wo, wi)
     metal, dielectric, _ = _facet_terms(params, view, cosine)
     factor = _reflection_factor(params, view, metal, dielectric)
     return factor * (masking * pdf), pdf
@@ -128,22 +127,27 @@ def _facets_of_glass(params, view, wi):
     # A sheet lets pass what it would reflect, mirrored to its other side.
     bends = ~reflects & ~params.thin
     w = mirrored_if(~reflects & params.thin, wi)
-    wm = view.wo + where(bends, view.eta, 1.0) * w
+    wm = view.side.wo + where(bends, view.side.eta, 1.0) * w
     wm = normalize(where(wm.z < 0.0, -wm, wm))
-    cos_o, cos_i = dot(view.wo, wm), dot(w, wm)
+    cos_o, cos_i = dot(view.side.wo, wm), dot(w, wm)
     metal, dielectric, _ = _facet_terms(params, view, minimum(maximum(cos_o, 0.0), 1.0))
     # Density of wi over that of wm, as in `alight.bsdfs.rough_dielectric`.
-    projected = cos_o + view.eta * cos_i
-    stretched = view.eta / where(projected == 0.0, 1.0, projected)
+    projected = cos_o + view.side.eta * cos_i
+    stretched = view.side.eta / where(projected == 0.0, 1.0, projected)
     refracted = -cos_o * cos_i * (stretched * stretched)
     jacobian = where(bends, refracted, 0.25)
-    pdf = jacobian * ggx_density(params.facets, wm) / ggx_visible_area(params.facets, view.wo)
+    pdf = (
+        jacobian
+        * ggx_density(params.brush.facets, wm)
+        / ggx_visible_area(params.brush.facets, view.side.wo)
+    )
     turned = (bends & (cos_i < 0.0)) | (~bends & (cos_i > 0.0))
     pdf = where(turned & (cos_o > 0.0), pdf, 0.0)
-    masking = absolute(wi.z) / ggx_visible_area(params.facets, wi)
-    masking = where(bends, masking / (view.eta * view.eta), masking)
+    masking = absolute(wi.z) / ggx_visible_area(params.brush.facets, wi)
+    masking = where(bends, masking / (view.side.eta * view.side.eta), masking)
     clear = lanes_vec3(1.0) - dielectric
-    through = clear * view.glass * params.base * ((1.0 - params.metallic) * params.transmission)
+    share_of_glass = (1.0 - params.metallic) * params.transmission
+    through = clear * view.factors.glass * params.base_color * share_of_glass
     factor = where(reflects, _reflection_factor(params, view, metal, dielectric), through)
     share = _share_reflected(params, view, metal, dielectric)
     return factor * (masking * pdf), pdf * where(reflects, share, 1.0 - share)
@@ -160,9 +164,9 @@ def _coat_f_cos(program):
 
     @kernel
     def coat(params, view, wi):
-        cosine, masking, pdf = _mirrored_by(params.coat.facets, view.wo, wi)
+        cosine, masking, pdf = _mirrored_by(params.coat.facets, view.side.wo, wi)
         fresnel, _ = fresnel_dielectric(cosine, lanes(COAT_IOR))
-        return view.coat * (fresnel * masking * pdf), view.to_coat * pdf
+        return view.layers.coat * (fresnel * masking * pdf), view.chances.coat * pdf
 
     return coat
 
@@ -175,8 +179,8 @@ def _sheen_f_cos(program):
 
     @kernel
     def sheen(params, view, wi):
-        value = sheen_f_cos(params.sheen.rows, params.sheen.roughness, view.wo, wi)
-        return view.sheen * value, view.to_sheen * INV_TWO_PI
+        value = sheen_f_cos(params.sheen.rows, params.sheen.roughness, view.side.wo, wi)
+        return view.layers.sheen * value, view.chances.sheen * INV_TWO_PI
 
     return sheen
 
@@ -190,9 +194,9 @@ def _nothing(params, view, wi):
 def _diffuse_factor(params, view, wi):
     """f / (diffuse / pi): what enters the plastic on the way of wi."""
     white, reflected = read_bounced(rows_from(params, wi), place_of(wi.z))
-    left = lanes_vec3(1.0) - (view.a * white + view.b * reflected)
+    left = lanes_vec3(1.0) - (view.fresnel.a * white + view.fresnel.b * reflected)
     # The film's share only looks at the viewer.
-    return mixed(view.film, left, lanes_vec3(1.0))
+    return mixed(view.fresnel.film, left, lanes_vec3(1.0))
 
 
 # ---------------------------------------------------------------- all together
@@ -205,22 +209,26 @@ def _values(program):
 
     @kernel
     def values(params, view, wi):
-        above = view.seen & (wi.z > 0.0)
+        above = view.side.seen & (wi.z > 0.0)
         valid = above
         if glass:
-            valid = above | (view.seen & (wi.z < 0.0))
+            valid = above | (view.side.seen & (wi.z < 0.0))
         # Elsewhere the overhead direction replaces it; the result is not used.
         wi = where(valid, wi, Vec3(0.0, 0.0, 1.0))
         f_cos, pdf = _facets_f_cos(params, view, wi)
-        f_cos, pdf = f_cos * view.base, pdf * view.to_facets
+        f_cos, pdf = f_cos * view.layers.base, pdf * view.chances.facets
         # Lobes of the viewer's own side.
         w = mirrored_if(wi.z < 0.0, wi)
-        upper = above & ~view.inside
-        matte = view.diffuse * _diffuse_factor(params, view, w) * (view.base * INV_PI * w.z)
+        upper = above & ~view.side.inside
+        matte = (
+            view.factors.diffuse
+            * _diffuse_factor(params, view, w)
+            * (view.layers.base * INV_PI * w.z)
+        )
         coat, coat_pdf = _coat_f_cos(params, view, w)
         sheen, sheen_pdf = _sheen_f_cos(params, view, w)
         f_cos = f_cos + where(upper, matte + sheen + coat, lanes_vec3(0.0))
-        others = coat_pdf + sheen_pdf + view.to_diffuse * INV_PI * w.z
+        others = coat_pdf + sheen_pdf + view.chances.diffuse * INV_PI * w.z
         pdf = pdf + where(upper, others, 0.0)
         return where(valid, f_cos, 0.0), where(valid, pdf, 0.0)
 
@@ -230,8 +238,8 @@ def _values(program):
 @kernel
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
-    view = view_from(params, along_facets(params.turn, wo))
-    return _values(params, view, mirrored_if(view.below, along_facets(params.turn, wi)))
+    view = view_from(params, along_facets(params.brush.turn, wo))
+    return _values(params, view, mirrored_if(view.side.below, along_facets(params.brush.turn, wi)))
 
 
 @specialised
@@ -242,8 +250,8 @@ def _facets_to_sample(program):
 
     @kernel
     def either(params, coat):
-        along = where(coat, params.coat.facets.alpha_x, params.facets.alpha_x)
-        across = where(coat, params.coat.facets.alpha_y, params.facets.alpha_y)
+        along = where(coat, params.coat.facets.alpha_x, params.brush.facets.alpha_x)
+        across = where(coat, params.coat.facets.alpha_y, params.brush.facets.alpha_y)
         return Facets(along, across, lanes(0.0))
 
     return either
@@ -251,7 +259,7 @@ def _facets_to_sample(program):
 
 @kernel
 def _base_facets(params, coat):
-    return params.facets
+    return params.brush.facets
 
 
 @specialised
@@ -262,14 +270,14 @@ def _facet_direction(program):
 
     @kernel
     def direction(params, view, wm, u, coat):
-        cos_o = minimum(maximum(dot(view.wo, wm), 0.0), 1.0)
+        cos_o = minimum(maximum(dot(view.side.wo, wm), 0.0), 1.0)
         metal, dielectric, _ = _facet_terms(params, view, cos_o)
-        _, cos_t = fresnel_dielectric(cos_o, view.eta)
+        _, cos_t = fresnel_dielectric(cos_o, view.side.eta)
         # Nothing is bent at total reflection, not even where metal leaves glass no share.
         open_ = (params.thin | (cos_t > 0.0)) & ~coat
         passes = (u >= _share_reflected(params, view, metal, dielectric)) & open_
-        mirrored = reflect(view.wo, wm)
-        refracted = (cos_o / view.eta - cos_t) * wm - view.wo / view.eta
+        mirrored = reflect(view.side.wo, wm)
+        refracted = (cos_o / view.side.eta - cos_t) * wm - view.side.wo / view.side.eta
         through = where(params.thin, mirrored_if(params.thin, mirrored), refracted)
         wi = renormalize(where(passes, through, mirrored))
         above = wi.z > 0.0
@@ -282,27 +290,32 @@ def _facet_direction(program):
 
 @kernel
 def _mirrored_at_facet(params, view, wm, u, coat):
-    return renormalize(reflect(view.wo, wm)), lanes_mask(False)
+    return renormalize(reflect(view.side.wo, wm)), lanes_mask(False)
 
 
 @kernel
 def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
-    view = view_from(params, along_facets(params.turn, wo))
-    to_coat = view.to_facets + view.to_coat
-    to_sheen = to_coat + view.to_sheen
-    facets, coat = u < view.to_facets, (u >= view.to_facets) & (u < to_coat)
-    wm = sample_ggx_visible(_facets_to_sample(params, coat), view.wo, u2)
-    mirrored, passes = _facet_direction(params, view, wm, u / view.to_facets, coat)
+    view = view_from(params, along_facets(params.brush.turn, wo))
+    to_coat = view.chances.facets + view.chances.coat
+    to_sheen = to_coat + view.chances.sheen
+    facets, coat = u < view.chances.facets, (u >= view.chances.facets) & (u < to_coat)
+    wm = sample_ggx_visible(_facets_to_sample(params, coat), view.side.wo, u2)
+    mirrored, passes = _facet_direction(params, view, wm, u / view.chances.facets, coat)
     wi = where(u < to_sheen, square_to_uniform_hemisphere(u2), square_to_cosine_hemisphere(u2))
     wi = where(facets | coat, mirrored, wi)
     f_cos, pdf = _values(params, view, wi)
     flags = where(facets & passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
-    return from_facets(params.turn, mirrored_if(view.below, wi)), quotient(f_cos, pdf), pdf, flags
+    return (
+        from_facets(params.brush.turn, mirrored_if(view.side.below, wi)),
+        quotient(f_cos, pdf),
+        pdf,
+        flags,
+    )
 
 
 @kernel
 def albedo(params):
     """A colour, without light and angle."""
     root = (params.eta - 1.0) / (params.eta + 1.0)
-    return lerp(params.metallic, params.base * (1.0 - root * root), params.base)
+    return lerp(params.metallic, params.base_color * (1.0 - root * root), params.base_color)

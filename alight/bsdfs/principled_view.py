@@ -19,6 +19,7 @@ from alight.bsdfs.albedo_table import (
     read_plain_curve,
 )
 from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.principled_parameters import COAT, FILM, GLASS, SHEEN
 from alight.bsdfs.sheen import sheen_albedo
 from alight.bsdfs.thin_film import film_fresnel
 from alight.core.frame import mirrored_if
@@ -41,40 +42,27 @@ from lanewise.simd import (
     where,
 )
 
-#: What programs call lobes that not every material has.
-GLASS, COAT = "principled:glass", "principled:coat"
-SHEEN, FILM = "principled:sheen", "principled:film"
 #: Index of the clear coat.
 COAT_IOR = 1.5
 #: Least probability of the facets, before all are scaled to add up to 1.
 LEAST_SHARE = 0.02
 
-#: Parameters at a point: base and specular_color are colours, facets and table those of the base,
-#: thin and compensated masks; the last three are lobes or nothing.
-Params = namedtuple(
-    "PrincipledParams",
-    "base metallic facets turn table eta specular specular_color transmission thin compensated "
-    "coat sheen film",
-)
-#: Where the facets' long axis lies: sine and cosine of its angle from the tangent; and by how much
-#: it is the longer one.
-Turn = namedtuple("Turn", "sine cosine anisotropy")
-NO_TURN = Turn(0.0, 1.0, 0.0)
-Coat = namedtuple("Coat", "strength facets rows")
-Sheen = namedtuple("Sheen", "color roughness rows")
-Film = namedtuple("Film", "share ior thickness")
-
-#: What follows from the viewer's direction `wo`, which is above the surface. rows: of the
-#: albedos from there; seen: from `wo`, which is the normal where not; below: wo was mirrored;
-#: inside: and the surface bounds a body; eta: index beyond the surface over that before it; a, b:
-#: Fresnel's term of plastic and glass is a + b F; film: the film's share in it; metal, glass,
-#: diffuse: their factors; coat, sheen, base: what each layer gets of the light; to_coat, to_sheen,
-#: to_facets, to_diffuse: probabilities.
-View = namedtuple(
-    "View",
-    "wo rows seen below inside eta a b film metal glass diffuse coat sheen base "
-    "to_coat to_sheen to_facets to_diffuse",
-)
+#: The viewer's direction, above the surface; seen: it is his own, else the normal; below: it was
+#: mirrored; inside: and the surface bounds a body; eta: index beyond the surface over that before
+#: it.
+Side = namedtuple("Side", "wo seen below inside eta")
+#: Fresnel's term of plastic and glass is a + b F; film: the film's share in it.
+Fresnel = namedtuple("Fresnel", "a b film")
+#: By what metal, glass and the diffuse part are multiplied.
+Factors = namedtuple("Factors", "metal glass diffuse")
+#: What each layer gets of the light.
+Layers = namedtuple("Layers", "coat sheen base")
+#: Probabilities of sampling them.
+Chances = namedtuple("Chances", "coat sheen facets diffuse")
+#: What follows from the viewer's direction.
+View = namedtuple("View", "side fresnel factors layers chances")
+#: The base's albedos from there: where they are stored, and W and R of `alight.bsdfs.albedo_rows`.
+Albedos = namedtuple("Albedos", "rows place white reflected")
 
 
 # ---------------------------------------------------------------- frames
@@ -132,9 +120,11 @@ def film_reflectance(program):
     @kernel
     def film(params, inside, a, b, cosine):
         root = (params.eta - 1.0) / (params.eta + 1.0)
-        f0 = lerp(params.metallic, a + b * (root * root), params.base)
-        found = film_fresnel(cosine, params.film.ior, params.film.thickness, f0)
-        return where(inside, 0.0, params.film.share), found
+        f0 = lerp(params.metallic, a + b * (root * root), params.base_color)
+        found = film_fresnel(
+            cosine, params.film.iridescence_ior, params.film.iridescence_thickness, f0
+        )
+        return where(inside, 0.0, params.film.iridescence), found
 
     return film
 
@@ -186,12 +176,12 @@ def _one_side(params, wo):
 @kernel
 def rows_from(params, w):
     """Where the base's albedos are stored, seen from w."""
-    return facet_rows_at(params.table, params.facets, params.turn.anisotropy, w)
+    return facet_rows_at(params.rows, params.brush.facets, params.brush.turn.anisotropy, w)
 
 
 @specialised
 def _glass_scale(program):
-    """``(params, rows, place, inside, a, b, W, share, taken) -> Vec3``: what makes it lossless.
+    """``(params, albedos, fresnel, inside, taken) -> Vec3``: what makes it lossless.
 
     `taken` is what is reflected where there is a film.
     """
@@ -199,15 +189,17 @@ def _glass_scale(program):
         return _no_glass
 
     @kernel
-    def scale(params, rows, place, inside, a, b, white, share, taken):
+    def scale(params, albedos, fresnel, inside, taken):
+        rows, place, white, _ = albedos
         side = where(inside, lanes_u32(3), lanes_u32(0))
         reflected = read_curve(rows, side + REFLECTED, place)
         refracted = read_curve(rows, side + REFRACTED, place)
         passed = read_curve(rows, side + PASSED, place)
-        total = passed + a * (white - passed) + b * (reflected + refracted - passed)
+        total = passed + fresnel.a * (white - passed)
+        total = total + fresnel.b * (reflected + refracted - passed)
         # Facets under a film let through in proportion to what they let in.
         entering = refracted / maximum(white - reflected, 1e-3)
-        total = mixed(share, total, taken + (lanes_vec3(1.0) * white - taken) * entering)
+        total = mixed(fresnel.film, total, taken + (lanes_vec3(1.0) * white - taken) * entering)
         total = where(params.thin, lanes_vec3(1.0) * white, total)
         # Without transmission nothing of this is used, and nothing may pass at all.
         needed = params.compensated & (params.transmission > 0.0)
@@ -217,13 +209,13 @@ def _glass_scale(program):
 
 
 @kernel
-def _no_glass(params, rows, place, inside, a, b, white, share, taken):
+def _no_glass(params, albedos, fresnel, inside, taken):
     return lanes_vec3(1.0)
 
 
 @specialised
 def _taken_by_film(program):
-    """``(params, a, b, W, R, rows, place, needed) -> Vec3``: what facets with a film do not let in.
+    """``(params, albedos, fresnel, needed) -> Vec3``: what facets with a film do not let in.
 
     Where it is not `needed` it is anything.
     """
@@ -231,13 +223,14 @@ def _taken_by_film(program):
         return _no_taken
 
     @kernel
-    def taken(params, a, b, white, reflected, rows, place, needed):
+    def taken(params, albedos, fresnel, needed):
+        rows, place, white, reflected = albedos
         left, i = lanes_vec3(0.0), lanes_u32(0)
-        needed = needed & (params.film.share > 0.0)
+        needed = needed & (params.film.iridescence > 0.0)
         while any_lane(needed & (i < FILM_PARTS)):
             cosine = read_curve(rows, FILM_COSINES + i, place)
             plain, _ = fresnel_dielectric(minimum(maximum(cosine, 0.0), 1.0), params.eta)
-            _, film = film_reflectance(params, lanes_mask(False), a, b, cosine)
+            _, film = film_reflectance(params, lanes_mask(False), fresnel.a, fresnel.b, cosine)
             left = left + (lanes_vec3(1.0) - film) * (1.0 / maximum(1.0 - plain, 1e-3))
             i = i + 1
         left = left * ((white - reflected) * (1.0 / FILM_PARTS))
@@ -248,7 +241,7 @@ def _taken_by_film(program):
 
 
 @kernel
-def _no_taken(params, a, b, white, reflected, rows, place, needed):
+def _no_taken(params, albedos, fresnel, needed):
     return lanes_vec3(0.0)
 
 
@@ -301,14 +294,16 @@ def view_from(params, wo):
     place, rows = place_of(wo.z), rows_from(params, wo)
     white, reflected = read_bounced(rows, place)
     white = maximum(white, 1e-3)
+    albedos = Albedos(rows, place, white, reflected)
     a, b = _plain_terms(params, inside)
     share, film = film_reflectance(params, inside, a, b, wo.z)
     rest = 1.0 - params.metallic
     matte = where(inside, 0.0, rest * (1.0 - params.transmission))
-    by_film = _taken_by_film(params, a, b, white, reflected, rows, place, rest > 0.0)
+    fresnel = Fresnel(a, b, share)
+    by_film = _taken_by_film(params, albedos, fresnel, rest > 0.0)
     taken = mixed(share, a * white + b * reflected, by_film)
-    glass = _glass_scale(params, rows, place, inside, a, b, white, share, by_film)
-    f0 = mixed(share, params.base, film)
+    glass = _glass_scale(params, albedos, fresnel, inside, by_film)
+    f0 = mixed(share, params.base_color, film)
     given = where(params.compensated, (1.0 - white) / white, 0.0)
     metal = lanes_vec3(1.0) + f0 * given
     # What each layer gets.
@@ -320,18 +315,20 @@ def view_from(params, wo):
     mean = mean + b * read_number(rows, lanes_u32(MEANS + 1))
     # What a film takes is not split between both directions.
     split = mixed(share, lanes_vec3(1.0) - mean, lanes_vec3(1.0))
-    diffuse = params.base * (lanes_vec3(1.0) - taken) * matte / split
+    diffuse = params.base_color * (lanes_vec3(1.0) - taken) * matte / split
     # Probabilities, by how much light each lobe sends out.
     to_coat = coat * coat_albedo
     to_sheen = under_coat * luminance(sheen) * sheen_own
     facets = params.metallic * luminance(schlick(wo.z, f0))
     facets = facets + rest * (params.transmission + (1.0 - params.transmission) * luminance(taken))
     facets = maximum(base * facets, LEAST_SHARE)
-    matte_light = base * matte * luminance(params.base) * (1.0 - luminance(taken))
+    matte_light = base * matte * luminance(params.base_color) * (1.0 - luminance(taken))
     per_total = 1.0 / (to_coat + to_sheen + facets + maximum(matte_light, 0.0))
+    to_diffuse = maximum(matte_light, 0.0) * per_total
     return View(
-        wo, rows, seen, below, inside, eta, a, b, share, metal, glass, diffuse,
-        coat, sheen * under_coat, base,
-        to_coat * per_total, to_sheen * per_total, facets * per_total,
-        maximum(matte_light, 0.0) * per_total,
-    )  # fmt: skip
+        Side(wo, seen, below, inside, eta),
+        fresnel,
+        Factors(metal, glass, diffuse),
+        Layers(coat, sheen * under_coat, base),
+        Chances(to_coat * per_total, to_sheen * per_total, facets * per_total, to_diffuse),
+    )

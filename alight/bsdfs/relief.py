@@ -25,27 +25,55 @@ Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing, for the fol
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from alight.bsdfs.flags import DELTA
+from alight.bsdfs.model import BsdfValue
 from alight.core.frame import frame_from_tangent, to_local, to_world
-from alight.core.uv_sets import UV_SETS, Chart
+from alight.core.parameters import loader, reader
+from alight.core.uv_sets import UV_SETS
 from alight.core.vec import Vec3, cross, dot, normalize, renormalize
 from alight.shapes.charts import moved_chart
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import BENT as BENT
-from alight.shapes.hit import Surface
-from alight.textures.fetch import color, scalar, textured_scalar
+from alight.textures.fetch import (
+    Scalar,
+    TexturedColor,
+    TexturedScalar,
+)
 from lanewise.jit import kernel, specialised
-from lanewise.simd import any_lane, floor, gather, lanes, maximum, minimum, sqrt, to_uint, where
+from lanewise.records import replace
+from lanewise.simd import any_lane, floor, lanes, maximum, minimum, sqrt, to_uint, where
 
 #: What programs call it that a material has one of both maps.
 NORMALS, HEIGHTS = "bent:normals", "bent:heights"
-#: Slots of both maps before those of the texture; modes is a sum of the bits below.
-SLOTS = {"scale": 1, "modes": 1}
+#: Bits of the `modes` of both maps.
 IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0
 #: Times the set of texture coordinates that orients a normal map; only in programs with sets.
 OF_SET = 32.0
 #: The mirrored viewer stays this part of his height above the surface, over |n + k z|^2.
 MARGIN = 0.1
+
+
+class NormalMapRow(NamedTuple):
+    """A normal map in the table."""
+
+    scale: Scalar
+    modes: Scalar
+    texture: TexturedColor
+
+
+class BumpMapRow(NamedTuple):
+    """A bump map in the table."""
+
+    scale: Scalar
+    modes: Scalar
+    texture: TexturedScalar
+
+
+_normal_map, _bump_map = loader(NormalMapRow), loader(BumpMapRow)
+_modes_at, _height_at = reader(BumpMapRow, "modes"), reader(BumpMapRow, "texture")
+
 #: Distance of two heights whose difference is a slope, in texture coordinates.
 STEP = 2.0**-13
 
@@ -72,7 +100,7 @@ def bent_normal(program):
 
 @kernel
 def _from_normals(scene, base, surface, height, follows):
-    texel, scale = color(scene, base + 2, surface), scalar(scene, base, surface)
+    scale, _, texel = _normal_map(scene, base, surface)
     along, across, s, t = axes_of_map(scene, base, surface)
     # The second axis of the picture, on charts that are mirrored too.
     turned = dot(cross(surface.ns, s), across) * dot(s, along) < 0.0
@@ -89,7 +117,7 @@ def axes_of_map(program):
 
     @kernel
     def of_its_set(scene, base, surface):
-        number = floor(scalar(scene, base + 1, surface) * (1.0 / OF_SET))
+        number = floor(_modes_at(scene, base, surface) * (1.0 / OF_SET))
         along, across, s, t = _own_axes(scene, base, surface)
         further = number > 0.0
         if any_lane(further):
@@ -112,12 +140,7 @@ def _own_axes(scene, base, surface):
 @kernel
 def _charted(surface, number):
     """The surface with derivatives by another set."""
-    c = surface.chart
-    return Surface(
-        surface.p, surface.error, surface.ng, surface.ns, surface.s, surface.t,
-        surface.u, surface.v, surface.shape, surface.prim, surface.bsdf, surface.light,
-        surface.color, Chart(c.b1, c.b2, c.i0, c.i1, c.i2, number),
-    )  # fmt: skip
+    return replace(surface, chart=replace(surface.chart, set=number))
 
 
 @specialised
@@ -142,20 +165,16 @@ def _as_it_is(surface, s, t, n):
 @kernel
 def _moved(scene, surface, du, dv, shift):
     """The surface with its texture coordinates moved, and its point with them."""
-    return Surface(
-        surface.p + shift, surface.error, surface.ng, surface.ns, surface.s, surface.t,
-        surface.u + du, surface.v + dv, surface.shape, surface.prim, surface.bsdf, surface.light,
-        surface.color, moved_chart(scene, surface, du, dv),
-    )  # fmt: skip
+    chart = moved_chart(scene, surface, du, dv)
+    return replace(surface, p=surface.p + shift, u=surface.u + du, v=surface.v + dv, chart=chart)
 
 
 @kernel
 def _from_heights(scene, base, surface, height, follows):
-    scale = scalar(scene, base, surface)
-    here = textured_scalar(scene, base + 2, surface)
+    scale, _, here = _bump_map(scene, base, surface)
     along, across = uv_derivatives(scene, surface)
-    right = textured_scalar(scene, base + 2, _moved(scene, surface, STEP, 0.0, STEP * along))
-    above = textured_scalar(scene, base + 2, _moved(scene, surface, 0.0, STEP, STEP * across))
+    right = _height_at(scene, base, _moved(scene, surface, STEP, 0.0, STEP * along))
+    above = _height_at(scene, base, _moved(scene, surface, 0.0, STEP, STEP * across))
     a = _risen(surface, along, scale * (right - here) * (1.0 / STEP))
     b = _risen(surface, across, scale * (above - here) * (1.0 / STEP))
     n = cross(a, b)
@@ -237,7 +256,7 @@ def _frame(scene, surface, relief, stride, wo):
     """(s, t, n, fades) of the bent frame, in the local one; z itself without a map."""
     has = relief != 0
     base = where(has, relief - 1, 0) * stride
-    code = where(has, gather(scene.materials.data, base + 1), 0.0)
+    code = where(has, _modes_at(scene, base, surface), 0.0)
     height, follows, fades, lit, folded = _modes(code)
     n = bent_normal(scene, base, surface, height, follows)
     folded = folded & (dot(n, wo) * wo.z <= 0.0)
@@ -262,7 +281,7 @@ def bent_evaluate(one_sided, stride, relief_of):
         f_cos, pdf = one_sided(scene, surface, row, to_local(s, t, n, wo), inner, active)
         agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
         fading = where(wo.z * wi.z > 0.0, _fading(n, fades, wi), 1.0)
-        return where(agrees, f_cos * fading, 0.0), where(agrees, pdf, 0.0)
+        return BsdfValue(where(agrees, f_cos * fading, 0.0), where(agrees, pdf, 0.0))
 
     return evaluate_row
 
@@ -273,13 +292,12 @@ def bent_sample(one_sided, stride, relief_of):
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
         s, t, n, fades = _frame(scene, surface, relief_of(scene, row), stride, wo)
-        inner, weight, pdf, flags = one_sided(
-            scene, surface, row, to_local(s, t, n, wo), u, u2, active
-        )
-        wi = renormalize(to_world(s, t, n, inner))
-        agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
-        faded = (wo.z * wi.z > 0.0) & ((flags & DELTA) == 0)
-        fading = where(faded, _fading(n, fades, wi), 1.0)
-        return wi, where(agrees, weight * fading, 0.0), where(agrees, pdf, 0.0), flags
+        inner = one_sided(scene, surface, row, to_local(s, t, n, wo), u, u2, active)
+        wi = renormalize(to_world(s, t, n, inner.wi))
+        agrees = (inner.wi.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
+        faded = (wo.z * wi.z > 0.0) & ((inner.flags & DELTA) == 0)
+        weight = inner.weight * where(faded, _fading(n, fades, wi), 1.0)
+        weight, pdf = where(agrees, weight, 0.0), where(agrees, inner.pdf, 0.0)
+        return replace(inner, wi=wi, weight=weight, pdf=pdf)
 
     return sample_row

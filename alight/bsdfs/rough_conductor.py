@@ -15,19 +15,18 @@ Heitz and d'Eon 2014 for the sampling; PBR4 section 9.6.
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
-from alight.bsdfs.conductor import SLOTS as METAL_SLOTS
 from alight.bsdfs.conductor import Metallic, pack_metal
-from alight.bsdfs.conductor import load as load_metal
-from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets, pack_facets
+from alight.bsdfs.facets import FacetsOfRow, Rough, facet_features, pack_facets
 from alight.bsdfs.flags import REFLECTION
-from alight.bsdfs.tints import tint_features
+from alight.bsdfs.tints import Tint, tint_features
 from alight.core.fresnel import fresnel_conductor
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import largest_channel
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
+from alight.textures.fetch import PlainColor
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32, where
 
@@ -76,8 +75,18 @@ def is_reciprocal(spec: RoughConductor) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = METAL_SLOTS | FACET_SLOTS
-Params = namedtuple("RoughConductorParams", "eta k tint facets")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    eta: PlainColor
+    k: PlainColor
+    tint: Tint
+    facets: FacetsOfRow
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: RoughConductor, packer) -> None:
@@ -89,13 +98,6 @@ def pack(spec: RoughConductor, packer) -> None:
 def features(spec: RoughConductor) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     return (*tint_features(spec.specular_reflectance), *facet_features(spec))
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    eta, k, tint = load_metal(scene, base, surface)
-    return Params(eta, k, tint, load_facets(scene, base + 9, surface))
 
 
 # ---------------------------------------------------------------- scattering

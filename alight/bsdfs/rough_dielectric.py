@@ -21,29 +21,32 @@ Source: Walter et al. 2007, Microfacet Models for Refraction through Rough Surfa
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Literal, Self
+from typing import Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
 from alight.bsdfs import interface
 from alight.bsdfs.absorption import (
-    ABSORPTION_SLOTS,
     Absorbing,
     absorption_features,
-    coefficients_at,
     pack_absorption,
 )
-from alight.bsdfs.dielectric import inner_index as inner_index
-from alight.bsdfs.facets import FACET_SLOTS, Rough, facet_features, load_facets, pack_facets
+from alight.bsdfs.facets import (
+    FacetsOfRow,
+    Rough,
+    facet_features,
+    pack_facets,
+)
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
-from alight.bsdfs.interface import load as load_interface
+from alight.bsdfs.tints import Tint
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
+from alight.core.parameters import loader, reader, slots_of
 from alight.core.spec import invalid
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
+from alight.textures.fetch import PlainColor, Scalar
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, maximum, where
 
@@ -104,8 +107,20 @@ def is_reciprocal(spec: RoughDielectric) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = interface.SLOTS | FACET_SLOTS | ABSORPTION_SLOTS
-Params = namedtuple("RoughDielectricParams", "eta reflectance transmittance facets")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    eta: Scalar
+    reflectance: Tint
+    transmittance: Tint
+    facets: FacetsOfRow
+    absorption: PlainColor
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
+inner_index, absorption = reader(Params, "eta"), reader(Params, "absorption")
 
 
 def pack(spec: RoughDielectric, packer) -> None:
@@ -119,19 +134,6 @@ def features(spec: RoughDielectric) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     glass = interface.features(spec), facet_features(spec), absorption_features(spec)
     return tuple(name for names in glass for name in names)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    eta, reflectance, transmittance = load_interface(scene, base, surface)
-    return Params(eta, reflectance, transmittance, load_facets(scene, base + 7, surface))
-
-
-@kernel
-def absorption(scene, base, surface):
-    """Absorption coefficients inside, per metre."""
-    return coefficients_at(scene, base + 10)
 
 
 # ---------------------------------------------------------------- scattering

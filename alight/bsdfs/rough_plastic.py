@@ -16,21 +16,21 @@ Source: the plug-in ``roughplastic`` of Mitsuba 3 (https://mitsuba.readthedocs.i
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.coating import (
     ROWS,
     base_f_cos,
     base_reflectance,
+    coat_at,
     coat_internal,
     coat_table,
     coat_transmittance,
-    load_coat,
     share_of_coat,
 )
 from alight.bsdfs.flags import REFLECTION
-from alight.bsdfs.plastic import COAT_SLOTS, Coated, pack_coat
-from alight.bsdfs.rows import MANY_ROWS
+from alight.bsdfs.plastic import Coated, pack_coat
+from alight.bsdfs.rows import MANY_ROWS, rows_in_slots
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.microfacet import (
@@ -40,10 +40,15 @@ from alight.core.microfacet import (
     sample_visible_facet,
     visible_area,
 )
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import SMOOTHEST, Roughness, Texture
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
-from alight.textures.fetch import color, scalar, textured_scalar
+from alight.textures.fetch import (
+    Scalar,
+    TexturedColor,
+    TexturedScalar,
+)
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32, maximum, minimum, where
 
@@ -92,8 +97,21 @@ def is_reciprocal(spec: RoughPlastic) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = COAT_SLOTS | {"alpha": 1, "beckmann": 1, "table": 1, "last_row": 1}
-ALPHA = sum(COAT_SLOTS.values())
+
+class Row(NamedTuple):
+    """A row of the table."""
+
+    diffuse: TexturedColor
+    specular: TexturedColor
+    eta: Scalar
+    nonlinear: Scalar
+    alpha: TexturedScalar
+    beckmann: Scalar
+    transmittances: Annotated[Any, rows_in_slots("transmittances")]
+
+
+SLOTS = slots_of(Row)
+_load_row = loader(Row)
 Params = namedtuple("RoughPlasticParams", "base specular eta internal facets coat")
 
 
@@ -102,9 +120,11 @@ def pack(spec: RoughPlastic, packer) -> None:
     pack_coat(spec, packer)
     packer.scalar("alpha", spec.alpha)
     packer.numbers("beckmann", float(spec.distribution == "beckmann"))
-    alpha = None if _is_textured(spec) else max(float(packer.row[ALPHA]), SMOOTHEST)
-    packer.curve("table", coat_table(spec.distribution, alpha, spec.int_ior / spec.ext_ior))
-    packer.numbers("last_row", 0 if alpha is not None else ROWS - 1)
+    alpha = packer.number("alpha")
+    alpha = None if alpha is None else max(alpha, SMOOTHEST)
+    table = coat_table(spec.distribution, alpha, spec.int_ior / spec.ext_ior)
+    packer.curve("transmittances", table)
+    packer.numbers("last_transmittances", 0 if alpha is not None else ROWS - 1)
 
 
 def features(spec: RoughPlastic) -> tuple[str, ...]:
@@ -120,18 +140,13 @@ def _is_textured(spec: RoughPlastic) -> bool:
 @kernel
 def load(scene, base, surface):
     """The parameters at a point of a surface."""
-    alpha = maximum(textured_scalar(scene, base + ALPHA, surface), SMOOTHEST)
-    coat = load_coat(scene, base + (ALPHA + 2), alpha)
+    row = _load_row(scene, base, surface)
+    alpha = maximum(row.alpha, SMOOTHEST)
+    coat = coat_at(row.transmittances, alpha)
     internal = coat_internal(coat)
-    matte = color(scene, base, surface)
-    return Params(
-        base_reflectance(matte, internal, scalar(scene, base + 7, surface)),
-        color(scene, base + 3, surface),
-        scalar(scene, base + 6, surface),
-        internal,
-        Facets(alpha, alpha, scalar(scene, base + (ALPHA + 1), surface)),
-        coat,
-    )
+    matte = base_reflectance(row.diffuse, internal, row.nonlinear)
+    facets = Facets(alpha, alpha, row.beckmann)
+    return Params(matte, row.specular, row.eta, internal, facets, coat)
 
 
 # ---------------------------------------------------------------- scattering

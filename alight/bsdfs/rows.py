@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+from alight.core.parameters import Slots
 from lanewise.jit import kernel, specialised
 from lanewise.simd import gather, lanes, lanes_u32, maximum, minimum, to_float, to_uint
 
@@ -22,10 +23,15 @@ Rows = namedtuple("Rows", "curves row step part")
 
 
 @kernel
-def load_table(scene, slot):
+def load_table(scene, slot, surface):
     """The `Table` whose start and last row are in two slots."""
     data = scene.materials.data
     return Table(scene.materials.curves, to_uint(gather(data, slot)), gather(data, slot + 1))
+
+
+def rows_in_slots(name: str) -> Slots:
+    """A field that is a `Table`: where it begins is in the slot `name`, then ``last_{name}``."""
+    return Slots(load_table, {name: 1, f"last_{name}": 1})
 
 
 @specialised

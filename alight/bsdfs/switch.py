@@ -1,30 +1,29 @@
 """Which model is it? The scattering of any row of the materials, for packets that mix models.
 
-Each class of model runs only if one of the lanes needs it, over all lanes, and is then blended in.
-A program with one class calls it directly. Values in lanes that are not active are arbitrary.
+All questions to models go through `_answers`. A program with one model calls it directly. Values in
+lanes that are not active are arbitrary.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable
 
 from alight.bsdfs.absorption import ABSORBING
+from alight.bsdfs.model import BSDFS, BsdfModel, BsdfSample, BsdfValue, stride_of
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.maths import exp
-from alight.core.registry import Models, Numbers, specs_of
-from alight.core.spec import Bsdf
+from alight.core.registry import Kernel
+from alight.core.switch import is_one_of, switch
 from alight.core.vec import Vec3
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import (
-    any_lane,
     as_int,
     as_uint,
     gather,
     horizontal_max,
     lanes,
-    lanes_mask,
     lanes_u32,
     lanes_vec3,
     maximum,
@@ -32,70 +31,16 @@ from lanewise.simd import (
     where,
 )
 
-#: Least number of slots of a material in `materials.data`, see `stride_of`: a power of two.
-STRIDE = 16
 #: Bits of a material's flags: the back looks like the front; both Dirac and smooth lobes; and
 #: from bit `RELIEF` on, the row of its normal or bump map + 1.
 TWO_SIDED, MIXED, RELIEF = 1, 2, 2
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
-TWO_SIDED_NAME = "two_sided"
-#: Kernel of models that refract: ``(scene, base, surface)``, the index inside over that outside.
-INNER_INDEX = "inner_index"
-#: Attribute of such models: what programs call it that one of its materials refracts. Without the
-#: attribute all of them do.
-REFRACTING = "REFRACTING"
-#: Kernel of models with an inside: ``(scene, base, surface)``, absorption coefficients per metre.
-ABSORPTION = "absorption"
-
-
-def stride_of(names: Iterable[str]) -> int:
-    """Slots of a material where models of these names occur: more than `STRIDE` if one needs it."""
-    models = Models("bsdfs")
-    widths = [sum(getattr(models[n], "SLOTS", {}).values()) for n in names if n in models]
-    return max(STRIDE, 1 << (max(widths, default=1) - 1).bit_length())
-
-
-class Used(NamedTuple):
-    """A model that a program uses.
-
-    Attributes
-    ----------
-    number : int
-        Of its kind, in `materials.info`.
-    model : module
-    stride : int
-        Numbers of a row in `materials.data`.
-    """
-
-    number: int
-    model: Any
-    stride: int
-
-
-def models_of(program) -> list[Used]:
-    """The models that a program uses."""
-    stride = stride_of(program.bsdfs)
-    return [
-        Used(Numbers("bsdfs")[name], model, stride)
-        for name, model in Models("bsdfs").items()
-        if name in program.bsdfs and hasattr(model, "sample")
-    ]
+SAME_BACK = "same_back"
 
 
 @kernel
 def _kind(scene, row):
     return gather(scene.materials.info, 2 * row)
-
-
-@kernel
-def _own_rows(mine, row):
-    """Rows of one kind in every lane, those of `mine` in their places.
-
-    Rows of other kinds hold other numbers, and what means the start of a table to one model would
-    lead another one out of all tables.
-    """
-    some = as_uint(as_int(horizontal_max(where(mine, to_float(row), 0.0))))
-    return where(mine, row, some)
 
 
 @kernel
@@ -116,50 +61,61 @@ def _relief(scene, row):
     return material_flags(scene, row) >> RELIEF
 
 
-# ---------------------------------------------------------------- surfaces that are not there
+# ---------------------------------------------------------------- questions to models
 
 
-def has_null(program) -> bool:
-    """Whether there are surfaces, or holes in them, that light passes as if nothing was there."""
-    return bool(_unseen(program))
-
-
-def _unseen(program) -> list[str]:
-    """Models of surfaces that are not there."""
+def models_of(program) -> list[BsdfModel]:
+    """The models that scatter light in a program."""
     return [
-        name for name, model in specs_of(Bsdf).items() if name in program.bsdfs and model.unseen
+        model for name, model in BSDFS.items() if name in program.bsdfs and model.sample is not None
     ]
 
 
-@specialised
-def is_null(program):
-    """``(scene, row) -> mask``: the model of this row is `null`."""
-    return _one_of([Numbers("bsdfs")[name] for name in _unseen(program)])
+def _answers(program, models: Iterable[BsdfModel], answer_of: Callable[..., Kernel]) -> Kernel:
+    """Write ``(scene, surface, kind, query, active, value) -> value``.
 
+    It is what the model of each row answers, or the given value if that is none of `models`.
 
-def _one_of(numbers: list[int]):
-    """``(scene, row) -> mask``: the model of this row has one of the numbers."""
-    if not numbers:
-        return _never
-    number, others = numbers[0], _one_of(numbers[1:])
-    if len(numbers) == 1:
+    Parameters
+    ----------
+    answer_of : (model, base_of) -> kernel of the same form
+        ``base_of(row, active)`` is where a row that a query names begins.
+    """
+    models, stride = list(models), stride_of(program.bsdfs)
+    if models and models == models_of(program)[:1] == models_of(program):
+        answer = answer_of(models[0], _any_base(stride))
 
         @kernel
-        def by_kind(scene, row):
-            return _kind(scene, row) == number
+        def of_the_only_model(scene, surface, kind, query, active, value):
+            # Its kind is not looked up.
+            return answer(scene, surface, 0, query, active, value)
 
-        return by_kind
+        return of_the_only_model
+    base_of = _own_base(stride)
+    return switch((model.number, answer_of(model, base_of)) for model in models)
+
+
+def _any_base(stride):
+    @kernel
+    def base_of(row, active):
+        return row * stride
+
+    return base_of
+
+
+def _own_base(stride):
+    """Rows of one kind in every lane, those of active ones in their places.
+
+    Rows of other kinds hold other numbers, and what means the start of a table to one model would
+    lead another one out of all tables.
+    """
 
     @kernel
-    def by_kinds(scene, row):
-        return (_kind(scene, row) == number) | others(scene, row)
+    def base_of(row, active):
+        some = as_uint(as_int(horizontal_max(where(active, to_float(row), 0.0))))
+        return where(active, row, some) * stride
 
-    return by_kinds
-
-
-@kernel
-def _never(scene, row):
-    return lanes_mask(False)
+    return base_of
 
 
 # ---------------------------------------------------------------- evaluate
@@ -167,11 +123,17 @@ def _never(scene, row):
 
 @specialised
 def evaluate_row(program):
-    """``(scene, surface, row, wo, wi, active) -> (f_cos, pdf)`` in the local frame."""
-    one_sided = _evaluate_one_sided(models_of(program))
+    """``(scene, surface, row, wo, wi, active) -> BsdfValue`` in the local frame."""
+    answers = _answers(program, models_of(program), _evaluating)
+
+    @kernel
+    def one_sided(scene, surface, row, wo, wi, active):
+        nothing = BsdfValue(lanes_vec3(0.0), lanes(0.0))
+        return answers(scene, surface, _kind(scene, row), (row, wo, wi), active, nothing)
+
     if BENT in program.bsdfs:
         one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _relief)
-    if TWO_SIDED_NAME not in program.bsdfs:
+    if SAME_BACK not in program.bsdfs:
         return one_sided
 
     @kernel
@@ -182,50 +144,16 @@ def evaluate_row(program):
     return evaluate_row
 
 
-def _evaluate_one_sided(models):
-    if len(models) == 1:
-        return _evaluate_of(models[0])
-    switch = _evaluate_switch(models)
+def _evaluating(model, base_of):
+    load, evaluate = model.load, model.evaluate
 
     @kernel
-    def evaluate_row(scene, surface, row, wo, wi, active):
-        kind = _kind(scene, row)
-        return switch(scene, surface, row, kind, wo, wi, active, lanes_vec3(0.0), lanes(0.0))
+    def answer(scene, surface, kind, query, active, value):
+        row, wo, wi = query
+        f_cos, pdf = evaluate(load(scene, base_of(row, active), surface), wo, wi)
+        return BsdfValue(f_cos, pdf)
 
-    return evaluate_row
-
-
-def _evaluate_of(used):
-    load, evaluate, stride = used.model.load, used.model.evaluate, used.stride
-
-    @kernel
-    def evaluate_row(scene, surface, row, wo, wi, active):
-        return evaluate(load(scene, row * stride, surface), wo, wi)
-
-    return evaluate_row
-
-
-def _evaluate_switch(models):
-    if not models:
-        return _keep_value
-    number, evaluate = models[0].number, _evaluate_of(models[0])
-    rest = _evaluate_switch(models[1:])
-
-    @kernel
-    def step(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            own = _own_rows(mine, row)
-            f_cos_new, pdf_new = evaluate(scene, surface, own, wo, wi, mine)
-            f_cos, pdf = where(mine, f_cos_new, f_cos), where(mine, pdf_new, pdf)
-        return rest(scene, surface, row, kind, wo, wi, active, f_cos, pdf)
-
-    return step
-
-
-@kernel
-def _keep_value(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
-    return f_cos, pdf
+    return answer
 
 
 # ---------------------------------------------------------------- sample
@@ -233,74 +161,106 @@ def _keep_value(scene, surface, row, kind, wo, wi, active, f_cos, pdf):
 
 @specialised
 def sample_row(program):
-    """``(scene, surface, row, wo, u, u2, active) -> (wi, weight, pdf, flags)``, local frame."""
-    one_sided = _sample_one_sided(models_of(program))
+    """``(scene, surface, row, wo, u, u2, active) -> BsdfSample`` in the local frame."""
+    answers = _answers(program, models_of(program), _sampling)
+
+    @kernel
+    def one_sided(scene, surface, row, wo, u, u2, active):
+        failed = BsdfSample(lanes_vec3(0.0), lanes_vec3(0.0), lanes(0.0), lanes_u32(0))
+        return answers(scene, surface, _kind(scene, row), (row, wo, u, u2), active, failed)
+
     if BENT in program.bsdfs:
         one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _relief)
-    if TWO_SIDED_NAME not in program.bsdfs:
+    if SAME_BACK not in program.bsdfs:
         return one_sided
 
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
         back = _turned(scene, row, wo)
-        wi, weight, pdf, flags = one_sided(
-            scene, surface, row, mirrored_if(back, wo), u, u2, active
-        )
-        return mirrored_if(back, wi), weight, pdf, flags
+        found = one_sided(scene, surface, row, mirrored_if(back, wo), u, u2, active)
+        return replace(found, wi=mirrored_if(back, found.wi))
 
     return sample_row
 
 
-def _sample_one_sided(models):
-    if len(models) == 1:
-        return _sample_of(models[0])
-    switch = _sample_switch(models)
+def _sampling(model, base_of):
+    load, sample = model.load, model.sample
 
     @kernel
-    def sample_row(scene, surface, row, wo, u, u2, active):
-        kind = _kind(scene, row)
-        wi, weight = lanes_vec3(0.0), lanes_vec3(0.0)
-        pdf, flags = lanes(0.0), lanes_u32(0)
-        return switch(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags)
+    def answer(scene, surface, kind, query, active, value):
+        row, wo, u, u2 = query
+        params = load(scene, base_of(row, active), surface)
+        wi, weight, pdf, flags = sample(params, wo, u, u2)
+        return BsdfSample(wi, weight, pdf, flags)
 
-    return sample_row
-
-
-def _sample_of(used):
-    load, sample, stride = used.model.load, used.model.sample, used.stride
-
-    @kernel
-    def sample_row(scene, surface, row, wo, u, u2, active):
-        return sample(load(scene, row * stride, surface), wo, u, u2)
-
-    return sample_row
+    return answer
 
 
-def _sample_switch(models):
-    if not models:
-        return _keep_sample
-    number, sample = models[0].number, _sample_of(models[0])
-    rest = _sample_switch(models[1:])
+# ---------------------------------------------------------------- albedo, for the AOV
+
+
+@specialised
+def albedo_row(program):
+    """``(scene, surface, row, active) -> Vec3``: a colour, without light and angle."""
+    answers = _answers(program, models_of(program), _albedo_of)
 
     @kernel
-    def step(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            own = _own_rows(mine, row)
-            wi_new, weight_new, pdf_new, flags_new = sample(scene, surface, own, wo, u, u2, mine)
-            wi, weight = where(mine, wi_new, wi), where(mine, weight_new, weight)
-            pdf, flags = where(mine, pdf_new, pdf), where(mine, flags_new, flags)
-        return rest(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags)
+    def albedo_row(scene, surface, row, active):
+        return answers(scene, surface, _kind(scene, row), row, active, lanes_vec3(0.0))
 
-    return step
+    return albedo_row
 
 
-@kernel
-def _keep_sample(scene, surface, row, kind, wo, u, u2, active, wi, weight, pdf, flags):
-    return wi, weight, pdf, flags
+def _albedo_of(model, base_of):
+    load, albedo = model.load, model.albedo
+
+    @kernel
+    def answer(scene, surface, kind, row, active, value):
+        return albedo(load(scene, base_of(row, active), surface))
+
+    return answer
 
 
-# ---------------------------------------------------------------- refraction
+# ---------------------------------------------------------------- surfaces that are not there
+
+
+def has_null(program) -> bool:
+    """Whether there are surfaces, or holes in them, that light passes as if nothing was there."""
+    return bool(_unseen(program))
+
+
+def _unseen(program) -> list[BsdfModel]:
+    """Models of surfaces that are not there."""
+    return [model for model in models_of(program) if model.spec.unseen]
+
+
+@specialised
+def is_null(program):
+    """``(scene, row) -> mask``: light passes the material as if nothing was there."""
+    is_unseen = is_one_of(model.number for model in _unseen(program))
+
+    @kernel
+    def is_null(scene, row):
+        return is_unseen(_kind(scene, row))
+
+    return is_null
+
+
+# ---------------------------------------------------------------- bodies
+
+
+def refracts(program) -> bool:
+    """Whether `concentration` may be other than 1."""
+    return bool(_refracting(program))
+
+
+def _refracting(program) -> list[BsdfModel]:
+    """The models with a material in the program that may refract."""
+    return [
+        model
+        for model in models_of(program)
+        if model.inner_index is not None and model.REFRACTING in ("", *program.bsdfs)
+    ]
 
 
 @specialised
@@ -310,44 +270,26 @@ def concentration(program):
     Radiance is concentrated there: the throughput falls by 1 / eta^2, and rises again by eta^2 when
     the path comes out (PBR4 section 14.1.4). Glass that is a part of a blend counts as 1.
     """
-    return _concentration_switch(_refracting(program))
-
-
-def refracts(program) -> bool:
-    """Whether `concentration` may be other than 1."""
-    return bool(_refracting(program))
-
-
-def _refracting(program) -> list[Used]:
-    """The models with a material in the program that may refract."""
-    with_index = [used for used in models_of(program) if hasattr(used.model, INNER_INDEX)]
-    return [
-        used
-        for used in with_index
-        if getattr(used.model, REFRACTING, None) in (None, *program.bsdfs)
-    ]
-
-
-def _concentration_switch(models):
-    if not models:
-        return _no_concentration
-    number, model, stride = models[0]
-    inner_index = getattr(model, INNER_INDEX)
-    rest = _concentration_switch(models[1:])
+    answers = _answers(program, _refracting(program), _inner_index_of)
 
     @kernel
-    def step(scene, surface, wi):
-        factor = rest(scene, surface, wi)
-        eta = inner_index(scene, surface.bsdf * stride, surface)
-        inside = (wi.z < 0.0) & (_kind(scene, surface.bsdf) == number)
-        return where(inside, maximum(eta * eta, 1.0), factor)
+    def concentration(scene, surface, wi):
+        inside = wi.z < 0.0
+        kind = _kind(scene, surface.bsdf)
+        eta = answers(scene, surface, kind, surface.bsdf, inside, lanes(1.0))
+        return where(inside, maximum(eta * eta, 1.0), 1.0)
 
-    return step
+    return concentration
 
 
-@kernel
-def _no_concentration(scene, surface, wi):
-    return lanes(1.0)
+def _inner_index_of(model, base_of):
+    inner_index = model.inner_index
+
+    @kernel
+    def answer(scene, surface, kind, row, active, value):
+        return inner_index(scene, base_of(row, active), surface)
+
+    return answer
 
 
 def absorbs(program) -> bool:
@@ -362,70 +304,25 @@ def transmittance(program):
     The piece of length t ends at the surface, coming from wo (local frame). Glass that is a part of
     a blend absorbs nothing.
     """
-    switch = _absorption_switch([u for u in models_of(program) if hasattr(u.model, ABSORPTION)])
+    bodies = [model for model in models_of(program) if model.absorption is not None]
+    answers = _answers(program, bodies, _absorption_of)
 
     @kernel
     def transmittance(scene, surface, wo, t):
-        sigma = switch(scene, surface, wo.z < 0.0)
+        inside = wo.z < 0.0
+        kind = _kind(scene, surface.bsdf)
+        sigma = answers(scene, surface, kind, surface.bsdf, inside, lanes_vec3(0.0))
+        sigma = where(inside, sigma, 0.0)
         return Vec3(exp(-sigma.x * t), exp(-sigma.y * t), exp(-sigma.z * t))
 
     return transmittance
 
 
-def _absorption_switch(models):
-    if not models:
-        return _no_absorption
-    number, model, stride = models[0]
-    absorption = getattr(model, ABSORPTION)
-    rest = _absorption_switch(models[1:])
+def _absorption_of(model, base_of):
+    absorption = model.absorption
 
     @kernel
-    def step(scene, surface, inside):
-        mine = inside & (_kind(scene, surface.bsdf) == number)
-        found = absorption(scene, where(mine, surface.bsdf, 0) * stride, surface)
-        return where(mine, found, rest(scene, surface, inside))
+    def answer(scene, surface, kind, row, active, value):
+        return absorption(scene, base_of(row, active), surface)
 
-    return step
-
-
-@kernel
-def _no_absorption(scene, surface, inside):
-    return lanes_vec3(0.0)
-
-
-# ---------------------------------------------------------------- albedo, for the AOV
-
-
-@specialised
-def albedo_row(program):
-    """``(scene, surface, row, active) -> Vec3``: a colour, without light and angle."""
-    switch = _albedo_switch(models_of(program))
-
-    @kernel
-    def albedo_row(scene, surface, row, active):
-        return switch(scene, surface, row, _kind(scene, row), active, lanes_vec3(0.0))
-
-    return albedo_row
-
-
-def _albedo_switch(models):
-    if not models:
-        return _keep_albedo
-    number, model, stride = models[0]
-    load, albedo = model.load, model.albedo
-    rest = _albedo_switch(models[1:])
-
-    @kernel
-    def step(scene, surface, row, kind, active, value):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            params = load(scene, _own_rows(mine, row) * stride, surface)
-            value = where(mine, albedo(params), value)
-        return rest(scene, surface, row, kind, active, value)
-
-    return step
-
-
-@kernel
-def _keep_albedo(scene, surface, row, kind, active, value):
-    return value
+    return answer

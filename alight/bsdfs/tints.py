@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Annotated, Any
+
+from alight.core.parameters import Slots
 from alight.core.spec import Texture, Triple
 from alight.textures.fetch import color
 from lanewise.jit import kernel, specialised
@@ -26,3 +29,7 @@ def tint(program):
 @kernel
 def _white(scene, slot, surface):
     return lanes_vec3(1.0)
+
+
+#: Field of a record of parameters.
+Tint = Annotated[Any, Slots(tint, 3)]

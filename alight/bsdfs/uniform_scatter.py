@@ -13,14 +13,14 @@ Source: reciprocity as in Veach, Robust Monte Carlo Methods (1997), section 3.6.
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_TWO_PI
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Bsdf, ColorTexture
 from alight.core.warps import square_to_uniform_hemisphere
-from alight.textures.fetch import color
+from alight.textures.fetch import TexturedColor
 from lanewise.jit import kernel
 from lanewise.simd import lanes_u32, where
 
@@ -60,19 +60,20 @@ def is_reciprocal(spec: UniformScatter) -> bool:
 
 # ---------------------------------------------------------------- tables
 
-SLOTS = {"reflectance": 3}
-Params = namedtuple("UniformScatterParams", "reflectance")
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    reflectance: TexturedColor
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: UniformScatter, packer) -> None:
     """Fill the row of one material."""
     packer.color("reflectance", spec.reflectance)
-
-
-@kernel
-def load(scene, base, surface):
-    """The parameters at a point of a surface."""
-    return Params(color(scene, base, surface))
 
 
 # ---------------------------------------------------------------- scattering

@@ -19,11 +19,11 @@ import numpy as np
 
 from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
+from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
-from alight.bsdfs.switch import MIXED, RELIEF, TWO_SIDED, TWO_SIDED_NAME, stride_of
+from alight.bsdfs.switch import MIXED, RELIEF, SAME_BACK, TWO_SIDED
 from alight.compiled.packer import Packer
 from alight.compiled.textures import TextureTable
-from alight.core.registry import Models, Numbers
 from alight.core.spec import Bsdf, Texture
 from lanewise.view import View
 
@@ -79,11 +79,8 @@ def compile_materials(
         View(lists),
         View(np.concatenate([*rows.curves, np.zeros(1, np.float32)])),
     )
-    models = [name for name in _KINDS if name in rows.used]
+    models = [name for name in BSDFS if name in rows.used]
     return tables, (*models, *sorted(rows.used - set(models))), table.names
-
-
-_KINDS, _MODELS = Numbers("bsdfs"), Models("bsdfs")
 
 
 @dataclass
@@ -120,20 +117,21 @@ class _Rows:
     def flags(self, leaf: Leaf) -> int:
         """Flags of a model, entered into what the program uses."""
         name = leaf.bsdf.type_name()
-        features = getattr(_MODELS[name], "features", _no_features)(leaf.bsdf)
-        self.used |= {name, *features} | ({TWO_SIDED_NAME} if leaf.two_sided else set())
+        features = BSDFS[name].features(leaf.bsdf)
+        self.used |= {name, *features} | ({SAME_BACK} if leaf.two_sided else set())
         flags = TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
         if leaf.relief is not None:
-            self.used |= set(_MODELS[leaf.relief.type_name()].features(leaf.relief))
+            self.used |= set(BSDFS[leaf.relief.type_name()].features(leaf.relief))
             flags |= (self.reliefs[leaf.relief] + 1) << RELIEF
         return flags
 
     def put(self, spec: Bsdf, flags: int) -> int:
         """Append a row; returns its number."""
-        model = _MODELS[spec.type_name()]
+        model = BSDFS[spec.type_name()]
+        assert model.pack is not None
         packer = Packer(model.SLOTS, self.stride, self.textures, self.curves)
         model.pack(spec, packer)
-        self.info += [_KINDS[spec.type_name()], flags]
+        self.info += [model.number, flags]
         self.data.append(packer.row)
         self.texture.append(packer.textures)
         return self.numbers.setdefault((spec, flags), len(self.data) - 1)
@@ -169,7 +167,3 @@ def _weighing(spec: Bsdf) -> Bsdf:
         assert isinstance(part.bsdf, Bsdf)
         spec = part.bsdf
     return spec
-
-
-def _no_features(spec: Bsdf) -> tuple[str, ...]:
-    return ()

@@ -82,6 +82,11 @@ class Packer:
         else:
             self._texture(name, value)
 
+    def number(self, name: str) -> float | None:
+        """The number that was put into a slot; None where it is textured."""
+        at = self.starts[name]
+        return None if self.textures[at] else float(self.row[at])
+
     def texels(self, name: str, image: Image, color_space: str) -> None:
         """Put where the texels of a picture are: the words of `TextureTable.texels`."""
         assert self.table is not None

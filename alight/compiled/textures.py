@@ -15,18 +15,18 @@ what a tile has beyond the picture's edge is 0.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from alight.compiled.packer import Packer
 from alight.core.errors import Issue, SceneError
-from alight.core.registry import Models, Numbers
 from alight.core.spec import Texture
 from alight.textures.bitmap import TILE
 from alight.textures.composed import COMPOSED
 from alight.textures.constant import Constant
 from alight.textures.images import Image, decoded_levels
+from alight.textures.model import TEXTURES
 from alight.textures.nesting import Composed, Value, most
 from lanewise.view import View
 
@@ -127,12 +127,11 @@ class TextureTable:
 
     def compiled(self) -> CompiledTextures:
         """Make the tables of all textures that have a number."""
-        kinds, models = Numbers("textures"), Models("textures")
         lists = [_steps(spec) for spec in self._numbers]
         every = [spec for steps in lists for spec in steps]
         used = {"constant", *(spec.type_name() for spec in every)}
-        features = {name for spec in every for name in _features(models[spec.type_name()], spec)}
-        rows = [np.zeros(max(3, *(sum(_slots(models[n]).values()) for n in used)), np.float32)]
+        features = {name for spec in every for name in TEXTURES[spec.type_name()].features(spec)}
+        rows = [np.zeros(max(3, *(sum(TEXTURES[n].SLOTS.values()) for n in used)), np.float32)]
         starts: dict[Texture, int] = {}
         end = rows[0].size
         for spec in every:
@@ -143,7 +142,7 @@ class TextureTable:
         heads: list[int] = []
         below: list[int] = []
         for steps in lists:
-            words = [w for spec in steps for w in (kinds[spec.type_name()], starts[spec])]
+            words = [w for spec in steps for w in (TEXTURES[spec.type_name()].number, starts[spec])]
             if len(steps) > 1:
                 heads += [COMPOSED + len(steps), 2 * len(lists) + len(below)]
                 below += words
@@ -153,25 +152,18 @@ class TextureTable:
             View(np.array([*heads, *below] or [0, 0], np.uint32)),
             View(np.concatenate(rows)),
             View(self._texels()),
-            (*(name for name in kinds if name in used), *sorted(features)),
+            (*(name for name in TEXTURES if name in used), *sorted(features)),
         )
 
     def _row(self, spec: Texture) -> np.ndarray:
         """The numbers of one texture."""
         if isinstance(spec, Constant):
             return np.array(spec.color, np.float32)
-        model = Models("textures")[spec.type_name()]
+        model = TEXTURES[spec.type_name()]
         packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self)
-        model.pack(spec, packer)
+        if model.pack is not None:
+            model.pack(spec, packer)
         return packer.row
-
-
-def _slots(model: Any) -> dict[str, int]:
-    return getattr(model, "SLOTS", {})
-
-
-def _features(model: Any, spec: Texture) -> tuple[str, ...]:
-    return model.features(spec) if hasattr(model, "features") else ()
 
 
 def _steps(spec: Value) -> list[Texture]:

@@ -136,11 +136,11 @@ def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
 
 def energy_notes(flat: FlatScene) -> list[str]:
     """Say which models send out more light than they get, whatever they are part of."""
+    from alight.bsdfs.model import BSDFS
     from alight.bsdfs.nesting import leaves
-    from alight.core.registry import Models
 
     names = {leaf.bsdf.type_name() for bsdf in flat.bsdfs for leaf in leaves(bsdf)}
-    most = {name: getattr(Models("bsdfs")[name], "MOST_SENT_OUT", 1.0) for name in sorted(names)}
+    most = {name: BSDFS[name].MOST_SENT_OUT for name in sorted(names)}
     return [
         f"{name} makes light: a white one sends out up to {factor:g} times what it gets"
         for name, factor in most.items()

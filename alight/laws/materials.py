@@ -8,10 +8,11 @@ import numpy as np
 
 from alight.bsdfs.dispatch import evaluate_bsdf, open_share, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
+from alight.bsdfs.model import BSDFS, BsdfModel
 from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
-from alight.core.registry import Models, versions
+from alight.core.registry import versions
 from alight.core.spec import Bsdf
 from alight.shapes.hit import INFO, Surface
 from lanewise.jit import instantiate
@@ -131,7 +132,7 @@ class Material:
         """
         eta = 1.0
         for leaf in leaves(self.spec):
-            ior = getattr(_model(leaf.bsdf), "relative_ior", None)
+            ior = _model(leaf.bsdf).relative_ior
             if ior is not None:
                 eta = ior(leaf.bsdf)
             elif leaf.bsdf.transmissive and hasattr(leaf.bsdf, "int_ior"):
@@ -146,8 +147,8 @@ def refracts(flags):
     return (flags & (TRANSMISSION | NULL)) == TRANSMISSION
 
 
-def _model(spec: Bsdf):
-    return Models("bsdfs")[spec.type_name()]
+def _model(spec: Bsdf) -> BsdfModel:
+    return BSDFS[spec.type_name()]
 
 
 def direction(cosine, azimuth=0.6):

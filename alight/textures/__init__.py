@@ -27,3 +27,6 @@ MODELS = (
     threshold,
     clamp,
 )
+
+#: One that is not the same everywhere, for examples of other families.
+VARYING = checkerboard.Checkerboard()

@@ -42,14 +42,8 @@ def _sum(a: Triple, b: Triple) -> Triple:
 
 EXAMPLES = (Add(), Add(a=Checkerboard(scale=4.0), b=(0.1, 0.5, 0.0)))
 
-SLOTS: dict[str, int] = {}
-
-
-def pack(spec: Add, packer) -> None:
-    """Nothing to pack: the parts are packed separately."""
-
 
 @kernel
-def operate(data, base, a, b):
+def operate(params, a, b):
     """The sum."""
     return a + b

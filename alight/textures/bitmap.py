@@ -23,16 +23,18 @@ Source: PBR4 section 10.4 (without filtering); IEC 61966-2-1 for sRGB.
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
 
+from alight.core.parameters import Slots, loader, slots_of
 from alight.core.spec import Texture, Triple, invalid
 from alight.core.uv_sets import UvSet, set_features
 from alight.core.vec import Vec3
 from alight.textures.images import Pixels, source_problem
-from alight.textures.uv import IDENTITY, ToUv, lookup_point
+from alight.textures.model import Flag, Number
+from alight.textures.uv import IDENTITY, LookupPoint, ToUv
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     any_lane,
@@ -115,16 +117,46 @@ EXAMPLES = (
     Bitmap(pixels=np.array([[0.25, 0.5], [0.75, 1.0]]), wrap="mirror", wrap_v="clamp"),
 )
 
-# size: columns and rows. modes: bilinear or not, and the index of `wrap`. layout: four words, see
-# `alight.compiled.textures.TextureTable.texels`.
 #: Sides of the tiles that texels lie in, see `alight.compiled.textures`.
 TILE = 4
 
-SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4, "wrap_v": 1, "uv_set": 1}
 REPEAT, MIRROR, CLAMP = 0.0, 1.0, 2.0
 _WRAPS = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}
 #: Entered into `Program.textures` where the two ways to wrap differ.
 TWO_WRAPS = "two_wraps"
+
+
+@kernel
+def _word_at(scene, slot, surface):
+    return float_bits(gather(scene.materials.texture_data, slot))
+
+
+Word = Annotated[Any, Slots(_word_at)]
+
+
+class Layout(NamedTuple):
+    """Where texels lie, see `alight.compiled.textures.TextureTable.texels`."""
+
+    start: Word
+    stride: Word
+    step: Word
+    table: Word
+
+
+class Params(NamedTuple):
+    """A row of the table: size in texels, and the numbers of the ways to wrap."""
+
+    point: LookupPoint
+    width: Number
+    height: Number
+    bilinear: Flag
+    wrap: Number
+    layout: Annotated[Any, Slots(loader(Layout), {"layout": 4})]
+    wrap_v: Number
+
+
+SLOTS = slots_of(Params)
+_load = loader(Params)
 
 
 def features(spec: Bitmap) -> tuple[str, ...]:
@@ -136,10 +168,11 @@ def features(spec: Bitmap) -> tuple[str, ...]:
 def pack(spec: Bitmap, packer) -> None:
     """Fill the row of one texture."""
     assert spec.pixels is not None
-    wrap = _WRAPS[spec.wrap]
     packer.numbers("to_uv", *spec.to_uv.matrix.ravel())
-    packer.numbers("size", spec.pixels.width, spec.pixels.height)
-    packer.numbers("modes", float(spec.interpolation == "bilinear"), wrap)
+    packer.numbers("width", spec.pixels.width)
+    packer.numbers("height", spec.pixels.height)
+    packer.numbers("bilinear", float(spec.interpolation == "bilinear"))
+    packer.numbers("wrap", _WRAPS[spec.wrap])
     packer.texels("layout", spec.pixels, spec.color_space)
     packer.numbers("wrap_v", _WRAPS[spec.wrap_v or spec.wrap])
     packer.numbers("uv_set", float(spec.uv_set))
@@ -212,32 +245,32 @@ def _large(texels, texel, step):
 
 
 @specialised
-def _wrap_slot(program):
-    """``_wrap_slot(base)``: where the way to wrap t is written."""
-    slot = 14 if TWO_WRAPS in program.textures else 9
+def _wrap_v(program):
+    """``(params) -> number`` of the way to wrap t."""
+    return _own_wrap if TWO_WRAPS in program.textures else _same_wrap
 
-    @kernel
-    def place(base):
-        return base + slot
 
-    return place
+@kernel
+def _own_wrap(params):
+    return params.wrap_v
+
+
+@kernel
+def _same_wrap(params):
+    return params.wrap
 
 
 @kernel
 def evaluate(scene, base, surface):
     """The picture's colour at (u, v)."""
-    data, texels = scene.materials.texture_data, scene.materials.texels
-    s, t = lookup_point(scene, base, base + 15, surface)
-    width, height = gather(data, base + 6), gather(data, base + 7)
-    bilinear, wrap = gather(data, base + 8) > 0.0, gather(data, base + 9)
-    x0, x1, x = _neighbours(_folded(s, wrap), width, bilinear, wrap)
+    params, texels = _load(scene, base, surface), scene.materials.texels
+    (s, t), (start, stride, step, table) = params.point, params.layout
+    wrap, wrap_v = params.wrap, _wrap_v(params)
+    x0, x1, x = _neighbours(_folded(s, wrap), params.width, params.bilinear, wrap)
     # t runs upwards, rows run downwards.
-    wrap_v = gather(data, _wrap_slot(base))
-    y0, y1, y = _neighbours(1.0 - _folded(t, wrap_v), height, bilinear, wrap_v)
+    y0, y1, y = _neighbours(1.0 - _folded(t, wrap_v), params.height, params.bilinear, wrap_v)
 
-    start, stride = float_bits(gather(data, base + 10)), float_bits(gather(data, base + 11))
-    step, table = float_bits(gather(data, base + 12)), float_bits(gather(data, base + 13))
-    across = (to_uint(width) + (TILE - 1)) >> 2
+    across = (to_uint(params.width) + (TILE - 1)) >> 2
     a = start + stride * _in_tiles(x0, y0, across)
     b = start + stride * _in_tiles(x1, y0, across)
     c = start + stride * _in_tiles(x0, y1, across)

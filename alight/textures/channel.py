@@ -7,16 +7,18 @@ textures are opaque.
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import RadianceTexture, Triple
 from alight.core.vec import Vec3
 from alight.textures.bitmap import Bitmap
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.images import Image
+from alight.textures.model import Number
 from alight.textures.nesting import Composed, Value, average, most
 from lanewise.jit import kernel
-from lanewise.simd import gather, where
+from lanewise.simd import where
 
 CHANNELS = ("r", "g", "b", "a")
 
@@ -71,7 +73,15 @@ EXAMPLES = (
     Channel(texture=(0.2, 0.4, 0.6), channel="a"),
 )
 
-SLOTS = {"index": 1}
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    index: Number
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: Channel, packer) -> None:
@@ -81,8 +91,8 @@ def pack(spec: Channel, packer) -> None:
 
 
 @kernel
-def operate(data, base, color):
+def operate(params, color):
     """The channel three times."""
-    index = gather(data, base)
+    index = params.index
     value = where(index == 0.0, color.x, where(index == 1.0, color.y, color.z))
     return Vec3(value, value, value)

@@ -12,14 +12,15 @@ Source: PBR4 section 10.3 (without its filtering).
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Reflectance, Scale2, Texture, Triple, Vector2
 from alight.core.uv_sets import UvSet, set_features
-from alight.core.vec import gather_vec3
-from alight.textures.uv import IDENTITY, ToUv, lookup_point
+from alight.textures.model import Triplet
+from alight.textures.uv import IDENTITY, LookupPoint, ToUv
 from lanewise.jit import kernel
 from lanewise.simd import floor, where
 
@@ -74,7 +75,17 @@ EXAMPLES = (
     Checkerboard(scale=0.5, to_uv=[{"rotate": 45.0}, {"translate": [0.5, 0.0]}]),
 )
 
-SLOTS = {"color0": 3, "color1": 3, "matrix": 6, "uv_set": 1}
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    color0: Triplet
+    color1: Triplet
+    point: LookupPoint
+
+
+SLOTS = slots_of(Params)
+_load = loader(Params)
 
 
 def features(spec: Checkerboard) -> tuple[str, ...]:
@@ -86,16 +97,15 @@ def pack(spec: Checkerboard, packer) -> None:
     """Fill the row of one texture."""
     packer.color("color0", spec.color0)
     packer.color("color1", spec.color1)
-    packer.numbers("matrix", *spec.matrix.ravel())
+    packer.numbers("to_uv", *spec.matrix.ravel())
     packer.numbers("uv_set", float(spec.uv_set))
 
 
 @kernel
 def evaluate(scene, base, surface):
     """Colour of the square that (u, v) lies in."""
-    data = scene.materials.texture_data
-    s, t = lookup_point(scene, base + 6, base + 12, surface)
+    params = _load(scene, base, surface)
+    s, t = params.point
     # The fraction of half a whole number is 0 or 1/2, whatever its sign.
     half = 0.5 * (floor(s) + floor(t))
-    first = where(half == floor(half), base, base + 3)
-    return gather_vec3(data, first)
+    return where(half == floor(half), params.color0, params.color1)

@@ -8,15 +8,17 @@ comes out; here that is said.
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import NonNegative, RadianceTexture, Triple
 from alight.core.vec import Vec3
 from alight.textures.checkerboard import Checkerboard
+from alight.textures.model import Number
 from alight.textures.multiply import Multiply
 from alight.textures.nesting import Composed, average, most
 from lanewise.jit import kernel
-from lanewise.simd import gather, minimum
+from lanewise.simd import minimum
 
 
 class Clamp(Composed):
@@ -54,7 +56,15 @@ EXAMPLES = (
     Clamp(texture=2.0),
 )
 
-SLOTS = {"high": 1}
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    high: Number
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: Clamp, packer) -> None:
@@ -63,7 +73,7 @@ def pack(spec: Clamp, packer) -> None:
 
 
 @kernel
-def operate(data, base, color):
+def operate(params, color):
     """The colour, cut in each channel."""
-    high = gather(data, base)
+    high = params.high
     return Vec3(minimum(color.x, high), minimum(color.y, high), minimum(color.z, high))

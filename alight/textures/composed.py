@@ -7,28 +7,53 @@ a step is a row of (kind, start in `texture_data`) like that of a plain texture.
 
 from __future__ import annotations
 
-from alight.core.registry import Numbers
-from alight.core.vec import Vec3
-from alight.textures.switch import models_of, value_switch
+from collections import namedtuple
+
+from alight.core.switch import is_one_of, switch
+from alight.core.vec import gather_vec3
+from alight.textures.model import constants, operators, patterns
 from lanewise.jit import kernel
-from lanewise.simd import any_lane, gather, lanes_mask, lanes_vec3, where
+from lanewise.records import replace
+from lanewise.simd import any_lane, gather, lanes_vec3, where
 
 #: Added to the number of steps.
 COMPOSED = 1 << 31
 
 
-def composed_value(program):
-    """``texture_value`` of programs with operators, see `alight.textures.fetch`."""
-    varying, operating = value_switch(models_of(program, "evaluate")), _operators(program)
-    is_operator = _is_operator([number for number, _ in models_of(program, "operate")])
-    constant_kind = Numbers("textures")["constant"]
+#: Colours, that of the last step first: as many as `alight.textures.nesting.REGISTERS`.
+Stack = namedtuple("Stack", "a b c d e f")
+
+
+def pattern_switch(program):
+    """Write ``(scene, surface, kind, base, active, value) -> Vec3``: textures without parts.
+
+    The value stays where the texture is none of them.
+    """
+    return switch((model.number, _evaluating(model)) for model in patterns(program))
+
+
+def _evaluating(model):
+    evaluate = model.evaluate
 
     @kernel
-    def leaf_value(scene, kind, base, surface, active):
-        data = scene.materials.texture_data
-        plain = where(active & (kind == constant_kind), base, 0)
-        value = Vec3(gather(data, plain), gather(data, plain + 1), gather(data, plain + 2))
-        return varying(scene, kind, base, surface, active, value)
+    def answer(scene, surface, kind, base, mine, value):
+        return evaluate(scene, where(mine, base, 0), surface)
+
+    return answer
+
+
+def composed_value(program):
+    """``texture_value`` of programs with operators, see `alight.textures.fetch`."""
+    of_pattern = pattern_switch(program)
+    operate = switch((model.number, _operating(model)) for model in operators(program))
+    is_operator = is_one_of(model.number for model in operators(program))
+    is_constant = is_one_of(model.number for model in constants(program))
+
+    @kernel
+    def leaf_value(scene, surface, kind, base, active):
+        plain = where(active & is_constant(kind), base, 0)
+        value = gather_vec3(scene.materials.texture_data, plain)
+        return of_pattern(scene, surface, kind, base, active, value)
 
     @kernel
     def texture_value(scene, texture, surface, value):
@@ -41,7 +66,7 @@ def composed_value(program):
             step = where(is_list, gather(info, row + 1), row)
             end = step + where(is_list, 2 * (head - COMPOSED), 2)
             zero = lanes_vec3(0.0)
-            a, b, c, d, e, f = zero, zero, zero, zero, zero, zero
+            s = Stack(zero, zero, zero, zero, zero, zero)
             more = textured & (step < end)
             while any_lane(more):
                 at = where(more, step, 0)
@@ -49,87 +74,51 @@ def composed_value(program):
                 operates = is_operator(kind)
                 pushed = more & ~operates
                 if any_lane(pushed):
-                    new = leaf_value(scene, kind, base, surface, pushed)
-                    f, e, d = where(pushed, e, f), where(pushed, d, e), where(pushed, c, d)
-                    c, b, a = where(pushed, b, c), where(pushed, a, b), where(pushed, new, a)
-                mine = more & operates
-                if any_lane(mine):
-                    a, b, c, d, e, f = operating(scene, kind, base, mine, a, b, c, d, e, f)
+                    new = leaf_value(scene, surface, kind, base, pushed)
+                    s = where(pushed, Stack(new, s.a, s.b, s.c, s.d, s.e), s)
+                s = operate(scene, surface, kind, base, more & operates, s)
                 step = step + 2
                 more = textured & (step < end)
-            value = where(textured, a, value)
+            value = where(textured, s.a, value)
         return value
 
     return texture_value
 
 
-def _is_operator(numbers):
-    """A kernel that says which kinds are operators."""
-    if not numbers:
-        return _never
-    number, rest = numbers[0], _is_operator(numbers[1:])
+def _operating(model):
+    """What an operator makes of the stack; the first of its parts lies deepest."""
+    load, pop = model.load, _POPS[len(model.spec.fields)](model.operate)
 
     @kernel
-    def either(kind):
-        return (kind == number) | rest(kind)
+    def answer(scene, surface, kind, base, mine, stack):
+        return pop(load(scene, where(mine, base, 0), surface), stack)
 
-    return either
-
-
-@kernel
-def _never(kind):
-    return lanes_mask(False)
+    return answer
 
 
-def _operators(program):
-    """A kernel that lets the operator of each lane work on the top of the stack."""
-    chain = _keep
-    for number, model in reversed(models_of(program, "operate")):
-        parts = len(type(model.EXAMPLES[0]).fields)
-        chain = _operator(number, _on_stack(model.operate, parts), chain)
-    return chain
-
-
-def _operator(number, work, rest):
+def _pop_one(operate):
     @kernel
-    def step(scene, kind, base, active, a, b, c, d, e, f):
-        mine = active & (kind == number)
-        if any_lane(mine):
-            data = scene.materials.texture_data
-            a, b, c, d, e, f = work(data, where(mine, base, 0), mine, a, b, c, d, e, f)
-        return rest(scene, kind, base, active, a, b, c, d, e, f)
+    def one(params, s):
+        return replace(s, a=operate(params, s.a))
 
-    return step
+    return one
 
 
-def _on_stack(operate, parts):
-    """A kernel that pops this many values; the first part lies deepest."""
-    if parts == 1:
-
-        @kernel
-        def one(data, base, mine, a, b, c, d, e, f):
-            return where(mine, operate(data, base, a), a), b, c, d, e, f
-
-        return one
-    if parts == 2:
-
-        @kernel
-        def two(data, base, mine, a, b, c, d, e, f):
-            a = where(mine, operate(data, base, b, a), a)
-            b, c = where(mine, c, b), where(mine, d, c)
-            return a, b, c, where(mine, e, d), where(mine, f, e), f
-
-        return two
-
+def _pop_two(operate):
     @kernel
-    def three(data, base, mine, a, b, c, d, e, f):
-        a = where(mine, operate(data, base, c, b, a), a)
-        b, c = where(mine, d, b), where(mine, e, c)
-        return a, b, c, where(mine, f, d), e, f
+    def two(params, s):
+        return Stack(operate(params, s.b, s.a), s.c, s.d, s.e, s.f, s.f)
+
+    return two
+
+
+def _pop_three(operate):
+    @kernel
+    def three(params, s):
+        return Stack(operate(params, s.c, s.b, s.a), s.d, s.e, s.f, s.f, s.f)
 
     return three
 
 
-@kernel
-def _keep(scene, kind, base, active, a, b, c, d, e, f):
-    return a, b, c, d, e, f
+#: By how many parts an operator takes.
+_POPS = {1: _pop_one, 2: _pop_two, 3: _pop_three}

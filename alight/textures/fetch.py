@@ -7,16 +7,19 @@ to the table alone.
 
 from __future__ import annotations
 
+from typing import Annotated, Any
+
+from alight.core.parameters import Slots
 from alight.core.vec import gather_vec3, luminance
-from alight.textures.composed import composed_value
-from alight.textures.switch import models_of, value_switch
+from alight.textures.composed import composed_value, pattern_switch
+from alight.textures.model import operators, patterns
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, gather_row, lanes_vec3, where
 
 
 def is_textured(program) -> bool:
     """Whether any parameter varies."""
-    return bool(models_of(program, "evaluate") or models_of(program, "operate"))
+    return bool(patterns(program) or operators(program))
 
 
 @kernel
@@ -37,12 +40,11 @@ def texture_value(program):
 
     `texture` holds the index of a texture plus 1 in each lane; lanes with 0 keep `value` (Vec3).
     """
-    if models_of(program, "operate"):
+    if operators(program):
         return composed_value(program)
-    used = models_of(program, "evaluate")
-    if not used:
+    if not patterns(program):
         return _no_texture
-    varying = value_switch(used)
+    of_pattern = pattern_switch(program)
 
     @kernel
     def texture_value(scene, texture, surface, value):
@@ -50,7 +52,7 @@ def texture_value(program):
         if any_lane(textured):
             row = where(textured, 2 * (texture - 1), 0)
             kind, base = gather_row(scene.materials.texture_info, row, 2)
-            value = varying(scene, kind, base, surface, textured, value)
+            value = of_pattern(scene, surface, kind, base, textured, value)
         return value
 
     return texture_value
@@ -94,3 +96,13 @@ def textured_scalar(program):
         return value
 
     return fetch
+
+
+# ---------------------------------------------------------------- fields of a material's parameters
+
+#: See `alight.core.parameters`. A number, a number or the luminance of a texture, a colour, a
+#: colour or that of a texture.
+Scalar = Annotated[Any, Slots(scalar)]
+TexturedScalar = Annotated[Any, Slots(textured_scalar)]
+PlainColor = Annotated[Any, Slots(constant_color, 3)]
+TexturedColor = Annotated[Any, Slots(color, 3)]

@@ -59,14 +59,8 @@ EXAMPLES = (
     Mix(a=0.9, b=0.1, weight=Checkerboard(color0=0.0, color1=1.0, scale=4.0)),
 )
 
-SLOTS: dict[str, int] = {}
-
-
-def pack(spec: Mix, packer) -> None:
-    """Nothing to pack: the parts are packed separately."""
-
 
 @kernel
-def operate(data, base, a, b, weight):
+def operate(params, a, b, weight):
     """The mixture."""
     return b + (a - b) * (1.0 - luminance(weight))

@@ -48,14 +48,8 @@ EXAMPLES = (
     Multiply(a=0.5, b=Multiply(a=Checkerboard(scale=0.5), b=Checkerboard(scale=(3.0, 1.0)))),
 )
 
-SLOTS: dict[str, int] = {}
-
-
-def pack(spec: Multiply, packer) -> None:
-    """Nothing to pack: the parts are packed separately."""
-
 
 @kernel
-def operate(data, base, a, b):
+def operate(params, a, b):
     """The product."""
     return a * b

@@ -21,9 +21,10 @@ functions for GPU rendering, JCGT 9(3), 2020, for the hash.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from alight.core.motion import point_at_opening
+from alight.core.parameters import Slots, loader, slots_of
 from alight.core.rng import pcg4d
 from alight.core.spec import (
     Interval,
@@ -36,12 +37,12 @@ from alight.core.spec import (
 )
 from alight.core.uv_sets import UvSet, set_features, uv_of_texture
 from alight.core.vec import Vec3
+from alight.textures.model import Flag, Number, Triplet
 from lanewise.jit import kernel
 from lanewise.simd import (
     absolute,
     any_lane,
     floor,
-    gather,
     lanes,
     lanes_u32,
     maximum,
@@ -106,17 +107,23 @@ EXAMPLES = (
     Noise(octaves=16, gain=1.0, color0=0.75, color1=0.25),
 )
 
-SLOTS = {
-    "color0": 3,
-    "color1": 3,
-    "scale": 3,
-    "offset": 3,
-    "octaves": 1,
-    "gain": 1,
-    "turbulence": 1,
-    "uv": 1,
-    "uv_set": 1,
-}
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    color0: Triplet
+    color1: Triplet
+    scale: Triplet
+    offset: Triplet
+    octaves: Number
+    gain: Number
+    turbulence: Flag
+    in_uv: Flag
+    uv: Annotated[Any, Slots(uv_of_texture, {"uv_set": 1})]
+
+
+SLOTS = slots_of(Params)
+_load = loader(Params)
 
 
 def features(spec: Noise) -> tuple[str, ...]:
@@ -133,7 +140,7 @@ def pack(spec: Noise, packer) -> None:
     packer.numbers("octaves", float(spec.octaves))
     packer.numbers("gain", spec.gain)
     packer.numbers("turbulence", float(spec.pattern == "turbulence"))
-    packer.numbers("uv", float(spec.space == "uv"))
+    packer.numbers("in_uv", float(spec.space == "uv"))
     packer.numbers("uv_set", float(spec.uv_set))
 
 
@@ -198,15 +205,11 @@ def _kept(x):
 @kernel
 def evaluate(scene, base, surface):
     """The pattern's colour at a point of a surface."""
-    data = scene.materials.texture_data
-    in_uv = gather(data, base + 15) > 0.0
-    p = point_at_opening(scene, surface)
-    u, v = uv_of_texture(scene, base + 16, surface)
-    x = where(in_uv, u, p.x) * gather(data, base + 6) + gather(data, base + 9)
-    y = where(in_uv, v, p.y) * gather(data, base + 7) + gather(data, base + 10)
-    z = where(in_uv, 0.0, p.z) * gather(data, base + 8) + gather(data, base + 11)
-    octaves, gain = gather(data, base + 12), gather(data, base + 13)
-    turbulent = gather(data, base + 14) > 0.0
+    params = _load(scene, base, surface)
+    p, (u, v) = point_at_opening(scene, surface), params.uv
+    point = where(params.in_uv, Vec3(u, v, 0.0 * u), p) * params.scale + params.offset
+    x, y, z = point.x, point.y, point.z
+    octaves, turbulent = params.octaves, params.turbulence
     total, sizes, size, k = lanes(0.0), lanes(0.0), lanes(1.0), lanes(0.0)
     more = k < octaves
     while any_lane(more):
@@ -214,10 +217,8 @@ def evaluate(scene, base, surface):
         wave = where(turbulent, absolute(wave), wave)
         total = where(more, total + size * wave, total)
         sizes = where(more, sizes + size, sizes)
-        x, y, z, size, k = x + x, y + y, z + z, size * gain, k + 1.0
+        x, y, z, size, k = x + x, y + y, z + z, size * params.gain, k + 1.0
         more = k < octaves
     mean = total / where(sizes > 0.0, sizes, 1.0)
     weight = minimum(maximum(where(turbulent, mean, 0.5 + 0.5 * mean), 0.0), 1.0)
-    low = Vec3(gather(data, base), gather(data, base + 1), gather(data, base + 2))
-    high = Vec3(gather(data, base + 3), gather(data, base + 4), gather(data, base + 5))
-    return low * (1.0 - weight) + high * weight
+    return params.color0 * (1.0 - weight) + params.color1 * weight

@@ -7,14 +7,16 @@ Leaves cut out of a picture have their edges here, after the picture has been in
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import NonNegative, RadianceTexture, Triple
 from alight.core.vec import Vec3
 from alight.textures.checkerboard import Checkerboard
+from alight.textures.model import Number
 from alight.textures.nesting import Composed, average, most
 from lanewise.jit import kernel
-from lanewise.simd import gather, where
+from lanewise.simd import where
 
 
 class Threshold(Composed):
@@ -51,7 +53,15 @@ EXAMPLES = (
     Threshold(texture=0.5, cutoff=0.75),
 )
 
-SLOTS = {"cutoff": 1}
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    cutoff: Number
+
+
+SLOTS = slots_of(Params)
+load = loader(Params)
 
 
 def pack(spec: Threshold, packer) -> None:
@@ -60,9 +70,9 @@ def pack(spec: Threshold, packer) -> None:
 
 
 @kernel
-def operate(data, base, color):
+def operate(params, color):
     """1 or 0 in each channel."""
-    cutoff = gather(data, base)
+    cutoff = params.cutoff
     return Vec3(
         where(color.x >= cutoff, 1.0, 0.0),
         where(color.y >= cutoff, 1.0, 0.0),

@@ -26,6 +26,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from alight.core.errors import show_value, unknown_name
 from alight.core.fields import LARGEST, Interval, Numbers, invalid
+from alight.core.parameters import Slots
 from alight.core.uv_sets import uv_of_texture
 from alight.core.vec import gather_vec3
 from lanewise.jit import kernel
@@ -154,12 +155,13 @@ IDENTITY = UvTransform()
 
 
 @kernel
-def lookup_point(scene, base, slot, surface):
-    """(s, t): the matrix whose six numbers are at `base`, row by row, applied to (u, v).
-
-    `slot` holds the set of coordinates (u, v), see `alight.core.uv_sets`.
-    """
+def _lookup_point(scene, slot, surface):
+    """(s, t): a matrix, row by row, applied to (u, v) of the set whose number follows it."""
     data = scene.materials.texture_data
-    u, v = uv_of_texture(scene, slot, surface)
-    across, down = gather_vec3(data, base), gather_vec3(data, base + 3)
+    u, v = uv_of_texture(scene, slot + 6, surface)
+    across, down = gather_vec3(data, slot), gather_vec3(data, slot + 3)
     return across.x * u + across.y * v + across.z, down.x * u + down.y * v + down.z
+
+
+#: Field of a record of parameters: the point (s, t) of a texture that a surface shows.
+LookupPoint = Annotated[Any, Slots(_lookup_point, {"to_uv": 6, "uv_set": 1})]

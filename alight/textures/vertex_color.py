@@ -5,10 +5,11 @@ Shapes without vertex colours show `fallback`.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
+from alight.core.parameters import loader, slots_of
 from alight.core.spec import Reflectance, Texture
-from alight.core.vec import Vec3
+from alight.textures.model import Triplet
 from lanewise.jit import kernel
 from lanewise.simd import gather, where
 
@@ -31,7 +32,15 @@ EXAMPLES = (VertexColor(), VertexColor(fallback=(0.9, 0.1, 0.1)), VertexColor(fa
 # Where `scene.shapes.info` says whether a shape has vertex colours (layout: alight/shapes/hit.py).
 SHAPE_ROW, FLAGS_COLUMN, HAS_COLORS = 8, 4, 8
 
-SLOTS = {"fallback": 3}
+
+class Params(NamedTuple):
+    """A row of the table."""
+
+    fallback: Triplet
+
+
+SLOTS = slots_of(Params)
+_load = loader(Params)
 
 
 def pack(spec: VertexColor, packer) -> None:
@@ -42,7 +51,6 @@ def pack(spec: VertexColor, packer) -> None:
 @kernel
 def evaluate(scene, base, surface):
     """The colour that the mesh interpolated, or the fallback."""
-    data = scene.materials.texture_data
-    fallback = Vec3(gather(data, base), gather(data, base + 1), gather(data, base + 2))
+    params = _load(scene, base, surface)
     flags = gather(scene.shapes.info, surface.shape * SHAPE_ROW + FLAGS_COLUMN)
-    return where((flags & HAS_COLORS) != 0, surface.color, fallback)
+    return where((flags & HAS_COLORS) != 0, surface.color, params.fallback)

@@ -9,8 +9,9 @@ import pytest
 
 from alight.bsdfs import MODELS
 from alight.bsdfs.dispatch import albedo_bsdf, evaluate_bsdf, sample_bsdf
+from alight.bsdfs.model import stride_of
 from alight.bsdfs.principled import Principled
-from alight.bsdfs.switch import models_of, stride_of
+from alight.bsdfs.switch import models_of
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.registry import type_name_of
 from alight.laws.materials import Material
@@ -99,8 +100,8 @@ def test_models_read_rows_of_their_own_kind_only(name):
     material, n = Material(*EXAMPLES), 512
     kinds = material.scene.materials.info.array[::2]
     numbers, asked = defaultdict(set), set()
-    for used in models_of(material.program):
-        numbers[used.model.load].add(used.number)
+    for model in models_of(material.program):
+        numbers[model.load].add(model.number)
     stride = stride_of(material.program.bsdfs)
 
     def observe(node, made):

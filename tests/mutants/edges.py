@@ -9,7 +9,7 @@ EDGES = (
     Mutant(
         "models that read the rows of other models",
         "bsdfs/switch.py",
-        (("return where(mine, row, some)", "return row"),),
+        (("where(active, row, some) * stride", "row * stride"),),
         f"{MODELS}::test_models_read_rows_of_their_own_kind_only",
     ),
     Mutant(
@@ -31,10 +31,13 @@ EDGES = (
     ),
     Mutant(
         "angles of many turns left to the kernels",
-        "bsdfs/principled.py",
+        "bsdfs/principled_parameters.py",
         (
-            ("turn = math.remainder(spec.anisotropy_rotation, 2.0 * math.pi)", "turn = 1e15"),
-            ("sincos(minimum(maximum(angle, -MOST_TURNED), MOST_TURNED))", "sincos(angle)"),
+            ("return math.remainder(angle, 2.0 * math.pi)", "return 1e15"),
+            (
+                "sincos(minimum(maximum(row.anisotropy_rotation, -MOST_TURNED), MOST_TURNED))",
+                "sincos(row.anisotropy_rotation)",
+            ),
         ),
         f"{MODELS}::test_principled_is_finite_where_a_lobe_has_nothing",
     ),

@@ -30,8 +30,8 @@ MATERIALS = (
         "bsdfs/mask.py",
         (
             (
-                'Part(Null(), "rest"), Part(self.bsdf, "weight")',
-                'Part(Null(), "weight"), Part(self.bsdf, "rest")',
+                'Part(Null(), "rest", is_hole=True), Part(self.bsdf, "weight")',
+                'Part(Null(), "weight", is_hole=True), Part(self.bsdf, "rest")',
             ),
         ),
         f"{LAYERED}::test_holes_of_a_mask_let_light_straight_on",
@@ -99,7 +99,7 @@ TEXTURES = (
     Mutant(
         "pictures upside down",
         "textures/bitmap.py",
-        (("_neighbours(1.0 - _folded(t, wrap_v), h", "_neighbours(_folded(t, wrap_v), h"),),
+        (("_neighbours(1.0 - _folded(t, wrap_v), p", "_neighbours(_folded(t, wrap_v), p"),),
         f"{BITMAPS}::test_lookups_are_those_of_mitsuba[repeat-bilinear]",
     ),
     Mutant(

@@ -34,7 +34,7 @@ PRINCIPLED = (
     ),
     Mutant(
         "a texture of the coat's strength is not looked up",
-        "bsdfs/principled.py",
+        "bsdfs/principled_parameters.py",
         (
             (
                 '"transmission", "clearcoat",\n    "clearcoat_roughness"',
@@ -52,7 +52,7 @@ PRINCIPLED = (
     Mutant(
         "coat of Burley's material counted four times",
         "bsdfs/burley.py",
-        (("coat = 0.25 * params.coat * schlick", "coat = params.coat * schlick"),),
+        (("coat = 0.25 * params.clearcoat", "coat = params.clearcoat"),),
         f"{VALUES}::test_materials_of_files",
     ),
     Mutant(
@@ -77,8 +77,8 @@ PRINCIPLED = (
         "bsdfs/principled_lobes.py",
         (
             (
-                "view.glass * params.base * ((1.0",
-                "view.glass * where(params.thin, lanes_vec3(1.0), params.base) * ((1.0",
+                "params.base_color * share_of_glass",
+                "where(params.thin, lanes_vec3(1.0), params.base_color) * share_of_glass",
             ),
         ),
         f"{TINTS}::test_what_passes_has_the_tint[sheet-0.8]",
@@ -88,8 +88,8 @@ PRINCIPLED = (
         "bsdfs/principled_view.py",
         (
             (
-                "return where(inside, 0.0, params.film.share), found",
-                "return params.film.share, found",
+                "return where(inside, 0.0, params.film.iridescence), found",
+                "return params.film.iridescence, found",
             ),
         ),
         f"{TINTS}::test_from_inside_of_glass_nothing_of_its_outer_side_is_seen[film-0.0]",

@@ -22,7 +22,7 @@ TURNED = (
     ),
     Mutant(
         "brushed the other way round",
-        "bsdfs/principled.py",
+        "bsdfs/principled_parameters.py",
         (("Turn(s, c, a)", "Turn(-s, c, a)"),),
         f"{BRUSHED}::test_values_turn_with_the_brush[0.5-metal]",
     ),

@@ -8,11 +8,12 @@ from alight.bsdfs.blend import Blend
 from alight.bsdfs.conductor import Conductor
 from alight.bsdfs.diffuse import UNIFORM, Diffuse
 from alight.bsdfs.mask import Mask
+from alight.bsdfs.model import STRIDE, stride_of
 from alight.bsdfs.phong import Phong
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.principled import Principled
 from alight.bsdfs.rough_plastic import RoughPlastic
-from alight.bsdfs.switch import STRIDE, stride_of
+from alight.bsdfs.switch import SAME_BACK
 from alight.bsdfs.two_sided import TwoSided
 from alight.compiled.materials import Packer, compile_materials
 from alight.compiled.program import Program
@@ -143,7 +144,7 @@ def test_slots_of_every_model_fit_its_row():
 def test_programs_name_what_they_must_compile():
     specs = [Diffuse(), TwoSided(bsdf=Phong()), Diffuse(reflectance=Checkerboard())]
     _, bsdfs, textures = compile_materials(specs)
-    assert bsdfs == ("diffuse", "phong", "two_sided")
+    assert bsdfs == ("diffuse", "phong", SAME_BACK)
     assert textures == ("constant", "checkerboard")
     assert UNIFORM in compile_materials([Diffuse(sampling="uniform")])[1]
     # A constant texture costs nothing.

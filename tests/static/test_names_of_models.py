@@ -18,6 +18,9 @@ SCENES = ("formats", "scene/builtin", "lab/random_scenes")
 
 #: Words of another meaning, by file.
 OTHER_MEANINGS: dict[str, set[str]] = {
+    "bsdfs/phong.py": {"diffuse"},
+    "bsdfs/plastic.py": {"diffuse"},
+    "bsdfs/rough_plastic.py": {"diffuse"},
     "core/registration.py": {"area"},
     "core/spec.py": {"environment"},
     "integrators/queue.py": {"direct"},
@@ -54,9 +57,6 @@ OFFENDERS: dict[str, dict[str, set[str]]] = {
         "scene/validation.py": {"mesh"},
     },
     "bsdfs": {
-        "bsdfs/nesting.py": {"mask"},
-        "bsdfs/phong.py": {"diffuse"},
-        "bsdfs/switch.py": {"two_sided"},
         "laws/others.py": {"diffuse"},
         "rendering/trace.py": {"null"},
         "scene/build.py": {"diffuse", "null"},
@@ -65,12 +65,10 @@ OFFENDERS: dict[str, dict[str, set[str]]] = {
         "scene/validation.py": {"two_sided"},
     },
     "textures": {
-        "bsdfs/bump_map.py": {"checkerboard"},
         "compiled/program.py": {"constant"},
         "compiled/textures.py": {"bitmap", "constant"},
         "laws/scene/materials.py": {"constant"},
         "scene/build.py": {"constant"},
-        "textures/composed.py": {"constant"},
     },
     "lights": {
         "compiled/program.py": {"constant"},
@@ -79,7 +77,6 @@ OFFENDERS: dict[str, dict[str, set[str]]] = {
         "scene/build.py": {"area", "constant", "environment"},
         "scene/images.py": {"ies"},
         "scene/validation.py": {"portal"},
-        "textures/composed.py": {"constant"},
     },
     "cameras": {
         "compiled/program.py": {"pinhole"},
