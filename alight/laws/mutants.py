@@ -84,7 +84,7 @@ MUTANTS = {
     ),
     "no-survival": Mutant(
         "survivors of Russian roulette do not carry the light of the others",
-        ((_PATH, "beta / survival", "beta"),),
+        (("integrators/roulette.py", "beta / survival", "beta"),),
         "with paths of three edges and more",
     ),
     "eta-for-eta2": Mutant(
