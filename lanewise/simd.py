@@ -221,7 +221,11 @@ def count_bits(bits):
 
 
 def local_floats(n):
-    """Scratch memory of this call: n float32."""
+    """Scratch memory of this call: n float32.
+
+    A kernel may return it, but only unwritten: LLVM drops stores to memory that nobody reads until
+    the call is over, and does so before it inlines the call.
+    """
     return np.zeros(n, np.float32)
 
 

@@ -40,7 +40,7 @@ from lanewise.simd import (
 )
 from lanewise.wide import load_wide
 
-#: So many sixteenths of the lanes, or fewer, go alone: a test for all takes as long as theirs
+#: So many sixteenths of the lanes, or fewer, go on alone: a test for all takes as long as theirs
 #: (decision 11).
 FEW = 12
 
@@ -67,10 +67,7 @@ _ENTRIES = MOST * _PLACES
 
 @kernel(strict=True)
 def no_packet():
-    """Room for a packet.
-
-    Whoever allocates must not write, too: what a kernel writes to memory of its own is dropped.
-    """
+    """Room for a packet; `write_packet` fills it (see `lanewise.simd.local_floats`)."""
     stacks = Stacks(local_uints(_STACKS), local_floats(_STACKS), local_floats(CHILDREN))
     return Packet(no_rays(), no_hits(), stacks, local_uints(MOST), no_leaf_tests())
 
@@ -84,7 +81,7 @@ def write_packet(packet, o, d, t_max):
 
 
 @kernel(strict=True)
-def meet_children_together(nodes, at, o, r, t, bits, place, stack, nearest):
+def meet_node(nodes, at, o, r, t, bits, place, stack, nearest):
     """The rays in `bits` and all children of a node: which children are met by any.
 
     Written for child i at ``place + i``: the rays that meet it and, if order matters, their
@@ -103,7 +100,7 @@ def meet_children_together(nodes, at, o, r, t, bits, place, stack, nearest):
 
 
 @kernel(strict=True)
-def push_together(tree, at, place, children, stack, size, nearest):
+def push_children(tree, at, place, children, stack, size, nearest):
     """Put the children in the bits `children` on the packet's stack, the nearest on top.
 
     The first ray that meets a child determines its distance. Returns the new size.
@@ -144,7 +141,7 @@ def leave_to_single_rays(code, bits, entries, k, packet, nearest):
 
 
 @kernel(strict=True)
-def meet_leaf_together(tree, data, code, bits, packet, nearest, others):
+def meet_leaf(tree, data, code, bits, packet, nearest, others):
     """The leaf tests of the rays in `bits`, one block of the leaf after the other."""
     first = (code & (LEAF - 1)) >> 4
     for block in range(first, first + (code & 15)):
@@ -194,13 +191,13 @@ def trace_packet(tree, data, o, packet, bits, nearest, others):
             waiting += 1
             leave_to_single_rays(code, bits, entries, MOST * place, packet, nearest)
         elif code >= LEAF:
-            meet_leaf_together(tree, data, code, bits, packet, nearest, others)
+            meet_leaf(tree, data, code, bits, packet, nearest, others)
             t = load_lanes(hits.t, 0)
         else:
             at = NODE * code
             place = CHILDREN * (place // CHILDREN + 1)
-            met = meet_children_together(tree.nodes, at, o, r, t, bits, place, stack, nearest)
-            size = push_together(tree, at, place, met, stack, size, nearest)
+            met = meet_node(tree.nodes, at, o, r, t, bits, place, stack, nearest)
+            size = push_children(tree, at, place, met, stack, size, nearest)
         bits = 0
         while (size > 0) & (bits == 0):
             size -= 1
