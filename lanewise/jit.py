@@ -71,7 +71,7 @@ def instantiate(
 
 @contextmanager
 def no_garbage_collection() -> Iterator[None]:
-    """A compiler makes millions of objects that all stay: looking for cycles takes a tenth of it."""
+    """A compiler makes millions of objects that stay: to look for cycles takes a tenth of it."""
     was_on = gc.isenabled()
     gc.disable()
     try:

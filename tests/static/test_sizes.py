@@ -19,11 +19,8 @@ LONGER = {
     "alight/core/registration.py": 442,
     "alight/films/film.py": 500,
     "alight/formats/pbrt/materials.py": 466,
-    "alight/integrators/path.py": 422,
-    "alight/integrators/volpath.py": 411,
     "alight/lab/evaluate.py": 442,
     "alight/lab/results.py": 461,
-    "alight/lights/sampling.py": 465,
     "alight/lights/tree_build.py": 409,
     "alight/metrics/own_error.py": 408,
     "alight/options/kinds.py": 445,
@@ -39,7 +36,7 @@ LONGER = {
     "tests/formats/pbrt/test_objects.py": 404,
     "tests/images/mitsuba_scenes.py": 470,
     "tests/lights/test_light_sampling.py": 451,
-    "tests/lights/test_light_tree.py": 415,
+    "tests/lights/test_light_tree.py": 416,
     "tests/rendering/test_checkpoints.py": 410,
 }
 
