@@ -37,6 +37,7 @@ from alight.core.spec import (
 from alight.filters.box import Box
 from alight.media.coefficients import shines
 from alight.samplers.sobol import Sobol
+from alight.scene.files import Files, Held
 from alight.scene.transform import IDENTITY, Transform
 
 MOST_PIXELS = 2**28
@@ -269,6 +270,8 @@ class Source:
         Of the reader of a foreign format.
     recipe : Recipe, optional
         Of scenes that `load` has read. Changes in Python afterwards are not in it.
+    held : dict
+        What has been read of the files that the scene names (`alight.scene.files.Files`).
     """
 
     name: str = ""
@@ -276,6 +279,11 @@ class Source:
     places: Mapping[str, str] = field(default_factory=dict)
     remarks: Remarks = Remarks()
     recipe: Recipe | None = None
+    held: Held = field(default_factory=dict, repr=False, compare=False)
+
+    def files(self) -> Files:
+        """Reads the files that the scene names, but for those that have been read before."""
+        return Files(self.folder, self.held)
 
     def located(self, issue: Issue) -> Issue:
         """Fill in the place of an issue: of its path, or of the nearest one above."""

@@ -23,10 +23,10 @@ Source: PBR4 sections 6.5 and 6.8.
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import PrivateAttr, model_validator
 
 from alight.core.constants import gamma
 from alight.core.distributions import pmf_discrete, sample_discrete
@@ -108,6 +108,16 @@ class Mesh(Shape):
     more_uvs: Sets | None = None
     colors: Points | None = None
     face_normals: Truth = False
+    _checked: Any = PrivateAttr(None)
+
+    @property
+    def checked(self) -> Any:
+        """What a check of the arrays has found, handed on to whoever needs it next, or None."""
+        return self._checked
+
+    def hand_on(self, checked: object) -> None:
+        """Keep what a check of the arrays has found; both are immutable."""
+        self._checked = checked
 
     @model_validator(mode="after")
     def _has_one_source(self) -> Self:
