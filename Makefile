@@ -7,20 +7,25 @@ SEEDS ?= 0-1
 SEED ?= 1
 COUNT ?= 500
 BIN := $(VENV)/bin
+# The compiler, the core, all built-in scenes and the bits of films.
+SMOKE := tests/lanewise tests/core tests/scene tests/options tests/determinism
 # --require-hashes: only the very files that were locked; --only-binary: never start a compiler.
-PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
-	--require-hashes --only-binary :all:
+PIP_LOCKED := --quiet --disable-pip-version-check --require-hashes --only-binary :all:
+PIP_INSTALL := $(BIN)/python -m pip install $(PIP_LOCKED)
 PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--no-deps --no-build-isolation --editable .
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-dev demo test proofs campaign mutants lint format types docs figures peers lock canary clean
+.PHONY: help setup setup-dev demo test proofs smoke campaign mutants lint format types docs package \
+	figures peers lock canary clean
 
 help:
 	@echo "make demo      install into .venv and render the Cornell box to cornell.png"
-	@echo "make test      run the test suite (at most 10 minutes on 2 cores)"
+	@echo "make test      run the test suite (at most 8 minutes on 2 cores)"
 	@echo "make proofs    run the long statistics, the planted bugs and the 8-lane build (30 minutes)"
+	@echo "make smoke     run a short suite: make smoke PYTHON=python3.13 VENV=.venv-3.13"
+	@echo "make package   build wheel and sdist, install the wheel afresh and render with it"
 	@echo "make campaign  check the invariants of rendering on random scenes (SEEDS=0-1)"
 	@echo "make mutants   try random slips in the code against the tests (SEED=1 COUNT=500)"
 	@echo "make lint      check style and import layers        make format  fix formatting with ruff"
@@ -68,6 +73,17 @@ test: setup-dev
 proofs: setup-dev
 	ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS) --ignore tests/static # which runs no kernel
 	$(BIN)/python -m pytest -n $(JOBS) -m proofs
+
+smoke: setup-dev
+	$(BIN)/python -m pytest -n $(JOBS) $(SMOKE)
+
+package: setup-dev
+	rm -rf dist build/fresh
+	$(BIN)/hatchling build --directory dist
+	$(BIN)/python -m venv build/fresh
+	build/fresh/bin/python -m pip install $(PIP_LOCKED) --requirement requirements/runtime.txt
+	build/fresh/bin/python -m pip install --quiet --disable-pip-version-check --no-deps dist/*.whl
+	cd build/fresh && bin/alight render cornell-box --spp 4 --output cornell.png
 
 campaign: setup-dev
 	$(BIN)/python benchmarks/campaign/run.py --seeds $(SEEDS)

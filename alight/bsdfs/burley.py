@@ -38,7 +38,7 @@ Mitsuba 3 (https://mitsuba.readthedocs.io).
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
@@ -85,7 +85,6 @@ class Burley(Bsdf):
         Index of refraction; glass has at least 1.001.
     """
 
-    one_sided: ClassVar[bool] = True
     type: Literal["burley"] = "burley"
     base_color: ColorTexture = (0.5, 0.5, 0.5)
     metallic: UnitTexture = 0.0

@@ -8,7 +8,7 @@ are about the smooth ones, energy about all.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, wraps
+from functools import cache, lru_cache, wraps
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from alight.laws.statistics import (
 )
 
 CELLS = SphereCells()
-N = 60_000
+N, STEPS = 60_000, 4096
 
 
 @cache
@@ -56,6 +56,25 @@ def refined(law: Callable[..., None]) -> Callable[..., None]:
     return judged_twice
 
 
+# Laws look at one material from one side after the other, at the same directions each.
+@lru_cache(maxsize=2)
+def _values(material: Material, cosine: float, cells: SphereCells):
+    """(f_cos, pdf) at the points of the cells."""
+    return material.evaluate(direction(cosine), cells.points)
+
+
+@lru_cache(maxsize=1)
+def _samples(material: Material, cosine: float):
+    """N independent samples."""
+    return material.sample(direction(cosine), random_numbers(N, 1))
+
+
+@lru_cache(maxsize=1)
+def _stepped(material: Material, cosine: float):
+    """Samples whose first number steps evenly, so that shares of lobes are exact."""
+    return material.sample(direction(cosine), unit_interval(STEPS))
+
+
 def _smooth(pdf, flags):
     return (pdf > 0.0) & ((flags & DELTA) == 0)
 
@@ -66,9 +85,8 @@ def _smooth(pdf, flags):
 @refined
 def samples_follow_their_density(material: Material, cosine: float, cells: SphereCells) -> None:
     """Samples follow their density (chi-square)."""
-    wo = direction(cosine)
-    wi, _, pdf, flags = material.sample(wo, random_numbers(N, 1))
-    _, density = material.evaluate(wo, cells.points)
+    wi, _, pdf, flags = _samples(material, cosine)
+    _, density = _values(material, cosine, cells)
     demand(np.isfinite(density) & (density >= 0.0), "a density is negative or not finite")
     probabilities = cells.integrals(density)
     total = probabilities.sum()
@@ -80,9 +98,8 @@ def samples_follow_their_density(material: Material, cosine: float, cells: Spher
 @refined
 def density_integrates_to_the_share(material: Material, cosine: float, cells: SphereCells) -> None:
     """The density integrates to the share of successful samples."""
-    wo = direction(cosine)
-    _, _, pdf, flags = material.sample(wo, random_numbers(N, 2))
-    _, density = material.evaluate(wo, cells.points)
+    _, _, pdf, flags = _samples(material, cosine)
+    _, density = _values(material, cosine, cells)
     total, share = cells.integrals(density).sum(), _smooth(pdf, flags).astype(float)
     z = z_of_mean(share, total, 2e-4)
     demand(
@@ -93,7 +110,7 @@ def density_integrates_to_the_share(material: Material, cosine: float, cells: Sp
 
 def directions_have_unit_length(material: Material, cosine: float) -> None:
     """Sampled directions have unit length, failed ones too."""
-    wi, _, pdf, _ = material.sample(direction(cosine), random_numbers(N, 3))
+    wi, _, pdf, _ = _samples(material, cosine)
     error = length_error(wi)
     demand(error < 6.0e-7, f"a length is {error:.2g} off")
     demand(np.isfinite(pdf), "a pdf is not finite")
@@ -102,7 +119,7 @@ def directions_have_unit_length(material: Material, cosine: float) -> None:
 def weight_is_value_over_density(material: Material, cosine: float) -> None:
     """The weight of a sample is f cos / pdf."""
     wo = direction(cosine)
-    wi, weight, pdf, flags = material.sample(wo, random_numbers(N, 4))
+    wi, weight, pdf, flags = _samples(material, cosine)
     f_cos, density = material.evaluate(wo, wi)
     ok = _smooth(pdf, flags)
     # Bent normals turn a direction there and back, which rounds it: most where the cosine is small.
@@ -120,9 +137,8 @@ def weight_is_value_over_density(material: Material, cosine: float) -> None:
 @refined
 def mean_weight_is_the_integral(material: Material, cosine: float, cells: SphereCells) -> None:
     """The mean weight is the integral of the value."""
-    wo = direction(cosine)
-    _, weight, pdf, flags = material.sample(wo, random_numbers(N, 5))
-    f_cos, _ = material.evaluate(wo, cells.points)
+    _, weight, pdf, flags = _samples(material, cosine)
+    f_cos, _ = _values(material, cosine, cells)
     smooth = _smooth(pdf, flags)
     for channel in range(3):
         integral = cells.integrals(f_cos[channel]).sum()
@@ -133,8 +149,7 @@ def mean_weight_is_the_integral(material: Material, cosine: float, cells: Sphere
 
 def delta_lobes_are_as_likely_as_they_say(material: Material, cosine: float) -> None:
     """The pdf of a delta lobe is its probability, and it has one direction."""
-    n = 4096
-    wi, _, pdf, flags = material.sample(direction(cosine), unit_interval(n))
+    wi, _, pdf, flags = _stepped(material, cosine)
     delta = (flags & DELTA != 0) & (pdf > 0.0)
     total = 0.0
     for kind in np.unique(flags[delta]):
@@ -142,7 +157,7 @@ def delta_lobes_are_as_likely_as_they_say(material: Material, cosine: float) -> 
         demand(np.ptp(wi[:, here], axis=1) == 0.0, "a delta lobe has several directions")
         total += float(pdf[here][0])
         share = here.mean()
-        demand_close(pdf[here][0], share, "pdf against the share of samples", atol=1.5 / n)
+        demand_close(pdf[here][0], share, "pdf against the share of samples", atol=1.5 / STEPS)
     demand(total <= 1.0 + 1e-6, f"the delta lobes have probability {total:.5g} together")
 
 
@@ -155,10 +170,10 @@ def pure_delta_models_have_no_value(material: Material, cosine: float) -> None:
 
 def holes_are_as_likely_as_they_are_open(material: Material, cosine: float) -> None:
     """Samples pass as if nothing was there as often as shadow rays are let through."""
-    n, wo = 4096, direction(cosine)
-    wi, weight, pdf, flags = material.sample(wo, unit_interval(n))
+    wo = direction(cosine)
+    wi, weight, pdf, flags = _stepped(material, cosine)
     hole = ((flags & NULL) != 0) & (pdf > 0.0)
-    demand_close(hole.mean(), material.open_share(), "share of holes", atol=1.5 / n)
+    demand_close(hole.mean(), material.open_share(), "share of holes", atol=1.5 / STEPS)
     demand(wi[:, hole] == -(wo + 0.0 * wi)[:, hole], "light turns in a hole")
     demand(weight[:, hole] == 1.0, "light is dimmed by a hole")
 
@@ -172,11 +187,10 @@ def reflected_power(material: Material, cosine: float, cells: SphereCells = CELL
     By reciprocity it is also what wo receives under a constant sky. Refracted radiance is
     scaled back by eta^2: power, not radiance, is what is conserved.
     """
-    wo = direction(cosine)
     scale = material.radiance_scale(cosine, cells.points[2] * cosine < 0.0)
-    f_cos, _ = material.evaluate(wo, cells.points)
+    f_cos, _ = _values(material, cosine, cells)
     smooth = np.array([cells.integrals(f * scale).sum() for f in f_cos])
-    _, weight, pdf, flags = material.sample(wo, unit_interval(4096))
+    _, weight, pdf, flags = _stepped(material, cosine)
     delta = (pdf > 0.0) & ((flags & DELTA) != 0)
     single = weight * material.radiance_scale(cosine, refracts(flags)) * delta
     return smooth + single.mean(1)
@@ -191,8 +205,8 @@ def no_energy_is_created(material: Material, cosine: float, cells: SphereCells) 
 
 def values_are_finite(material: Material, cosine: float) -> None:
     """Values, densities and weights are finite and not negative."""
-    f_cos, pdf = material.evaluate(direction(cosine), CELLS.points)
-    _, weight, sampled, _ = material.sample(direction(cosine), unit_interval(4096))
+    f_cos, pdf = _values(material, cosine, CELLS)
+    _, weight, sampled, _ = _stepped(material, cosine)
     for name, values in (("f cos", f_cos), ("pdf", pdf), ("weight", weight), ("pdf", sampled)):
         demand(np.isfinite(values) & (values >= 0.0), f"a {name} is negative or not finite")
 
@@ -228,16 +242,16 @@ def models_without_a_back_are_black(material: Material, cosine: float) -> None:
     demand(~material.evaluate(below, CELLS.points)[0].any(), "f cos > 0 seen from behind")
     _, weight, pdf, _ = material.sample(below, unit_interval(512))
     demand(~weight.any() & ~pdf.any(), "a sample seen from behind has a weight or a pdf")
-    under = CELLS.points[:, CELLS.points[2] < 0.0]
-    demand(~material.evaluate(direction(cosine), under)[0].any(), "light from below comes through")
+    f_cos, _ = _values(material, cosine, CELLS)
+    demand(~f_cos[:, CELLS.points[2] < 0.0].any(), "light from below comes through")
 
 
 def light_from_behind_is_as_declared(material: Material, cosine: float) -> None:
     """Smooth light from the other side of the shading normal comes only if that is declared."""
     if material.is_one_sided():
-        behind = CELLS.points[:, CELLS.points[2] * cosine < 0.0]
-        f_cos, _ = material.evaluate(direction(cosine), behind)
-        demand(~f_cos.any(), "f cos > 0 for light from the other side")
+        behind = CELLS.points[2] * cosine < 0.0
+        f_cos, _ = _values(material, cosine, CELLS)
+        demand(~f_cos[:, behind].any(), "f cos > 0 for light from the other side")
 
 
 @refined

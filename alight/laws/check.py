@@ -49,8 +49,8 @@ def check_laws(model: object, *, compiled: bool = True) -> Report:
 def _check_bsdf(examples: Sequence[Spec], compiled: bool) -> Iterator[Result]:
     for example in examples:
         material, name = Material(example), _short(example)
-        for law in bsdfs.DIRECTIONAL_LAWS:
-            for cosine in COSINES:
+        for cosine in COSINES:
+            for law in bsdfs.DIRECTIONAL_LAWS:
                 yield judged(law, f"{name}, cosine {cosine}", material, cosine)
         for law in bsdfs.WHOLE_LAWS:
             yield judged(law, name, material)

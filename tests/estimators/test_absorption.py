@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 import yaml
 
-import alight
 from alight.bsdfs.dielectric import Dielectric
 from alight.core.errors import SceneError
 from alight.formats import loads
+from tests.twin import picture_of
 
 COLOR = [0.8, 0.5, 0.1]
 
 
 def seen(bsdf):
-    """The middle of a sphere of radius 1.5 under a white sky, seen from outside."""
+    """The middle of a sphere of radius 1.5 under a white sky, seen from outside, in the twin."""
     scene = {
         "alight": 1,
         "camera": {
@@ -24,7 +24,7 @@ def seen(bsdf):
         "environment": {"type": "constant", "radiance": 1.0},
         "nodes": {"body": {"shape": {"type": "sphere", "radius": 1.5}, "bsdf": bsdf}},
     }
-    return alight.render(loads(yaml.safe_dump(scene)), spp=64).image.mean((0, 1))
+    return picture_of(loads(yaml.safe_dump(scene)), 16).mean((0, 1))
 
 
 @pytest.mark.parametrize(

@@ -68,11 +68,18 @@ def agree(a, b):
     assert z.max() < 4.5, (means, z)
 
 
-@pytest.mark.parametrize("motion", [AT_REST, MOVING], ids=["at rest", "moving"])
-def test_every_way_to_find_their_light_gives_one_picture(motion):
+@pytest.mark.parametrize(
+    ("motion", "ways"),
+    [
+        (AT_REST, ["light_sampling: mis"]),
+        (MOVING, ["light_sampling: emitter", "light_choice: tree"]),
+    ],
+    ids=["at rest", "moving"],
+)
+def test_every_way_to_find_their_light_gives_one_picture(motion, ways):
     """By its surface, by light sampling, by both, and with the lights chosen by a tree."""
     by_bsdf = film("{type: path, max_depth: 4, light_sampling: bsdf}", motion, spp=1024)
-    for options in ("light_sampling: emitter", "light_sampling: mis", "light_choice: tree"):
+    for options in ways:
         agree(film(f"{{type: path, max_depth: 4, {options}}}", motion), by_bsdf)
 
 

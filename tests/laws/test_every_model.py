@@ -1,7 +1,7 @@
 """Every model of every family obeys the laws of its family: registry times examples.
 
-BSDFs, samplers and integrators have tests of their own that walk the same laws example by example
-(`tests/physics/test_bsdf_laws.py`, `tests/samplers/test_samplers.py`).
+BSDFs and samplers have tests of their own that walk the same laws example by example
+(`test_bsdfs.py`, `tests/samplers/test_samplers.py`).
 """
 
 import pytest
@@ -11,7 +11,7 @@ from alight.core.registry import FAMILIES, modules, type_name_of
 from alight.laws.check import CHECKS
 from tests.static.sources import FAMILIES as FAMILIES_OF_THE_PACKAGE
 
-#: Walked elsewhere, with a case for each law, example and direction.
+#: Walked elsewhere, example by example.
 ELSEWHERE = {"bsdfs", "samplers"}
 
 MODELS = [

@@ -2,7 +2,7 @@
 
 from tests.mutants.mutant import Mutant
 
-LAWS = "tests/physics/test_bsdf_laws.py"
+LAWS = "tests/laws/test_bsdfs.py"
 BITMAPS = "tests/textures/test_bitmap.py"
 LAYERED = "tests/physics/test_layered_models.py"
 COATS = "tests/physics/test_coated_conductor.py"
@@ -12,7 +12,7 @@ MATERIALS = (
         "coat sampled with another probability than stated",
         "bsdfs/plastic.py",
         (("mirrored = u < share", "mirrored = u < 0.5 * share"),),
-        f"{LAWS}::test_white_furnace_of_lossless_models",
+        LAWS,
     ),
     Mutant(
         "weight of a blend taken for the other part",

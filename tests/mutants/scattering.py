@@ -2,20 +2,20 @@
 
 from tests.mutants.mutant import Mutant
 
-LAWS = "tests/physics/test_bsdf_laws.py"
+LAWS = "tests/laws/test_bsdfs.py"
 
 SCATTERING = (
     Mutant(
         "value of a BSDF without the cosine",
         "bsdfs/diffuse.py",
         (("cosine = where(above, INV_PI * wi.z, 0.0)", "cosine = where(above, INV_PI, 0.0)"),),
-        f"{LAWS}::test_white_furnace_of_lossless_models",
+        LAWS,
     ),
     Mutant(
         "eta for eta^2 in refracted radiance",
         "bsdfs/dielectric.py",
         (("where(reflects, 1.0, 1.0 / (eta * eta))", "where(reflects, 1.0, 1.0 / eta)"),),
-        f"{LAWS}::test_white_furnace_of_lossless_models",
+        LAWS,
     ),
     Mutant(
         "indices of refraction swapped",
@@ -26,13 +26,13 @@ SCATTERING = (
                 "where(wo.z < 0.0, params.eta, 1.0 / params.eta)",
             ),
         ),
-        f"{LAWS}::test_white_furnace_of_lossless_models",
+        LAWS,
     ),
     Mutant(
         "density of the other way of sampling",
         "bsdfs/diffuse.py",
         (("where(above, INV_TWO_PI, 0.0)", "cosine"),),
-        "tests/sampling/test_bsdf_sampling.py::test_samples_follow_their_density",
+        LAWS,
     ),
     Mutant(
         "two-sided surface that turns only wo",

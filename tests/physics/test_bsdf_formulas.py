@@ -29,6 +29,23 @@ def test_diffuse_is_lambert_however_it_is_sampled(sampling):
     np.testing.assert_allclose(pdf, density, rtol=5e-7)
 
 
+@pytest.mark.parametrize("m", [0, 1, 2, 8])
+def test_uniform_sampling_of_diffuse_has_the_variance_that_its_page_states(m):
+    wo, variances = direction(0.7), {}
+    for sampling in ("cosine", "uniform"):
+        wi, weight, _, _ = Material(Diffuse(sampling=sampling)).sample(
+            wo, random_numbers(60_000, 6)
+        )
+        estimate = weight[0].astype(float) * wi[2].astype(float) ** m
+        variances[sampling] = estimate.var() / estimate.mean() ** 2
+    assert variances["cosine"] == pytest.approx(m * m / (4.0 * (m + 1.0)), rel=0.05, abs=1e-9)
+    assert variances["uniform"] == pytest.approx((m + 1.0) ** 2 / (2.0 * m + 3.0), rel=0.05)
+
+
+def test_uniform_scatter_is_the_model_that_is_not_reciprocal():
+    assert not Material(UniformScatter()).is_reciprocal()
+
+
 def test_uniform_scatter_forgets_the_cosine():
     f_cos, pdf = Material(UniformScatter(reflectance=COLOR)).evaluate(upper(3), upper(4))
     np.testing.assert_allclose(f_cos, np.outer(COLOR, np.ones(5000)) / (2.0 * np.pi), rtol=5e-7)

@@ -8,14 +8,7 @@ from alight.bsdfs.dielectric import Dielectric
 from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
 from alight.bsdfs.mirror import Mirror
 from alight.bsdfs.null import Null
-from alight.laws import bsdfs as laws
-from tests.sampling.materials import (
-    Material,
-    direction,
-    each_delta_example,
-    each_example,
-    unit_interval,
-)
+from tests.sampling.materials import Material, direction, unit_interval
 
 N = 4096
 
@@ -31,16 +24,6 @@ def lobes(material, wo):
         i = np.argmax(here)
         found.append((wi[:, i], weight[:, i], pdf[i], int(kind), here.mean()))
     return found
-
-
-@each_delta_example
-def test_nothing_is_found_without_sampling(spec, cosine):
-    laws.pure_delta_models_have_no_value(Material(spec), cosine)
-
-
-@each_example
-def test_probabilities_are_the_shares_of_the_random_numbers(spec, cosine):
-    laws.delta_lobes_are_as_likely_as_they_say(Material(spec), cosine)
 
 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.02])

@@ -1,38 +1,78 @@
 """The size ratchet: a file is one concept, a function is one thought."""
 
+import ast
 import statistics
 
-from tests.static.sources import all_files, code_lines, functions, package_files, place
+from tests.static.sources import ROOT, all_files, code_lines, functions, package_files, place
 
-LONGEST_FILE = 500
-MEDIAN_FILE = 150
+LONGEST_FILE = 400
+MEDIAN_FILE = 130
 LONGEST_FUNCTION = 120
+LONGEST_FUNCTION_WITHOUT_DOCSTRING = 80
 NINE_OF_TEN_FUNCTIONS = 40
+#: Files that are longer still, and how long they may be: the list only ever gets shorter.
+LONGER = {
+    "alight/bsdfs/principled.py": 441,
+    "alight/bsdfs/switch.py": 431,
+    "alight/compiled/shapes.py": 457,
+    "alight/core/registration.py": 442,
+    "alight/films/film.py": 500,
+    "alight/formats/pbrt/materials.py": 466,
+    "alight/lab/evaluate.py": 442,
+    "alight/lab/results.py": 461,
+    "alight/lights/tree_build.py": 409,
+    "alight/metrics/own_error.py": 408,
+    "alight/options/kinds.py": 445,
+    "alight/rendering/trace.py": 435,
+    "alight/scene/description.py": 436,
+    "alight/scene/validation.py": 463,
+    "alight/shapes/mesh.py": 410,
+    "alight/shapes/sphere.py": 430,
+    "lanewise/instructions.py": 445,
+    "lanewise/lane_types.py": 407,
+    "lanewise/wide_instructions.py": 402,
+    "tests/formats/gltf/test_gltf.py": 459,
+    "tests/formats/gltf/test_written_materials.py": 437,
+    "tests/formats/pbrt/test_objects.py": 404,
+    "tests/images/mitsuba_scenes.py": 470,
+    "tests/lights/test_light_sampling.py": 451,
+    "tests/lights/test_light_tree.py": 416,
+    "tests/rendering/test_checkpoints.py": 410,
+}
 
 
 def _lines(path):
     return path.read_text(encoding="utf-8").count("\n")
 
 
-def test_no_file_is_longer_than_500_lines():
-    too_long = [
-        f"{place(path)}: {_lines(path)}" for path in all_files() if _lines(path) > LONGEST_FILE
-    ]
+def test_no_file_is_longer_than_400_lines():
+    lengths = {path.relative_to(ROOT).as_posix(): _lines(path) for path in all_files()}
+    too_long = {
+        name: length for name, length in lengths.items() if length > LONGER.get(name, LONGEST_FILE)
+    }
     assert not too_long, f"more than {LONGEST_FILE} lines: {too_long}"
+    short = [name for name in LONGER if lengths.get(name, 0) <= LONGEST_FILE]
+    assert not short, f"no longer than others now; take them off the list: {short}"
 
 
-def test_half_of_the_files_have_at_most_150_lines():
+def test_half_of_the_files_have_at_most_130_lines():
     assert statistics.median(_lines(path) for path in package_files()) <= MEDIAN_FILE
 
 
-def test_no_function_is_longer_than_120_lines():
+def test_no_function_is_longer_than_120_lines_or_80_without_a_docstring():
     too_long = [
         f"{place(path, function.lineno)} {function.name}"
         for path in all_files()
         for function in functions(path)
-        if code_lines(function) > LONGEST_FUNCTION
+        if code_lines(function) > _longest(function)
     ]
-    assert not too_long, f"more than {LONGEST_FUNCTION} lines: {too_long}"
+    assert not too_long, f"too long: {too_long}"
+
+
+def _longest(function):
+    """How many lines of code a function may have."""
+    told = ast.get_docstring(function) is not None
+    return LONGEST_FUNCTION if told else LONGEST_FUNCTION_WITHOUT_DOCSTRING
 
 
 def test_nine_functions_of_ten_have_at_most_40_lines():
