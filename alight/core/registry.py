@@ -69,6 +69,11 @@ def specs(family: str) -> dict[str, type[Spec]]:
     return _specs(modules(family))
 
 
+def default_of(base: type[S]) -> S:
+    """Give what a family has where nothing is named: the ``DEFAULT`` of its registry."""
+    return import_module(f"alight.{base.family}").DEFAULT
+
+
 def specs_of(base: type[S]) -> dict[str, type[S]]:
     """Map type names to description classes, for the family of a base class."""
     return cast("dict[str, type[S]]", specs(base.family))

@@ -10,6 +10,7 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
@@ -130,11 +131,20 @@ def _is_dark(color: Triple | Texture | str) -> bool:
 
 
 class Light(Spec):
-    """Base class of lights; `placement` is where a scene may place one."""
+    """Base class of lights.
+
+    Attributes
+    ----------
+    placement : {"node", "shape", "environment"}
+        Where a scene may place one.
+    has_place : bool
+        Around the scene, and yet at a place: a rectangle through which the others are seen.
+    """
 
     family: ClassVar[str] = "lights"
     kind: ClassVar[str] = "light"
     placement: ClassVar[Literal["node", "shape", "environment"]] = "node"
+    has_place: ClassVar[bool] = False
 
     @property
     def is_black(self) -> bool:
@@ -146,6 +156,16 @@ class Light(Spec):
     def largest_radiance(self) -> float | None:
         """Bound of the radiance that it emits; None if none is known."""
         return None
+
+    def read(self, folder: Path) -> Self:
+        """Take numbers from the file that it names; pictures are read by others.
+
+        Raises
+        ------
+        SceneError
+            If the file is missing or broken; its path is ``file``.
+        """
+        return self
 
 
 class Texture(Spec):

@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.core.spec import Spec, Texture, invalid, texture_interval
-from alight.lights.ies import Ies
-from alight.lights.photometry import read_profile
+from alight.core.spec import Light, Spec, Texture, invalid, texture_interval
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.meshes import unreadable
@@ -51,8 +49,8 @@ class ImageStore:
         SceneError
             If the file is missing or broken; its path is ``file``.
         """
-        if isinstance(spec, Ies):
-            return self._with_profile(spec)
+        if isinstance(spec, Light):
+            spec = spec.read(self.folder or Path())
         name = getattr(spec, "file", None) if holds_image(spec) else None
         if name is None:
             return spec
@@ -66,18 +64,6 @@ class ImageStore:
         if isinstance(image, SceneError):
             raise image
         return spec.replaced(file=None, pixels=image)
-
-    def _with_profile(self, spec: Any) -> Any:
-        """A lamp with the profile of its file; its fields hold it."""
-        if spec.file is None:
-            return spec
-        found = read_profile((self.folder or Path()) / spec.file, spec.file)
-        return spec.replaced(
-            file=None,
-            vertical_angles=tuple(found.vertical.tolist()),
-            horizontal_angles=tuple(found.horizontal.tolist()),
-            candela=tuple(map(tuple, found.candela.tolist())),
-        )
 
     def resolved(self, spec: AnySpec, textures: Mapping[str, Texture]) -> AnySpec:
         """Put textures into the places of their names, and pictures into those of files.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.meshes import obj, ply, stl
 from alight.meshes.triangles import MeshArrays
-from alight.shapes.mesh import Mesh
+from alight.shapes.arrays import TriangleShape
 
 FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
 
@@ -56,9 +56,9 @@ class MeshStore:
     folder: Path | None = None
     _files: dict[Path, MeshArrays | SceneError] = field(default_factory=dict)
     _geometries: dict[object, Geometry] = field(default_factory=dict)
-    _kept: list[Mesh] = field(default_factory=list)
+    _kept: list[TriangleShape] = field(default_factory=list)
 
-    def geometry(self, mesh: Mesh) -> Geometry:
+    def geometry(self, mesh: TriangleShape) -> Geometry:
         """Return the checked arrays of a mesh.
 
         Raises
@@ -134,13 +134,13 @@ def unreadable(
     return f"no such file: {quote(name)}" + (f'; did you mean "{near}"?' if near else "")
 
 
-def _from_arrays(mesh: Mesh) -> MeshArrays:
+def _from_arrays(mesh: TriangleShape) -> MeshArrays:
     assert mesh.vertices is not None
     assert mesh.faces is not None
     return MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
 
 
-def _geometry(arrays: MeshArrays, mesh: Mesh) -> Geometry:
+def _geometry(arrays: MeshArrays, mesh: TriangleShape) -> Geometry:
     problem = mesh_problem(arrays)
     if problem:
         path, message = problem

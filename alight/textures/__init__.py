@@ -27,3 +27,6 @@ MODELS = (
     threshold,
     clamp,
 )
+
+#: The same colour everywhere: what a number is where a texture is wanted.
+DEFAULT = constant.Constant()
