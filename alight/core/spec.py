@@ -6,9 +6,7 @@ others must know of a model, its class says by members that the base class of it
 
 from __future__ import annotations
 
-import difflib
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
@@ -16,7 +14,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
 
-from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
+from alight.core.errors import SceneError
+from alight.core.field_errors import translate
 from alight.core.fields import (
     Interval,
     Model,
@@ -349,40 +348,3 @@ def energy_problem(**parts: Triple | Texture | str) -> str | None:
         return None
     shown = ", ".join(f"{channel:g}" for channel in sums)
     return f"{' + '.join(parts)} must be at most 1 in each channel, got ({shown})"
-
-
-def translate(spec: type[BaseModel], error: ValidationError) -> list[Issue]:
-    """Put pydantic's errors in our words: one issue each, paths relative to the description."""
-    return [
-        Issue(
-            join_path(*detail["loc"]),
-            _message(spec, detail),
-            about_key=detail["type"] == "extra_forbidden",
-        )
-        for detail in error.errors(include_url=False)
-    ]
-
-
-def _message(spec: type[BaseModel], detail: Mapping[str, Any]) -> str:
-    kind, value = detail["type"], detail["input"]
-    fields = [name for name in spec.model_fields if name != "type"]
-    if kind == "alight":
-        return detail["ctx"]["message"]
-    if kind == "extra_forbidden":
-        return unknown_name("key", str(detail["loc"][-1]), fields, listed_as="keys")
-    if kind == "missing":
-        return f"is missing  (keys: {', '.join(fields)})"
-    if kind == "literal_error":
-        return _choice_message(value, re.findall(r"'([^']*)'", detail["ctx"]["expected"]))
-    nouns = {"string_type": "a text", "bool_type": "true or false", "dict_type": "a mapping"}
-    if kind in nouns:
-        return f"must be {nouns[kind]}, got {show_value(value)}"
-    if kind == "is_instance_of":
-        return f"must be a {detail['ctx']['class'].lower()}, got {show_value(value)}"
-    return f"{detail['msg']}, got {show_value(value)}"
-
-
-def _choice_message(value: object, choices: list[str]) -> str:
-    near = difflib.get_close_matches(str(value)[:80], choices, n=1)
-    hint = f'; did you mean "{near[0]}"?' if near else ""
-    return f"must be one of {', '.join(choices)}, got {show_value(value)}{hint}"

@@ -14,6 +14,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from alight.core.errors import Issue, join_path, show_value, unknown_name
+from alight.core.field_errors import translate
 from alight.core.registry import default_of, specs, specs_of
 from alight.core.spec import (
     Camera,
@@ -24,7 +25,6 @@ from alight.core.spec import (
     Numbers,
     Spec,
     Texture,
-    translate,
 )
 from alight.scene.description import (
     CameraField,
