@@ -174,6 +174,11 @@ class Texture(Spec):
     kind: ClassVar[str] = "texture"
     varies: ClassVar[bool] = True
 
+    @property
+    def mean_is_exact(self) -> bool:
+        """Whether `mean` is that over the plane of (u, v), and no estimate."""
+        return not self.varies
+
     def maximum(self) -> tuple[float, float, float]:
         """Largest value of each channel."""
         return (1.0, 1.0, 1.0)
@@ -241,11 +246,24 @@ class Camera(Spec):
 
 
 class Sampler(Spec):
-    """Base class of samplers; made for `block` samples, doubled any number of times."""
+    """Base class of samplers.
+
+    Attributes
+    ----------
+    block : int
+        It is made for so many samples, doubled any number of times.
+    independent : bool
+        Samples know nothing of each other.
+    """
 
     family: ClassVar[str] = "samplers"
     kind: ClassVar[str] = "sampler"
     block: ClassVar[int] = 1
+    independent: ClassVar[bool] = False
+
+    def with_block(self, samples: int) -> Self:
+        """The same with blocks of at most so many samples, if it has blocks."""
+        return self
 
 
 class Filter(Spec):
@@ -259,14 +277,42 @@ class Filter(Spec):
 class Integrator(Spec):
     """Base class of integrators.
 
-    Without `needs_light` even a dark scene gives a picture; those that follow light must say by
-    `sees_media` whether they know of media.
+    Attributes
+    ----------
+    needs_light : bool
+        A dark scene gives a black picture.
+    sees_media : bool
+        Media play their part; those that follow light must say so.
+    transports : bool
+        Its picture is the light of all paths with at most `longest_path` edges: the same as that
+        of every other integrator of this kind.
     """
 
     family: ClassVar[str] = "integrators"
     kind: ClassVar[str] = "integrator"
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
+    transports: ClassVar[bool] = False
+
+    @property
+    def longest_path(self) -> int | None:
+        """Edges of the longest path; None without a limit."""
+        return None
+
+    @property
+    def choice_of_lights(self) -> str:
+        """How light sampling chooses a light, see `alight.integrators.options.LightSampling`."""
+        return "auto"
+
+    @property
+    def combines(self) -> bool:
+        """Whether light sampling and BSDF sampling share the work by weights."""
+        return False
+
+    @property
+    def finds_light_by_chance(self) -> bool:
+        """Whether no path is led to a light."""
+        return False
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.

@@ -45,7 +45,7 @@ from alight.media.tables import (
 )
 from alight.media.volumes import Values
 from alight.media.voxels import color_at, density, into_cube
-from alight.phases.henyey_greenstein import HenyeyGreenstein
+from alight.phases import FORWARD
 from lanewise.jit import kernel
 from lanewise.simd import (
     any_lane,
@@ -139,7 +139,7 @@ _STEP = np.arange(24.0).reshape(2, 3, 4) / 23.0
 
 EXAMPLES = (
     Grid(values=_STEP),
-    Grid(values=_STEP, sigma_t=(4.0, 2.0, 1.0), albedo=0.9, phase=HenyeyGreenstein(g=0.6)),
+    Grid(values=_STEP, sigma_t=(4.0, 2.0, 1.0), albedo=0.9, phase=FORWARD.replaced(g=0.6)),
     Grid(values=_STEP, albedo_values=_STEP[..., None] * [1.0, 0.5, 0.0], low=(-1.0, 0.0, 0.0)),
     Grid(values=_STEP, albedo=0.2, emission_values=_STEP[..., None] * [3.0, 1.0, 0.0]),
 )

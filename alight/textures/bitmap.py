@@ -31,7 +31,7 @@ from pydantic import model_validator
 from alight.core.spec import Texture, Triple, invalid
 from alight.core.uv_sets import UvSet, set_features
 from alight.core.vec import Vec3
-from alight.textures.images import Pixels, source_problem
+from alight.textures.images import TILE, Pixels, source_problem
 from alight.textures.uv import IDENTITY, ToUv, lookup_point
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
@@ -97,6 +97,11 @@ class Bitmap(Texture):
         """Mean of each channel over the picture; 0 as long as the file has not been read."""
         return (0.0, 0.0, 0.0) if self.pixels is None else self.pixels.mean(self.color_space)
 
+    @property
+    def mean_is_exact(self) -> bool:
+        """Where no edge goes on for ever."""
+        return "clamp" not in (self.wrap, self.wrap_v or self.wrap)
+
 
 _CORNERS = np.array(
     [[[255, 0, 0], [0, 255, 0], [40, 40, 200]], [[0, 0, 0], [9, 99, 199], [255] * 3]]
@@ -117,9 +122,6 @@ EXAMPLES = (
 
 # size: columns and rows. modes: bilinear or not, and the index of `wrap`. layout: four words, see
 # `alight.compiled.textures.TextureTable.texels`.
-#: Sides of the tiles that texels lie in, see `alight.compiled.textures`.
-TILE = 4
-
 SLOTS = {"to_uv": 6, "size": 2, "modes": 2, "layout": 4, "wrap_v": 1, "uv_set": 1}
 REPEAT, MIRROR, CLAMP = 0.0, 1.0, 2.0
 _WRAPS = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}
