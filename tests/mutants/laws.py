@@ -34,9 +34,7 @@ LAWS = (
         (
             (
                 "lens_x, lens_y = square_to_disk_concentric(u_lens)",
-                "lens_x, lens_y = square_to_disk_concentric(u_lens)\n"
-                "    r = lens_x * lens_x + lens_y * lens_y\n"
-                "    lens_x, lens_y = r * lens_x, r * lens_y",
+                "lens_x, lens_y = (c * u_lens[0] for c in square_to_disk_concentric(u_lens))",
             ),
         ),
         f"{LAWS_OF}[cameras-thin_lens]",
