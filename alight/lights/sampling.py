@@ -33,20 +33,6 @@ from lanewise.simd import (
 
 
 @kernel
-def blend(mask, a, b):
-    """Lane-wise choice between two `LightSample`."""
-    return LightSample(
-        where(mask, a.wi, b.wi),
-        where(mask, a.distance, b.distance),
-        where(mask, a.radiance, b.radiance),
-        where(mask, a.pdf, b.pdf),
-        where(mask, a.delta, b.delta),
-        where(mask, a.cosine, b.cosine),
-        where(mask, a.error, b.error),
-    )
-
-
-@kernel
 def no_sample(scene, index, p, u, u2):
     """A `LightSample` of zeros in every lane."""
     zero, vector = lanes(0.0), lanes_vec3(0.0)
@@ -88,7 +74,7 @@ def _if_chosen(own, back: int):
     def choose(scene, index, p, u, u2, result):
         mine = lanes_u32(0) + index == scene.lights.info.size // INFO - back
         if any_lane(mine):
-            result = blend(mine, own(scene, back, p, u, u2), result)
+            result = where(mine, own(scene, back, p, u, u2), result)
         return result
 
     return choose
@@ -108,7 +94,7 @@ def _by_kind(names: tuple[str, ...]):
             # Rows of other kinds say other things (where a map begins, not which shape shines), and
             # would lead out of the tables: those lanes ask about a light of this kind too.
             some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
-            result = blend(mine, own(scene, where(mine, index, some), p, u, u2), result)
+            result = where(mine, own(scene, where(mine, index, some), p, u, u2), result)
         return result
 
     return choose

@@ -10,18 +10,6 @@ from lanewise.simd import any_lane, gather, lanes, lanes_vec3, where
 
 
 @kernel
-def blend(mask, a, b):
-    """Lane-wise choice between two `ShapeSample`."""
-    return ShapeSample(
-        where(mask, a.wi, b.wi),
-        where(mask, a.distance, b.distance),
-        where(mask, a.cosine, b.cosine),
-        where(mask, a.error, b.error),
-        where(mask, a.pdf, b.pdf),
-    )
-
-
-@kernel
 def no_sample(tables, cdf, start, shape, p, u, u2):
     """A `ShapeSample` of zeros in every lane."""
     zero = lanes(0.0)
@@ -49,7 +37,7 @@ def _sample_by_kind(shapes: tuple[ShapeModel, ...]):
         result = others(tables, cdf, start, shape, p, u, u2)
         mine = gather(tables.info, shape * SHAPE_INFO) == number
         if any_lane(mine):
-            result = blend(mine, own(tables, cdf, start, shape, p, u, u2), result)
+            result = where(mine, own(tables, cdf, start, shape, p, u, u2), result)
         return result
 
     return choose

@@ -27,22 +27,6 @@ def needs_tangents(program) -> bool:
 
 
 @kernel
-def blend(mask, a, b):
-    """Lane-wise choice between two `Geometry`."""
-    return Geometry(
-        where(mask, a.p, b.p),
-        where(mask, a.error, b.error),
-        where(mask, a.ng, b.ng),
-        where(mask, a.ns, b.ns),
-        where(mask, a.s, b.s),
-        where(mask, a.t, b.t),
-        where(mask, a.u, b.u),
-        where(mask, a.v, b.v),
-        where(mask, a.color, b.color),
-    )
-
-
-@kernel
 def blank():
     """A `Geometry` of zeros in every lane."""
     zero, vector = lanes(0.0), lanes_vec3(0.0)
@@ -66,7 +50,7 @@ def _chain(kinds: tuple[ShapeModel, ...]):
         result = rest(tables, kind, k, hit, o, d, active)
         mine = active & (kind == number)
         if any_lane(mine):
-            result = blend(mine, surface(tables, k, hit, o, d), result)
+            result = where(mine, surface(tables, k, hit, o, d), result)
         return result
 
     return choose
