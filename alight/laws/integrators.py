@@ -1,4 +1,4 @@
-"""Laws of integrators: finite, a pure function of the sample, machine code as the Python text.
+"""Laws of integrators: finite, a pure function of the sample, the light that all of them find.
 
 Each law is a function of an example and raises `BrokenLawError`. They render a small room with a
 mirror ball and a lamp.
@@ -11,16 +11,22 @@ from functools import lru_cache
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.core.noise_only import noise_only_fields
+from alight.core.registry import default_of
 from alight.core.spec import Integrator
 from alight.films.fixed_point import carry, to_float
 from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.laws.report import demand, demand_close
+from alight.laws.statistics import LARGEST_Z
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
 
 SPP, REPLICATES = 8, 4
+#: Samples where means are compared, and the largest that a sample can be: the lamp's radiance times
+#: f cos / p of uniform directions.
+MANY, BRIGHTEST = 16, 20.0 * 4.0
 
 ROOM = """
 alight: 1
@@ -47,12 +53,12 @@ def room(spec: Integrator) -> CompiledScene:
 
 
 def picture(
-    scene: CompiledScene, tile: Tile, *, compiled: bool = False, seed: int = 0
+    scene: CompiledScene, tile: Tile, *, compiled: bool = False, seed: int = 0, spp: int = SPP
 ) -> np.ndarray:
     """Sums (height, width, replicates, 3) of a tile; every number must be finite."""
     settings = make_settings(scene.integrator, seed=seed, replicates=REPLICATES)
     ranges = np.tile(
-        np.array([0, SPP], np.int64),
+        np.array([0, spp], np.int64),
         (-(-tile.y1 // 8) - tile.y0 // 8, -(-tile.x1 // 8) - tile.x0 // 8, 1),
     )
     kernels = make_kernels(scene, compiled=compiled)
@@ -65,6 +71,33 @@ def picture(
 def samples_are_finite_and_not_negative(spec: Integrator) -> None:
     """Samples are finite and not negative."""
     demand(picture(room(spec), Tile(0, 0, 16, 16)) >= 0.0, "a sample is negative")
+
+
+@lru_cache(maxsize=8)
+def means(spec: Integrator, seed: int) -> np.ndarray:
+    """Means (16, 16, replicates, 3) of the room."""
+    return picture(room(spec), Tile(0, 0, 16, 16), seed=seed, spp=MANY) * (REPLICATES / MANY)
+
+
+def its_picture_is_that_of_all_others(spec: Integrator) -> None:
+    """One that transports light has the mean of a path tracer with paths as long."""
+    if not spec.transports:
+        return
+    tracer, free = default_of(Integrator), {"type", *noise_only_fields(spec)}
+    shared = {n: v for n, v in spec if n in type(tracer).model_fields and n not in free}
+    other = tracer.replaced(**{**shared, "max_depth": spec.longest_path})
+    sides = means(spec, 1), means(other, 2)
+    a, b = (side.mean(axis=(0, 1, 2)) for side in sides)
+    # Replicates of a pixel tell how samples spread within it.
+    variance = sum((side.var(axis=2, ddof=1) / REPLICATES).mean(axis=(0, 1)) for side in sides)
+    variance = variance / (16 * 16)
+    if spec.finds_light_by_chance:
+        # What is rare and bright may have been missed: values in [0, M] of mean m vary by m M.
+        variance = np.maximum(variance, np.maximum(a, b) * BRIGHTEST / (16 * 16 * MANY))
+    z = (a - b) / np.sqrt(variance)
+    worst = int(np.argmax(np.abs(z)))
+    text = f"channel {worst}: mean {a[worst]:.5g}, that of a path tracer {b[worst]:.5g}"
+    demand(abs(z[worst]) < LARGEST_Z, f"{text}, {abs(z[worst]):.1f} standard errors")
 
 
 def tiles_do_not_matter(spec: Integrator) -> None:
@@ -84,5 +117,9 @@ def compiled_picture_is_the_twins(spec: Integrator) -> None:
     demand_close(found.mean(), expected.mean(), "mean, compiled against Python", rtol=0.02)
 
 
-LAWS = (samples_are_finite_and_not_negative, tiles_do_not_matter)
+LAWS = (
+    samples_are_finite_and_not_negative,
+    tiles_do_not_matter,
+    its_picture_is_that_of_all_others,
+)
 COMPILED_LAWS = (compiled_picture_is_the_twins,)

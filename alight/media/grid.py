@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import model_validator
 
 from alight.core.maths import log
-from alight.core.spec import Interval, Numbers, Vector3, invalid
+from alight.core.spec import Interval, Numbers, Triple, Vector3, invalid
 from alight.core.vec import gather_vec3
 from alight.media.coefficients import Coefficients, extinction
 from alight.media.tables import (
@@ -91,6 +91,17 @@ class Grid(Coefficients):
     values: Values | None = None
     albedo_values: Values | None = None
     emission_values: Values | None = None
+
+    @property
+    def largest_emission(self) -> float:
+        """Of all channels and places."""
+        values = self.emission_values
+        return max(self.emission) if values is None else float(values.values.max())
+
+    def shining(self, emission: Triple) -> Self:
+        """The same with this emission everywhere."""
+        return self.replaced(emission=emission, emission_values=None)
+
     low: Vector3 = (0.0, 0.0, 0.0)
     high: Vector3 = (1.0, 1.0, 1.0)
     matrix: Annotated[tuple[float, ...], Numbers(12, Interval())] | None = None
