@@ -18,7 +18,7 @@ from alight.laws.integrators import picture
 from alight.laws.report import demand
 from alight.laws.shapes import scene_of
 from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
-from alight.media.coefficients import extinction
+from alight.media.coefficients import Coefficients, extinction
 from alight.media.model import MEDIA
 from alight.media.sampling import cross, fly
 from alight.media.tables import Stream
@@ -153,7 +153,7 @@ def shadow_rays_come_through_as_the_transmittance_says(spec: Medium) -> None:
             _demand_mean(weight[:, c], expected[c], "comes through")
 
 
-def in_a_furnace_it_vanishes(spec: Medium) -> None:
+def in_a_furnace_it_vanishes(spec: Coefficients) -> None:
     """In a furnace as bright as the medium itself nothing is seen: all light is 1."""
     scene = furnace_of(spec.shining((1.0, 1.0, 1.0)))
     values = picture(scene, Tile(0, 0, *FILM), spp=FURNACE_SPP).sum(axis=2) / FURNACE_SPP

@@ -18,7 +18,7 @@ SCENES = ("formats", "scene/builtin", "lab/random_scenes")
 
 #: Words of another meaning, by file.
 OTHER_MEANINGS: dict[str, set[str]] = {
-    "core/registration.py": {"area"},
+    "core/model_form.py": {"area"},
     "core/spec.py": {"environment"},
     "integrators/queue.py": {"direct"},
     "integrators/volume_walk.py": {"channel"},
