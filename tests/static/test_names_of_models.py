@@ -31,7 +31,6 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "lights/daylight.py": {"environment"},
     "lights/model.py": {"environment"},
     "lights/portal.py": {"environment"},
-    "lights/sampling.py": {"environment"},
     "rendering/cycles.py": {"threshold"},
     "options/render.py": {"direct"},
     "options/table.py": {"path"},
