@@ -19,6 +19,7 @@ from lanewise import records, simd
 from lanewise.instructions import PRIMITIVES
 from lanewise.lane_types import (
     I1,
+    I32,
     Floats,
     LaneType,
     Mask,
@@ -27,10 +28,13 @@ from lanewise.lane_types import (
     emit,
     f32,
     is_number,
+    make_vec3,
+    pointer_of,
     splat,
     widest,
 )
-from lanewise.numba_adapter import AbstractTemplate, TypingError, infer_global
+from lanewise.numba_adapter import AbstractTemplate, TypingError, cgutils, infer_global
+from lanewise.wide_instructions import permute
 
 # ---------------------------------------------------------------- where
 
@@ -143,3 +147,105 @@ def _lower_replace(context, builder, sig, args):
         for i, name in enumerate(sig.args[0].fields)
     ]
     return context.make_tuple(builder, sig.return_type, parts)
+
+
+# ---------------------------------------------------------------- memory
+
+
+def _count_rows(kind: Any) -> int:
+    """How many lanes a value of this type holds; none in what is uniform."""
+    if isinstance(kind, Vec3Type):
+        return 3 * _count_rows(kind.component)
+    if is_record(kind):
+        return sum(_count_rows(part) for part in kind)
+    return 1 if isinstance(kind, LaneType) else 0
+
+
+def _parts_of(kind: Any) -> tuple:
+    """Types of the fields of a record, or of the components of a Vec3."""
+    return (kind.component,) * 3 if isinstance(kind, Vec3Type) else tuple(kind)
+
+
+@intrinsic(prefer_literal=True)
+def _local_records(typing, room, like):
+    if not isinstance(room, types.IntegerLiteral):
+        return None
+
+    def codegen(context, builder, sig, args):
+        size = ir.Constant(I32, room.literal_value * _count_rows(like))
+        memory = cgutils.alloca_once(builder, I32, size=size)
+        memory.align = 64
+        return memory
+
+    return types.CPointer(types.uint32)(room, like), codegen
+
+
+class _Rows:
+    """Addresses of one row after another, from a place in each."""
+
+    def __init__(self, context, builder, sig, args):
+        self._builder = builder
+        data = pointer_of(context, builder, sig.args[0], args[0])
+        room, at = (context.cast(builder, args[i], sig.args[i], types.int64) for i in (1, 2))
+        self._next, self._room = builder.gep(data, [at]), room
+
+    def next(self, vector):
+        """A pointer to the lanes of the next row."""
+        here = self._next
+        self._next = self._builder.gep(here, [self._room])
+        return self._builder.bitcast(here, vector.as_pointer())
+
+
+def _store(builder, rows, order, kind, value):
+    """All lanes of a value, each to a row of its own."""
+    if isinstance(kind, Vec3Type) or is_record(kind):
+        for i, part in enumerate(_parts_of(kind)):
+            _store(builder, rows, order, part, builder.extract_value(value, i))
+    elif isinstance(kind, LaneType):
+        floats, uints = Floats(kind.n).vector, Uints(kind.n).vector
+        if isinstance(kind, Mask):
+            value = builder.zext(value, uints)
+        value = permute(builder, builder.bitcast(value, floats), order, kind.n)
+        builder.store(value, rows.next(floats)).align = 4
+
+
+def _load(context, builder, rows, kind, value):
+    """The value with its lanes from one row after another."""
+    if isinstance(kind, Vec3Type) or is_record(kind):
+        parts = [
+            _load(context, builder, rows, part, builder.extract_value(value, i))
+            for i, part in enumerate(_parts_of(kind))
+        ]
+        if isinstance(kind, Vec3Type):
+            return make_vec3(context, builder, kind, parts)
+        return context.make_tuple(builder, kind, parts)
+    if not isinstance(kind, LaneType):
+        return value
+    vector = Uints(kind.n).vector if isinstance(kind, Mask) else kind.vector
+    loaded = builder.load(rows.next(vector))
+    loaded.align = 4
+    if isinstance(kind, Mask):
+        return builder.icmp_unsigned("!=", loaded, ir.Constant(vector, [0] * kind.n))
+    return loaded
+
+
+@intrinsic
+def _put_records(typing, memory, room, at, order, record):
+    def codegen(context, builder, sig, args):
+        _store(builder, _Rows(context, builder, sig, args), args[3], record, args[4])
+        return context.get_dummy_value()
+
+    return types.void(memory, room, at, order, record), codegen
+
+
+@intrinsic
+def _records_at(typing, memory, room, at, like):
+    def codegen(context, builder, sig, args):
+        return _load(context, builder, _Rows(context, builder, sig, args), like, args[3])
+
+    return like(memory, room, at, like), codegen
+
+
+PRIMITIVES[records.local_records] = _local_records
+PRIMITIVES[records.put_records] = _put_records
+PRIMITIVES[records.records_at] = _records_at

@@ -67,7 +67,7 @@ def _packing(typing, mask):
         )
         count = _shuffle(builder, count, count, [0] * n)
         behind = builder.and_(builder.sub(numbers, count), ir.Constant(kind.vector, [n - 1] * n))
-        moved = _permute(builder, builder.bitcast(outside, floats), behind, n)
+        moved = permute(builder, builder.bitcast(outside, floats), behind, n)
         first = builder.icmp_unsigned("<", numbers, count)
         return builder.select(first, inside, builder.bitcast(moved, kind.vector))
 
@@ -82,7 +82,7 @@ def _permuted(typing, x, order):
 
     def codegen(context, builder, sig, args):
         floats = Floats(x.n).vector
-        value = _permute(builder, builder.bitcast(args[0], floats), args[1], x.n)
+        value = permute(builder, builder.bitcast(args[0], floats), args[1], x.n)
         return builder.bitcast(value, x.vector)
 
     return x(x, order), codegen
@@ -239,7 +239,7 @@ def _gather_near(typing, table, k, index):
         )
         load.align = 4
         repeated = _shuffle(builder, load, load, [i % 4 for i in range(index.n)])
-        return _permute(builder, repeated, args[2], index.n)
+        return permute(builder, repeated, args[2], index.n)
 
     return result(table, k, index), codegen
 
@@ -332,7 +332,7 @@ def _joined(builder, vectors):
     return vectors[0]
 
 
-def _permute(builder, x, order, n):
+def permute(builder, x, order, n):
     """``x[order]`` for n floats."""
     name = {16: "llvm.x86.avx512.permvar.sf.512", 8: "llvm.x86.avx2.permps"}.get(n)
     if name is not None and _HAS_PERMUTATION[n]:
@@ -356,7 +356,7 @@ def _permute_halves(builder, x, order):
         k = _shuffle(builder, order, order, half)
         bit = builder.and_(k, ir.Constant(k.type, [8] * 8))
         in_second = builder.icmp_unsigned("!=", bit, ir.Constant(k.type, [0] * 8))
-        a, b = _permute(builder, first, k, 8), _permute(builder, second, k, 8)
+        a, b = permute(builder, first, k, 8), permute(builder, second, k, 8)
         parts.append(builder.select(in_second, b, a))
     return _shuffle(builder, parts[0], parts[1], low + high)
 

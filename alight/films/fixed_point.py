@@ -21,7 +21,17 @@ from typing import NamedTuple
 import numpy as np
 
 from lanewise.jit import kernel
-from lanewise.simd import absolute, copysign, floor, is_finite, minimum, rint, where
+from lanewise.simd import (
+    LANES,
+    absolute,
+    copysign,
+    floor,
+    is_finite,
+    minimum,
+    rint,
+    store_lanes,
+    where,
+)
 
 #: Limb 0 counts units of 2^-8, limb 1 units of 2^-48.
 LOW_BITS = 40
@@ -59,6 +69,15 @@ def split(value):
     whole = floor(size * HIGH_SCALE)
     rest = rint((size - whole * HIGH_UNIT) * LOW_SCALE)
     return Limbs(copysign(whole, v), copysign(rest, v), ~finite, saturated)
+
+
+@kernel(strict=True)
+def put_limbs(limbs, channel, value):
+    """Store both limbs of one channel; returns where it was saturated."""
+    parts = split(value)
+    store_lanes(limbs, (2 * channel) * LANES, parts.hi)
+    store_lanes(limbs, (2 * channel + 1) * LANES, parts.lo)
+    return parts.saturated
 
 
 def to_limbs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,8 +1,8 @@
 r"""Layers (AOVs): what the camera sees first, without light.
 
-A separate pass over the same samples as the picture's, one layer at a time, so that asking for
-layers never changes the picture. Where a ray meets nothing a layer is 0. Layers are means over the
-samples of a pixel, weighted by the pixel filter; ids are those of its first sample
+One pass of its own over the same samples as the picture's, for all layers together, so that asking
+for layers never changes the picture. Where a ray meets nothing a layer is 0. Layers are means over
+the samples of a pixel, weighted by the pixel filter; ids are those of its first sample
 (`alight.films.FIRST_SAMPLE_LAYERS`).
 
 The layers ``albedo_through`` and ``normal_through`` are for denoisers: they follow mirrors and
@@ -28,15 +28,19 @@ first hit, or of the first diffuse or glossy one behind perfect reflections and 
 
 from __future__ import annotations
 
+from collections import namedtuple
+from collections.abc import Iterable
+
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import albedo_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3, max_component
+from alight.films.fixed_point import put_limbs
+from alight.integrators.moments import at_times_of
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
-    count_lanes,
     to_local,
     to_world,
     vertex_dimension,
@@ -44,9 +48,24 @@ from alight.integrators.walk import (
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
-from lanewise.jit import kernel
+from lanewise.jit import kernel, specialised
 from lanewise.records import replace
-from lanewise.simd import any_lane, lanes, lanes_mask, lanes_vec3, to_float, where
+from lanewise.simd import (
+    LANES,
+    any_lane,
+    as_int,
+    count_bits,
+    is_finite,
+    lanes,
+    lanes_vec3,
+    local_floats,
+    local_uints,
+    mask_bits,
+    store_lanes,
+    to_float,
+    trailing_zeros,
+    where,
+)
 
 #: Layers and their channels. ids count from 1; 0 is nothing. depth: metres along the ray.
 LAYERS = {
@@ -69,87 +88,122 @@ ALBEDO, NORMAL, GEOMETRIC_NORMAL, POSITION, DEPTH, UV, ID, ALBEDO_THROUGH, NORMA
 THROUGH_LAYERS = frozenset({"albedo_through", "normal_through"})
 THROUGH = "through"
 
+#: What a tile keeps: the `Tile`; its wanted layers as bits; sums, whole numbers: for each of them,
+#: in the order of `LAYERS`, the two limbs of three channels a pixel.
+LayerFilm = namedtuple("LayerFilm", "tile wanted sums")
+
 #: Delta lobes that are followed at most: in and out of three glasses behind one another, a window
 #: of two panes and a mirror behind it.
 MOST_BOUNCES = 8
 
 
-def layer_number(name: str) -> int:
-    """What `Settings.layer` must be for a layer."""
-    return list(LAYERS).index(name)
+def layer_bits(names: Iterable[str]) -> int:
+    """What `LayerFilm.wanted` must be for these layers."""
+    return sum(1 << number for number, name in enumerate(LAYERS) if name in names)
+
+
+@specialised
+def look(program):
+    """``look(scene, film, path)``: add the layers of a packet of camera rays to a `LayerFilm`."""
+    return _look_and_follow if THROUGH in program.aovs else look_once
 
 
 @kernel
-def first_hit(scene, settings, path, hit, surface, active):
+def look_once(scene, film, path):
+    """`look` at the first surfaces."""
+    seen = at_times_of(scene, path.sampler)
+    hit = intersect_closest(seen, path.o, path.d, lanes(INFINITY), path.active)
+    active = path.active & (hit.t < INFINITY)
+    surface = make_surface(seen, hit, path.o, path.d, active)
+    for layer in range(ALBEDO_THROUGH):
+        if film.wanted & (1 << layer) != 0:
+            value = first_hit(seen, layer, path, hit, surface)
+            add_layer(film, layer, path, value, active)
+
+
+@kernel
+def _look_and_follow(scene, film, path):
+    if film.wanted & ((1 << ALBEDO_THROUGH) - 1) != 0:
+        look_once(scene, film, path)
+    follow_delta(at_times_of(scene, path.sampler), film, path)
+
+
+@kernel
+def first_hit(scene, layer, path, hit, surface):
     """Value of a layer that looks at the first surface only."""
     value = lanes_vec3(0.0)
-    if settings.layer == ALBEDO:
-        value = albedo_bsdf(scene, surface, active)
-    elif settings.layer == NORMAL:
+    if layer == ALBEDO:
+        value = albedo_bsdf(scene, surface, path.active & (hit.t < INFINITY))
+    elif layer == NORMAL:
         value = surface.ns
-    elif settings.layer == GEOMETRIC_NORMAL:
+    elif layer == GEOMETRIC_NORMAL:
         value = surface.ng
-    elif settings.layer == POSITION:
+    elif layer == POSITION:
         value = surface.p
-    elif settings.layer == DEPTH:
+    elif layer == DEPTH:
         value = Vec3(hit.t, lanes(0.0), lanes(0.0))
-    elif settings.layer == UV:
+    elif layer == UV:
         value = Vec3(surface.u, surface.v, lanes(0.0))
     else:
         first = (path.sampler.index == 0) & (path.sampler.scramble == 0)
         ids = Vec3(to_float(hit.shape + 1), to_float(hit.prim + 1), to_float(surface.bsdf + 1))
         value = where(first, ids, 0.0)
     weight = lanes_vec3(1.0)
-    if settings.layer != ID:
+    if layer != ID:
         weight = path.beta
     return value * weight
 
 
 @kernel
-def follow_delta(scene, settings, path, surface, wo, active):
-    """Value of a layer that looks through delta lobes, and how paths continue at those."""
-    dimension = vertex_dimension(path.depth + 1)
-    wi, weight, _, flags = sample_bsdf(
-        scene,
-        surface,
-        wo,
-        get_1d(path.sampler, dimension + BSDF_CHOICE),
-        get_2d(path.sampler, dimension + BSDF_DIRECTION),
-        active,
-    )
-    passes = active & ((flags & DELTA) != 0) & (path.depth < MOST_BOUNCES)
-    if settings.layer == ALBEDO_THROUGH:
-        # Beside delta lobes the albedo of the whole material would count them twice.
-        smooth = is_mixed(scene, surface) & ((flags & DELTA) == 0)
-        value = path.beta * where(smooth, weight, albedo_bsdf(scene, surface, active))
-        return value, wi, path.beta * weight, passes & ~(max_component(weight) <= 0.0)
-    return path.beta * surface.ns, wi, path.beta, passes & ~(max_component(weight) <= 0.0)
-
-
-def step(program):
-    """The kernel that looks at the next surface of each path."""
-    through = THROUGH in program.aovs
-
-    @kernel
-    def aov_step(scene, settings, path):
-        """One more vertex of each path; but for layers through delta lobes it is the only one."""
+def follow_delta(scene, film, path):
+    """Add the layers that look through delta lobes."""
+    white = path.beta
+    while any_lane(path.active):
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
         active = path.active & (hit.t < INFINITY)
-        L, o, d, beta, passes = path.L, path.o, path.d, path.beta, lanes_mask(False)
-        if any_lane(active):
-            surface = make_surface(scene, hit, path.o, path.d, active)
-            if through and settings.layer >= ALBEDO_THROUGH:
-                wo = to_local(surface, -path.d)
-                value, wi, beta, passes = follow_delta(scene, settings, path, surface, wo, active)
-                d = to_world(surface, wi)
-                o = spawn_origin(surface.p, surface.error, surface.ng, d)
-                L = where(active & ~passes, value, L)
-            else:
-                L = where(active, first_hit(scene, settings, path, hit, surface, active), L)
-        rays = path.rays + count_lanes(path.active)
-        return replace(
-            path, o=o, d=d, L=L, L_direct=L, beta=beta, depth=path.depth + 1, active=passes,
-            rays=rays,
-        )  # fmt: skip
+        surface = make_surface(scene, hit, path.o, path.d, active)
+        wo = to_local(surface, -path.d)
+        dimension = vertex_dimension(path.depth + 1)
+        u = get_1d(path.sampler, dimension + BSDF_CHOICE)
+        u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+        wi, weight, _, flags = sample_bsdf(scene, surface, wo, u, u2, active)
+        passes = active & ((flags & DELTA) != 0) & (path.depth < MOST_BOUNCES)
+        passes = passes & ~(max_component(weight) <= 0.0)
+        # Beside delta lobes the albedo of the whole material would count them twice.
+        smooth = is_mixed(scene, surface) & ((flags & DELTA) == 0)
+        albedo = where(smooth, weight, albedo_bsdf(scene, surface, active))
+        for layer in range(ALBEDO_THROUGH, NORMAL_THROUGH + 1):
+            if film.wanted & (1 << layer) != 0:
+                value = white * surface.ns
+                if layer == ALBEDO_THROUGH:
+                    value = path.beta * albedo
+                add_layer(film, layer, path, value, active & ~passes)
+        d = to_world(surface, wi)
+        o = spawn_origin(surface.p, surface.error, surface.ng, d)
+        beta, depth = path.beta * weight, path.depth + 1
+        path = replace(path, o=o, d=d, beta=beta, depth=depth, active=passes)
 
-    return aov_step
+
+@kernel(strict=True)
+def add_layer(film, layer, path, value, mask):
+    """Add one layer of the samples in the lanes of the mask, exactly, as the picture is added up.
+
+    A value with one channel that is not a number adds nothing to the others either.
+    """
+    limbs, pixels = local_floats(16 * 6), local_uints(16)
+    valid = is_finite(value.x) & is_finite(value.y) & is_finite(value.z)
+    value = where(valid, value, lanes_vec3(0.0))
+    put_limbs(limbs, 0, value.x)
+    put_limbs(limbs, 1, value.y)
+    put_limbs(limbs, 2, value.z)
+    tile = film.tile
+    width = tile.x1 - tile.x0
+    store_lanes(pixels, 0, (path.sampler.y - tile.y0) * width + (path.sampler.x - tile.x0))
+    start = count_bits(film.wanted & ((1 << layer) - 1)) * width * (tile.y1 - tile.y0)
+    bits = mask_bits(mask)
+    while bits != 0:
+        lane = trailing_zeros(bits)
+        bits &= bits - 1
+        at = (start + as_int(pixels[lane])) * 6
+        for i in range(6):
+            film.sums[at + i] += as_int(limbs[i * LANES + lane])

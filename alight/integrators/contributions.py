@@ -16,7 +16,7 @@ from collections import namedtuple
 
 from alight.core.registry import Models
 from alight.integrators.walk import LIGHT_CHOICE, LIGHT_POINT, vertex_dimension
-from alight.lights.sampling import choose_light_at
+from alight.lights.choice import choose_light
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.samplers.sampling import get_1d, get_2d
 from lanewise.jit import kernel, specialised
@@ -137,7 +137,7 @@ def sample(scene, path, p, n, depth, passed, mask, value):
         get_1d(path.sampler, dimension + LIGHT_CHOICE),
         get_2d(path.sampler, dimension + LIGHT_POINT),
     )
-    index = as_found(scene, choose_light_at(scene, p, n, u, u2, mask))
+    index = as_found(scene, choose_light(scene, p, n, u, u2, mask).index)
     light = lanes_u32(0) + index + 1
     first = gather(scene.log.first, sample_number(scene.log, path.sampler, mask))
     end = depth + passed + 1

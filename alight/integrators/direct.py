@@ -10,8 +10,8 @@ from typing import Annotated, ClassVar, Literal
 from alight.core.noise_only import NoiseOnly
 from alight.integrators import path
 from alight.integrators.options import LightSampling
-from alight.integrators.walk import Settings
 from lanewise.jit import kernel
+from lanewise.records import replace
 
 #: The camera sees a light (1), or a surface that a light shines on (2).
 MAX_DEPTH = 2
@@ -50,14 +50,7 @@ def step(program, *, record=None):
     @kernel
     def direct_step(scene, settings, walk):
         """One more vertex of each path."""
-        two_edges = Settings(
-            MAX_DEPTH,
-            settings.rr_depth,
-            settings.seed,
-            settings.replicates,
-            settings.distance,
-            settings.layer,
-        )
+        two_edges = replace(settings, max_depth=MAX_DEPTH)
         return path_step(scene, two_edges, walk)
 
     return direct_step

@@ -25,7 +25,7 @@ from __future__ import annotations
 import math
 
 from alight.integrators.options import PathTracing
-from alight.integrators.walk import MAX_SURVIVAL
+from alight.integrators.roulette import MAX_SURVIVAL
 
 #: Mean light, over Le, beyond the depth at which the bound of an unlimited path ends.
 _REST = 1e-4

@@ -12,7 +12,7 @@ length k is the light that reaches the camera over k edges; a path with throughp
 Two techniques find the light at the end of the same edge, seen from the vertex x before it:
 
 * the *BSDF* draws a direction with density :math:`p_b` and the ray happens to hit a light
-  (`write_reach_lamp`, `write_reach_environment`): :math:`w_b\, \beta\, f |\cos\theta|\, L_e / p_b`,
+  (`alight.integrators.reach`): :math:`w_b\, \beta\, f |\cos\theta|\, L_e / p_b`,
   the factor :math:`f |\cos\theta| / p_b` being in `beta` already;
 * *light sampling* draws a point on a light with density :math:`p_l` and tests whether it is visible
   (`_write_add_direct_light`): :math:`w_l\, \beta\, f |\cos\theta|\, L_e / p_l`.
@@ -39,11 +39,8 @@ use the same one. A light tree chooses with the normal at x, which `reach_lamp` 
 both weights use the probability that the tree has without the normal, and only the estimate is
 divided by the true :math:`p_l` (the factor that `alight.lights.sampling` puts into the radiance).
 
-Russian roulette ends a path with probability 1 - q and divides `beta` by q, so the mean stays.
-
 Source: Kajiya, The rendering equation, SIGGRAPH 1986; Veach and Guibas, Optimally combining
-sampling techniques, SIGGRAPH 1995; Arvo and Kirk, Particle transport and image synthesis, SIGGRAPH
-1990 for the roulette; PBR4 sections 13.4 and 14.1.4.
+sampling techniques, SIGGRAPH 1995; PBR4 sections 13.4 and 14.1.4.
 """
 
 from __future__ import annotations
@@ -58,40 +55,32 @@ from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, tran
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
-from alight.core.vec import length, max_component
+from alight.core.vec import max_component
 from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.options import PathTracing
+from alight.integrators.reach import write_reach_environment, write_reach_lamp
+from alight.integrators.roulette import play_roulette
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
-    MAX_SURVIVAL,
-    ROULETTE,
     count_lanes,
     to_local,
     to_world,
     vertex_dimension,
 )
+from alight.lights.choice import lit_normal
 from alight.lights.hits import on_shapes
-from alight.lights.sampling import (
-    emitted,
-    environment_pdf,
-    environment_radiance,
-    environments_of,
-    has_delta_lights,
-    light_pdf,
-    lit_normal,
-    sample_light,
-    shadow_ray,
-)
+from alight.lights.misses import environments_of
+from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
-from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, minimum, where
+from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, where
 
 #: Strategies of light sampling, as numbers that kernels compare.
 BY_LIGHT, MIS, BY_BSDF = 0, 1, 2
@@ -180,45 +169,58 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
     heuristic = {"power": power_heuristic, "balance": balance_heuristic}[
         program.option("heuristic", "power")
     ]
-    bsdf_weight, light_weight = weights_of(STRATEGIES[strategy], heuristic)
+    weights = weights_of(STRATEGIES[strategy], heuristic)
     listeners = Listeners(*record) if record else NO_LISTENERS
-    by_light = strategy in ("emitter", "mis") and bool(program.lights)
-    samples_lights = by_light or has_delta_lights(program)
-    area_lights = bool(on_shapes(program))
+    return (
+        _write_trace(program, weights[0], listeners),
+        _write_shade(program, scatter, strategy, roulette, weights, listeners),
+    )
+
+
+def _write_trace(program, bsdf_weight, listeners):
     environment = bool(environments_of(program))
-    holes = has_null(program)
-    reach_environment = write_reach_environment(bsdf_weight, listeners)
-    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners)
-    add_direct_light = _write_add_direct_light(light_weight, by_light, holes, listeners)
-    play_roulette = _write_play_roulette(refracts(program))
-    recorded, meet = record is not None, listeners.meet
     hides = program.option("hide_emitters", False)
-    through = _write_through(absorbs(program))
+    reach_environment = write_reach_environment(bsdf_weight, listeners)
 
     @kernel
     def trace(scene, settings, path):
         """Follow the rays to the next surface."""
-        rays = path.rays + count_lanes(path.active)
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
+        path = replace(path, rays=path.rays + count_lanes(path.active))
         missed = path.active & (hit.t == INFINITY)
         active = path.active & (hit.t < INFINITY)
-        L, L_direct = path.L, path.L_direct
         if hides:
             missed = missed & (path.depth > 0)
-
         # The ray left the scene: light of the environment.
         if environment:
-            L, L_direct = reach_environment(scene, path, path.depth + 1, missed, L, L_direct)
-        return replace(path, L=L, L_direct=L_direct, active=active, rays=rays), hit
+            path = reach_environment(scene, path, missed)
+        return replace(path, active=active), hit
+
+    return trace
+
+
+def _write_shade(program, scatter, strategy, roulette, weights, listeners):
+    bsdf_weight, light_weight = weights
+    by_light = strategy in ("emitter", "mis") and bool(program.lights)
+    samples_lights = by_light or has_delta_lights(program)
+    area_lights, holes = bool(on_shapes(program)), has_null(program)
+    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners)
+    add_direct_light = _write_add_direct_light(light_weight, by_light, holes, listeners)
+    recorded, meet = listeners.meet is not None, listeners.meet
+    hides = program.option("hide_emitters", False)
+    absorbing, refracting = absorbs(program), refracts(program)
 
     @kernel
     def shade(scene, settings, path, hit):
         """One more vertex, where the rays of active paths met a surface."""
-        active, rays, depth = path.active, path.rays, path.depth + 1
-        L, L_direct = path.L, path.L_direct
+        active, depth = path.active, path.depth + 1
+        dimension = vertex_dimension(depth)
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
-        path = through(scene, surface, wo, hit.t, active, path)
+        if absorbing:
+            # Dimmed by the glass that the ray crossed.
+            share = transmittance(scene, surface, wo, where(active, hit.t, 0.0))
+            path = replace(path, beta=where(active, path.beta * share, path.beta))
         if recorded:
             meet(scene, path, surface, depth, active)
 
@@ -230,19 +232,16 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
 
         # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
-            L, L_direct = reach_lamp(scene, path, hit, surface, depth, active, L, L_direct)
+            path = reach_lamp(scene, path, hit, surface, active)
 
         # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
 
         # Direct light by light sampling, weighted by w_l.
         if samples_lights:
-            L, L_direct, rays = add_direct_light(
-                scene, settings, path, surface, wo, depth, active, L, L_direct, rays
-            )
+            path = add_direct_light(scene, settings, path, surface, wo, active)
 
         # Where the path continues: beta gains f cos / p_b.
-        dimension = vertex_dimension(depth)
         wi, weight, pdf, flags = scatter(
             scene,
             surface,
@@ -252,14 +251,17 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
             active,
         )
         beta = path.beta * weight
-        largest = max_component(beta)
-        # Not "largest > 0": a NaN must live on and be counted by the film.
-        active = active & ~(largest <= 0.0)
+        brightness = max_component(beta)
+        # Not "brightness > 0": a NaN must live on and be counted by the film.
+        active = active & ~(brightness <= 0.0)
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
+        on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active)
         if roulette:
-            beta, active = play_roulette(scene, settings, path, surface, wi, depth, beta, active)
-        on = replace(path, o=o, d=d, L=L, L_direct=L_direct, beta=beta, depth=depth, active=active)
+            if refracting:
+                # A path in glass is not dim: it regains on the way out what it lost on the way in.
+                brightness = brightness * concentration(scene, surface, wi)
+            on = play_roulette(settings, on, dimension, brightness)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
@@ -267,83 +269,21 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
         if hides:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             vertex = where(hidden, replace(path, o=beyond), vertex)
-        return replace(vertex, sampler=path.sampler, rays=rays)
+        return replace(vertex, sampler=path.sampler, rays=path.rays)
 
-    return trace, shade
-
-
-def _write_through(absorbing):
-    """``(scene, surface, wo, t, active, path) -> path``: dimmed by the glass it crossed."""
-    if not absorbing:
-        return _unchanged
-
-    @kernel
-    def through(scene, surface, wo, t, active, path):
-        dimmed = path.beta * transmittance(scene, surface, wo, where(active, t, 0.0))
-        return replace(path, beta=where(active, dimmed, path.beta))
-
-    return through
-
-
-@kernel
-def _unchanged(scene, surface, wo, t, active, path):
-    return path
-
-
-def write_reach_environment(bsdf_weight, listeners):
-    """``(scene, path, depth, missed, L, L_direct) -> (L, L_direct)``: rays that left the scene."""
-    recorded, leave = listeners.leave is not None, listeners.leave
-
-    @kernel
-    def reach_environment(scene, path, depth, missed, L, L_direct):
-        if any_lane(missed):
-            # Idle lanes all read the same texel, which costs no memory traffic.
-            d = where(missed, path.d, 0.0)
-            Le = environment_radiance(scene, d)
-            w = bsdf_weight(path, environment_pdf(scene, path.p, d))
-            L = where(missed, L + path.beta * Le * w, L)
-            L_direct = where(missed & (depth <= 2), L, L_direct)
-            if recorded:
-                leave(scene, path, depth, missed, path.beta * Le * w)
-        return L, L_direct
-
-    return reach_environment
-
-
-def write_reach_lamp(bsdf_weight, holes, listeners):
-    """``(scene, path, hit, surface, depth, active, L, L_direct) -> (L, L_direct)``: lights hit."""
-    recorded, find = listeners.find is not None, listeners.find
-
-    @kernel
-    def reach_lamp(scene, path, hit, surface, depth, active, L, L_direct):
-        shining = active & (surface.light != 0)
-        if any_lane(shining):
-            distance = hit.t
-            if holes:
-                # From the last vertex, not from the hole in between.
-                distance = length(surface.p - path.p)
-            Le = emitted(scene, surface, -path.d)
-            pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
-            w = bsdf_weight(path, pdf)
-            L = where(shining, L + path.beta * Le * w, L)
-            L_direct = where(shining & (depth <= 2), L, L_direct)
-            if recorded:
-                find(scene, path, surface.light, depth, shining, path.beta * Le * w)
-        return L, L_direct
-
-    return reach_lamp
+    return shade
 
 
 def _write_add_direct_light(light_weight, by_light, holes, listeners):
-    """Light sampling.
+    """Light sampling, ``(scene, settings, path, surface, wo, active) -> path``.
 
-    ``(scene, settings, path, surface, wo, depth, active, L, L_direct, rays) -> (L, L_direct,
-    rays)``. Only delta lights count unless `by_light`.
+    Only delta lights count unless `by_light`.
     """
     recorded, sample = listeners.sample is not None, listeners.sample
 
     @kernel
-    def add_direct_light(scene, settings, path, surface, wo, depth, active, L, L_direct, rays):
+    def add_direct_light(scene, settings, path, surface, wo, active):
+        L, L_direct, rays, depth = path.L, path.L_direct, path.rays, path.depth + 1
         dimension = vertex_dimension(depth)
         n = lit_normal(surface.ns, wo)
         light = sample_light(
@@ -375,30 +315,9 @@ def _write_add_direct_light(light_weight, by_light, holes, listeners):
             L_direct = where(lit & (depth + passed <= 1), L, L_direct)
             if recorded:
                 sample(scene, path, surface.p, n, depth, passed, lit, Ld)
-        return L, L_direct, rays
+        return replace(path, L=L, L_direct=L_direct, rays=rays)
 
     return add_direct_light
-
-
-def _write_play_roulette(refracting):
-    """``(scene, settings, path, surface, wi, depth, beta, active) -> (beta, active)``.
-
-    Ends dim paths at random and weights up the survivors.
-    """
-
-    @kernel
-    def play_roulette(scene, settings, path, surface, wi, depth, beta, active):
-        bright = max_component(beta)
-        if refracting:
-            # A path in glass is not dim: it regains on the way out what it lost on the way in.
-            bright = bright * concentration(scene, surface, wi)
-        survival = minimum(bright, MAX_SURVIVAL)
-        playing = depth >= settings.rr_depth
-        survived = get_1d(path.sampler, vertex_dimension(depth) + ROULETTE) < survival
-        active = active & (survived | ~playing)
-        return where(playing, beta / survival, beta), active
-
-    return play_roulette
 
 
 def weights_of(strategy, heuristic):

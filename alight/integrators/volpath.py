@@ -14,6 +14,7 @@ Source: PBR4 section 14.2.3 (VolPathIntegrator); Miller, Georgiev and Jarosz, SI
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import ClassVar, Literal
 
 from alight.accel import intersect_closest
@@ -29,9 +30,9 @@ from alight.integrators.path import (
     MIS,
     NO_LISTENERS,
     STRATEGIES,
-    write_reach_environment,
-    write_reach_lamp,
 )
+from alight.integrators.reach import write_reach_environment, write_reach_lamp
+from alight.integrators.roulette import play_roulette
 from alight.integrators.shadow_rays import come_through
 from alight.integrators.volume_walk import (
     FREE_FLIGHT,
@@ -39,30 +40,22 @@ from alight.integrators.volume_walk import (
     medium_beyond,
 )
 from alight.integrators.volume_walk import empty_paths as empty_paths
-from alight.integrators.volume_walk import put_more as put_more
 from alight.integrators.volume_walk import start_paths as start_paths
-from alight.integrators.volume_walk import take_more as take_more
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
-    MAX_SURVIVAL,
-    ROULETTE,
     UNLIMITED,
     count_lanes,
     to_local,
     to_world,
     vertex_dimension,
 )
+from alight.lights.choice import lit_normal
 from alight.lights.hits import on_shapes
-from alight.lights.sampling import (
-    environments_of,
-    has_delta_lights,
-    lit_normal,
-    sample_light,
-    shadow_ray,
-)
+from alight.lights.misses import environments_of
+from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
 from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.media.tables import EMISSIVE, stream_of
 from alight.media.voxels import emission
@@ -78,9 +71,12 @@ from lanewise.simd import (
     lanes_u32,
     lanes_vec3,
     maximum,
-    minimum,
     where,
 )
+
+#: Where a path goes on: direction d (unit, in the world), weight of its throughput, density per
+#: steradian, and whether a delta lobe chose it.
+Turn = namedtuple("Turn", "d weight pdf delta")
 
 
 class VolPath(PathTracing):
@@ -122,24 +118,23 @@ def step(program):
     reach_environment = write_reach_environment(found_weight, NO_LISTENERS)
     reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS)
     add_direct_light = _write_add_direct_light(chosen_weight, by_light)
-    play_roulette = _write_play_roulette(refracts(program))
+    refracting = refracts(program)
     hides = program.option("hide_emitters", False)
 
     @kernel
     def volpath_step(scene, settings, path):
         """One more surface or collision of each path."""
-        rays = path.rays + count_lanes(path.active)
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
+        path = replace(path, rays=path.rays + count_lanes(path.active))
         # The media on the way: a collision comes before the surface, or none does.
         path, scattered, t = pass_media(scene, path, hit.t)
         depth = path.depth + 1
         missed = path.active & ~scattered & (hit.t == INFINITY)
         met = path.active & ~scattered & (hit.t < INFINITY)
-        L, L_direct = path.L, path.L_direct
         if hides:
             missed = missed & (path.depth > 0)
         if environment:
-            L, L_direct = reach_environment(scene, path, depth, missed, L, L_direct)
+            path = reach_environment(scene, path, missed)
         surface = make_surface(scene, hit, path.o, path.d, met)
 
         # Surfaces that are not there are no vertices, nor lights that the camera looks through.
@@ -150,14 +145,12 @@ def step(program):
             hidden = met & (path.depth == 0) & (surface.light != 0)
             passing, shining = passing | hidden, met & ~hidden
         if area_lights:
-            L, L_direct = reach_lamp(scene, path, hit, surface, depth, shining, L, L_direct)
+            path = reach_lamp(scene, path, hit, surface, shining)
         active = (met | scattered) & ~passing & (depth < settings.max_depth)
         p = where(scattered, path.o + t * path.d, surface.p)
         wo = to_local(surface, -path.d)
         if samples_lights:
-            L, L_direct, rays = add_direct_light(
-                scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays
-            )
+            path = add_direct_light(scene, path, surface, wo, p, scattered, active)
 
         # Where the path continues.
         dimension = vertex_dimension(path.steps)
@@ -168,33 +161,37 @@ def step(program):
             # The last surface may be a hole, behind which the last edge continues.
             turning = met & ~passing
         wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, turning)
-        d = to_world(surface, wi)
-        delta = (flags & DELTA) != 0
+        turn = Turn(to_world(surface, wi), weight, pdf, (flags & DELTA) != 0)
         if nulls:
             # Holes in a surface are no vertices either.
             hole = turning & ((flags & NULL) != 0)
             passing, active = passing | hole, active & ~hole
-        d, weight, pdf, delta = turn_in_medium(
-            scene, path, u2, active & scattered, d, weight, pdf, delta
-        )
-        beta = path.beta * weight
+        turn = turn_in_medium(scene, path, u2, active & scattered, turn)
+        beta = path.beta * turn.weight
         # Not "largest > 0": a NaN must live on and be counted by the film.
         active = active & ~(max_component(beta) <= 0.0)
-        if roulette:
-            beta, active = play_roulette(
-                scene, settings, path, surface, wi, scattered, depth, beta, active
-            )
-        lights = where(delta, lanes_vec3(0.0), path.ours * (1.0 / maximum(pdf, 1e-30)))
-        d = where(passing, path.d, d)
+        d = where(passing, path.d, turn.d)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         medium = medium_beyond(scene, surface, d, path.medium)
         on = replace(
-            path, o=where(scattered, p, o), d=d, L=L, L_direct=L_direct,
-            medium=where(scattered, path.medium, medium),
+            path, o=where(scattered, p, o), d=d, medium=where(scattered, path.medium, medium)
+        )
+        lights = where(turn.delta, lanes_vec3(0.0), path.ours * (1.0 / maximum(turn.pdf, 1e-30)))
+        vertex = replace(
+            on, p=p, beta=beta, pdf=turn.pdf, delta=turn.delta, depth=depth, lights=lights,
+            active=active,
         )  # fmt: skip
-        vertex = replace(on, p=p, beta=beta, pdf=pdf, delta=delta, depth=depth, lights=lights)
+        if roulette:
+            # The weight of a channel alone may be large.
+            brightness = max_component(beta) / mean(path.ours)
+            if refracting:
+                # A path in glass is not dim: it regains on the way out what it lost on the way in.
+                gathered = concentration(scene, surface, wi)
+                brightness = brightness * where(scattered, 1.0, gathered)
+            vertex = play_roulette(settings, vertex, dimension, brightness)
+        going = vertex.active | passing
         path = where(passing, on, vertex)
-        return replace(path, sampler=on.sampler, active=active | passing, rays=rays)
+        return replace(path, sampler=on.sampler, active=going, rays=on.rays)
 
     return volpath_step
 
@@ -213,8 +210,7 @@ def pass_media(program):
 
 @kernel
 def _pass_nothing(scene, path, t):
-    moved = _moved(path, path.L, path.L_direct, path.medium, path.beta, path.ours, path.lights)
-    return moved, lanes_mask(False), t
+    return replace(path, steps=path.steps + 1), lanes_mask(False), t
 
 
 @kernel
@@ -222,25 +218,27 @@ def _fly(scene, path, t):
     first = path.steps == 0
     medium = where(first, lanes_u32(0) + scene.media.start[0], path.medium)
     within = path.active & (medium != 0)
-    beta, ours, lights, scattered = path.beta, path.ours, path.lights, lanes_mask(False)
-    L, L_direct = path.L, path.L_direct
+    path, scattered = replace(path, medium=medium), lanes_mask(False)
     if any_lane(within):
         u = get_1d(path.sampler, vertex_dimension(path.steps + 1) + FREE_FLIGHT)
         stream = stream_of(path.sampler, 2 * path.steps)
         flight = fly(scene, medium, path.o, path.d, t, path.channel, u, stream, within)
         scattered = within & flight.scattered
         t = where(scattered, flight.t, t)
-        beta = where(within, beta * flight.factor, beta)
-        ours = where(within, ours * flight.factor, ours)
-        lights = where(within, lights * flight.light, lights)
-        L, L_direct = shine(scene, path, medium, t, beta, ours, flight.albedo, scattered)
-        beta = where(scattered, beta * flight.albedo, beta)
-    return _moved(path, L, L_direct, medium, beta, ours, lights), scattered, t
+        path = replace(
+            path,
+            beta=where(within, path.beta * flight.factor, path.beta),
+            ours=where(within, path.ours * flight.factor, path.ours),
+            lights=where(within, path.lights * flight.light, path.lights),
+        )
+        path = shine(scene, path, t, flight.albedo, scattered)
+        path = replace(path, beta=where(scattered, path.beta * flight.albedo, path.beta))
+    return replace(path, steps=path.steps + 1), scattered, t
 
 
 @specialised
 def shine(program):
-    """``(scene, path, medium, t, beta, ours, albedo, scattered) -> (L, L_direct)``: with its light.
+    """``(scene, path, t, albedo, scattered) -> path``: with the light that the medium emits at t.
 
     A collision is an absorption with the probability 1 - albedo; absorbed is what is emitted, times
     the medium's emission (Kirchhoff). No other strategy finds this light.
@@ -249,50 +247,36 @@ def shine(program):
 
 
 @kernel
-def _stay_dark(scene, path, medium, t, beta, ours, albedo, scattered):
-    return path.L, path.L_direct
+def _stay_dark(scene, path, t, albedo, scattered):
+    return path
 
 
 @kernel
-def _shine(scene, path, medium, t, beta, ours, albedo, scattered):
-    Le = emission(scene, where(scattered, medium, 0), path.o + t * path.d)
+def _shine(scene, path, t, albedo, scattered):
+    Le = emission(scene, where(scattered, path.medium, 0), path.o + t * path.d)
     absorbed = lanes_vec3(1.0) - albedo
-    L = where(scattered, path.L + beta * absorbed * Le * (1.0 / mean(ours)), path.L)
-    return L, where(scattered & (path.depth <= 1), L, path.L_direct)
-
-
-@kernel
-def _moved(path, L, L_direct, medium, beta, ours, lights):
-    """The path with one more step, and these."""
-    return replace(
-        path, L=L, L_direct=L_direct, beta=beta, medium=medium, steps=path.steps + 1, ours=ours,
-        lights=lights,
-    )  # fmt: skip
+    L = where(scattered, path.L + path.beta * absorbed * Le * (1.0 / mean(path.ours)), path.L)
+    L_direct = where(scattered & (path.depth <= 1), L, path.L_direct)
+    return replace(path, L=L, L_direct=L_direct)
 
 
 @specialised
 def turn_in_medium(program):
-    """``(scene, path, u2, scattered, d, weight, pdf, delta)``: the last four anew.
-
-    By the phase function, where the mask `scattered` holds.
-    """
-    return _turn if program.media else _keep_direction
+    """``(scene, path, u2, scattered, turn) -> turn``: by the phase function where `scattered`."""
+    return _turn if program.media else _keep_turn
 
 
 @kernel
-def _keep_direction(scene, path, u2, scattered, d, weight, pdf, delta):
-    return d, weight, pdf, delta
+def _keep_turn(scene, path, u2, scattered, turn):
+    return turn
 
 
 @kernel
-def _turn(scene, path, u2, scattered, d, weight, pdf, delta):
+def _turn(scene, path, u2, scattered, turn):
     if any_lane(scattered):
         wi, density = sample_phase(scene, path.medium, path.d, u2, scattered)
-        d = where(scattered, wi, d)
-        weight = where(scattered, lanes_vec3(1.0), weight)
-        pdf = where(scattered, density, pdf)
-        delta = delta & ~scattered
-    return d, weight, pdf, delta
+        turn = where(scattered, Turn(wi, lanes_vec3(1.0), density, lanes_mask(False)), turn)
+    return turn
 
 
 @specialised
@@ -321,12 +305,13 @@ def _towards_light(scene, path, wi, scattered, f, pdf):
 def _write_add_direct_light(chosen_weight, by_light):
     """Light sampling at surfaces and in media.
 
-    ``(scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays)`` gives the last
-    three anew. Only delta lights count unless `by_light`.
+    ``(scene, path, surface, wo, p, scattered, active) -> path``; p is the surface's point, or where
+    paths scattered. Only delta lights count unless `by_light`.
     """
 
     @kernel
-    def add_direct_light(scene, path, surface, p, wo, scattered, depth, active, L, L_direct, rays):
+    def add_direct_light(scene, path, surface, wo, p, scattered, active):
+        L, L_direct, rays = path.L, path.L_direct, path.rays
         dimension = vertex_dimension(path.steps)
         # Media have no normal.
         n = where(scattered, lanes_vec3(0.0), lit_normal(surface.ns, wo))
@@ -355,32 +340,10 @@ def _write_add_direct_light(chosen_weight, by_light):
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost
             L = where(lit, L + path.beta * f_cos * light.radiance * crossing.passed * w, L)
-            L_direct = where(lit & (depth <= 1), L, L_direct)
-        return L, L_direct, rays
+            L_direct = where(lit & (path.depth == 0), L, L_direct)
+        return replace(path, L=L, L_direct=L_direct, rays=rays)
 
     return add_direct_light
-
-
-def _write_play_roulette(refracting):
-    """Ends dim paths at random, and lets the survivors carry their light.
-
-    ``(scene, settings, path, surface, wi, scattered, depth, beta, active) -> (beta, active)``
-    """
-
-    @kernel
-    def play_roulette(scene, settings, path, surface, wi, scattered, depth, beta, active):
-        # What the path would bring of a white light: the weight of a channel alone may be large.
-        bright = max_component(beta) / mean(path.ours)
-        if refracting:
-            # A path in glass is not dim: what it lost on the way in comes back on the way out.
-            bright = bright * where(scattered, 1.0, concentration(scene, surface, wi))
-        survival = minimum(bright, MAX_SURVIVAL)
-        playing = depth >= settings.rr_depth
-        survived = get_1d(path.sampler, vertex_dimension(path.steps) + ROULETTE) < survival
-        active = active & (survived | ~playing)
-        return where(playing, beta / survival, beta), active
-
-    return play_roulette
 
 
 def _weights_of(strategy):

@@ -1,4 +1,4 @@
-"""What paths through media keep beyond a `Path`, and how they cross borders.
+"""What paths through media keep beyond a `PathState`, and how they cross borders.
 
 **The rule of borders.** A path is in one medium. A shape with an interior or an exterior is a
 border: whoever leaves it against its outer normal, in whatever way, is in its interior then, and
@@ -17,15 +17,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.integrators.queue import (
-    MORE_FLOATS,
-    MORE_UINTS,
-    ROOM,
-    put_row,
-    put_vector,
-    vector_at,
-)
-from alight.integrators.walk import Path, begin_paths, no_paths
+from alight.integrators.walk import PathState, begin_paths, no_paths
 from alight.media.tables import CHROMATIC, KEEP
 from alight.samplers.sampling import get_1d
 from alight.shapes.hit import side_of
@@ -35,18 +27,17 @@ from lanewise.simd import (
     gather,
     lanes_u32,
     lanes_vec3,
-    load_lanes,
     to_uint,
     where,
 )
 
-#: A `Path`, and: medium (u32), row of the tables that the path is in, 0 for none; channel (u32),
-#: which chooses distances; steps (u32), surfaces and collisions so far, borders too; ours (Vec3):
-#: densities of the path so far in the three channels; lights (Vec3): those with light sampling at
-#: its last vertex; both over the density that it was chosen with, for `lights` that of the last
-#: direction included.
-VolumePath = namedtuple(
-    "VolumePath", (*Path._fields, "medium", "channel", "steps", "ours", "lights")
+#: A `PathState`, and: medium (u32), row of the tables that the path is in, 0 for none; channel
+#: (u32), which chooses distances; steps (u32), surfaces and collisions so far, borders too; ours
+#: (Vec3): densities of the path so far in the three channels; lights (Vec3): those with light
+#: sampling at its last vertex; both over the density that it was chosen with, for `lights` that of
+#: the last direction included.
+VolumePathState = namedtuple(
+    "VolumePathState", (*PathState._fields, "medium", "channel", "steps", "ours", "lights")
 )
 
 #: Dimension of the camera that chooses the channel; place of the free flight among a vertex's.
@@ -55,42 +46,15 @@ FREE_FLIGHT = 7
 
 
 @kernel
-def with_media(path, medium, channel, steps, ours, lights):
-    """A `VolumePath` from a `Path` and what it has more."""
-    return VolumePath(
-        path.o, path.d, path.p, path.L, path.L_direct, path.beta, path.pdf, path.delta, path.depth,
-        path.sampler, path.active, path.rays, medium, channel, steps, ours, lights,
-    )  # fmt: skip
-
-
-@kernel
-def put_more(queue, at, order, path):
-    """Write what a path through media has more than others, for the time that it waits."""
-    put_vector(queue.floats, MORE_FLOATS, at, order, path.ours)
-    put_vector(queue.floats, MORE_FLOATS + 3, at, order, path.lights)
-    put_row(queue.uints, MORE_UINTS, at, order, path.medium)
-    put_row(queue.uints, MORE_UINTS + 1, at, order, path.channel)
-    put_row(queue.uints, MORE_UINTS + 2, at, order, path.steps)
-
-
-@kernel
-def take_more(queue, at, path):
-    """A `Path` that has waited, with what it has more."""
-    return with_media(
-        path,
-        load_lanes(queue.uints, MORE_UINTS * ROOM + at),
-        load_lanes(queue.uints, (MORE_UINTS + 1) * ROOM + at),
-        load_lanes(queue.uints, (MORE_UINTS + 2) * ROOM + at),
-        vector_at(queue.floats, MORE_FLOATS, at),
-        vector_at(queue.floats, MORE_FLOATS + 3, at),
-    )
-
-
-@kernel
 def empty_paths():
     """Paths, none of them active."""
-    zero = lanes_u32(0)
-    return with_media(no_paths(), zero, zero, zero, lanes_vec3(1.0), lanes_vec3(0.0))
+    path, zero = no_paths(), lanes_u32(0)
+    return VolumePathState(
+        o=path.o, d=path.d, p=path.p, L=path.L, L_direct=path.L_direct, beta=path.beta,
+        pdf=path.pdf, delta=path.delta, depth=path.depth, sampler=path.sampler,
+        active=path.active, rays=path.rays, medium=zero, channel=zero, steps=zero,
+        ours=lanes_vec3(1.0), lights=lanes_vec3(0.0),
+    )  # fmt: skip
 
 
 @kernel

@@ -39,11 +39,11 @@ from lanewise.simd import (
 #: delta : mask, d was chosen by a delta lobe, or is a camera ray;
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far.
-Path = namedtuple("Path", "o d p L L_direct beta pdf delta depth sampler active rays")
+PathState = namedtuple("PathState", "o d p L L_direct beta pdf delta depth sampler active rays")
 
-#: Uniform numbers of a render: max_depth, rr_depth, seed, replicates and layer (whole; the layer is
-#: for `alight.integrators.aov`), distance (float32, metres).
-Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance layer")
+#: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
+#: metres).
+Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance")
 
 #: Modules of this package that can replace an integrator.
 PASSES = ("aov", "contributions")
@@ -59,9 +59,6 @@ CAMERA_DIMENSIONS = 8
 VERTEX_DIMENSIONS = 16
 LIGHT_CHOICE, LIGHT_POINT, BSDF_CHOICE, BSDF_DIRECTION, ROULETTE = 0, 1, 3, 4, 6
 
-#: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
-MAX_SURVIVAL = 0.95
-
 
 def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Settings:
     """The uniform numbers of a render, those of the integrator from its description."""
@@ -73,7 +70,6 @@ def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Sett
         seed=seed,
         replicates=replicates,
         distance=np.float32(fields.get("distance") or np.inf),
-        layer=0,
     )
 
 
@@ -82,7 +78,7 @@ def no_paths():
     """Paths, none of them active."""
     zero = lanes_u32(0)
     black = lanes_vec3(0.0)
-    return Path(
+    return PathState(
         o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(zero, zero, zero, zero, zero, zero, zero),
@@ -123,8 +119,8 @@ def empty_paths(program):
 def start_paths(program):
     """``start_paths(new, o, d, weight, sampler, path)``: as `begin_paths`, for the integrator.
 
-    An integrator that keeps more than a `Path` has kernels of the names `empty_paths` and
-    `start_paths`, and `put_more` and `take_more` for the time that its paths wait (`queue`).
+    An integrator that keeps more than a `PathState` has kernels of the names `empty_paths` and
+    `start_paths`.
     """
     return getattr(module_of(program), "start_paths", begin_paths)
 

@@ -31,14 +31,10 @@ from alight.laws.statistics import (
     z_of_mean,
 )
 from alight.lights.environment_map import ROWS
+from alight.lights.hits import emitted, light_pdf
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.model import LIGHTS
-from alight.lights.sampling import (
-    emitted,
-    environment_pdf,
-    environment_radiance,
-    light_pdf,
-    sample_light,
-)
+from alight.lights.sampling import sample_light
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import rotate, translate
 from alight.shapes.surfaces import make_surface

@@ -40,7 +40,7 @@ class Mutant(NamedTuple):
 _PATH = "integrators/path.py"
 _NO_COSINE = """f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
             f_cos = f_cos * (1.0 / where(wi.z > 0.0, wi.z, 1e-6 - wi.z))"""
-_PER_AREA = """density = pdf_of_shape(scene, index, surface.prim, p, wi, distance, cosine)
+_PER_AREA = """density = pdf_of_shape(scene, index, prim, p, wi, distance, cosine)
         density = density * where(cosine > 0.0, cosine, 0.0) / (distance * distance)"""
 
 MUTANTS = {
@@ -59,8 +59,8 @@ MUTANTS = {
         "where a ray hits a lamp, its density is taken per area for per solid angle",
         (
             (
-                "lights/sampling.py",
-                "density = pdf_of_shape(scene, index, surface.prim, p, wi, distance, cosine)",
+                "lights/hits.py",
+                "density = pdf_of_shape(scene, index, prim, p, wi, distance, cosine)",
                 _PER_AREA,
             ),
         ),
@@ -116,7 +116,7 @@ MUTANTS = {
     ),
     "light-choice-forgotten": Mutant(
         "light sampling forgets the probability of having chosen this light",
-        (("lights/sampling.py", "pdf = s.pdf * pmf", "pdf = s.pdf"),),
+        (("lights/sampling.py", "pdf = s.pdf * choice.plain", "pdf = s.pdf"),),
         "with two lights and more",
     ),
     "both-ways-in-full": Mutant(

@@ -1,21 +1,22 @@
-"""Light sampling (next event estimation), and the light that rays hit by chance.
+"""Light sampling (next event estimation).
 
 All densities are per solid angle at the lit point and include the probability of choosing the
-light, so `sample_light`, `light_pdf` and `environment_pdf` agree with each other.
+light, so `sample_light` agrees with `alight.lights.hits.light_pdf` and
+`alight.lights.misses.environment_pdf`.
 """
 
 from __future__ import annotations
 
-from alight.core.distributions import sample_discrete
-from alight.core.vec import dot, gather_vec3, row_vec3
-from alight.lights.halves import one_after_another, sum_of
-from alight.lights.hits import on_shapes, pdf_of_shape, radiance_of_shape
+from alight.core.vec import gather_vec3
+from alight.lights.choice import choose_light
+from alight.lights.halves import one_after_another
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.model import LIGHTS
 from alight.lights.moving import moving_sample
-from alight.lights.tables import INFO, STRIDE, LightSample, row_of
-from alight.lights.tree import choose_by_tree, plain_probability
+from alight.lights.tables import INFO, STRIDE, LightSample
 from alight.shapes.hit import shadow_length, spawn_origin
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import (
     any_lane,
     as_int,
@@ -117,44 +118,6 @@ def has_delta_lights(program) -> bool:
 
 
 @specialised
-def choose_light(program):
-    """``choose_light(scene, u)``: index of a light, its probability, and what is left of u."""
-    if program.single_light:
-
-        @kernel
-        def the_only_one(scene, u):
-            # A uniform index: its rows are loaded once for all lanes.
-            return 0, lanes(1.0), u
-
-        return the_only_one
-
-    @kernel
-    def by_probability(scene, u):
-        count = scene.lights.info.size // INFO
-        return sample_discrete(scene.lights.cdf, 0, count, u)
-
-    return by_probability
-
-
-@specialised
-def light_index(program):
-    """``light_index(light)``: row of the light with the number light = index + 1; 0 for none."""
-    if program.single_light:
-
-        @kernel
-        def the_only_one(light):
-            return 0
-
-        return the_only_one
-
-    @kernel
-    def one_less(light):
-        return where(light > 0, light - 1, 0)
-
-    return one_less
-
-
-@specialised
 def sample_light(program):
     """Choose a light, and light from it: ``sample_light(scene, p, ns, u, u2, active)``.
 
@@ -185,94 +148,27 @@ def sample_light(program):
 
         return without_lights
 
-    if program.light_tree:
-        return _from_the_tree
+    by_tree = program.light_tree
 
     @kernel
     def with_lights(scene, p, ns, u, u2, active):
-        index, pmf, rest = choose_light(scene, u)
-        s = sample_chosen(scene, index, p, rest, u2)
-        pdf = s.pdf * pmf
+        choice = choose_light(scene, p, ns, u, u2, active)
+        s = sample_chosen(scene, choice.index, p, choice.rest, u2)
+        # The density for MIS, which does not know the normal.
+        pdf = s.pdf * choice.plain
         # No light from behind, from nowhere, or from farther than float32 can tell.
         valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0)
-        radiance = s.radiance * gather_vec3(scene.lights.data, index * STRIDE)
-        radiance, pdf = together(scene, index, p, s.wi, radiance, pdf)
-        return LightSample(
-            s.wi,
-            s.distance,
-            where(valid, radiance, lanes_vec3(0.0)),
-            where(valid, pdf, 0.0),
-            s.delta,
-            s.cosine,
-            s.error,
-        )
+        radiance = s.radiance * gather_vec3(scene.lights.data, choice.index * STRIDE)
+        if by_tree:
+            valid = valid & (choice.pmf > 0.0)
+        radiance, pdf = together(scene, choice.index, p, s.wi, radiance, pdf)
+        if by_tree:
+            # The estimate is divided by the true density, which knows the normal.
+            radiance = radiance * (choice.plain / where(valid, choice.pmf, 1.0))
+        radiance, pdf = where(valid, radiance, lanes_vec3(0.0)), where(valid, pdf, 0.0)
+        return replace(s, radiance=radiance, pdf=pdf)
 
     return with_lights
-
-
-@kernel
-def _from_the_tree(scene, p, ns, u, u2, active):
-    """`sample_light` of a program with a light tree."""
-    choice = choose_by_tree(scene, p, ns, u, u2, active)
-    s = sample_chosen(scene, choice.index, p, choice.rest, u2)
-    # The density for MIS, which does not know the normal; the estimate is divided by the true one.
-    pdf = s.pdf * choice.plain
-    valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0) & (choice.pmf > 0.0)
-    radiance = s.radiance * gather_vec3(scene.lights.data, choice.index * STRIDE)
-    radiance, pdf = together(scene, choice.index, p, s.wi, radiance, pdf)
-    factor = choice.plain / where(valid, choice.pmf, 1.0)
-    return LightSample(
-        s.wi,
-        s.distance,
-        where(valid, radiance * factor, lanes_vec3(0.0)),
-        where(valid, pdf, 0.0),
-        s.delta,
-        s.cosine,
-        s.error,
-    )
-
-
-@specialised
-def choose_light_at(program):
-    """``choose_light_at(scene, p, n, u, u2, active)``: the light that `sample_light` takes there.
-
-    Returns
-    -------
-    uint32
-        Row of the light.
-    """
-    if program.light_tree:
-
-        @kernel
-        def by_tree(scene, p, n, u, u2, active):
-            return choose_by_tree(scene, p, n, u, u2, active).index
-
-        return by_tree
-
-    @kernel
-    def by_table(scene, p, n, u, u2, active):
-        index, _, _ = choose_light(scene, u)
-        return index
-
-    return by_table
-
-
-@specialised
-def lit_normal(program):
-    """``lit_normal(ns, wo)``: the normal on the viewer's side, for `sample_light`; wo is local."""
-    if not program.light_tree:
-
-        @kernel
-        def any_side(ns, wo):
-            return ns
-
-        return any_side
-
-    @kernel
-    def of_the_viewer(ns, wo):
-        return where(wo.z < 0.0, -ns, ns)
-
-    return of_the_viewer
 
 
 @kernel
@@ -294,134 +190,6 @@ def shadow_ray(surface, sample):
     """
     o = spawn_origin(surface.p, surface.error, surface.ng, sample.wi)
     return o, shadow_length(sample.distance, sample.cosine, sample.error, surface.error)
-
-
-@specialised
-def light_pdf(program):
-    """Density of `sample_light` for a direction that has hit an area light, for MIS.
-
-    ``light_pdf(scene, light, p, wi, distance, surface)``: `light` is ``surface.light``, 0 where the
-    surface does not shine (the density is 0 then); p, wi, distance: from where, unit direction,
-    metres to the hit.
-    """
-    if not on_shapes(program):
-
-        @kernel
-        def without_area_lights(scene, light, p, wi, distance, surface):
-            return lanes(0.0)
-
-        return without_area_lights
-
-    if program.light_tree:
-        return _pdf_in_the_tree
-
-    @kernel
-    def with_area_lights(scene, light, p, wi, distance, surface):
-        shines = light > 0
-        index = light_index(light)
-        cosine = -dot(wi, surface.ng)
-        density = pdf_of_shape(scene, index, surface.prim, p, wi, distance, cosine)
-        return where(shines, density * gather(scene.lights.data, index * STRIDE + 3), 0.0)
-
-    return with_area_lights
-
-
-@kernel
-def _pdf_in_the_tree(scene, light, p, wi, distance, surface):
-    """`light_pdf` of a program with a light tree."""
-    shines = light > 0
-    index, prim = light_index(light), where(shines, surface.prim, 0)
-    cosine = -dot(wi, surface.ng)
-    density = pdf_of_shape(scene, index, prim, p, wi, distance, cosine)
-    return where(shines, density * plain_probability(scene, index, prim, p, shines), 0.0)
-
-
-@specialised
-def emitted(program):
-    """``emitted(scene, surface, wo)``: radiance that a surface itself sends along the unit wo."""
-    if not on_shapes(program):
-
-        @kernel
-        def dark(scene, surface, wo):
-            return lanes_vec3(0.0)
-
-        return dark
-
-    @kernel
-    def on_outer_side(scene, surface, wo):
-        shines = (surface.light > 0) & (dot(wo, surface.ng) > 0.0)
-        radiance = radiance_of_shape(scene, light_index(surface.light), surface, wo)
-        return where(shines, radiance, lanes_vec3(0.0))
-
-    return on_outer_side
-
-
-def environments_of(program) -> tuple[str, ...]:
-    """Names of the models of the program's lights from infinity, in the order of their rows."""
-    if program.environments:
-        return program.environments
-    return tuple(name for name in program.lights if name in LIGHTS and LIGHTS[name].is_around)
-
-
-def _radiance_of(name: str, back: int):
-    radiance = LIGHTS[name].radiance
-    assert radiance is not None
-
-    @kernel
-    def colored(scene, p, d):
-        return row_vec3(scene.lights.data, row_of(scene, back)) * radiance(scene, back, d)
-
-    return colored
-
-
-def _density_of(name: str, back: int):
-    density = LIGHTS[name].pdf
-    assert density is not None
-
-    @kernel
-    def chosen(scene, p, d):
-        return density(scene, back, p, d) * scene.lights.data[row_of(scene, back) + 3]
-
-    return chosen
-
-
-@specialised
-def environment_radiance(program):
-    """``environment_radiance(scene, d)``: radiance of a ray that leaves the scene along unit d."""
-    names = tuple(enumerate(environments_of(program)[::-1], 1))
-    # Portals send nothing.
-    parts = tuple(_radiance_of(name, back) for back, name in names if LIGHTS[name].radiance)
-    if not parts:
-
-        @kernel
-        def black(scene, d):
-            return lanes_vec3(0.0)
-
-        return black
-    total = sum_of(parts)
-
-    @kernel
-    def from_anywhere(scene, d):
-        return total(scene, d, d)
-
-    return from_anywhere
-
-
-@specialised
-def environment_pdf(program):
-    """Density of `sample_light` for a ray that leaves the scene.
-
-    ``environment_pdf(scene, p, d)``: p, d: the vertex that it comes from, and its unit direction.
-    """
-    names = tuple(enumerate(environments_of(program)[::-1], 1))
-    if not names:
-
-        @kernel
-        def impossible(scene, p, d):
-            return lanes(0.0)
-
-        return impossible
-    return sum_of(tuple(_density_of(name, back) for back, name in names))
 
 
 @specialised

@@ -13,13 +13,14 @@ from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
 from alight.films import PartialFilm
 from alight.films.fixed_point import add_rows
-from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_number
+from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_bits
 from alight.integrators.walk import Settings
 from alight.rendering.tile_kernel import (
     INVALID,
     RAYS,
     SATURATED,
     Tile,
+    render_layers,
     render_step_by_step,
     render_tile_kernel,
 )
@@ -38,14 +39,14 @@ class Kernels(NamedTuple):
     ----------
     beauty : callable
         The main loop.
-    aov : callable or None
+    layers : callable or None
         The pass for the scene's AOVs, if it has any.
     add_rows : callable or None
         For `Film.add_tile`; None in the NumPy twin.
     """
 
     beauty: Callable
-    aov: Callable | None
+    layers: Callable | None
     add_rows: Callable | None
 
 
@@ -56,9 +57,9 @@ def make_kernels(
 
     `observe` is for the twin, see `lanewise.jit.instantiate`; what it sees are whole steps.
     """
-    root = render_step_by_step if observe else render_tile_kernel
+    picture = render_step_by_step if observe else render_tile_kernel
 
-    def make(program: Program) -> Callable:
+    def make(root: Callable, program: Program) -> Callable:
         kernel = instantiate(root, program, compiled=compiled, observe=observe)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
         if isinstance(kernel, MachineCode | StockKernel):
@@ -71,7 +72,7 @@ def make_kernels(
     looking = scene.program._replace(integrator="aov", options=(), aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
     add = compiled_add_rows() if compiled else None
-    return Kernels(make(beauty), make(looking) if wanted else None, add)
+    return Kernels(make(picture, beauty), make(render_layers, looking) if wanted else None, add)
 
 
 @lru_cache(maxsize=1)
@@ -140,13 +141,14 @@ def render_tile(
     if split:
         # Exact whole numbers: direct + indirect is the picture to the last bit.
         aovs = {"direct": direct, "indirect": sums.sum(axis=2) - direct}
-    for name, channels in LAYERS.items():
-        if name in scene.program.aovs:
-            layer = _empty_film(settings, tile, False)
-            one = settings._replace(layer=layer_number(name))
-            assert kernels.aov is not None
-            kernels.aov(scene.tables, one, tile, samples, layer)
-            aovs[name] = layer.sums.shaped.sum(axis=2)[:, :, : len(channels)]
+    wanted = tuple(name for name in LAYERS if name in scene.program.aovs)
+    if wanted:
+        assert kernels.layers is not None
+        height, width = tile.y1 - tile.y0, tile.x1 - tile.x0
+        layers = View(np.zeros((len(wanted), height, width, 3, 2), np.int64))
+        kernels.layers(scene.tables, settings, tile, samples, layer_bits(wanted), layers)
+        for name, layer in zip(wanted, layers.shaped, strict=True):
+            aovs[name] = layer[:, :, : len(LAYERS[name])]
     partial = PartialFilm(
         tile.x0,
         tile.y0,

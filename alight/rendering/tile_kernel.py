@@ -12,10 +12,11 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.cameras.rays import generate_ray
-from alight.films.fixed_point import split
+from alight.films.fixed_point import put_limbs
 from alight.filters.importance import sample_filter
+from alight.integrators.aov import LayerFilm, look
 from alight.integrators.moments import at_times_of
-from alight.integrators.queue import FLOATS, ROOM, UINTS, Queue, put, put_hit, take, take_hit
+from alight.integrators.queue import NO_HIT, empty_queue, put, take
 from alight.integrators.walk import (
     FILTER,
     LENS,
@@ -28,6 +29,7 @@ from alight.integrators.walk import (
     trace,
 )
 from alight.samplers.sampling import get_2d, sampler_state
+from alight.shapes.hit import no_hit
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     LANES,
@@ -55,7 +57,8 @@ Tile = namedtuple("Tile", "x0 y0 x1 y1")
 #: of the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
-#: Rows of `start`: x, y, index and scramble of each lane's sample.
+#: Rows of `start`, for the widest packet: x, y, index and scramble of each lane's sample.
+ROOM = 16
 TAKEN = 4 * ROOM
 
 CELL = 8
@@ -186,15 +189,6 @@ def add_finished(program):
     return add_finished
 
 
-@kernel(strict=True)
-def put_limbs(limbs, channel, value):
-    """Store both limbs of one channel; returns where it was saturated."""
-    parts = split(value)
-    store_lanes(limbs, (2 * channel) * LANES, parts.hi)
-    store_lanes(limbs, (2 * channel + 1) * LANES, parts.lo)
-    return parts.saturated
-
-
 @kernel
 def finish(settings, tile, film, path, before):
     """Add the paths that have ended since they were active in the lanes of `before`."""
@@ -216,21 +210,21 @@ def render_tile_kernel(program):
 def render_step_by_step(scene, settings, tile, ranges, film):
     """`render_tile_kernel` where a step is one piece."""
     path = empty_paths()
-    queue = Queue(local_floats(FLOATS), local_uints(UINTS))
+    queue = empty_queue(NO_HIT)
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     _, cells = count_cells(tile)
     waiting, rays = 0, 0
     while True:
         if mask_bits(~path.active) != 0:
             rays += path.rays
-            waiting = put(queue, waiting, path)
+            waiting = put(queue, waiting, path, NO_HIT)
             if waiting >= LANES:
                 waiting -= LANES
-                path = take(settings, queue, waiting, LANES)
+                path, _ = take(settings, queue, waiting, LANES, NO_HIT)
             elif cursor.cell < cells:
                 cursor, path = start(scene, settings, tile, ranges, cursor)
             elif waiting > 0:
-                path = take(settings, queue, 0, waiting)
+                path, _ = take(settings, queue, 0, waiting, NO_HIT)
                 waiting = 0
             else:
                 break
@@ -247,9 +241,8 @@ def render_in_stages(scene, settings, tile, ranges, film):
     Many rays of an open scene meet none. The packets that meet one are full again, and so are
     those of shadow rays.
     """
-    path = empty_paths()
-    queue = Queue(local_floats(FLOATS), local_uints(UINTS))
-    met = Queue(local_floats(FLOATS), local_uints(UINTS))
+    path, hit = empty_paths(), no_hit()
+    queue, met = empty_queue(NO_HIT), empty_queue(hit)
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     _, cells = count_cells(tile)
     waiting, held, rays = 0, 0, 0
@@ -257,22 +250,23 @@ def render_in_stages(scene, settings, tile, ranges, film):
         rest = False
         if mask_bits(~path.active) != 0:
             rays += path.rays
-            waiting = put(queue, waiting, path)
+            waiting = put(queue, waiting, path, NO_HIT)
             if waiting >= LANES:
                 waiting -= LANES
-                path = take(settings, queue, waiting, LANES)
+                path, _ = take(settings, queue, waiting, LANES, NO_HIT)
             elif cursor.cell < cells:
                 cursor, path = start(scene, settings, tile, ranges, cursor)
             elif held > 0:
                 rest = True
             elif waiting > 0:
-                path = take(settings, queue, 0, waiting)
+                path, _ = take(settings, queue, 0, waiting, NO_HIT)
                 waiting = 0
             else:
                 break
-        count, hit = 0, take_hit(met, 0)
+        count = 0
         if rest:
-            path, count, held = take(settings, met, 0, held), held, 0
+            path, hit = take(settings, met, 0, held, hit)
+            count, held = held, 0
         else:
             before = path.active
             path, hit = trace(scene, settings, path)
@@ -280,15 +274,24 @@ def render_in_stages(scene, settings, tile, ranges, film):
             count = LANES
             if mask_bits(~path.active) != 0:
                 rays += path.rays
-                put_hit(met, held, path, hit)
-                held = put(met, held, path)
+                held = put(met, held, path, hit)
                 count = 0
                 if held >= LANES:
                     held, count = held - LANES, LANES
-                    hit = take_hit(met, held)
-                path = take(settings, met, held, count)
+                path, hit = take(settings, met, held, count, hit)
         if count > 0:
             before = path.active
             path = shade(scene, settings, path, hit)
             finish(settings, tile, film, path, before)
     film.tally[RAYS] += rays
+
+
+@kernel
+def render_layers(scene, settings, tile, ranges, wanted, sums):
+    """Render layers (`alight.integrators.aov`) of the samples `ranges` of one tile."""
+    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
+    _, cells = count_cells(tile)
+    film = LayerFilm(tile, wanted, sums)
+    while cursor.cell < cells:
+        cursor, path = start(scene, settings, tile, ranges, cursor)
+        look(scene, film, path)

@@ -24,13 +24,9 @@ from alight.core.errors import OptionError
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.shadow_rays import come_through
 from alight.integrators.walk import make_settings, step
-from alight.lights.sampling import (
-    emitted,
-    environment_pdf,
-    environment_radiance,
-    light_pdf,
-    sample_light,
-)
+from alight.lights.hits import emitted, light_pdf
+from alight.lights.misses import environment_pdf, environment_radiance
+from alight.lights.sampling import sample_light
 from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.options.entry import takes
 from alight.options.laboratory import TraceOptions

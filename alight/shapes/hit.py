@@ -15,7 +15,7 @@ from alight.core.constants import gamma
 from alight.core.registry import specs_of
 from alight.core.spec import Texture
 from lanewise.jit import kernel
-from lanewise.simd import absolute, copysign, fma, maximum, where
+from lanewise.simd import absolute, copysign, fma, lanes, lanes_u32, maximum, where
 
 #: t: distance in units of |d| (infinity for a miss); u, v: barycentrics b1, b2 of a triangle, local
 #: coordinates of the others; shape, prim: u32, 0 for a miss, so that they are always valid.
@@ -47,6 +47,12 @@ FLIP, SMOOTH, UVS, COLORS, INSTANCED = 1, 2, 4, 8, 16
 BENT = "bent"
 
 _GAMMA_24 = gamma(24)
+
+
+@kernel
+def no_hit():
+    """A `Hit` of zeros in every lane."""
+    return Hit(lanes(0.0), lanes(0.0), lanes(0.0), lanes_u32(0), lanes_u32(0))
 
 
 def varies(program) -> bool:

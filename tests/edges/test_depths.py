@@ -12,7 +12,8 @@ from alight.bsdfs.normal_map import NormalMap
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.formats import load, loads
-from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
+from alight.lights.misses import environment_pdf, environment_radiance
+from alight.lights.sampling import sample_light
 from alight.scene import flatten
 from alight.scene.validation import MOST_INSTANCED, MOST_SURROUNDINGS
 from alight.textures.add import Add

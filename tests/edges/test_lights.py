@@ -13,9 +13,10 @@ from alight.laws.lights import PLACE
 from alight.laws.materials import stacked
 from alight.lights.at_point import NEAREST
 from alight.lights.ies import Ies
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.point import Point
 from alight.lights.projector import Projector
-from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
+from alight.lights.sampling import sample_light
 from alight.lights.spot import Spot
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import rotate, translate

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,12 +17,15 @@ from alight.bsdfs.switch import concentration, refracts
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.formats import loads
-from alight.integrators.path import MAX_SURVIVAL, _write_play_roulette
+from alight.integrators.roulette import MAX_SURVIVAL, play_roulette
 from alight.samplers.state import sampler_state
 from alight.textures.checkerboard import Checkerboard
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
 from tests.sampling.materials import Scene, Shapes, Surface
+
+#: What the roulette reads of a path.
+Paths = namedtuple("Paths", "beta depth sampler active")
 
 # A ball that shows the same light in every direction; all of it comes through.
 FURNACE = """
@@ -79,32 +83,24 @@ def test_concentration_is_the_square_of_the_index_inside():
     np.testing.assert_allclose(found, [1, 2.25, 2.25, 1, 1, 1, 1, 1], rtol=1e-6)
 
 
-@pytest.mark.parametrize("brightness", [0.05, 0.2, 0.4, 0.9])
-def test_survival_is_the_throughput_times_the_concentration(brightness):
-    """Into glass, past diffuse stuff, and where no surface of the scene refracts."""
+@pytest.mark.parametrize("brightness", [0.05, 0.2, 0.4, 0.9, 1.0, 2.25])
+def test_survival_is_the_brightness_up_to_its_cap(brightness):
     n = 20_000
-    tables, names, textures = compile_materials([Diffuse(), Dielectric(int_ior=1.5, ext_ior=1.0)])
-    program = Program(bsdfs=names, textures=textures, sampler=("independent",))
-    row = np.arange(n, dtype=np.uint32) % 2
-    zero, every = np.zeros(n, np.float32), np.ones(n, bool)
-    surface = Surface(zero, zero, 0 * row, row, Vec3(zero, zero, zero))
-    beta = Vec3(*(np.float32(brightness) * np.float32(part) + zero for part in (0.5, 1.0, 0.25)))
-    path = SimpleNamespace(
-        sampler=sampler_state(0 * row, 0 * row, np.arange(n, dtype=np.uint32), 0 * row, 0 * row)
+    program = Program(sampler=("independent",))
+    index = np.arange(n, dtype=np.uint32)
+    beta = Vec3(*(np.full(n, part, np.float32) for part in (0.1, 0.2, 0.05)))
+    path = Paths(
+        beta=beta,
+        depth=np.where(index % 2, 5, 4).astype(np.uint32),
+        sampler=sampler_state(0 * index, 0 * index, index, 0 * index, 0 * index),
+        active=np.ones(n, bool),
     )
-    for refracting, concentrated in ((True, 2.25), (False, 1.0)):
-        play = instantiate(_write_play_roulette(refracting), program, compiled=False)
-        survival = np.minimum(brightness * np.where(row == 1, concentrated, 1.0), MAX_SURVIVAL)
-        wi = Vec3(zero, 0.6 + zero, -0.8 + zero)
-        depth = np.full(n, 5, np.uint32)
-        args = (Scene(tables, Shapes(None)), SimpleNamespace(rr_depth=5), path, surface, wi)
-        left, active = play(*args, depth, beta, every)
-        np.testing.assert_allclose(left.y, brightness / survival, rtol=1e-5)
-        for kind in (0, 1):
-            mine = row == kind
-            spread = np.sqrt(survival[mine][0] * (1.0 - survival[mine][0]) / mine.sum())
-            assert abs(active[mine].mean() - survival[mine][0]) < 4.5 * spread
-        # Before its depth the roulette is not played.
-        left, active = play(*args, depth - 1, beta, every)
-        np.testing.assert_array_equal(left.y, beta.y)
-        assert active.all()
+    play = instantiate(play_roulette, program, compiled=False)
+    left = play(SimpleNamespace(rr_depth=5), path, 8, np.float32(brightness))
+    survival, playing = min(brightness, MAX_SURVIVAL), path.depth == 5
+    np.testing.assert_allclose(left.beta.y[playing], 0.2 / survival, rtol=1e-6)
+    spread = np.sqrt(survival * (1.0 - survival) / playing.sum())
+    assert abs(left.active[playing].mean() - survival) < 4.5 * spread
+    # Before its depth the roulette is not played.
+    np.testing.assert_array_equal(left.beta.y[~playing], beta.y[~playing])
+    assert left.active[~playing].all()

@@ -16,7 +16,7 @@ from alight.lab.study import StudyError
 from alight.lab.study_file import parse_study
 from alight.laws.materials import Material, stacked
 from alight.laws.statistics import unit_vectors
-from alight.lights.sampling import environment_radiance
+from alight.lights.misses import environment_radiance
 from alight.scene import Node, Scene, flatten
 from alight.shapes.sphere import Sphere
 from lanewise.jit import instantiate

@@ -7,8 +7,8 @@ import pytest
 from numba.core.errors import TypingError
 
 from lanewise.jit import instantiate, kernel
-from lanewise.records import replace
-from lanewise.simd import LANES, float_bits, load_lanes, store_lanes, where
+from lanewise.records import local_records, put_records, records_at, replace
+from lanewise.simd import LANES, as_uint, float_bits, load_lanes, packing, store_lanes, where
 from lanewise.vec3 import Vec3
 from lanewise.view import View
 
@@ -156,3 +156,49 @@ def test_records_of_different_kinds_cannot_be_blended(compiled):
     out = View(np.zeros(64, np.float32))
     with pytest.raises((TypingError, TypeError)):
         instantiate(mixed, compiled=compiled)(View(numbers()), out)
+
+
+ROOM = 2 * int(LANES)
+
+
+@kernel
+def store_and_load(floats, n, out):
+    i = 0
+    state = state_at(floats, n, i, 3)
+    memory = local_records(ROOM, state)
+    order = packing(state.x > 0.0)
+    put_records(memory, ROOM, 0, order, state)
+    # The next record starts in the middle of the first.
+    put_records(memory, ROOM, 3, order, replace(state, x=-state.x, steps=9))
+    found = records_at(memory, ROOM, 3, replace(state, steps=5))
+    write_state(out, LANES, 0, replace(found, x=state.x))
+    store_lanes(out, 7 * LANES, found.x + where(found.steps == 5, 0.0, 1.0))
+    # What lies before was written first, and is still there.
+    store_lanes(out, 8 * LANES, records_at(memory, ROOM, 0, state).x)
+
+
+@pytest.mark.parametrize("compiled", [True, False], ids=["machine code", "twin"])
+def test_records_are_stored_reordered_and_loaded_as_they_were(compiled):
+    lanes = np.zeros(1, np.uint32)
+    instantiate(count_lanes_of_a_packet, compiled=compiled)(View(lanes))
+    w, n = int(lanes[0]), 64
+    out = View(np.zeros(ROWS * w, np.float32))
+    instantiate(store_and_load, compiled=compiled)(View(numbers(n)), n, out)
+    p_x, p_y, p_z, x, odd, first, second, changed, before = out.array.reshape(ROWS, w)
+    a, b = numbers(n)[:w], numbers(n)[n : n + w]
+    order = np.argsort(~(a * b > 0.0), kind="stable")
+    np.testing.assert_array_equal(p_x, a[order])
+    np.testing.assert_array_equal(p_y, b[order])
+    np.testing.assert_allclose(p_z, (a - b)[order], rtol=1e-6, atol=1e-7)
+    np.testing.assert_array_equal(x, a * b)
+    words = (a + b).view(np.uint32)[order]
+    np.testing.assert_array_equal(odd, np.where(words & 1, 1.0, 2.0))
+    np.testing.assert_array_equal(first, b[order])
+    np.testing.assert_allclose(second, (a + 2.0 * b)[order], rtol=1e-6, atol=1e-7)
+    np.testing.assert_array_equal(changed, -(a * b)[order])
+    np.testing.assert_array_equal(before[:3], (a * b)[order][:3])
+
+
+@kernel
+def count_lanes_of_a_packet(out):
+    out[0] = as_uint(LANES)

@@ -7,14 +7,10 @@ from alight.core.vec import Vec3
 from alight.lights.area import Area
 from alight.lights.directional import Directional
 from alight.lights.environment import EXAMPLES as ENVIRONMENTS
+from alight.lights.hits import light_pdf
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.point import Point
-from alight.lights.sampling import (
-    environment_pdf,
-    environment_radiance,
-    light_pdf,
-    sample_light,
-    shadow_ray,
-)
+from alight.lights.sampling import sample_light, shadow_ray
 from alight.lights.spot import Spot
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate

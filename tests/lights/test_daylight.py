@@ -8,7 +8,8 @@ import pytest
 from alight.core.errors import SceneError
 from alight.lights.atmosphere import sky_radiance, sun_radiance, sun_transmittance
 from alight.lights.daylight import DIAMETER, picture, solid_angle
-from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
+from alight.lights.misses import environment_pdf, environment_radiance
+from alight.lights.sampling import sample_light
 from alight.lights.sky import Sky
 from alight.lights.solar_position import solar_angles, sun_direction
 from alight.lights.sun import Sun

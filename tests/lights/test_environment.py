@@ -6,7 +6,8 @@ import pytest
 from alight.compiled.program import Program
 from alight.core.errors import SceneError
 from alight.lights.environment import EXAMPLES, Environment, map_of
-from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
+from alight.lights.misses import environment_pdf, environment_radiance
+from alight.lights.sampling import sample_light
 from alight.scene.transform import rotate, scale
 from lanewise.jit import instantiate
 from tests.sampling.statistics import LARGEST_Z, SIGNIFICANCE, chi_square, length_error, z_of_mean

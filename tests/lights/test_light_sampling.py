@@ -6,14 +6,10 @@ import pytest
 from alight.lights.area import Area
 from alight.lights.constant import Constant
 from alight.lights.directional import Directional
+from alight.lights.hits import emitted, light_pdf
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.point import Point
-from alight.lights.sampling import (
-    emitted,
-    environment_pdf,
-    environment_radiance,
-    light_pdf,
-    sample_light,
-)
+from alight.lights.sampling import sample_light
 from alight.lights.tables import STRIDE
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, scale, translate

@@ -10,8 +10,9 @@ from alight.compiled.lights import MOST_WITHOUT_TREE
 from alight.lights.area import Area
 from alight.lights.constant import Constant
 from alight.lights.directional import Directional
+from alight.lights.hits import light_pdf
 from alight.lights.point import Point
-from alight.lights.sampling import light_pdf, sample_light
+from alight.lights.sampling import sample_light
 from alight.lights.spot import Spot
 from alight.lights.tables import INFO
 from alight.lights.tree import (

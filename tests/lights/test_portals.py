@@ -9,8 +9,9 @@ from alight.core.errors import SceneError
 from alight.formats import loads
 from alight.lights.constant import Constant
 from alight.lights.environment import Environment
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.portal import Portal
-from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
+from alight.lights.sampling import sample_light
 from alight.lights.sun import Sun
 from alight.scene import flatten
 from alight.scene.flatten import PlacedLight

@@ -8,8 +8,9 @@ from alight.compiled.program import Program
 from alight.formats import loads
 from alight.lights.constant import Constant
 from alight.lights.environment import Environment
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.point import Point
-from alight.lights.sampling import environment_pdf, environment_radiance, sample_light
+from alight.lights.sampling import sample_light
 from alight.lights.sun import Sun
 from alight.lights.sunsky import SunSky
 from alight.scene.flatten import PlacedLight

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.lights.daylight import DIAMETER
-from alight.lights.sampling import environment_pdf, environment_radiance
+from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.sun import Sun
 from alight.lights.sunsky import SunSky
 from tests.lights.test_daylight import TURN, around

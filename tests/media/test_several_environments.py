@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.lights.sampling import environment_radiance
+from alight.lights.misses import environment_radiance
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
 from tests.motion.moving import compiled, picture

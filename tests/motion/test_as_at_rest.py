@@ -8,7 +8,8 @@ import pytest
 
 from alight.accel import intersect_closest
 from alight.core.vec import Vec3
-from alight.lights.sampling import light_pdf, sample_light
+from alight.lights.hits import light_pdf
+from alight.lights.sampling import sample_light
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import Hit
 from alight.shapes.surfaces import make_surface

@@ -11,7 +11,8 @@ from alight.compiled.program import Program
 from alight.core.constants import INFINITY
 from alight.core.motion import general_matrix_at, matrix_at, rigid_matrix_at
 from alight.core.vec import Vec3
-from alight.lights.sampling import light_pdf, sample_light
+from alight.lights.hits import light_pdf
+from alight.lights.sampling import sample_light
 from alight.scene import keyframes, rotate, scale, translate
 from alight.scene.motion import NOWHERE
 from alight.shapes.hit import Hit, spawn_origin

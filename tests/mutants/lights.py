@@ -28,12 +28,12 @@ LIGHT = (
     Mutant(
         "probability of the light's choice forgotten",
         "lights/sampling.py",
-        (("pdf = s.pdf * pmf", "pdf = s.pdf"),),
+        (("pdf = s.pdf * choice.plain", "pdf = s.pdf"),),
         f"{LIGHTS}::test_lights_are_chosen_as_asked",
     ),
     Mutant(
         "density of the environment forgotten",
-        "lights/sampling.py",
+        "lights/misses.py",
         (
             (
                 "return density(scene, back, p, d) * scene.lights.data[row_of(scene, back) + 3]",
@@ -44,7 +44,7 @@ LIGHT = (
     ),
     Mutant(
         "light's choice forgotten where a ray finds the environment",
-        "lights/sampling.py",
+        "lights/misses.py",
         (
             (
                 "return density(scene, back, p, d) * scene.lights.data[row_of(scene, back) + 3]",
@@ -55,8 +55,8 @@ LIGHT = (
     ),
     Mutant(
         "light's choice forgotten where a ray finds a lamp",
-        "lights/sampling.py",
-        (("density * gather(scene.lights.data, index * STRIDE + 3), 0.0)", "density, 0.0)"),),
+        "lights/choice.py",
+        (("return gather(scene.lights.data, index * STRIDE + 3)", "return lanes(1.0)"),),
         f"{LIGHTS}::test_lights_are_chosen_as_asked",
     ),
     Mutant(
@@ -104,7 +104,7 @@ LIGHT = (
     ),
     Mutant(
         "light from both sides of a lamp",
-        "lights/sampling.py",
+        "lights/hits.py",
         (("(surface.light > 0) & (dot(wo, surface.ng) > 0.0)", "surface.light > 0"),),
         f"{LIGHTS}::test_area_lights_shine_on_their_outer_side_only",
     ),
@@ -137,16 +137,16 @@ LIGHT = (
         "lights/sampling.py",
         (
             (
-                "factor = choice.plain / where(valid, choice.pmf, 1.0)",
-                "factor = choice.plain / choice.plain",
+                "radiance * (choice.plain / where(valid, choice.pmf, 1.0))",
+                "radiance * (choice.plain / choice.plain)",
             ),
         ),
         f"{TREE}::test_tree_and_power_agree_on_the_light",
     ),
     Mutant(
         "light tree's choice forgotten where a ray finds a lamp",
-        "lights/sampling.py",
-        (("density * plain_probability(scene, index, prim, p, shines)", "density"),),
+        "lights/hits.py",
+        (("density * chosen_probability(scene, index, prim, p, shines)", "density"),),
         f"{TREE}::test_rays_find_the_density_that_light_sampling_says",
     ),
     Mutant(

@@ -28,7 +28,7 @@ TRANSPORT = (
     ),
     Mutant(
         "survivors of the roulette do not carry the light of the others",
-        "integrators/path.py",
+        "integrators/roulette.py",
         (("beta / survival", "beta"),),
         f"{FORMS}::test_roulette_does_not_change_the_mean[1]",
     ),
@@ -40,7 +40,7 @@ TRANSPORT = (
     ),
     Mutant(
         "direct light ends one edge too early",
-        "integrators/path.py",
+        "integrators/reach.py",
         (("shining & (depth <= 2)", "shining & (depth <= 1)"),),
         f"{TWIN}::test_the_direct_layer_is_the_picture_of_two_edges",
     ),
@@ -53,7 +53,7 @@ TRANSPORT = (
     Mutant(
         "NaN swallowed by the end of a path",
         "integrators/path.py",
-        (("~(largest <= 0.0)", "(largest > 0.0)"),),
+        (("~(brightness <= 0.0)", "(brightness > 0.0)"),),
         f"{TWIN}::test_samples_that_are_not_finite_are_counted_and_add_nothing",
     ),
     Mutant(
@@ -70,7 +70,7 @@ TRANSPORT = (
     ),
     Mutant(
         "a light behind a hole as near as the hole",
-        "integrators/path.py",
+        "integrators/reach.py",
         (("distance = length(surface.p - path.p)", "distance = hit.t"),),
         "tests/estimators/test_nothing_in_between.py"
         "::test_surfaces_that_are_not_there_change_no_sample[nothing/nothing-path]",

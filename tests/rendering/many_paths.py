@@ -44,7 +44,7 @@ def prepared(scene: Scene) -> CompiledScene:
 
 
 def followed(scene: CompiledScene, spp: int, seed: int = 0) -> Iterator[tuple]:
-    """Samples as they are before each step and after the last, `Path` or `VolumePath`.
+    """Samples as they are before each step and after the last, `PathState` or `VolumePathState`.
 
     Lanes go row by row through the picture, then through the samples of a pixel.
     """

@@ -26,8 +26,11 @@ from alight.core.vec import Vec3
 from alight.laws.materials import stacked
 from alight.laws.scene.findings import Finding
 from alight.laws.statistics import chi_square, chi_square_tail, length_error, unit_vectors
+from alight.lights.choice import choose_light
+from alight.lights.hits import light_pdf
+from alight.lights.misses import environment_pdf
 from alight.lights.model import LIGHTS
-from alight.lights.sampling import choose_light, environment_pdf, light_pdf, sample_light
+from alight.lights.sampling import sample_light
 from alight.lights.tree import choose_by_tree
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.surfaces import make_surface
@@ -156,11 +159,11 @@ def _choice(
         counts, said = np.append(counts[names >= 0], none), said[names >= 0]
         return Finding("lights", law, p=chi_square(counts, said), detail=f"{lights} lights")
     choose = instantiate(choose_light, compiled.program, compiled=False)
-    index, pmf, rest = choose(compiled.tables, u[0])
+    choice = choose(compiled.tables, None, None, u[0], None, None)
     said = np.zeros(lights)
-    said[index] = pmf
-    counts = np.append(np.bincount(index, minlength=lights), 0)
-    if not ((rest >= 0.0) & (rest < 1.0)).all():
+    said[choice.index] = choice.pmf
+    counts = np.append(np.bincount(choice.index, minlength=lights), 0)
+    if not ((choice.rest >= 0.0) & (choice.rest < 1.0)).all():
         return Finding("lights", law, holds=False, detail="what is left of u is outside [0, 1)")
     return Finding("lights", law, p=chi_square(counts, said), detail=f"{lights} lights")
 

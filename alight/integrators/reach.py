@@ -1,0 +1,60 @@
+"""Light at the end of a ray: what paths gain where their directions happen to lead to it.
+
+In multiple importance sampling this is the technique of the BSDF; the factories take its weight,
+``bsdf_weight(path, light_pdf)``, and the kernels of `alight.integrators.contributions` that listen.
+"""
+
+from __future__ import annotations
+
+from alight.core.vec import length
+from alight.lights.hits import emitted, light_pdf
+from alight.lights.misses import environment_pdf, environment_radiance
+from lanewise.jit import kernel
+from lanewise.records import replace
+from lanewise.simd import any_lane, where
+
+
+def write_reach_environment(bsdf_weight, listeners):
+    """``(scene, path, missed) -> path``: light of the environment, where rays left the scene."""
+    recorded, leave = listeners.leave is not None, listeners.leave
+
+    @kernel
+    def reach_environment(scene, path, missed):
+        L, L_direct, depth = path.L, path.L_direct, path.depth + 1
+        if any_lane(missed):
+            # Idle lanes all read the same texel, which costs no memory traffic.
+            d = where(missed, path.d, 0.0)
+            Le = environment_radiance(scene, d)
+            w = bsdf_weight(path, environment_pdf(scene, path.p, d))
+            L = where(missed, L + path.beta * Le * w, L)
+            L_direct = where(missed & (depth <= 2), L, L_direct)
+            if recorded:
+                leave(scene, path, depth, missed, path.beta * Le * w)
+        return replace(path, L=L, L_direct=L_direct)
+
+    return reach_environment
+
+
+def write_reach_lamp(bsdf_weight, holes, listeners):
+    """``(scene, path, hit, surface, active) -> path``: light of surfaces that rays hit."""
+    recorded, find = listeners.find is not None, listeners.find
+
+    @kernel
+    def reach_lamp(scene, path, hit, surface, active):
+        L, L_direct, depth = path.L, path.L_direct, path.depth + 1
+        shining = active & (surface.light != 0)
+        if any_lane(shining):
+            distance = hit.t
+            if holes:
+                # From the last vertex, not from the hole in between.
+                distance = length(surface.p - path.p)
+            Le = emitted(scene, surface, -path.d)
+            pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
+            w = bsdf_weight(path, pdf)
+            L = where(shining, L + path.beta * Le * w, L)
+            L_direct = where(shining & (depth <= 2), L, L_direct)
+            if recorded:
+                find(scene, path, surface.light, depth, shining, path.beta * Le * w)
+        return replace(path, L=L, L_direct=L_direct)
+
+    return reach_lamp

@@ -1,0 +1,40 @@
+"""Russian roulette: dim paths end at random, and the survivors carry their light.
+
+A path ends with probability 1 - q; otherwise its throughput is divided by q, so the mean stays.
+
+Source: Arvo and Kirk, Particle transport and image synthesis, SIGGRAPH 1990.
+"""
+
+from __future__ import annotations
+
+from alight.integrators.walk import ROULETTE
+from alight.samplers.sampling import get_1d
+from lanewise.jit import kernel
+from lanewise.records import replace
+from lanewise.simd import minimum, where
+
+#: Longest expected rest of a path: even a white path ends with 5 % at each vertex (as Mitsuba 3).
+MAX_SURVIVAL = 0.95
+
+
+@kernel
+def play_roulette(settings, path, dimension, brightness):
+    """The path, if it survives.
+
+    Parameters
+    ----------
+    settings : Settings
+        Paths play from the vertex `rr_depth` on.
+    path : PathState
+        With the vertex's depth, and the throughput of its next ray.
+    dimension : u32
+        First dimension of the vertex.
+    brightness : float
+        What the path would bring of a white light: the probability q, but for `MAX_SURVIVAL`.
+    """
+    beta, active = path.beta, path.active
+    survival = minimum(brightness, MAX_SURVIVAL)
+    playing = path.depth >= settings.rr_depth
+    survived = get_1d(path.sampler, dimension + ROULETTE) < survival
+    beta = where(playing, beta / survival, beta)
+    return replace(path, beta=beta, active=active & (survived | ~playing))
