@@ -213,12 +213,12 @@ LAWS = (
     Mutant(
         "direct light with one more reflection",
         "integrators/direct.py",
-        (("            MAX_DEPTH,\n", "            MAX_DEPTH + 1,\n"),),
+        (("max_depth=MAX_DEPTH)", "max_depth=MAX_DEPTH + 1)"),),
         f"{LAWS_OF}[integrators-direct]",
     ),
     Mutant(
         "survivors of roulette as bright as before",
-        "integrators/path.py",
+        "integrators/roulette.py",
         (("where(playing, beta / survival, beta)", "beta"),),
         f"{LAWS_OF}[integrators-path]",
     ),
