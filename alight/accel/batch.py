@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
@@ -9,89 +10,74 @@ from functools import lru_cache
 import numpy as np
 
 from alight.accel.build import build_bvh
-from alight.accel.layout import Bvh
-from alight.accel.packets import start
-from alight.accel.rays import MOST, Hits
-from alight.accel.single import NONE, is_traceable
-from alight.accel.turns import write_packet
-from alight.accel.visits import any_of_hits, closest_of_hits
+from alight.accel.forest import box_of
+from alight.accel.layout import TREE, Bvh
+from alight.accel.lists import Accelerator
+from alight.accel.query import intersect_closest, is_occluded
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import (
     LANES,
-    as_float,
-    as_int,
-    as_uint,
     bits_float,
     gather,
     lane_index,
-    local_floats,
-    local_uints,
-    mask_bits,
-    maximum,
+    lanes,
     minimum_u32,
+    store_lanes,
     where,
 )
 from lanewise.view import View
 
-_CHUNK = 16384
+#: Rays that a thread takes at a time, and to which their number is rounded up: any packet's width
+#: divides both.
+_CHUNK, _PADDING = 16384, 16
 
-
-closest_of_rays = write_packet(closest_of_hits, True)
-any_of_rays = write_packet(any_of_hits, False)
+#: What `query` needs to know of a scene and a program.
+_Scene = namedtuple("_Scene", "accel shapes")
+_Shapes = namedtuple("_Shapes", "data")
+_Program = namedtuple("_Program", "accel")
 
 
 @kernel(strict=True)
-def packet(origins, directions, t_max, begin, end):
-    """Rays begin, begin + 1, ...: (origins, directions, largest t, bits of the lanes in use)."""
+def packet(rays, begin, end):
+    """Rays begin, begin + 1, ...: (origins, directions, largest t, which there are)."""
+    origins, directions, t_max = rays
     lane = begin + lane_index()
     i = minimum_u32(lane, end - 1)
     o = Vec3(gather(origins, 3 * i), gather(origins, 3 * i + 1), gather(origins, 3 * i + 2))
     d = Vec3(
         gather(directions, 3 * i), gather(directions, 3 * i + 1), gather(directions, 3 * i + 2)
     )
-    t = gather(t_max, i)
-    return o, d, t, mask_bits((lane < end) & is_traceable(o, d, t))
+    return o, d, gather(t_max, i), lane < end
 
 
 @kernel(strict=True)
-def intersect_range(bvh, origins, directions, t_max, results, begin, end):
-    """Rays begin to end; results: 4 floats a ray: t, index (bits), u, v."""
-    hits = Hits(
-        local_floats(MOST), local_floats(MOST), local_floats(MOST),
-        local_uints(MOST), local_uints(MOST),
-    )  # fmt: skip
+def intersect_range(scene, rays, results, begin, end):
+    """Rays begin to end; results: columns t, triangle (bits), u, v."""
+    n = results.size // 4
     for first in range(begin, end, LANES):
-        o, d, t, bits = packet(origins, directions, t_max, first, end)
-        start(hits, t)
-        closest_of_rays(bvh, bvh.blocks, o, d, bits, hits)
-        for j in range(min(LANES, end - first)):
-            at, found = 4 * (first + j), hits.index[j] != NONE
-            results[at] = where(found, hits.t[j], as_float(0) + INFINITY)
-            results[at + 1] = bits_float(as_uint(where(found, as_int(hits.index[j]), -1)))
-            results[at + 2], results[at + 3] = hits.u[j], hits.v[j]
+        o, d, t_max, there = packet(rays, first, end)
+        hit = intersect_closest(scene, o, d, t_max, there)
+        store_lanes(results, first, hit.t)
+        prim = where(hit.t < INFINITY, hit.prim, 0xFFFFFFFF)
+        store_lanes(results, n + first, bits_float(prim))
+        store_lanes(results, 2 * n + first, hit.u)
+        store_lanes(results, 3 * n + first, hit.v)
 
 
 @kernel(strict=True)
-def occluded_range(bvh, origins, directions, t_max, results, begin, end):
+def occluded_range(scene, rays, results, begin, end):
     """Rays begin to end; results: 1 where something is met."""
-    hits = Hits(
-        local_floats(MOST), local_floats(MOST), local_floats(MOST),
-        local_uints(MOST), local_uints(MOST),
-    )  # fmt: skip
     for first in range(begin, end, LANES):
-        o, d, t, bits = packet(origins, directions, t_max, first, end)
-        # Rays that meet nothing for lack of a direction keep an end that is not negative.
-        start(hits, maximum(t, 0.0))
-        any_of_rays(bvh, bvh.blocks, o, d, bits, hits)
-        for j in range(min(LANES, end - first)):
-            results[first + j] = as_float(where(hits.t[j] < 0.0, 1, 0))
+        o, d, t_max, there = packet(rays, first, end)
+        blocked = is_occluded(scene, o, d, t_max, there)
+        store_lanes(results, first, where(blocked, lanes(1.0), lanes(0.0)))
 
 
 @lru_cache(maxsize=2)
 def _compiled(text: Callable) -> Callable:
-    return instantiate(text)
+    return instantiate(text, _Program((TREE,)))
 
 
 def build(
@@ -100,7 +86,10 @@ def build(
     """Hierarchy over a triangle mesh; see `build_bvh`."""
     vertices = np.ascontiguousarray(vertices, np.float32)
     faces = np.ascontiguousarray(faces, np.int32)
-    return build_bvh(vertices, faces, method=method, threads=threads)
+    bvh, stats = build_bvh(vertices, faces, method=method, threads=threads)
+    ids = np.zeros((len(faces), 2), np.uint32)
+    ids[:, 1] = np.arange(len(faces))
+    return bvh._replace(ids=View(ids)), stats
 
 
 def intersect_batch(
@@ -130,9 +119,8 @@ def intersect_batch(
     u, v : (n,) float32
         Barycentrics b1, b2.
     """
-    results = np.zeros((len(origins), 4), np.float32)
-    _run(intersect_range, bvh, origins, directions, t_max, results, threads)
-    return (results[:, 0], results[:, 1].view(np.int32), results[:, 2], results[:, 3])
+    t, prim, u, v = _run(intersect_range, bvh, origins, directions, t_max, 4, threads)
+    return t, prim.view(np.int32), u, v
 
 
 def is_occluded_batch(
@@ -144,23 +132,27 @@ def is_occluded_batch(
     threads: int = 1,
 ) -> np.ndarray:
     """(n,) bool: is anything met at 0 < t <= t_max? Parameters as of `intersect_batch`."""
-    results = np.zeros(len(origins), np.float32)
-    _run(occluded_range, bvh, origins, directions, t_max, results, threads)
-    return results > 0
+    return _run(occluded_range, bvh, origins, directions, t_max, 1, threads)[0] > 0
 
 
-def _run(text, bvh, origins, directions, t_max, results, threads):
+def _run(text, bvh, origins, directions, t_max, columns, threads) -> np.ndarray:
+    """What a kernel writes for the rays, (columns, n) float32."""
     function, n = _compiled(text), len(origins)
     if t_max is None:
         t_max = np.full(n, np.inf, np.float32)
-    rays = [View(np.ascontiguousarray(a, np.float32)) for a in (origins, directions, t_max)]
-    out = View(results)
+    rays = tuple(View(np.ascontiguousarray(a, np.float32)) for a in (origins, directions, t_max))
+    results = np.zeros((columns, -(-n // _PADDING) * _PADDING), np.float32)
+    out, empty = View(results), View(np.zeros(0, np.float32))
+    no_ids = View(np.zeros(0, np.uint32))
+    accel = Accelerator((), empty, no_ids, empty, no_ids, bvh, View(box_of(bvh)))
+    scene = _Scene(accel, _Shapes(empty))
 
     def chunk(begin: int) -> None:
-        function(bvh, *rays, out, begin, min(begin + _CHUNK, n))
+        function(scene, rays, out, begin, min(begin + _CHUNK, n))
 
     if threads == 1:
-        function(bvh, *rays, out, 0, n)
+        function(scene, rays, out, 0, n)
     else:
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(chunk, range(0, n, _CHUNK)))
+    return results[:, :n]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.accel.build import aligned_zeros, build_bvh
+from alight.accel.build import build_bvh
 from alight.accel.layout import (
     BLOCK,
     CHILD,
@@ -22,6 +22,7 @@ from alight.accel.layout import (
     TREE,
     TRIANGLES,
     Bvh,
+    aligned_zeros,
     check_blocks,
     kinds_in_order,
     number_of,
@@ -100,9 +101,7 @@ class Forest:
         plan = (TREE, *(f"{TREE} {kind}" for kind in kinds_in_order(kinds)))
         kinds = {m.kind for m in self.moving}
         plan += tuple(f"{MOVING_TREE} {kind}" for kind in kinds_in_order(kinds))
-        root = main.nodes.array[:NODE].reshape(-1, CHILDREN)
-        box = np.concatenate([root[:3].min(axis=1), root[3:6].max(axis=1)])
-        return tree._replace(ids=View(ids)), View(box), plan, stats
+        return tree._replace(ids=View(ids)), View(box_of(main)), plan, stats
 
     def _describe_analytic(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
         """Fill the first rows of the blocks (`layout`) and boxes of primitives but triangles."""
@@ -138,6 +137,12 @@ class Forest:
         numbers = number_of(INSTANCE), MOVING + number_of(TRIANGLES)
         leads_on = (words[:, IDS - 1] == OTHER) & np.isin(words[:, 0], numbers)
         words[leads_on, 1] = root_of[words[leads_on, IDS].astype(np.int64) - first]
+
+
+def box_of(tree: Bvh) -> np.ndarray:
+    """Lower and upper bounds of a tree, (6,) float32, metres."""
+    root = tree.nodes.array[:NODE].reshape(-1, CHILDREN)
+    return np.concatenate([root[:3].min(axis=1), root[3:6].max(axis=1)])
 
 
 def _joined(trees: list[Bvh]) -> tuple[Bvh, list[int]]:

@@ -27,6 +27,8 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+import numpy as np
+
 from alight.shapes.model import SHAPES
 
 #: Views. nodes, blocks: float32 as described above (whole numbers as bit patterns); ids: u32, shape
@@ -111,3 +113,11 @@ MAX_DEPTH = CHOSEN_LEVELS + (TOP_LEVELS + SAH_LEVELS + HALVED_LEVELS - CHOSEN_LE
 
 #: A node leaves all children but one behind on the stack, on each level.
 STACK = (CHILDREN - 1) * (MAX_DEPTH + 1) + 1
+
+
+def aligned_zeros(rows: int, columns: int) -> np.ndarray:
+    """Zeros of shape (rows, columns), float32, that start at a cache line."""
+    n = rows * columns
+    memory = np.zeros(n + 16, np.float32)
+    skip = (-memory.ctypes.data // 4) % 16
+    return memory[skip : skip + n].reshape(rows, columns)

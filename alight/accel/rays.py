@@ -1,16 +1,43 @@
-"""The rays of a packet in memory, so that each can continue alone."""
+"""Rays as the node and leaf tests need them: one alone, and those of a packet in memory."""
 
 from __future__ import annotations
 
 from collections import namedtuple
 
 from alight.accel.layout import CHILDREN, UPPER, WIDTH
-from alight.accel.single import BoxRay, TriangleRay, safe_reciprocal
+from alight.accel.node_test import reciprocal_of
 from alight.core.vec import Vec3
 from alight.shapes.triangle import Shear, rotated, shear_of
 from lanewise.jit import kernel
-from lanewise.simd import as_int, lanes_u32, store_lanes, where
+from lanewise.simd import (
+    as_int,
+    lanes,
+    lanes_u32,
+    local_floats,
+    local_uints,
+    store_lanes,
+    where,
+)
 from lanewise.wide import wide
+
+#: One ray: origin, direction, largest t that counts; lane: its number in the packet.
+Ray = namedtuple("Ray", "o d t lane")
+
+#: Found by one ray: t; index of the primitive in the tree (NONE: nothing up to t); face: triangle
+#: of an instance's mesh, else 0; u, v: barycentrics or local coordinates. Where any hit will do: t
+#: is -1 once there is one.
+SingleHit = namedtuple("SingleHit", "t index face u v")
+
+#: Index of a hit that loses every tie.
+NONE = 0x7FFFFFFF
+
+#: What the node test needs: origin and reciprocal direction in every lane, and for each axis the
+#: row of the bound that the ray meets first (lower or upper).
+BoxRay = namedtuple("BoxRay", "o r near_x near_y near_z")
+
+#: What the leaf test needs: the origin in every lane, in the order of the shear's axes, and the row
+#: of each of these axes.
+TriangleRay = namedtuple("TriangleRay", "o shear row_x row_y row_z")
 
 #: Most lanes that a packet can have.
 MOST = 16
@@ -20,20 +47,60 @@ MOST = 16
 #: the near bounds, then of the shear's axes.
 Rays = namedtuple("Rays", "numbers rows")
 ORIGIN, DIRECTION, RECIPROCAL, ROTATED, SHEAR = (3 * MOST * i for i in range(5))
-NUMBERS = 15 * MOST
+_NUMBERS = 15 * MOST
 AXES = 3 * MOST
-ROWS = 6 * MOST
+_ROWS = 6 * MOST
 
-#: What has been found, local tables of MOST: t of the hit (before it: the largest that counts), its
-#: barycentrics, index in the tree (`NONE` before it) and face (`SingleHit`).
+#: What the rays have found, local tables of MOST: t of the hit (before it: the largest that
+#: counts), its barycentrics, index in the tree (`NONE` before it) and face, as of `SingleHit`.
 Hits = namedtuple("Hits", "t u v index face")
 
 
 @kernel(strict=True)
+def box_ray(o, d):
+    """The `BoxRay` of a ray (scalars)."""
+    r = reciprocal_of(d)
+    return BoxRay(
+        _spread(CHILDREN, o),
+        _spread(CHILDREN, r),
+        0 if r.x >= 0.0 else UPPER,
+        CHILDREN if r.y >= 0.0 else CHILDREN + UPPER,
+        2 * CHILDREN if r.z >= 0.0 else 2 * CHILDREN + UPPER,
+    )
+
+
+@kernel(strict=True)
+def triangle_ray(o, d):
+    """The `TriangleRay` of a ray (scalars)."""
+    s = shear_of(d)
+    return TriangleRay(
+        _spread(WIDTH, rotated(o, s)),
+        Shear(s.kx, s.ky, s.kz, wide(WIDTH, s.sx), wide(WIDTH, s.sy), wide(WIDTH, s.sz)),
+        s.kx * WIDTH,
+        s.ky * WIDTH,
+        s.kz * WIDTH,
+    )
+
+
+@kernel(strict=True)
+def no_rays():
+    """Room for the rays of a packet."""
+    return Rays(local_floats(_NUMBERS), local_uints(_ROWS))
+
+
+@kernel(strict=True)
+def no_hits():
+    """Room for the hits of a packet."""
+    return Hits(
+        local_floats(MOST), local_floats(MOST), local_floats(MOST),
+        local_uints(MOST), local_uints(MOST),
+    )  # fmt: skip
+
+
+@kernel(strict=True)
 def write_rays(rays, o, d):
-    """Write down what the box and triangle tests need of each ray of a packet."""
-    r = Vec3(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z))
-    shear = shear_of(d)
+    """Write down what the tests need of each ray of a packet."""
+    r, shear = reciprocal_of(d), shear_of(d)
     numbers, rows = rays.numbers, rays.rows
     _store(numbers, ORIGIN, o)
     _store(numbers, DIRECTION, d)
@@ -47,6 +114,16 @@ def write_rays(rays, o, d):
     store_lanes(rows, AXES, WIDTH * (zero + shear.kx))
     store_lanes(rows, AXES + MOST, WIDTH * (zero + shear.ky))
     store_lanes(rows, AXES + 2 * MOST, WIDTH * (zero + shear.kz))
+
+
+@kernel(strict=True)
+def write_no_hits(hits, t_max):
+    """Nothing found yet, up to t_max in each lane."""
+    store_lanes(hits.t, 0, t_max)
+    store_lanes(hits.u, 0, lanes(0.0))
+    store_lanes(hits.v, 0, lanes(0.0))
+    store_lanes(hits.index, 0, lanes_u32(NONE))
+    store_lanes(hits.face, 0, lanes_u32(0))
 
 
 @kernel(strict=True)
@@ -72,7 +149,7 @@ def _spread(n, v):
 
 @kernel(strict=True)
 def box_ray_of(rays, i):
-    """The `BoxRay` of ray i."""
+    """The `BoxRay` of ray i of a packet."""
     rows = rays.rows
     return BoxRay(
         _spread(CHILDREN, vector_of(rays, ORIGIN, i)),
@@ -85,7 +162,7 @@ def box_ray_of(rays, i):
 
 @kernel(strict=True)
 def triangle_ray_of(rays, i):
-    """The `TriangleRay` of ray i; its shear's axes are in the rows already."""
+    """The `TriangleRay` of ray i of a packet; its shear's axes are in the rows already."""
     rows, shear = rays.rows, _spread(WIDTH, vector_of(rays, SHEAR, i))
     return TriangleRay(
         _spread(WIDTH, vector_of(rays, ROTATED, i)),

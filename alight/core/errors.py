@@ -37,6 +37,11 @@ class Issue:
         head = "  ".join(part for part in (self.place, self.path) if part) or "scene"
         return head + "".join(f"\n  {line}" for line in self.message.splitlines())
 
+    @property
+    def sentence(self) -> str:
+        """The path, if there is one, and the message."""
+        return f"{self.path} {self.message}" if self.path else self.message
+
     def under(self, prefix: str) -> Issue:
         """Return the same problem with `prefix` put before its path."""
         return replace(self, path=join_path(prefix, self.path))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cache
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
@@ -156,8 +155,8 @@ class Light(Spec):
         """Bound of the radiance that it emits; None if none is known."""
         return None
 
-    def read(self, folder: Path) -> Self:
-        """Take numbers from the file that it names; pictures are read by others.
+    def read(self, files: Any) -> Self:
+        """Take numbers from the file that it names, by `files.read`; pictures are for others.
 
         Raises
         ------

@@ -9,7 +9,6 @@ is as bright inside as in a room of which a tenth shines white.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,8 @@ from numpy.typing import NDArray
 from alight.core.errors import SceneError
 from alight.formats.surroundings import Bounds
 from alight.outputs.tone_mapping import LUMINANCE
-from alight.scene.images import read_image
+from alight.scene.files import Files
+from alight.scene.images import picture
 from alight.shapes.mesh import Mesh
 from alight.textures.images import Image
 
@@ -34,8 +34,8 @@ class Glow:
 
     Parameters
     ----------
-    folder : Path
-        To which names of pictures are relative.
+    files : Files
+        Reads pictures.
 
     Attributes
     ----------
@@ -43,10 +43,9 @@ class Glow:
         Area times luminance of the radiance, summed, W/sr.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, files: Files) -> None:
         self.total = 0.0
-        self._folder = folder
-        self._images: dict[str, Image | None] = {}
+        self._files = files
 
     def add(self, mesh: Mesh, to_world: NDArray[np.float64], radiance: Any) -> None:
         """Count a mesh that shines.
@@ -104,10 +103,7 @@ class Glow:
         return result
 
     def _read(self, name: str) -> Image | None:
-        if name not in self._images:
-            try:
-                self._images[name] = read_image(self._folder / name, name)
-            except SceneError:
-                # Whoever reads the scene says so.
-                self._images[name] = None
-        return self._images[name]
+        try:
+            return picture(name, self._files)
+        except SceneError:
+            return None  # Whoever reads the scene says so.

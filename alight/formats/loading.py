@@ -85,10 +85,10 @@ def load(
         path = Path(name)
         if path.suffix.lower() in PARSERS and is_file(path):
             _refuse_definitions(definitions or {}, name)
-            parsed = read_model(path, name, _reach(path.parent, root, name))
+            reach = _reach(path.parent, root, name)
+            parsed = read_model(path, name, reach)
             framed = parsed.framed
-            source = Source(name, path.parent, parsed.places, parsed.remarks)
-            result = _built(parsed.data, parsed.issues, source, check=not changes)
+            result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
             result = loads(
                 _read(path),
@@ -174,12 +174,12 @@ def _parse(
 ) -> tuple[Any, list[Issue], Source]:
     """Plain data, problems so far and the origin, whichever format the text has."""
     if mitsuba.is_xml(text):
-        parsed: Parsed = mitsuba.parse(text, name, reach, definitions, lenient)
-        return parsed.data, parsed.issues, Source(name, reach.folder, parsed.places, parsed.remarks)
+        parsed = mitsuba.parse(text, name, reach, definitions, lenient)
+        return parsed.data, parsed.issues, _source(parsed, name, reach)
     _refuse_definitions(definitions, name)
     if name.lower().endswith(pbrt.SUFFIX):
         parsed = pbrt.parse(text, name, reach, lenient)
-        return parsed.data, parsed.issues, Source(name, reach.folder, parsed.places, parsed.remarks)
+        return parsed.data, parsed.issues, _source(parsed, name, reach)
     data, places, issues = plain_yaml.parse(text, name)
     source = Source(name, reach.folder, places)
     refused = reach.keep_inside(data) if isinstance(data, dict) else {}
@@ -188,6 +188,11 @@ def _parse(
         located = [source.located(Issue(path, text)) for path, text in refused.items()]
         raise SceneError([*issues, *located])
     return data, list(issues), source
+
+
+def _source(parsed: Parsed, name: str, reach: Reach) -> Source:
+    """The origin of a scene of another program, with what has been read of its files."""
+    return Source(name, reach.folder, parsed.places, parsed.remarks, held=reach.files.held)
 
 
 def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:

@@ -6,23 +6,19 @@ STL files come from machines whose z is up, so they are turned; PLY files are ta
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.formats.glow import Glow
-from alight.formats.model_scene import model_scene
+from alight.formats.model_scene import Data, ModelScene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.formats.surfaces import plain_surface
-from alight.formats.surroundings import Bounds
 from alight.meshes import ply, stl
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
-from alight.scene.meshes import mesh_problem
-from alight.shapes.mesh import Mesh
+from alight.scene.meshes import mesh_of
 
 _UPRIGHT = {"rotate": {"axis": "x", "angle": -90.0}}
 
@@ -41,20 +37,18 @@ def _parse(
     read: Callable[[bytes], MeshArrays], data: bytes, name: str, reach: Reach, *, z_is_up: bool
 ) -> Parsed:
     try:
-        arrays = read(data)
+        mesh = mesh_of(read(data))
     except SceneError as error:
-        raise SceneError([Issue("", issue.message, name) for issue in error.issues]) from None
-    problem = mesh_problem(arrays)
-    if problem:
-        raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])
-    report, bounds = Report(), Bounds()
-    report.count("meshes")
-    to_world = transform.rotate("x", -90.0).matrix if z_is_up else np.eye(4)
-    bounds.add(arrays.vertices, to_world)
-    node: dict[str, Any] = {"shape": Mesh(**arrays._asdict()), "bsdf": "surface"}
+        raise SceneError([Issue("", issue.sentence, name) for issue in error.issues]) from None
+    model = ModelScene(Report(), reach, {"": name})
+    model.report.count("meshes")
+    surface = plain_surface(mesh.colors is not None)
+    node: Data = {"shape": mesh, "bsdf": model.name_of("surface", surface, "surface")}
+    to_world = np.eye(4)
     if z_is_up:
-        node["transform"] = _UPRIGHT
-        report.approximate("STL files do not say which way is up: z is taken")
-    surface = plain_surface(arrays.colors is not None)
-    tables = {"bsdfs": {"surface": surface.bsdf}, "nodes": {"mesh": node}}
-    return model_scene(tables, {"": name}, report, bounds, Glow(reach.folder))
+        to_world, node["transform"] = transform.rotate("x", -90.0).matrix, _UPRIGHT
+        model.report.approximate("STL files do not say which way is up: z is taken")
+    assert mesh.vertices is not None
+    model.bounds.add(mesh.vertices, to_world)
+    model.nodes["mesh"] = node
+    return model.finish()

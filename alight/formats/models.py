@@ -58,7 +58,9 @@ def read_model(path: Path, name: str, reach: Reach) -> Parsed:
         if size > MOST_BYTES:
             text = f"must be at most {MOST_BYTES >> 20} MB, got {size >> 20} MB"
             raise SceneError([Issue("", text, name)])
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            # OpenUSD reads its files itself.
+            data = b"" if PARSERS[path.suffix.lower()] is _read_usd else file.read()
     except OSError as error:
         raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
     with reusing_memory():

@@ -16,10 +16,15 @@ def free_name(wanted: str, taken: Container[str], otherwise: str) -> str:
     >>> free_name("a.b/c", {"a-b-c"}, "node")
     'a-b-c-2'
     """
-    plain = re.sub(r"[/.\[\]=]+", "-", wanted)[:80]
-    plain = "".join(c for c in plain if c.isprintable()).strip() or otherwise
+    plain = plain_name(wanted, otherwise)
     name, number = plain, 1
     while name in taken or name_problem(name):
         number += 1
         name = f"{plain}-{number}"
     return name
+
+
+def plain_name(wanted: str, otherwise: str) -> str:
+    """A name without what names must not hold."""
+    plain = re.sub(r"[/.\[\]=]+", "-", wanted).strip()[:80]
+    return "".join(c for c in plain if c.isprintable()).strip() or otherwise

@@ -18,6 +18,7 @@ from alight.scene import plain_yaml
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Scene
 from alight.scene.dump import dump_scene
+from alight.scene.meshes import arrays_of
 from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
@@ -110,8 +111,7 @@ class _FileWriter:
             return mesh
         if id(mesh) not in self.names:
             name = self.names[id(mesh)] = self.new_name(key_path, ".ply")
-            arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
-            ply.save(self.target.with_name(name), arrays)
+            ply.save(self.target.with_name(name), arrays_of(mesh))
         arrays_gone = dict.fromkeys(MeshArrays._fields)
         return mesh.replaced(file=self.names[id(mesh)], **arrays_gone)
 

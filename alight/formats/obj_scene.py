@@ -13,19 +13,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
+from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.formats import mtl
-from alight.formats.glow import Glow
-from alight.formats.model_scene import model_scene
+from alight.formats.model_scene import ModelScene
 from alight.formats.names import free_name
+from alight.formats.packed import content_of
 from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
 from alight.formats.surfaces import Surface, plain_surface
-from alight.formats.surroundings import Bounds
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
-from alight.scene.meshes import mesh_problem
+from alight.scene.meshes import mesh_of
 from alight.shapes.mesh import Mesh
 
 MOST_LIBRARY_BYTES = 16 * 2**20
@@ -82,34 +81,29 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     parts = _parts(content, name, reach, report, materials)
     if report.issues:
         raise SceneError(report.issues)
-    bounds, glow, nodes, bsdfs = Bounds(), Glow(reach.folder), {}, {}
-    names: dict[str, str] = {}
-    places = {"": name}
+    model = ModelScene(report, reach, {"": name})
     for part in parts:
         mesh = _mesh(content, part, name, report)
         if mesh is None:
             continue
         assert mesh.vertices is not None
-        bounds.add(mesh.vertices, np.eye(4))
-        material = materials.get(part.material)
-        surface = material or plain_surface(mesh.colors is not None)
-        key = part.material if material else f"grey {mesh.colors is not None}"
-        if key not in names:
-            names[key] = free_name(part.material if material else "grey", bsdfs, "material")
-            bsdfs[names[key]] = surface.bsdf
-            if material is not None:
-                places[join_path("bsdfs", names[key])] = material.place
-        if surface.emission is not None:
-            glow.add(mesh, np.eye(4), surface.emission)
-        node = {"shape": mesh, "bsdf": names[key], **surface.light}
-        nodes[free_name(part.group, nodes, "mesh")] = node
+        model.bounds.add(mesh.vertices, np.eye(4))
+        surface, wanted = materials.get(part.material), part.material
+        key = wanted
+        if surface is None:
+            has_colors = mesh.colors is not None
+            surface, wanted, key = plain_surface(has_colors), "grey", f"grey {has_colors}"
+        model.shine(mesh, surface, np.eye(4))
+        bsdf = model.name_of(key, surface, wanted, surface.place)
+        group = free_name(part.group, model.nodes, "mesh")
+        model.nodes[group] = {"shape": mesh, "bsdf": bsdf, **surface.light}
         report.count("meshes")
-    if not nodes:
+    if not model.nodes:
         points = len(content.tables[b"v"])
         found = f"{points} points without a face" if points else "an empty mesh"
         raise SceneError([Issue("", f"must hold at least one triangle, got {found}", name)])
     report.count("materials", len(materials))
-    return model_scene({"bsdfs": bsdfs, "nodes": nodes}, places, report, bounds, glow)
+    return model.finish()
 
 
 def _with_line(message: str, name: str) -> Issue:
@@ -176,11 +170,9 @@ def _library(
             report.approximate(f"{place}: {error}; its materials are grey")
             continue
         try:
-            if path.stat().st_size > MOST_LIBRARY_BYTES:
-                raise mtl.broken(place, f"{quote(name)} must be at most 16 MB")
-            content = obj.decoded(path.read_bytes())
-        except OSError as error:
-            raise mtl.broken(place, f"cannot read {quote(name)}: {error.strerror}") from None
+            content = obj.decoded(content_of(path, MOST_LIBRARY_BYTES))
+        except OutOfReachError as error:
+            raise mtl.broken(place, str(error)) from None
         materials.update(mtl.read(content, path.name, reach.from_folder(path.parent), report))
 
 
@@ -192,9 +184,10 @@ def _mesh(content: obj.Content, part: _Part, name: str, report: Report) -> Mesh 
     for kind in content.partly(part.faces):
         group = f"{quote(part.group)}: " if part.group else ""
         report.approximate(f"{name}: {group}only some faces have {kind}: none is used")
-    problem = mesh_problem(arrays)
-    if problem:
-        raise SceneError([Issue("", f"{problem[0]} {problem[1]}", name)])
+    try:
+        mesh = mesh_of(arrays)
+    except SceneError as error:
+        raise SceneError([Issue("", issue.sentence, name) for issue in error.issues]) from None
     if arrays.normals is None and part.smooth:
-        arrays = arrays._replace(normals=vertex_normals(arrays.vertices, arrays.faces))
-    return Mesh(**arrays._asdict())
+        return mesh.replaced(normals=vertex_normals(arrays.vertices, arrays.faces))
+    return mesh

@@ -1,4 +1,4 @@
-"""The bytes of a file, unpacked if its name ends in ``.gz``."""
+"""The bytes or the text of a file, unpacked if its name ends in ``.gz``."""
 
 from __future__ import annotations
 
@@ -35,3 +35,19 @@ def content_of(path: Path, most: int) -> bytes:
         text = f"{quote(path.name)} must be at most {most / 2**20:.0f} MB"
         raise OutOfReachError(text)
     return data
+
+
+def text_of(path: Path, most: int) -> str:
+    """Read a file of text in UTF-8; see `content_of`.
+
+    Raises
+    ------
+    OutOfReachError
+        If it holds anything else, too.
+    """
+    data = content_of(path, most)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        byte = f"byte 0x{data[error.start]:02x} at {error.start}"
+        raise OutOfReachError(f"{quote(path.name)} must be UTF-8 text, got {byte}") from None

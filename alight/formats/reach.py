@@ -15,6 +15,7 @@ from typing import Any
 
 from alight.core.errors import join_path, nearest, quote
 from alight.scene.builtin.pictures import is_builtin
+from alight.scene.files import Files
 
 
 class OutOfReachError(ValueError):
@@ -35,10 +36,16 @@ class Reach:
     ------
     OutOfReachError
         If the root is no folder, or `folder` lies outside of it.
+
+    Attributes
+    ----------
+    files : Files
+        What a reader takes from meshes and pictures, the scene need not read again.
     """
 
     def __init__(self, folder: Path | None = None, root: Path | None = None) -> None:
         self.folder = folder or Path()
+        self.files = Files(self.folder)
         self.searched = [self.folder]
         self.named_root = root
         self.root = (self.folder if root is None else root).resolve()

@@ -6,6 +6,7 @@ silently: what alight has no counterpart for is a problem, an approximation or a
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -128,6 +129,13 @@ class Report:
         else:
             text = f"unknown {kind} {quote(word)} is left out{did_you_mean(word, known)}"
             self.warnings.append(f"{place}: {text}")
+
+    def sort(self) -> None:
+        """Sort problems by their lines; files stay in the order in which they were found."""
+        parts = [re.fullmatch(r"(.*):(\d+):(\d+)", issue.place) for issue in self.issues]
+        files = {part[1] if part else "": i for i, part in reversed(list(enumerate(parts)))}
+        keys = [(files[p[1]], int(p[2]), int(p[3])) if p else (-1, 0, 0) for p in parts]
+        self.issues = [self.issues[i] for i in sorted(range(len(keys)), key=keys.__getitem__)]
 
     def drop(self, text: str) -> None:
         """Say once what is left out."""

@@ -11,8 +11,7 @@ Source: IES LM-63-02; see `alight.lights.photometry`.
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,11 +108,11 @@ class Ies(Light):
         dark = self.candela is not None and max(map(max, self.candela)) == 0.0
         return dark or self.scale == (0.0, 0.0, 0.0)
 
-    def read(self, folder: Path) -> Self:
+    def read(self, files: Any) -> Self:
         """Take the profile from its file."""
         if self.file is None:
             return self
-        found = read_profile(folder / self.file, self.file)
+        found = files.read(read_profile, self.file)
         return self.replaced(
             file=None,
             vertical_angles=tuple(found.vertical.tolist()),

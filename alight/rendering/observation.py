@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.accel.lists import closest_of_triangles, occlude_by_triangles
+from alight.accel.lists import search_triangles
 from alight.shapes.hit import Hit
 from alight.shapes.triangle import rotated, shear_of, sheared_hit
 from lanewise.jit import Specialised
@@ -82,10 +82,8 @@ class Observer:
 
     def __call__(self, node: Any, function: Callable) -> Callable:
         """What is called instead of a kernel."""
-        if node is closest_of_triangles:
-            return closest_of_all
-        if node is occlude_by_triangles:
-            return occlude_by_all
+        if node is search_triangles:
+            return search_all_triangles
         name = self._watched.get(id(node))
         if name is None and not isinstance(node, Specialised) and node.__name__ in self._names:
             name = node.__name__
@@ -131,8 +129,8 @@ def lane_of(value: Any, lane: int) -> Any:
 # ---------------------------------------------------------------- all triangles at once
 
 
-def closest_of_all(accel: Any, data: Any, o: Vec3, d: Vec3, best: Hit) -> Hit:
-    """`closest_of_triangles`, one lane after the other against arrays of triangles.
+def search_all_triangles(accel: Any, data: Any, o: Vec3, d: Vec3, best: Hit, nearest: bool) -> Hit:
+    """`search_triangles`, one lane after the other against arrays of triangles.
 
     The loop over triangles is Python's in the twin, far too slow for a mesh. The test itself works
     elementwise on many triangles as well as on many rays, with the same rounding.
@@ -141,7 +139,13 @@ def closest_of_all(accel: Any, data: Any, o: Vec3, d: Vec3, best: Hit) -> Hit:
     ids = accel.triangle_ids.array.reshape(-1, 2)
     for lane in np.flatnonzero(fields[0] > 0.0):
         for first, (t, u, v, inside) in _tests(accel, o, d, lane):
-            t = np.where(inside & (t > 0.0), t, np.inf)
+            met = inside & (t > 0.0)
+            if not nearest:
+                if np.any(met & (t <= fields[0][lane])):
+                    fields[0][lane] = -1.0
+                    break
+                continue
+            t = np.where(met, t, np.inf)
             k = int(np.argmin(t))
             shape, prim = ids[first + k]
             earlier = t[k] == fields[0][lane] and shape < fields[3][lane]
@@ -149,17 +153,6 @@ def closest_of_all(accel: Any, data: Any, o: Vec3, d: Vec3, best: Hit) -> Hit:
                 for part, value in zip(fields, (t[k], u[k], v[k], shape, prim), strict=True):
                     part[lane] = value
     return Hit(*fields)
-
-
-def occlude_by_all(accel, data, o, d, t_max):
-    """`occlude_by_triangles`, one lane after the other against arrays of triangles."""
-    ends = np.array(t_max)
-    for lane in np.flatnonzero(ends > 0.0):
-        for _, (t, _, _, inside) in _tests(accel, o, d, lane):
-            if np.any(inside & (t > 0.0) & (t <= ends[lane])):
-                ends[lane] = -1.0
-                break
-    return ends
 
 
 def _tests(accel: Any, o: Vec3, d: Vec3, lane: int) -> Iterator[tuple[int, Any]]:

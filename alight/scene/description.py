@@ -35,6 +35,7 @@ from alight.core.spec import (
     invalid,
 )
 from alight.media.coefficients import shines
+from alight.scene.files import Files, Held
 from alight.scene.transform import IDENTITY, Transform
 
 MOST_PIXELS = 2**28
@@ -267,6 +268,8 @@ class Source:
         Of the reader of a foreign format.
     recipe : Recipe, optional
         Of scenes that `load` has read. Changes in Python afterwards are not in it.
+    held : dict
+        What has been read of the files that the scene names (`alight.scene.files.Files`).
     """
 
     name: str = ""
@@ -274,6 +277,11 @@ class Source:
     places: Mapping[str, str] = field(default_factory=dict)
     remarks: Remarks = Remarks()
     recipe: Recipe | None = None
+    held: Held = field(default_factory=dict, repr=False, compare=False)
+
+    def files(self) -> Files:
+        """Reads the files that the scene names, but for those that have been read before."""
+        return Files(self.folder, self.held)
 
     def located(self, issue: Issue) -> Issue:
         """Fill in the place of an issue: of its path, or of the nearest one above."""

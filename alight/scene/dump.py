@@ -22,7 +22,7 @@ FileWriter = Callable[[Any, str], Any]
 
 
 def dump_scene(
-    scene: Scene, write_file: FileWriter | None = None, full: bool = False
+    scene: Scene, write_file: FileWriter | None = None, full: bool = False, edited: str = ""
 ) -> dict[str, Any]:
     """Write a scene as plain data.
 
@@ -36,6 +36,8 @@ def dump_scene(
     full : bool, default False
         Write fields at their defaults too, and leave arrays of meshes and pictures as they are.
         Otherwise they become lists.
+    edited : str, optional
+        Key path of what is to be changed: meshes that do not hold it stay descriptions.
 
     Returns
     -------
@@ -43,7 +45,7 @@ def dump_scene(
         Dictionaries, lists, texts and numbers.
     """
     data: dict[str, Any] = {"alight": FORMAT_VERSION}
-    writer = _Writer(write_file, full)
+    writer = _Writer(write_file, full, edited)
     for name, value in scene:
         if isinstance(value, Node) and name == "camera":
             data[name] = writer.camera(value)
@@ -57,9 +59,10 @@ def dump_scene(
 class _Writer:
     """Turns descriptions into plain data, one method per kind of value."""
 
-    def __init__(self, write_file: FileWriter | None, full: bool) -> None:
+    def __init__(self, write_file: FileWriter | None, full: bool, edited: str) -> None:
         self.write_file = write_file
         self.full = full
+        self.edited = edited
 
     def value(self, value: Any, path: str) -> Any:
         if isinstance(value, Spec):
@@ -67,6 +70,12 @@ class _Writer:
             holds_file = holds_arrays or holds_image(value) or holds_volume(value)
             if self.write_file is not None and holds_file:
                 value = self.write_file(value, path)
+            if (
+                self.edited
+                and isinstance(value, TriangleShape)
+                and not self.edited.startswith(path)
+            ):
+                return value
             return self.spec(value, path)
         if isinstance(value, Transform):
             return dump_transform(value)

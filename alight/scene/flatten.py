@@ -24,14 +24,13 @@ from alight.core.spec import (
     Texture,
 )
 from alight.media.coefficients import Coefficients
-from alight.outputs.texels import reusing_memory
+from alight.scene import images, volumes
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
-from alight.scene.images import ImageStore
-from alight.scene.meshes import Geometry, MeshStore
+from alight.scene.files import Files
+from alight.scene.meshes import Geometry, geometry
 from alight.scene.motion import NOWHERE, Motion
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
-from alight.scene.volumes import VolumeStore
 from alight.shapes.arrays import ARRAYS, TriangleShape
 
 NO_GEOMETRY = -1
@@ -144,17 +143,14 @@ def flatten(scene: Scene) -> FlatScene:
     SceneError
         With every problem of the scene.
     """
-    store = MeshStore(scene.source.folder)
-    images = ImageStore(scene.source.folder)
-    volumes = VolumeStore(scene.source.folder)
-    with reusing_memory():
-        issues = find_problems(scene, store, images, volumes)
+    files = scene.source.files()
+    issues = find_problems(scene, files)
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
     camera = place_camera(scene)
-    flattener = _Flattener(scene, store, images, volumes, camera.camera.shutter)
+    flattener = _Flattener(scene, files, camera.camera.shutter)
     if scene.environment is not None:
-        light = images.resolved(scene.environment, scene.textures)
+        light = images.resolved(scene.environment, scene.textures, files)
         flattener.environments.append(PlacedLight("environment", light, np.eye(4)))
     for name, node in scene.nodes.items():
         flattener.place(name, node, None)
@@ -174,7 +170,7 @@ def flatten(scene: Scene) -> FlatScene:
         warnings=list(scene.warnings),
         media=flattener.media,
         start_medium=start_medium,
-        notes=images.notes,
+        notes=files.notes,
     )
 
 
@@ -183,9 +179,7 @@ class _Flattener:
     """Walks the graph, parents before children, and numbers what it meets."""
 
     scene: Scene
-    store: MeshStore
-    images: ImageStore
-    volumes: VolumeStore
+    files: Files
     shutter: tuple[float, float]
     shapes: list[PlacedShape] = field(default_factory=list)
     lights: list[PlacedLight] = field(default_factory=list)
@@ -239,7 +233,7 @@ class _Flattener:
         if medium is None or medium == VACUUM:
             return 0
         described = self.scene.media[medium] if isinstance(medium, str) else medium
-        loaded = self.volumes.loaded(described)
+        loaded = volumes.loaded(described, self.files)
         if loaded not in self.media:
             self.media.append(loaded)
         return self.media.index(loaded) + 1
@@ -247,7 +241,7 @@ class _Flattener:
     def light(self, light: Light) -> Light:
         """A light with its textures; the same object for the same description."""
         if id(light) not in self._lights:
-            self._lights[id(light)] = self.images.resolved(light, self.scene.textures)
+            self._lights[id(light)] = images.resolved(light, self.scene.textures, self.files)
         return self._lights[id(light)]
 
     def bsdf_index(self, bsdf: Bsdf | str | None) -> int:
@@ -255,7 +249,7 @@ class _Flattener:
         bsdf = default_of(Bsdf) if bsdf is None else bsdf
         if isinstance(bsdf, str) and bsdf in self._bsdf_by_name:
             return self._bsdf_by_name[bsdf]
-        resolved = resolve_bsdf(bsdf, self.scene, self.images)
+        resolved = resolve_bsdf(bsdf, self.scene, self.files)
         index = self._bsdf_index.setdefault(resolved, len(self.bsdfs))
         if index == len(self.bsdfs):
             self.bsdfs.append(resolved)
@@ -267,22 +261,23 @@ class _Flattener:
         """Number a mesh's arrays; equal ones share a number."""
         if not isinstance(shape, TriangleShape):
             return NO_GEOMETRY
-        geometry = self.store.geometry(shape)
-        index = self._geometry_index.setdefault(geometry.digest, len(self.geometries))
+        found = geometry(shape, self.files)
+        index = self._geometry_index.setdefault(found.digest, len(self.geometries))
         if index == len(self.geometries):
-            self.geometries.append(geometry)
+            self.geometries.append(found)
         return index
 
 
-def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, images: ImageStore) -> Bsdf:
+def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, files: Files) -> Bsdf:
     """Replace the names of textures, pictures and nested materials by what they name."""
-    bsdf = images.resolved(scene.bsdfs[bsdf] if isinstance(bsdf, str) else bsdf, scene.textures)
+    bsdf = scene.bsdfs[bsdf] if isinstance(bsdf, str) else bsdf
+    bsdf = images.resolved(bsdf, scene.textures, files)
     changes: dict[str, Any] = {}
     for name, value in bsdf:
         if name == "bsdf":
-            changes[name] = resolve_bsdf(value, scene, images)
+            changes[name] = resolve_bsdf(value, scene, files)
         elif name == "bsdfs":
-            changes[name] = tuple(resolve_bsdf(nested, scene, images) for nested in value)
+            changes[name] = tuple(resolve_bsdf(nested, scene, files) for nested in value)
     return bsdf.replaced(**changes) if changes else bsdf
 
 
@@ -356,8 +351,8 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
     yield b"|".join(_placed_content(placed) for placed in flat.environments)
     for bsdf in flat.bsdfs:
         yield _content(bsdf)
-    for geometry in flat.geometries:
-        yield geometry.digest.encode()
+    for mesh in flat.geometries:
+        yield mesh.digest.encode()
     for light in flat.lights:
         yield _placed_content(light)
     cached: dict[int, bytes] = {}

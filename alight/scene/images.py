@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -16,69 +15,60 @@ from alight.core.errors import Issue, SceneError, quote
 from alight.core.spec import Light, Spec, Texture, invalid, texture_interval
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
+from alight.scene.files import Files
 from alight.scene.meshes import unreadable
 from alight.textures.images import Image, as_image, holds_image, size_problem
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
 
 
-@dataclass
-class ImageStore:
-    """Reads every picture once.
+def loaded(spec: AnySpec, files: Files) -> AnySpec:
+    """Put the picture of a file into the place of its name; other descriptions stay.
 
-    Parameters
-    ----------
-    folder : Path, optional
-        Where relative names are looked up; the current folder by default.
-
-    Attributes
-    ----------
-    notes : list of str
-        What had to be changed in pictures.
+    Raises
+    ------
+    SceneError
+        If the file is missing or broken; its path is ``file``.
     """
+    if isinstance(spec, Light):
+        spec = spec.read(files)
+    name = getattr(spec, "file", None) if holds_image(spec) else None
+    if name is None:
+        return spec
+    return spec.replaced(file=None, pixels=picture(name, files, files.note))
 
-    folder: Path | None = None
-    notes: list[str] = field(default_factory=list)
-    _files: dict[Path, Image | SceneError] = field(default_factory=dict)
 
-    def loaded(self, spec: AnySpec) -> AnySpec:
-        """Put the picture of a file into the place of its name; other descriptions stay.
+def picture(
+    name: str, files: Files, note: Callable[[str], None] | None = None, path: Path | None = None
+) -> Image:
+    """A picture of a scene; see `read_image`, which is called once for each file."""
+    image, notes = files.read(_noted, name, path)
+    if note is not None:
+        for text in notes:
+            note(text)
+    return image
 
-        Raises
-        ------
-        SceneError
-            If the file is missing or broken; its path is ``file``.
-        """
-        if isinstance(spec, Light):
-            spec = spec.read(self.folder or Path())
-        name = getattr(spec, "file", None) if holds_image(spec) else None
-        if name is None:
-            return spec
-        path = (self.folder or Path()) / name
-        if path not in self._files:
-            try:
-                self._files[path] = read_image(path, name, self.notes.append)
-            except SceneError as error:
-                self._files[path] = error
-        image = self._files[path]
-        if isinstance(image, SceneError):
-            raise image
-        return spec.replaced(file=None, pixels=image)
 
-    def resolved(self, spec: AnySpec, textures: Mapping[str, Texture]) -> AnySpec:
-        """Put textures into the places of their names, and pictures into those of files.
+def _noted(path: Path, name: str) -> tuple[Image, list[str]]:
+    """A picture, and what had to be changed in it."""
+    notes: list[str] = []
+    return read_image(path, name, notes.append), notes
 
-        Textures inside textures are resolved too; names must not go in circles.
-        """
-        spec = self.loaded(spec)
-        changes: dict[str, Any] = {}
-        for name, value in spec:
-            if isinstance(value, str | Texture) and texture_interval(type(spec), name):
-                found = textures[value] if isinstance(value, str) else value
-                texture = self.resolved(found, textures)
-                if texture is not value:
-                    changes[name] = texture
-        return spec.replaced(**changes) if changes else spec
+
+def resolved(spec: AnySpec, textures: Mapping[str, Texture], files: Files) -> AnySpec:
+    """Put textures into the places of their names, and pictures into those of files.
+
+    Textures inside textures are resolved too; names must not go in circles.
+    """
+    spec = loaded(spec, files)
+    changes: dict[str, Any] = {}
+    for name, value in spec:
+        if isinstance(value, str | Texture) and texture_interval(type(spec), name):
+            found = textures[value] if isinstance(value, str) else value
+            texture = resolved(found, textures, files)
+            if texture is not value:
+                changes[name] = texture
+    return spec.replaced(**changes) if changes else spec
 
 
 def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = None) -> Image:

@@ -159,8 +159,9 @@ class SceneManager:
         return self._edit(path.strip(), value)
 
     def _edit(self, path: str, value: Any) -> Self:
-        data = dump_scene(self.scene, full=True)
-        _assign(data, path, value)
+        keys = [int(index) if index else name for name, index in _KEY.findall(path)]
+        data = dump_scene(self.scene, full=True, edited=join_path(*keys))
+        _assign(data, keys, value)
         builder = Builder()
         scene = builder.scene(data)
         if builder.issues:
@@ -182,9 +183,8 @@ class SceneManager:
         return self
 
 
-def _assign(data: Any, path: str, value: Any) -> None:
-    """Set one value in plain data; lists are indexed with ``[i]``."""
-    keys = [int(index) if index else name for name, index in _KEY.findall(path)]
+def _assign(data: Any, keys: list[str | int], value: Any) -> None:
+    """Set one value in plain data; numbers are indices of lists."""
     done = ""
     for key in keys[:-1]:
         data = _step(data, key, done)

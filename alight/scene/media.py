@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from alight.core.errors import Issue, SceneError, join_path, unknown_name
 from alight.core.spec import Medium
+from alight.scene import volumes
 from alight.scene.description import VACUUM, Node, Scene
-from alight.scene.volumes import VolumeStore
+from alight.scene.files import Files
 
 
-def media_problems(scene: Scene, volumes: VolumeStore) -> list[Issue]:
+def media_problems(scene: Scene, files: Files) -> list[Issue]:
     """List what is wrong with the media of a scene."""
     issues = []
     if VACUUM in scene.media:
         text = f'"{VACUUM}" is the name of empty space: give the medium another one'
         issues.append(Issue(join_path("media", VACUUM), text))
     for name, medium in scene.media.items():
-        issues += _unreadable(medium, join_path("media", name), volumes)
+        issues += _unreadable(medium, join_path("media", name), files)
     used = list(scene.used_media())
     for path, medium in used:
         if isinstance(medium, Medium):
-            issues += _unreadable(medium, path, volumes)
+            issues += _unreadable(medium, path, files)
         elif medium not in scene.media:
             issues.append(Issue(path, unknown_name("medium", medium, (*scene.media, VACUUM))))
     issues += _without_shape(scene)
@@ -33,12 +34,11 @@ def media_problems(scene: Scene, volumes: VolumeStore) -> list[Issue]:
     return issues
 
 
-def _unreadable(medium: Medium, path: str, volumes: VolumeStore) -> list[Issue]:
+def _unreadable(medium: Medium, path: str, files: Files) -> list[Issue]:
     try:
-        loaded = volumes.loaded(medium)
+        problem = volumes.loaded(medium, files).problem()
     except SceneError as error:
         return [issue.under(path) for issue in error.issues]
-    problem = loaded.problem()
     return [Issue(path, problem)] if problem else []
 
 

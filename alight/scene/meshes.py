@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.core.registry import specs_of
+from alight.core.spec import Shape
 from alight.meshes import obj, ply, stl
 from alight.meshes.triangles import MeshArrays
+from alight.scene.files import Files
 from alight.shapes.arrays import TriangleShape
 
 FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
@@ -19,7 +23,7 @@ FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Arrays of one mesh, ready for the compiler; read-only.
+    """Arrays of one mesh, checked and ready for the compiler; read-only.
 
     Attributes
     ----------
@@ -30,8 +34,6 @@ class Geometry:
     uvs : (n, 2) float32 or None
     colors : (n, 3) float32 or None
     more_uvs : (k, n, 2) float32 or None
-    digest : str
-        SHA-256 of all the arrays; equal meshes have equal digests.
     """
 
     vertices: NDArray[np.float32]
@@ -40,52 +42,60 @@ class Geometry:
     uvs: NDArray[np.float32] | None
     colors: NDArray[np.float32] | None
     more_uvs: NDArray[np.float32] | None
-    digest: str
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of all the arrays; equal meshes have equal digests."""
+        result = hashlib.sha256()
+        # Most meshes have no further sets; their digests are what they were before there were any.
+        for name in MeshArrays._fields[: None if self.more_uvs is not None else -1]:
+            part = getattr(self, name)
+            result.update(b"-" if part is None else f"{part.dtype}{part.shape}".encode())
+            result.update(b"" if part is None else np.ascontiguousarray(part).data)
+        return result.hexdigest()
+
+    @cached_property
+    def flat(self) -> Geometry:
+        """The same without vertex normals."""
+        return self if self.normals is None else replace(self, normals=None)
 
 
-@dataclass
-class MeshStore:
-    """Reads every mesh once.
+def geometry(mesh: TriangleShape, files: Files) -> Geometry:
+    """Return the checked arrays of a mesh, the same ones each time.
 
-    Parameters
-    ----------
-    folder : Path, optional
-        Where relative names are looked up; the current folder by default.
+    Raises
+    ------
+    SceneError
+        If the file is missing or broken, or the arrays make no mesh; paths are relative to
+        the shape.
     """
+    found: Geometry | None = mesh.checked
+    if mesh.file is not None:
+        found = files.read(_geometry_in, mesh.file)
+    elif found is None:
+        found = checked(arrays_of(mesh))
+        mesh.hand_on(found)
+    return found.flat if mesh.face_normals else found
 
-    folder: Path | None = None
-    _files: dict[Path, MeshArrays | SceneError] = field(default_factory=dict)
-    _geometries: dict[object, Geometry] = field(default_factory=dict)
-    _kept: list[TriangleShape] = field(default_factory=list)
 
-    def geometry(self, mesh: TriangleShape) -> Geometry:
-        """Return the checked arrays of a mesh.
+def mesh_of(arrays: MeshArrays, **options: bool) -> TriangleShape:
+    """A mesh of arrays, which are checked here and not again.
 
-        Raises
-        ------
-        SceneError
-            If the file is missing or broken, or the arrays make no mesh; paths are relative to
-            the shape.
-        """
-        # The address is a safe key only while the object lives, hence `_kept`.
-        key = (mesh.file, mesh.face_normals) if mesh.file is not None else id(mesh)
-        if key not in self._geometries:
-            self._kept.append(mesh)
-            arrays = self._read(mesh.file) if mesh.file is not None else _from_arrays(mesh)
-            self._geometries[key] = _geometry(arrays, mesh)
-        return self._geometries[key]
+    Raises
+    ------
+    SceneError
+        If they make no mesh; the path is the array's name.
+    """
+    of_arrays = next(s for s in specs_of(Shape).values() if issubclass(s, TriangleShape))
+    mesh = of_arrays(**vars(checked(arrays)), **options)
+    mesh.hand_on(Geometry(*arrays_of(mesh)))
+    return mesh
 
-    def _read(self, name: str) -> MeshArrays:
-        path = (self.folder or Path()) / name
-        if path not in self._files:
-            try:
-                self._files[path] = read_file(path, name)
-            except SceneError as error:
-                self._files[path] = error
-        result = self._files[path]
-        if isinstance(result, SceneError):
-            raise result
-        return result
+
+def arrays_of(mesh: TriangleShape) -> MeshArrays:
+    """The arrays that a mesh without a file holds."""
+    assert mesh.vertices is not None and mesh.faces is not None
+    return MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
 
 
 def read_file(path: Path, name: str = "") -> MeshArrays:
@@ -134,30 +144,31 @@ def unreadable(
     return f"no such file: {quote(name)}" + (f'; did you mean "{near}"?' if near else "")
 
 
-def _from_arrays(mesh: TriangleShape) -> MeshArrays:
-    assert mesh.vertices is not None
-    assert mesh.faces is not None
-    return MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
+def _geometry_in(path: Path, name: str) -> Geometry:
+    arrays = read_file(path, name)
+    try:
+        return checked(arrays)
+    except SceneError as error:
+        raise SceneError(
+            [Issue("file", f"{quote(name)}: {i.path} {i.message}") for i in error.issues]
+        ) from None
 
 
-def _geometry(arrays: MeshArrays, mesh: TriangleShape) -> Geometry:
+def checked(arrays: MeshArrays) -> Geometry:
+    """Check arrays, which then cannot be changed any more.
+
+    Raises
+    ------
+    SceneError
+        If they make no mesh; the path is the array's name.
+    """
     problem = mesh_problem(arrays)
     if problem:
-        path, message = problem
-        where = f"{quote(mesh.file)}: {path} " if mesh.file is not None else ""
-        raise _error(where + message, "file" if mesh.file is not None else path)
-    normals = None if mesh.face_normals else arrays.normals
-    kept = arrays._replace(normals=normals)
-    parts = tuple(kept)
-    digest = hashlib.sha256()
-    # Most meshes have no further sets; their digests are what they were before there were any.
-    for part in parts if arrays.more_uvs is not None else parts[:-1]:
-        digest.update(b"-" if part is None else f"{part.dtype}{part.shape}".encode())
-        digest.update(b"" if part is None else np.ascontiguousarray(part).data)
-    for part in parts:
+        raise SceneError([Issue(*problem)])
+    for part in arrays:
         if part is not None:
             part.setflags(write=False)
-    return Geometry(**kept._asdict(), digest=digest.hexdigest())
+    return Geometry(*arrays)
 
 
 def mesh_problem(arrays: MeshArrays) -> tuple[str, str] | None:
@@ -174,6 +185,8 @@ def mesh_problem(arrays: MeshArrays) -> tuple[str, str] | None:
         if len(table) != count:
             return name, f"must have one row per vertex ({count}), got {len(table)}"
         # Squares of larger numbers would overflow in float32 kernels.
+        if table.size == 0 or (table.min() >= -1e15 and table.max() <= 1e15):
+            continue
         bad = ~(np.abs(table) <= 1e15).all(axis=1)
         if bad.any():
             row = int(bad.argmax())

@@ -20,13 +20,14 @@ from alight.bsdfs.nesting import (
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
 from alight.core.registry import specs
 from alight.core.spec import Bsdf, Light, Spec, Texture, energy_problem, texture_interval
+from alight.outputs.texels import reusing_memory
+from alight.scene import images
 from alight.scene.description import Node, Scene
-from alight.scene.images import ImageStore
+from alight.scene.files import Files
 from alight.scene.media import media_problems
-from alight.scene.meshes import MeshStore, surface_area
+from alight.scene.meshes import geometry, surface_area
 from alight.scene.moving import motion_problems
 from alight.scene.transform import Matrix, is_singular
-from alight.scene.volumes import VolumeStore
 from alight.shapes.arrays import TriangleShape
 from alight.textures import nesting as textures
 
@@ -38,39 +39,31 @@ MOST_INSTANCED = 64
 MOST_SURROUNDINGS = 64
 
 
-def find_problems(
-    scene: Scene,
-    store: MeshStore | None = None,
-    images: ImageStore | None = None,
-    volumes: VolumeStore | None = None,
-) -> list[Issue]:
+def find_problems(scene: Scene, files: Files | None = None) -> list[Issue]:
     """List everything that keeps a scene from being rendered.
 
     Parameters
     ----------
     scene : Scene
         Its parts are valid by themselves.
-    store : MeshStore, optional
-        Reads the meshes; an own one by default.
-    images : ImageStore, optional
-        Reads the pictures; an own one by default.
-    volumes : VolumeStore, optional
-        Reads the grids; an own one by default.
+    files : Files, optional
+        Reads meshes, pictures and grids; by default those handed on with the scene.
 
     Returns
     -------
     list of Issue
         Without places; `Source.located` adds them.
     """
-    folder = scene.source.folder
-    checker = _Checker(scene, store or MeshStore(folder), images or ImageStore(folder))
-    checker.check_textures()
-    checker.check_materials()
-    checker.check_prototypes()
-    checker.check_environment()
-    checker.check_nodes()
+    files = files or scene.source.files()
+    checker = _Checker(scene, files)
+    with reusing_memory():
+        checker.check_textures()
+        checker.check_materials()
+        checker.check_prototypes()
+        checker.check_environment()
+        checker.check_nodes()
     checker.check_camera()
-    issues = checker.issues + media_problems(scene, volumes or VolumeStore(folder))
+    issues = checker.issues + media_problems(scene, files)
     # Only a graph that is right so far can be walked with its instances.
     return issues or motion_problems(scene)
 
@@ -78,8 +71,7 @@ def find_problems(
 @dataclass
 class _Checker:
     scene: Scene
-    store: MeshStore
-    images: ImageStore
+    files: Files
     issues: list[Issue] = field(default_factory=list)
     # Named textures that cannot be used, and how many steps the others take.
     wrong_textures: set[str] = field(default_factory=set)
@@ -124,7 +116,7 @@ class _Checker:
         if textures.steps_problem(texture, self.steps):
             return None
         try:
-            found = self.images.resolved(texture, self.scene.textures)
+            found = images.resolved(texture, self.scene.textures, self.files)
         except SceneError:
             return None  # reported where it stands
         return None if textures.steps_problem(found) else found
@@ -132,7 +124,7 @@ class _Checker:
     def check_image(self, spec: Spec, path: str) -> bool:
         """Check the picture that a description takes from a file."""
         try:
-            self.images.loaded(spec)
+            images.loaded(spec, self.files)
         except SceneError as error:
             self.issues += [issue.under(path) for issue in error.issues]
             return False
@@ -351,11 +343,11 @@ class _Checker:
     def check_mesh(self, node: Node, path: str, to_world: Matrix) -> None:
         assert isinstance(node.shape, TriangleShape)
         try:
-            geometry = self.store.geometry(node.shape)
+            found = geometry(node.shape, self.files)
         except SceneError as error:
             self.issues += [issue.under(f"{path}.shape") for issue in error.issues]
             return
-        if node.light is not None and not surface_area(geometry, to_world) > 0.0:
+        if node.light is not None and not surface_area(found, to_world) > 0.0:
             self.report(f"{path}.light", "its shape must have an area > 0, got 0 m^2")
 
     def check_camera(self) -> None:

@@ -6,7 +6,6 @@ Formats: NPY, and the VOL files of Mitsuba (version 3, float32). ``builtin:cloud
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from alight.media.volumes import Volume, as_volume, holds_volume, size_problem
 from alight.outputs.npy import load_array
 from alight.scene.builtin.clouds import builtin_values
 from alight.scene.builtin.pictures import is_builtin
+from alight.scene.files import Files
 from alight.scene.meshes import unreadable
 
 SUFFIXES = (".npy", ".vol")
@@ -29,46 +29,25 @@ _BOX = slice(24, 48)
 _HEADER = struct.Struct("<3sBiiiii6f")
 
 
-@dataclass
-class VolumeStore:
-    """Reads every grid once.
+def loaded(spec: Medium, files: Files) -> Any:
+    """Put the grid of a file into the place of its name; other descriptions stay.
 
-    Parameters
-    ----------
-    folder : Path, optional
-        Where relative names are looked up; the current folder by default.
+    Raises
+    ------
+    SceneError
+        If the file is missing or broken; its path is ``file``.
     """
-
-    folder: Path | None = None
-    _files: dict[Path, Volume | SceneError] = field(default_factory=dict)
-
-    def loaded(self, spec: Medium) -> Any:
-        """Put the grid of a file into the place of its name; other descriptions stay.
-
-        Raises
-        ------
-        SceneError
-            If the file is missing or broken; its path is ``file``.
-        """
-        name = getattr(spec, "file", None) if holds_volume(spec) else None
-        if name is None:
-            return spec
-        path = (self.folder or Path()) / name
-        if path not in self._files:
-            try:
-                self._files[path] = read_volume(path, name)
-            except SceneError as error:
-                self._files[path] = error
-        volume = self._files[path]
-        if isinstance(volume, SceneError):
-            raise volume
-        try:
-            return spec.replaced(file=None, values=volume)
-        except SceneError as error:
-            # What is wrong with the numbers is wrong with the file.
-            raise SceneError(
-                [Issue("file", f"{quote(name)}: {i.message}") for i in error.issues]
-            ) from None
+    name = getattr(spec, "file", None) if holds_volume(spec) else None
+    if name is None:
+        return spec
+    volume = files.read(read_volume, name)
+    try:
+        return spec.replaced(file=None, values=volume)
+    except SceneError as error:
+        # What is wrong with the numbers is wrong with the file.
+        raise SceneError(
+            [Issue("file", f"{quote(name)}: {i.message}") for i in error.issues]
+        ) from None
 
 
 def read_volume(path: Path, name: str = "") -> Volume:

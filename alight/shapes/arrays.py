@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
-from pydantic import model_validator
+from pydantic import PrivateAttr, model_validator
 from pydantic_core import core_schema
 
 from alight.core.spec import Shape, Truth, invalid
@@ -115,6 +115,16 @@ class TriangleShape(Shape):
     more_uvs: Sets | None = None
     colors: Points | None = None
     face_normals: Truth = False
+    _checked: Any = PrivateAttr(None)
+
+    @property
+    def checked(self) -> Any:
+        """What a check of the arrays has found, handed on to whoever needs it next, or None."""
+        return self._checked
+
+    def hand_on(self, checked: object) -> None:
+        """Keep what a check of the arrays has found; both are immutable."""
+        self._checked = checked
 
     @model_validator(mode="after")
     def _has_one_source(self) -> Self:

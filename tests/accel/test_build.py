@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from alight.accel import batch
-from alight.accel.build import build_bvh, expected_fill
+from alight.accel.build import build_bvh
 from alight.accel.cost import BIG, waits_for_memory
+from alight.accel.fill import expected_fill
 from alight.accel.layout import (
     BLOCK,
     CHILD,

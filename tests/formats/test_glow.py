@@ -9,6 +9,7 @@ from PIL import Image as Picture
 from alight.formats import load
 from alight.formats.glow import LEAST, Glow
 from alight.formats.surroundings import Bounds
+from alight.scene.files import Files
 from alight.shapes.mesh import Mesh
 from alight.textures.images import Image
 
@@ -22,7 +23,7 @@ def square(uvs=SQUARE[:, :2]):
 
 
 def glow_of(radiance, mesh=None, to_world=None, folder=Path()):
-    glow = Glow(folder)
+    glow = Glow(Files(folder))
     glow.add(mesh or square(), np.eye(4) if to_world is None else to_world, radiance)
     return glow.total
 
@@ -63,7 +64,7 @@ def test_a_picture_that_cannot_be_read_is_left_to_who_reads_the_scene(tmp_path):
 def test_a_tenth_of_white_on_the_sides_of_the_box_is_enough():
     bounds = Bounds()
     bounds.add([[0, 0, 0], [1, 2, 3]], np.eye(4))
-    glow = Glow(Path())
+    glow = Glow(Files())
     assert not glow.suffices(bounds)
     glow.total = 0.99 * LEAST * 22.0
     assert not glow.suffices(bounds)

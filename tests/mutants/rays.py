@@ -10,8 +10,8 @@ RAYS = (
         "accel/lists.py",
         (
             (
-                "_, _, _, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, t_max)",
-                "_, _, _, hit = intersect_triangle(accel.triangles, 9 * i, origin, shear, 1e38)",
+                "accel.triangles, 9 * i, origin, shear, found.t)",
+                "accel.triangles, 9 * i, origin, shear, found.t if nearest else lanes(1e38))",
             ),
         ),
         f"{ORACLES}::test_any_hit_agrees_with_closest_and_t_max_ends_the_ray[list]",
@@ -19,14 +19,14 @@ RAYS = (
     Mutant(
         "ties go to the highest shape",
         "accel/lists.py",
-        (("hit & (t < found.t)", "hit & (t <= found.t)"),),
+        (("met & (hit.t < found.t)", "met & (hit.t <= found.t)"),),
         "tests/accel/test_scenes.py"
         "::test_ties_go_to_the_lowest_shape_then_the_lowest_primitive[list]",
     ),
     Mutant(
         "children as near as the nearest are forgotten",
-        "accel/stacks.py",
-        (("met & ~mask_of(CHILDREN, 1 << first)", "met & (enter > nearest)"),),
+        "accel/stack.py",
+        (("met & ~mask_of(CHILDREN, 1 << first)", "met & (enter > least)"),),
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),
     Mutant(
@@ -37,7 +37,7 @@ RAYS = (
     ),
     Mutant(
         "box test that culls what it should keep",
-        "accel/single.py",
+        "accel/node_test.py",
         (("STRETCH = 1.0 + 2.0**-20", "STRETCH = 1.0 - 2.0**-10"),),
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),

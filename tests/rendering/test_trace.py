@@ -9,14 +9,14 @@ import pytest
 from typer.testing import CliRunner
 
 import alight
-from alight.accel.lists import NOTHING, Accelerator, closest_of_triangles, occlude_by_triangles
+from alight.accel.lists import NOTHING, Accelerator, search_triangles
 from alight.cli.main import app
 from alight.core.errors import OptionError
 from alight.core.registry import specs
 from alight.films import fixed_point
 from alight.formats import loads
 from alight.laws.integrators import ROOM
-from alight.rendering.observation import closest_of_all, occlude_by_all
+from alight.rendering.observation import search_all_triangles
 from alight.scene.description import FilmSettings
 from alight.shapes.hit import Hit
 from lanewise.simd import LANES
@@ -143,25 +143,26 @@ def test_all_triangles_at_once_are_hit_as_one_after_the_other(shared):
         zero, none = np.zeros(lanes, np.float32), np.zeros(lanes, np.uint32)
         start = Hit(t, zero, zero, none + np.uint32(NOTHING), none)
         with np.errstate(all="ignore"):
-            expected = closest_of_triangles(accel, None, o, d, start)
-            found = closest_of_all(accel, None, o, d, start)
+            expected = search_triangles(accel, None, o, d, start, True)
+            found = search_all_triangles(accel, None, o, d, start, True)
             for a, b in zip(found, expected, strict=True):
                 np.testing.assert_array_equal(a, b)
             # At the same distance as a hit of another list, the lower shape counts.
             shapes = rng.integers(0, 40, lanes).astype(np.uint32)
             rival = expected._replace(shape=np.where(expected.t < np.inf, shapes, none + NOTHING))
             for a, b in zip(
-                closest_of_all(accel, None, o, d, rival),
-                closest_of_triangles(accel, None, o, d, rival),
+                search_all_triangles(accel, None, o, d, rival, True),
+                search_triangles(accel, None, o, d, rival, True),
                 strict=True,
             ):
                 np.testing.assert_array_equal(a, b)
             # Shadow rays that end just before, at and behind the first hit.
             for factor in (0.999, 1.0, 1.5):
                 end = np.where(np.isfinite(expected.t), expected.t * np.float32(factor), t)
+                shadow = start._replace(t=end)
                 np.testing.assert_array_equal(
-                    occlude_by_all(accel, None, o, d, end),
-                    occlude_by_triangles(accel, None, o, d, end),
+                    search_all_triangles(accel, None, o, d, shadow, False).t,
+                    search_triangles(accel, None, o, d, shadow, False).t,
                 )
     assert np.isfinite(expected.t).any()
 

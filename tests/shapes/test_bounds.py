@@ -8,8 +8,9 @@ import pytest
 from alight.compiled.shapes import compile_shapes
 from alight.core.registry import modules, type_name_of
 from alight.scene import keyframes, rotate, scale, translate
+from alight.scene.files import Files
 from alight.scene.flatten import NO_GEOMETRY, PlacedShape
-from alight.scene.meshes import MeshStore
+from alight.scene.meshes import geometry
 from alight.scene.motion import NOWHERE
 from alight.shapes.mesh import Mesh
 
@@ -78,10 +79,9 @@ def placements(count, seed):
 
 def compiled(spec, matrix, motion=None):
     """The tables of one shape."""
-    store, index = MeshStore(), NO_GEOMETRY
-    geometries = []
+    geometries, index = [], NO_GEOMETRY
     if isinstance(spec, Mesh):
-        geometries, index = [store.geometry(spec)], 0
+        geometries, index = [geometry(spec, Files())], 0
     placed = PlacedShape("shape", spec, matrix, 0, None, index, motion=motion)
     return compile_shapes(SimpleNamespace(shapes=[placed], geometries=geometries))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.accel.mixed import to_object
+from alight.accel.other_leaves import to_object
 from alight.core.constants import gamma
 from alight.lights.area import Area
 from alight.lights.sampling import sample_light, shadow_ray

@@ -11,8 +11,9 @@ from alight.compiled.program import Program
 from alight.compiled.shapes import compile_shapes
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
+from alight.scene.files import Files
 from alight.scene.flatten import NO_GEOMETRY, PlacedLight, PlacedShape
-from alight.scene.meshes import MeshStore
+from alight.scene.meshes import geometry
 from alight.scene.transform import matrix, rotate, scale, translate
 from alight.shapes.cylinder import intersect as intersect_cylinder
 from alight.shapes.disk import intersect as intersect_disk
@@ -92,14 +93,14 @@ class World:
         selection="power",
         compensated=False,
     ):
-        store, geometries, shapes = MeshStore(), [], []
+        files, geometries, shapes = Files(), [], []
         for shape, to_world, *light in placed:
             index = NO_GEOMETRY
             if isinstance(shape, Mesh):
-                geometry = store.geometry(shape)
-                if geometry not in geometries:
-                    geometries.append(geometry)
-                index = geometries.index(geometry)
+                found = geometry(shape, files)
+                if found not in geometries:
+                    geometries.append(found)
+                index = geometries.index(found)
             light = light[0] if light else None
             shapes.append(PlacedShape("shape", shape, np.asarray(to_world, float), 0, light, index))
         around = list(around)

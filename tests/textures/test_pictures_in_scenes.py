@@ -22,7 +22,8 @@ from alight.outputs.texels import STRIP, decode_texels, reusing_memory
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, flatten
-from alight.scene.images import ImageStore, read_image
+from alight.scene.files import Files
+from alight.scene.images import loaded, read_image
 from alight.textures.bitmap import Bitmap
 
 RNG = np.random.default_rng(7)
@@ -218,9 +219,10 @@ def test_files_are_relative_to_the_scene_and_read_once(folder, monkeypatch):
     monkeypatch.chdir(os.sep)
     (bsdf,) = flatten(scene).bsdfs
     assert bsdf.reflectance.file is None and bsdf.reflectance.pixels.width == 2
-    store = ImageStore(folder)
+    files = Files(folder)
     texture = scene.textures["picture"]
-    assert store.loaded(texture).pixels is store.loaded(texture.replaced(wrap="clamp")).pixels
+    clamped = texture.replaced(wrap="clamp")
+    assert loaded(texture, files).pixels is loaded(clamped, files).pixels
 
 
 def test_content_hash_sees_the_picture_not_its_name(folder):

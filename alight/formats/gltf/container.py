@@ -17,6 +17,7 @@ from urllib.parse import unquote
 
 from alight.core.errors import Issue, SceneError, quote, show_value
 from alight.formats.gltf.values import Item
+from alight.formats.packed import content_of
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
 
@@ -81,7 +82,10 @@ class Document:
             raise item.fatal("", "needs a uri: there is no binary part that it could mean")
         found = self.resource(item, item.text("uri"))
         if isinstance(found, Path):
-            return memoryview(read_file(item, found))
+            try:
+                return memoryview(content_of(found, MOST_BYTES))
+            except OutOfReachError as error:
+                raise item.fatal("uri", str(error)) from None
         return memoryview(found)
 
     def resource(self, item: Item, uri: str) -> bytes | Path:
@@ -111,24 +115,6 @@ def _decoded(item: Item, uri: str, head: re.Match[str]) -> bytes:
         return base64.b64decode(uri[head.end() :], validate=True)
     except (binascii.Error, ValueError) as error:
         raise item.fatal("uri", f"is not base64: {error}") from None
-
-
-def read_file(item: Item, path: Path) -> bytes:
-    """Read a file that an object names.
-
-    Raises
-    ------
-    SceneError
-        If it is too large or cannot be read.
-    """
-    try:
-        size = path.stat().st_size
-        if size > MOST_BYTES:
-            text = f"must be at most {MOST_BYTES >> 20} MB, got {size >> 20} MB"
-            raise item.fatal("uri", f"{quote(path.name)} {text}")
-        return path.read_bytes()
-    except OSError as error:
-        raise item.fatal("uri", f"cannot read {quote(path.name)}: {error.strerror}") from None
 
 
 def open_document(data: bytes, name: str, reach: Reach, report: Report) -> Document:

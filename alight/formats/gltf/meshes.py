@@ -17,7 +17,8 @@ from alight.formats.gltf.skins import skinned
 from alight.formats.gltf.values import Item
 from alight.formats.gltf.vertex_colors import OPACITY_SET, opacity_coordinates, vertex_colors
 from alight.meshes.triangles import MeshArrays, joined_sets
-from alight.scene.meshes import mesh_problem
+from alight.scene.meshes import mesh_of
+from alight.shapes.mesh import Mesh
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
@@ -29,7 +30,7 @@ def read_primitive(
     weights: list[float],
     sets: tuple[int, ...],
     joints: NDArray[np.float64] | None = None,
-) -> MeshArrays | None:
+) -> Mesh | None:
     """Read a primitive.
 
     Parameters
@@ -46,7 +47,7 @@ def read_primitive(
 
     Returns
     -------
-    MeshArrays or None
+    Mesh or None
         None for points and lines, which have no surface.
 
     Raises
@@ -81,11 +82,10 @@ def read_primitive(
         shares = _table(document, attributes, "WEIGHTS_0", 4, count)
         if held is not None and shares is not None:
             vertices, normals = skinned(primitive, held, shares, joints, vertices, normals)
-    arrays = MeshArrays(vertices, faces, normals, uvs, colors, more_uvs)
-    problem = mesh_problem(arrays)
-    if problem:
-        raise primitive.fatal("", f"{problem[0]} {problem[1]}")
-    return arrays
+    try:
+        return mesh_of(MeshArrays(vertices, faces, normals, uvs, colors, more_uvs))
+    except SceneError as error:
+        raise primitive.fatal("", error.issues[0].sentence) from None
 
 
 def _index(document: Document, owner: Item, key: str) -> int | None:

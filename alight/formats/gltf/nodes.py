@@ -10,14 +10,13 @@ Source: Khronos Group, glTF 2.0 specification, sections 3.5 and 3.10; KHR_lights
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from alight.core.errors import SceneError
 from alight.formats.cameras import Parallel, Perspective
-from alight.formats.glow import Glow
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.meshes import read_primitive
@@ -26,15 +25,18 @@ from alight.formats.gltf.skins import joint_matrices
 from alight.formats.gltf.textures import Data
 from alight.formats.gltf.values import Item
 from alight.formats.lamps import parallel, point, spot, turned
+from alight.formats.model_scene import ModelScene
 from alight.formats.names import free_name
-from alight.formats.surroundings import Bounds
+from alight.formats.surfaces import Surface
+from alight.formats.surroundings import SIZE
 from alight.scene.transform import Matrix, is_singular
-from alight.shapes.mesh import Mesh
 
 #: Nodes this deep carry all that is below them; the native format ends at 24.
 DEEPEST = 16
 #: Radians, least and most, that a picture can span.
 _ANGLES = 1e-12, math.radians(179.9999)
+#: A mesh, the weights of its morph targets, and the place of what has a skin.
+_Variant = tuple[int, tuple[float, ...], str]
 
 
 @dataclass
@@ -51,50 +53,24 @@ class _Open:
     before: Matrix | None = None
 
 
-@dataclass
-class Graph:
+class Graph(ModelScene):
     """Nodes in the making.
 
-    Attributes
+    Parameters
     ----------
-    nodes, prototypes, bsdfs : dict
-        As the native format has them.
-    places : dict of str to str
-        Key path -> place in the file.
-    cameras : list of (str, int)
-        Path of each camera's node, and the camera's index.
-    view : (4, 4) float64 or None
-        Camera to world of the first camera.
-    bounds : Bounds
-        Of all meshes.
-    is_lit : bool
-        Whether the file has lights.
-    glow : Glow
-        Of the surfaces that shine, but for unlit ones.
+    document : Document
+    materials : Materials
     """
 
-    document: Document
-    materials: Materials
-    nodes: dict[str, Data] = field(default_factory=dict)
-    prototypes: dict[str, Data] = field(default_factory=dict)
-    bsdfs: dict[str, Data] = field(default_factory=dict)
-    places: dict[str, str] = field(default_factory=dict)
-    cameras: list[tuple[str, int]] = field(default_factory=list)
-    view: Matrix | None = None
-    bounds: Bounds = field(default_factory=Bounds)
-    is_lit: bool = False
-    glow: Glow = field(init=False)
-    _order: list[int] = field(default_factory=list)
-    _worlds: dict[int, Matrix] = field(default_factory=dict)
-    _uses: dict[int, int] = field(default_factory=dict)
-    _meshes: dict[tuple[int, tuple[float, ...], str], dict[str, Data]] = field(default_factory=dict)
-    _names: dict[tuple[int, tuple[float, ...], str], str] = field(default_factory=dict)
-    _bsdf_names: dict[tuple[int | None, int], str] = field(default_factory=dict)
-    _shining: dict[int, Any] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        """Nothing shines yet."""
-        self.glow = Glow(self.document.reach.folder)
+    def __init__(self, document: Document, materials: Materials) -> None:
+        super().__init__(document.report, document.reach, {"": document.root.name})
+        self.document, self.materials = document, materials
+        self._order: list[int] = []
+        self._worlds: dict[int, Matrix] = {}
+        self._uses: dict[int, int] = {}
+        self._meshes: dict[_Variant, dict[str, Data]] = {}
+        self._prototype_names: dict[_Variant, str] = {}
+        self._surfaces: dict[int, Surface] = {}
 
     def build(self) -> None:
         """Visit all nodes of the scene that the file shows."""
@@ -184,8 +160,7 @@ class Graph:
                 children[child] = {"camera": lens, "transform": {"matrix": back.tolist()}}
                 path, where = f"{path}/{child}", f"{keys}.children.{child}"
                 self.places[where] = f"{item.name}#{item.pointer}"
-            self.cameras.append((path, camera))
-            self.view = view if self.view is None else self.view
+            self.add_camera(path, self._aspect(self.document.list("cameras")[camera]), view)
         indices = item.indices("children", len(self.document.list("nodes")), "nodes")
         if task.level < DEEPEST:
             where = f"{keys}.children"
@@ -221,15 +196,14 @@ class Graph:
             return
         for part in parts.values():
             self.bounds.add(part["shape"].vertices, to_world)
-            if id(part["shape"]) in self._shining:
-                self.glow.add(part["shape"], to_world, self._shining[id(part["shape"])])
+            self.shine(part["shape"], self._surfaces[id(part["shape"])], to_world)
         if self._uses.get(index, 0) > 1 and skin is None:
-            if variant not in self._names:
+            if variant not in self._prototype_names:
                 name = free_name(mesh.text("name"), self.prototypes, f"mesh {index}")
-                self._names[variant] = name
+                self._prototype_names[variant] = name
                 self.prototypes[name] = {"children": parts}
                 self.places[f"prototypes.{name}"] = f"{mesh.name}#{mesh.pointer}"
-            data["instance"] = self._names[variant]
+            data["instance"] = self._prototype_names[variant]
         elif len(parts) == 1:
             data.update(next(iter(parts.values())))
         else:
@@ -262,12 +236,10 @@ class Graph:
             material = self.materials.get(index, channels)
             if self.document.report.issues:
                 raise SceneError(self.document.report.issues)
-            arrays = read_primitive(self.document, primitive, weights, material.sets, joints)
-            if arrays is None:
+            shape = read_primitive(self.document, primitive, weights, material.sets, joints)
+            if shape is None:
                 continue
-            shape = Mesh(**arrays._asdict())
-            if material.emission is not None and not material.is_unlit:
-                self._shining[id(shape)] = material.emission
+            self._surfaces[id(shape)] = material
             parts[f"primitive {number}"] = {
                 "shape": shape,
                 "bsdf": self._bsdf(index, channels),
@@ -277,19 +249,13 @@ class Graph:
 
     def _bsdf(self, index: int | None, channels: int) -> str:
         """The name of a material, which is entered at its first use."""
-        key = (index, channels)
-        if key not in self._bsdf_names:
-            name = "default material"
-            if index is not None:
-                self.document.report.count("materials")
-                name = self.document.list("materials")[index].text("name") or f"material {index}"
-            name = free_name(name, self.bsdfs, "material")
-            self._bsdf_names[key] = name
-            self.bsdfs[name] = self.materials.get(index, channels).bsdf
-            if index is not None:
-                pointer = self.document.list("materials")[index].pointer
-                self.places[f"bsdfs.{name}"] = f"{self.document.root.name}#{pointer}"
-        return self._bsdf_names[key]
+        key, surface = (index, channels), self.materials.get(index, channels)
+        if index is None or self.has_named(key):
+            return self.name_of(key, surface, "default material")
+        self.report.count("materials")
+        item = self.document.list("materials")[index]
+        wanted = item.text("name") or f"material {index}"
+        return self.name_of(key, surface, wanted, f"{item.name}#{item.pointer}")
 
     def _light_of(self, item: Item) -> Item | None:
         extension = item.extension("KHR_lights_punctual")
@@ -320,6 +286,20 @@ class Graph:
             return Parallel(2.0 * lens.number("ymag", 1.0, 1e-9)).data()
         fov = lens.number("yfov", math.radians(45.0), *_ANGLES)
         return Perspective(math.degrees(fov)).data()
+
+    def _aspect(self, item: Item) -> float:
+        """The shape of a camera's picture, width by height; only that of the first one counts."""
+        perspective = item.object("perspective")
+        orthographic = item.object("orthographic")
+        aspect = SIZE[0] / SIZE[1]
+        if self.cameras:
+            return aspect
+        if perspective is not None and perspective.has("aspectRatio"):
+            return perspective.number("aspectRatio", aspect, 1e-3, 1e3)
+        if orthographic is not None:
+            height = orthographic.number("ymag", 1.0, 1e-9)
+            return orthographic.number("xmag", height, 1e-9) / height
+        return aspect
 
 
 def placement(item: Item) -> tuple[Any, Matrix]:

@@ -9,11 +9,9 @@ from alight.formats.gltf.keys import left_out, say_what_is_unknown
 from alight.formats.gltf.materials import COVERED as MATERIALS
 from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.nodes import Graph
-from alight.formats.model_scene import model_scene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report, did_you_mean
-from alight.formats.surroundings import SIZE
 
 #: Extensions that are read.
 COVERED = (
@@ -43,35 +41,8 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
-    tables = {"bsdfs": graph.bsdfs, "prototypes": graph.prototypes, "nodes": graph.nodes}
     report.count("nodes", len(document.list("nodes")))
-    return model_scene(
-        tables,
-        graph.places | {"": name},
-        report,
-        graph.bounds,
-        graph.glow,
-        is_lit=graph.is_lit,
-        cameras=[path for path, _ in graph.cameras],
-        aspect=_aspect(document, graph),
-        view=graph.view,
-    )
-
-
-def _aspect(document: Document, graph: Graph) -> float:
-    """The shape of the first camera's picture, width by height."""
-    aspect = SIZE[0] / SIZE[1]
-    if not graph.cameras:
-        return aspect
-    item = document.list("cameras")[graph.cameras[0][1]]
-    perspective = item.object("perspective")
-    orthographic = item.object("orthographic")
-    if perspective is not None and perspective.has("aspectRatio"):
-        return perspective.number("aspectRatio", aspect, 1e-3, 1e3)
-    if orthographic is not None:
-        height = orthographic.number("ymag", 1.0, 1e-9)
-        return orthographic.number("xmag", height, 1e-9) / height
-    return aspect
+    return graph.finish()
 
 
 def _check_extensions(document: Document) -> None:

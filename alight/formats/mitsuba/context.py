@@ -2,61 +2,41 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from alight.core.errors import join_path, unknown_name
+from alight.formats.context import Conversion, Data
 from alight.formats.mitsuba.colors import Colors
 from alight.formats.mitsuba.elements import Element
-from alight.formats.reach import Reach
-from alight.formats.report import Report
-from alight.scene.description import name_problem
-
-Data = dict[str, Any]
 
 #: Objects that refer to each other in a longer chain are refused.
 MOST_REFERENCES = 24
 
 
 @dataclass
-class Context:
-    """State of one conversion.
+class Context(Conversion):
+    """State of one conversion; see `alight.formats.context.Conversion`.
 
     Attributes
     ----------
-    report : Report
-    reach : Reach
-        Finds files.
     materials : mapping
         Plug-in -> our name, and what reads its parameters.
     ids : dict of str to Element
         Objects that can be referred to.
-    places : dict of str to str
-        Key path of the native description -> ``file:line:column``.
-    tables : dict of str to dict
-        ``bsdfs``, ``textures``, ``media`` and ``prototypes`` by name, as in the native format.
-    loaded : dict
-        Meshes that have been read.
     moves : bool
         Whether the file has animations.
     sees_media, uses_media : bool
         Whether the file's integrator knows of media; whether there are any.
     """
 
-    report: Report
-    reach: Reach
-    materials: Mapping[str, tuple[str, Callable[[Any], None]]]
+    materials: Mapping[str, tuple[str, Callable[[Any], None]]] = field(default_factory=dict)
     ids: dict[str, Element] = field(default_factory=dict)
-    places: dict[str, str] = field(default_factory=dict)
-    tables: dict[str, dict[str, Data]] = field(default_factory=dict)
-    loaded: dict[Any, Any] = field(default_factory=dict)
     moves: bool = False
     sees_media: bool = False
     uses_media: bool = False
     _names: dict[tuple[str, str], str] = field(default_factory=dict)
-    _taken: set[tuple[str, str]] = field(default_factory=set)
     _open: list[Element] = field(default_factory=list)
     # How many objects in a row each named one refers through; and for those being built, so far.
     _levels: dict[tuple[str, str], int] = field(default_factory=dict)
@@ -120,15 +100,5 @@ class Context:
         """Make a name of the native format from an id; each id has its own."""
         key = (table, wanted)
         if key not in self._names:
-            self._names[key] = self._free(table, wanted)
+            self._names[key] = self.free_name(table, wanted)
         return self._names[key]
-
-    def _free(self, table: str, wanted: str) -> str:
-        plain = re.sub(r"[/.\[\]=]+", "-", wanted).strip()[:80]
-        plain = "".join(c for c in plain if c.isprintable()).strip() or "unnamed"
-        name, number = plain, 1
-        while (table, name) in self._taken or name_problem(name):
-            number += 1
-            name = f"{plain}-{number}"
-        self._taken.add((table, name))
-        return name

@@ -10,10 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from alight.core.errors import Issue, SceneError, quote, unknown_name
+from alight.core.errors import Issue, SceneError, unknown_name
 from alight.formats.mitsuba.elements import MOST_BYTES, MOST_ELEMENTS, Element, parse
+from alight.formats.packed import text_of
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
 
@@ -104,7 +104,7 @@ class Document:
             return []
         try:
             path = self.reach.find(element.attributes.get("filename", ""))
-            root = self.read(read_text(path), str(path))
+            root = self.read(text_of(path, MOST_BYTES), str(path))
         except OutOfReachError as error:
             self.report.error(element, str(error))
             return []
@@ -194,24 +194,3 @@ def read_document(
         known = unknown_name("parameter", unused, document.used, listed_as="parameters")
         report.issues.append(Issue(f"-D {unused}", known, name))
     return objects, document
-
-
-def read_text(path: Path) -> str:
-    """Read a file of an acceptable size.
-
-    Raises
-    ------
-    OutOfReachError
-        If it cannot be read.
-    """
-    try:
-        size = path.stat().st_size
-        if size > MOST_BYTES:
-            limit = MOST_BYTES // 2**20
-            raise OutOfReachError(f"must be at most {limit} MB, got {size / 2**20:.0f} MB")
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        text = f"must be UTF-8 text, got byte 0x{error.object[error.start]:02x} at {error.start}"
-        raise OutOfReachError(f"{quote(path.name)}: {text}") from None
-    except OSError as error:
-        raise OutOfReachError(f"cannot read {quote(path.name)}: {error.strerror}") from None

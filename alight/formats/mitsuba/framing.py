@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from alight.formats.glow import Glow
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.transforms import matrix_of
 from alight.formats.surroundings import Bounds, add_camera, add_light
@@ -29,7 +28,7 @@ def surround(context: Context, data: Data, nodes: dict[str, Any]) -> Bounds:
     add_camera(data, context.report, bounds)
     shines = any("light" in node for node in nodes.values())
     if not shines and "environment" not in data:
-        add_light(data, context.report, shines=Glow(context.reach.folder).total > 0.0)
+        add_light(data, context.report, shines=False)
     return bounds
 
 

@@ -162,7 +162,7 @@ def _grid(context: Context, element: Element) -> tuple[Volume, list[float]]:
     p.finish()
     try:
         path = context.reach.find(name)
-        values = read_volume(path, name)
+        values = context.reach.files.read(read_volume, name, path)
         if in_box:
             rows = (matrix @ box_of(path, name))[:3].ravel().tolist()
         return values, rows

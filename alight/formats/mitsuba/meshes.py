@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from alight.core.errors import Issue, SceneError, quote
+from alight.core.errors import SceneError, quote
 from alight.formats.mitsuba.draft import Draft
+from alight.formats.packed import content_of
 from alight.formats.reach import OutOfReachError
 from alight.meshes import obj, ply, serialized
 from alight.meshes.normals import vertex_normals
 from alight.meshes.serialized import SerializedMesh
-from alight.scene.meshes import mesh_problem
+from alight.meshes.triangles import MeshArrays
+from alight.scene.files import Files
+from alight.scene.meshes import checked
 from alight.shapes.mesh import Mesh
 
 MOST_BYTES = 2**30
@@ -50,40 +53,44 @@ def load_mesh(draft: Draft, mirrored: bool) -> Mesh | None:
         path = context.reach.find(name)
         key = (path, index, face_normals, flip_v, flip_normals, mirrored)
         if key not in context.loaded:
-            mesh = _read(path, kind, index)
+            mesh = _read(context.meshes, path, name, kind, index)
             context.loaded[key] = _mesh(mesh, face_normals, flip_v, flip_normals, mirrored)
         return context.loaded[key]
     except OutOfReachError as error:
         context.report.error(element, str(error))
     except SceneError as error:
         for issue in error.issues:
-            text = f"{issue.path} {issue.message}" if issue.path else issue.message
-            context.report.error(element, f"{quote(name)}: {text}")
+            context.report.error(element, f"{quote(name)}: {issue.sentence}")
     return None
 
 
-def _read(path: Path, kind: str, index: int) -> SerializedMesh:
-    try:
-        if path.stat().st_size > MOST_BYTES:
-            raise SceneError([Issue("", f"must be at most {MOST_BYTES // 2**20} MB")])
-        data = path.read_bytes()
-    except OSError as error:
-        raise OutOfReachError(f"cannot read {quote(path.name)}: {error.strerror}") from None
+def _read(files: Files, path: Path, name: str, kind: str, index: int) -> SerializedMesh:
     if kind == "serialized":
-        return serialized.read(data, index)
-    if kind == "obj":
-        # Mitsuba knows no colours in these files.
-        return SerializedMesh(obj.read(data)._replace(colors=None), False)
-    return SerializedMesh(ply.read(data), False)
+        return serialized.read(files.read(_bytes, name, path), index)
+    return SerializedMesh(files.read(_READERS[kind], name, path), False)
+
+
+def _bytes(path: Path, name: str) -> bytes:
+    return content_of(path, MOST_BYTES)
+
+
+def _obj(path: Path, name: str) -> MeshArrays:
+    # Mitsuba knows no colours in these files.
+    return obj.read(_bytes(path, name))._replace(colors=None)
+
+
+def _ply(path: Path, name: str) -> MeshArrays:
+    return ply.read(_bytes(path, name))
+
+
+_READERS = {"obj": _obj, "ply": _ply}
 
 
 def _mesh(
     mesh: SerializedMesh, face_normals: bool, flip_v: bool, flip_normals: bool, mirrored: bool
 ) -> Mesh:
     arrays, colors = mesh.arrays._replace(colors=None), mesh.arrays.colors
-    problem = mesh_problem(arrays)
-    if problem:
-        raise SceneError([Issue(*problem)])
+    checked(arrays)
     if colors is not None and not ((colors >= 0.0) & (colors <= 1.0)).all():
         # No reflectances; a material that shows them is refused by the shape.
         colors = None

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import overload
+from collections.abc import Callable
+from typing import TypeVar, overload
 
 from alight.core.errors import quote, unknown_name
+from alight.formats.asked import Asked
 from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.values import (
     NotNumbersError,
@@ -14,6 +15,8 @@ from alight.formats.mitsuba.values import (
     parse_numbers,
 )
 from alight.formats.report import Report
+
+Number = TypeVar("Number", int, float)
 
 #: Elements that give a value to a parameter.
 VALUES = ("float", "integer", "boolean", "string", "point", "vector", "transform", "animation")
@@ -39,7 +42,7 @@ OBJECTS = (
 BELOW = ("subsurface",)
 
 
-class Properties:
+class Properties(Asked[Element]):
     """Reads the children of an object's element.
 
     Parameters
@@ -57,11 +60,9 @@ class Properties:
     """
 
     def __init__(self, element: Element, report: Report) -> None:
+        super().__init__(report)
         self.element = element
-        self.report = report
-        self.named: dict[str, Element] = {}
         self.objects: list[Element] = []
-        self.asked: dict[str, None] = {}
         for child in element.children:
             self._enter(child)
 
@@ -78,15 +79,6 @@ class Properties:
             self.report.error(child, f"is given twice, first at {first}")
         else:
             self.named[child.name] = child
-
-    def find(self, name: str) -> Element | None:
-        """Ask for a parameter."""
-        self.asked[name] = None
-        return self.named.get(name)
-
-    def has(self, name: str) -> bool:
-        """Tell whether a parameter is given, without asking for it."""
-        return name in self.named
 
     def value(self, name: str, *tags: str) -> tuple[Element, str] | None:
         """Ask for the text of a parameter that must be of one of the given kinds."""
@@ -108,21 +100,21 @@ class Properties:
     def number(self, name: str, default: float | None = None) -> float | None: ...
     def number(self, name: str, default: float | None = None) -> float | None:
         """Ask for a number."""
-        found = self.value(name, "float", "integer")
-        try:
-            return default if found is None else parse_number(found[1])
-        except NotNumbersError as error:
-            assert found is not None
-            self.report.error(found[0], str(error))
-            return default
+        return self._parsed(parse_number, name, default, "float", "integer")
 
     def integer(self, name: str, default: int | None = None) -> int | None:
         """Ask for a whole number."""
-        found = self.value(name, "integer")
+        return self._parsed(parse_integer, name, default, "integer")
+
+    def _parsed(
+        self, parse: Callable[[str], Number], name: str, default: Number | None, *tags: str
+    ) -> Number | None:
+        found = self.value(name, *tags)
+        if found is None:
+            return default
         try:
-            return default if found is None else parse_integer(found[1])
+            return parse(found[1])
         except NotNumbersError as error:
-            assert found is not None
             self.report.error(found[0], str(error))
             return default
 
@@ -137,16 +129,9 @@ class Properties:
             return default
         return word == "true"
 
-    def text(self, name: str, default: str = "", choices: Sequence[str] = ()) -> str:
-        """Ask for a text, one of `choices` if there are any."""
-        found = self.value(name, "string")
-        if found is None:
-            return default
-        if choices and found[1] not in choices:
-            known = unknown_name(name.replace("_", " "), found[1], choices, listed_as="covered")
-            self.report.not_covered(found[0], known, f"{default} is taken")
-            return default
-        return found[1]
+    def word(self, name: str) -> tuple[Element, str] | None:
+        """Ask for a parameter that must be a text."""
+        return self.value(name, "string")
 
     def triple(self, name: str) -> list[float] | None:
         """Ask for a point or vector."""
@@ -161,13 +146,6 @@ class Properties:
         except NotNumbersError as error:
             self.report.error(element, str(error))
             return None
-
-    def ignore(self, why: str, *names: str) -> None:
-        """Take parameters that do not change the picture, with a remark."""
-        for name in names:
-            element = self.find(name)
-            if element is not None:
-                self.report.note(element, f"is not used: {why}")
 
     def only(self, name: str, accepted: bool, why: str) -> None:
         """Take a flag that may only have one value."""
@@ -190,10 +168,8 @@ class Properties:
 
     def finish(self) -> None:
         """Report whatever has not been asked for."""
-        for name, element in self.named.items():
-            if name not in self.asked:
-                known = unknown_name("parameter", name, self.asked, listed_as="parameters")
-                self.report.not_covered(element, known, "ignored")
+        for element, text in self.unknown():
+            self.report.not_covered(element, text, "ignored")
         for element in self.objects:
             text = f"has no use in {self.element.label}"
             if element.tag in BELOW:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
-from alight.core.errors import Issue, join_path, unknown_name
+from alight.core.errors import join_path, unknown_name
 from alight.formats.mitsuba import (
     bsdfs,
     emitters,
@@ -65,20 +64,12 @@ def parse(
     """
     report = Report(lenient)
     objects, document = read_document(text, name, reach or Reach(), definitions or {}, report)
-    context = Context(report, document.reach, MATERIALS)
+    context = Context(report, document.reach, materials=MATERIALS)
     _collect_ids(context, objects, document)
     data, spp, framed = _convert(context, objects)
     places = context.places | {"": f"{name}:1:1"}
-    report.issues = _in_order(report.issues)
+    report.sort()
     return Parsed.of(data, places, report, spp, framed)
-
-
-def _in_order(issues: list[Issue]) -> list[Issue]:
-    """Sort problems by their lines; files stay in the order in which they were found."""
-    parts = [re.fullmatch(r"(.*):(\d+):(\d+)", issue.place) for issue in issues]
-    files = list(dict.fromkeys(part[1] if part else "" for part in parts))
-    keys = [(files.index(p[1]), int(p[2]), int(p[3])) if p else (-1, 0, 0) for p in parts]
-    return [issues[i] for i in sorted(range(len(issues)), key=keys.__getitem__)]
 
 
 def _collect_ids(context: Context, objects: list[Element], document: Document) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from alight.core.errors import SceneError, join_path
+from alight.formats.context import sees_coordinates
 from alight.formats.mitsuba import bsdfs, interiors
 from alight.formats.mitsuba.below import scattering
 from alight.formats.mitsuba.context import Context, Data
@@ -144,7 +145,7 @@ def _without_none(data: Data) -> Data:
 def _cube_for(context: Context, draft: Draft, shape: Data) -> Data | Mesh:
     """A mesh in place of a cube where the texture coordinates or tangents can be seen."""
     used = [draft.data.get("bsdf"), draft.data.get("light")]
-    if not _holds(context, used, _sees_coordinates):
+    if not context.holds(used, sees_coordinates):
         return shape
     words = _CUBE.split()
     corners = np.array([[1.0 if sign == "+" else -1.0 for sign in word] for word in words])
@@ -156,37 +157,15 @@ def _cube_for(context: Context, draft: Draft, shape: Data) -> Data | Mesh:
     )
 
 
-def _sees_coordinates(value: Data) -> bool:
-    """Whether a description is a texture, or a material that is not the same all around."""
-    return value.get("type") in ("bitmap", "checkerboard") or "alpha_u" in value
-
-
 def _sees_colors(value: Data) -> bool:
     return value.get("type") == "vertex_color"
-
-
-def _holds(context: Context, values: Iterable[object], wanted: Callable[[Data], bool]) -> bool:
-    """Whether descriptions, or those that they name, hold one that is wanted."""
-    stack, seen = list(values), set()
-    while stack:
-        value = stack.pop()
-        if isinstance(value, str) and value not in seen:
-            seen.add(value)
-            stack += [table[value] for table in context.tables.values() if value in table]
-        elif isinstance(value, dict):
-            if wanted(value):
-                return True
-            stack.extend(value.values())
-        elif isinstance(value, list):
-            stack.extend(value)
-    return False
 
 
 def _check_colors(draft: Draft, shape: Data | Mesh) -> None:
     """Refuse a material that shows the vertex colours of a shape without."""
     if isinstance(shape, Mesh) and shape.colors is not None:
         return
-    if _holds(draft.context, [draft.data.get("bsdf"), draft.data.get("light")], _sees_colors):
+    if draft.context.holds([draft.data.get("bsdf"), draft.data.get("light")], _sees_colors):
         text = "has no vertex colours (r, g, b of a PLY file) in [0, 1], which its material shows"
         draft.context.report.not_covered(draft.element, text, "grey 0.5 is taken")
 

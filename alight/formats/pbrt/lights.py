@@ -20,7 +20,7 @@ from alight.formats.pbrt.slides import goniometric, projection
 from alight.formats.pbrt.textures import Source, bitmap
 from alight.formats.pbrt.transforms import keeps_angles, turned_to
 from alight.formats.reach import OutOfReachError
-from alight.scene.images import read_image
+from alight.scene import images
 from alight.textures.images import Image
 
 Matrix = np.ndarray
@@ -117,7 +117,7 @@ def area_light(context: Context, p: Parameters) -> Data:
 def _mean_luminance(context: Context, file: str) -> float:
     """Mean luminance of a picture; 1 for a black one, and where it cannot be read."""
     try:
-        texels = read_image(context.reach.find(file), file).linear()
+        texels = images.picture(file, context.reach.files).linear()
     except SceneError:
         # It is told of when the scene is compiled.
         return 1.0
@@ -154,7 +154,7 @@ def surroundings(
             light: Data = {"type": "environment", "file": file, "scale": color}
             node = placed(light, matrix @ _MAP_OF_3)
         else:
-            image = read_image(path, found.values[0], p.report.approximate)
+            image = images.picture(found.values[0], context.reach.files, p.report.approximate, path)
             if image.width == 2 * image.height and not p.has("illuminance"):
                 text = (
                     "is not square: it is taken for a map of latitude and longitude, as in pbrt 3"

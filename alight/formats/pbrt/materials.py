@@ -125,7 +125,7 @@ def material_name(
 ) -> str:
     """The name of a material in the table ``bsdfs``, where it is put when it is first used."""
     if item.native is None:
-        name = context.name("bsdfs", item.name)
+        name = context.free_name("bsdfs", item.name)
         # Its place in the order comes before the parts that it is made of.
         context.tables["bsdfs"][name] = {}
         path = join_path("bsdfs", name)

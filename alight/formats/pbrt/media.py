@@ -64,7 +64,7 @@ class Media:
         # By pbrt's name: ours, and the directive that asked first.
         self._used: dict[str, tuple[str, Directive]] = {}
         # Nothing in the file may have the name of empty space.
-        context.name("media", VACUUM)
+        context.free_name("media", VACUUM)
 
     def define(
         self, directive: Directive, defaults: Sequence[Parameter], matrix: np.ndarray
@@ -110,7 +110,7 @@ class Media:
             text = "plays no part: the integrator does not see media"
             self.context.report.note(interface, text)
         if wanted not in self._used:
-            self._used[wanted] = (self.context.name("media", wanted), interface)
+            self._used[wanted] = (self.context.free_name("media", wanted), interface)
         return self._used[wanted][0]
 
     def close(self) -> bool:

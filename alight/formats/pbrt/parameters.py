@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from alight.core.errors import quote, unknown_name
+from alight.core.errors import quote
+from alight.formats.asked import Asked
 from alight.formats.pbrt.directives import Directive, Parameter
 from alight.formats.report import Report
 
@@ -14,7 +15,7 @@ from alight.formats.report import Report
 WIDTHS = {"point": 3, "vector": 3, "normal": 3, "point2": 2, "vector2": 2}
 
 
-class Parameters:
+class Parameters(Asked[Parameter]):
     """Reads the parameters of a directive.
 
     Parameters
@@ -29,24 +30,14 @@ class Parameters:
     def __init__(
         self, directive: Directive, report: Report, defaults: Iterable[Parameter] = ()
     ) -> None:
+        super().__init__(report)
         self.directive = directive
-        self.report = report
         self.named = {parameter.name: parameter for parameter in directive.parameters}
         self._inherited = set()
         for parameter in defaults:
             if parameter.name not in self.named:
                 self.named[parameter.name] = parameter
                 self._inherited.add(parameter.name)
-        self.asked: dict[str, None] = {}
-
-    def has(self, name: str) -> bool:
-        """Tell whether a parameter is given, without asking for it."""
-        return name in self.named
-
-    def find(self, name: str) -> Parameter | None:
-        """Ask for a parameter."""
-        self.asked[name] = None
-        return self.named.get(name)
 
     def values(self, name: str, *kinds: str, count: int | None = None) -> Parameter | None:
         """Ask for a parameter that must be of one of the given kinds, with `count` values."""
@@ -84,17 +75,10 @@ class Parameters:
         found = self.values(name, "bool", count=1)
         return default if found is None else bool(found.values[0])
 
-    def text(self, name: str, default: str = "", choices: Sequence[str] = ()) -> str:
-        """Ask for a text, one of `choices` if there are any."""
+    def word(self, name: str) -> tuple[Parameter, str] | None:
+        """Ask for a parameter that must be a text."""
         found = self.values(name, "string", count=1)
-        if found is None:
-            return default
-        text = str(found.values[0])
-        if choices and text not in choices:
-            known = unknown_name(name, text, choices, listed_as="covered")
-            self.report.not_covered(found, known, f"{default} is taken")
-            return default
-        return text
+        return None if found is None else (found, str(found.values[0]))
 
     def table(self, name: str, *kinds: str) -> np.ndarray | None:
         """Ask for points or the like; shape (n, width) of the first kind."""
@@ -135,28 +119,9 @@ class Parameters:
             self.report.error(self.named[name], f"must be > 0, got {number:g}")
         return default
 
-    def ignore(self, why: str, *names: str) -> None:
-        """Take parameters that do not change the picture, with a remark."""
-        for name in names:
-            found = self.find(name)
-            if found is not None:
-                self.report.note(found, f"is not used: {why}")
-
-    def leave_out(self, why: str, *names: str) -> None:
-        """Take parameters that do change the picture, with a warning."""
-        for name in names:
-            found = self.find(name)
-            if found is not None:
-                self.report.warn(found, f"is left out: {why}")
-
-    def forget(self) -> None:
-        """Ask for all: what is unknown itself has no unknown parameters."""
-        self.asked.update(dict.fromkeys(self.named))
-
     def finish(self) -> None:
         """Report whatever has not been asked for."""
-        for name, parameter in self.named.items():
-            if name not in self.asked and name not in self._inherited:
-                known = unknown_name("parameter", name, self.asked, listed_as="parameters")
-                text = f"of {self.directive.name} {quote(self.directive.type)}: {known}"
-                self.report.not_covered(parameter, text, "ignored")
+        what = f"of {self.directive.name} {quote(self.directive.type)}"
+        for parameter, text in self.unknown():
+            if parameter.name not in self._inherited:
+                self.report.not_covered(parameter, f"{what}: {text}", "ignored")

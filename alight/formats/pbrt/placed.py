@@ -11,12 +11,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.parameters import Parameters
 from alight.meshes import surfaces
 from alight.meshes.triangles import MeshArrays
-from alight.scene.meshes import mesh_problem
+from alight.scene.meshes import Geometry, checked
 from alight.shapes.mesh import Mesh
 
 
@@ -67,13 +66,10 @@ def mesh_of(placed: Placed, keys: dict[str, np.ndarray], flip: bool) -> Mesh | N
             None if normals is None else np.asarray(normals, np.float32),
             None if uvs is None else np.asarray(uvs, np.float32),
         )
-    problem = mesh_problem(arrays)
-    if problem:
-        raise SceneError([Issue(*problem)])
-    return described(placed, arrays, flip)
+    return described(placed, checked(arrays), flip)
 
 
-def described(placed: Placed, arrays: MeshArrays, flip: bool) -> Mesh:
+def described(placed: Placed, arrays: Geometry, flip: bool) -> Mesh:
     """A mesh of arrays that are right, with pbrt's sides and texture coordinates."""
     keys = {"vertices": arrays.vertices, "faces": arrays.faces}
     if arrays.normals is not None:

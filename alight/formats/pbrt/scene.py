@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, quote
-from alight.formats.packed import content_of
+from alight.core.errors import Issue, SceneError
+from alight.formats.packed import text_of
 from alight.formats.parsed import Parsed
 from alight.formats.pbrt import settings
 from alight.formats.pbrt.context import Context, Data
@@ -48,7 +47,7 @@ def parse(text: str, name: str, reach: Reach | None = None, lenient: bool = Fals
     reader = _Reader(context)
     reader.file(text, name)
     data = reader.finish()
-    report.issues[:] = _in_order(report.issues)
+    report.sort()
     return Parsed.of(data, context.places | {"": f"{name}:1:1"}, report, reader.spp)
 
 
@@ -69,14 +68,6 @@ _NEW = re.compile(
 def _is_old(text: str) -> bool:
     """Whether a file is one of pbrt 3: files do not say, but some words exist in one only."""
     return bool(_OLD.search(text)) and not _NEW.search(text)
-
-
-def _in_order(issues: list[Issue]) -> list[Issue]:
-    """Sort problems by their lines; files stay in the order in which they were found."""
-    parts = [re.fullmatch(r"(.*):(\d+):(\d+)", issue.place) for issue in issues]
-    files = {part[1] if part else "": i for i, part in reversed(list(enumerate(parts)))}
-    keys = [(files[p[1]], int(p[2]), int(p[3])) if p else (-1, 0, 0) for p in parts]
-    return [issues[i] for i in sorted(range(len(issues)), key=keys.__getitem__)]
 
 
 class _TooManyError(Exception):
@@ -194,7 +185,8 @@ class _Reader:
             raise _TooManyError
         try:
             path = context.reach.find(name)
-            text = self.content(path)
+            text = text_of(path, MOST_BYTES - self.bytes)
+            self.bytes += len(text)
         except (OutOfReachError, SceneError) as error:
             context.report.error(directive, str(error))
             return
@@ -207,16 +199,6 @@ class _Reader:
             self.levels -= 1
         if directive.name == "Import":
             self.world.end_attributes(directive)
-
-    def content(self, path: Path) -> str:
-        """The text of an included file, unpacked."""
-        data = content_of(path, MOST_BYTES - self.bytes)
-        self.bytes += len(data)
-        try:
-            return data.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            byte = f"byte 0x{data[error.start]:02x} at {error.start}"
-            raise OutOfReachError(f"{quote(path.name)} must be UTF-8 text, got {byte}") from None
 
     def finish(self) -> Data:
         """Put the description together."""

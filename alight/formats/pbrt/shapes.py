@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
-from alight.core.errors import Issue, SceneError, quote
+from alight.core.errors import SceneError, quote
 from alight.formats.packed import content_of
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.parameters import Parameters
@@ -17,7 +18,7 @@ from alight.formats.pbrt.strands import curve
 from alight.formats.reach import OutOfReachError
 from alight.meshes import ply, surfaces
 from alight.meshes.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldError, subdivide
-from alight.scene.meshes import mesh_problem
+from alight.scene.meshes import Geometry, checked
 from alight.shapes.mesh import Mesh
 
 MOST_BYTES = 2**30
@@ -97,18 +98,19 @@ def _ply_mesh(placed: Placed) -> Mesh | None:
         path = context.reach.find(found.values[0])
         key = (path, placed.reverse, placed.textured)
         if key not in context.loaded:
-            arrays = ply.read(content_of(path, MOST_BYTES))._replace(colors=None)
-            problem = mesh_problem(arrays)
-            if problem:
-                raise SceneError([Issue(*problem)])
+            arrays = context.meshes.read(_arrays_in, found.values[0], path)
             context.loaded[key] = described(placed, arrays, placed.reverse)
         return context.loaded[key]
     except OutOfReachError as error:
         p.report.error(found, str(error))
     except SceneError as error:
         for issue in error.issues:
-            p.report.error(found, f"{quote(found.values[0])}: {issue.path} {issue.message}")
+            p.report.error(found, f"{quote(found.values[0])}: {issue.sentence}")
     return None
+
+
+def _arrays_in(path: Path, name: str) -> Geometry:
+    return checked(ply.read(content_of(path, MOST_BYTES))._replace(colors=None))
 
 
 def _loop(placed: Placed) -> Mesh | None:

@@ -24,7 +24,7 @@ from alight.formats.pbrt.octahedral import texel, to_square
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.reach import OutOfReachError
 from alight.lights.ies import LUMENS, Ies, mean_color
-from alight.scene.images import read_image
+from alight.scene import images
 from alight.textures.images import Image
 
 #: Steps of a profile in degrees, from the light's +z and around it.
@@ -135,7 +135,9 @@ def _picture(context: Context, p: Parameters) -> np.ndarray | None:
         return None
     try:
         path = context.reach.find(found.values[0])
-        texels = read_image(path, found.values[0], p.report.approximate).linear()
+        texels = images.picture(
+            found.values[0], context.reach.files, p.report.approximate, path
+        ).linear()
         return np.broadcast_to(texels, (*texels.shape[:2], 3)).astype(np.float32)
     except OutOfReachError as error:
         p.report.error(found, str(error))

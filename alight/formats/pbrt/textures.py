@@ -203,7 +203,7 @@ def entry(source: Source, data: Data) -> str:
     """Put a description into the table of textures."""
     context, directive = source.context, source.p.directive
     wanted = directive.texts[0] if directive.name == "Texture" else directive.type
-    name = context.name("textures", wanted)
+    name = context.free_name("textures", wanted)
     context.tables["textures"][name] = data
     context.places[join_path("textures", name)] = directive.place
     return name

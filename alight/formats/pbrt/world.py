@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
+from alight.formats.context import sees_coordinates
 from alight.formats.lamps import point
 from alight.formats.pbrt import lights, materials, patterns, textures
 from alight.formats.pbrt.attributes import Attributes
@@ -204,7 +205,7 @@ class World(Attributes):
         bsdf: str | Data = materials.material_name(context, state.material, self.named)
         alpha = Source(context, p, bound).number("alpha", None)
         light, sides = self.light_of_shape(directive)
-        textured = any(context.sees_coordinates(part) for part in (bsdf, alpha, light))
+        textured = context.holds((bsdf, alpha, light), sees_coordinates)
         mirrored = swaps_handedness(state.matrix)
         placed = Placed(context, p, state.matrix, state.reverse, mirrored, textured)
         shape = convert_shape(placed)
@@ -318,7 +319,7 @@ class World(Attributes):
             self.context.report.error(directive, "is given twice")
         self.begin_attributes(directive)
         self.tie()
-        name = self.context.name("prototypes", directive.type)
+        name = self.context.free_name("prototypes", directive.type)
         self.objects[directive.type] = name
         children: dict[str, Data] = {}
         self.context.tables["prototypes"][name] = {"children": children}
@@ -358,7 +359,7 @@ class World(Attributes):
     ) -> None:
         """Put a node among others, with a name of its own."""
         wanted = quote(directive.type)[1:-1] or directive.name
-        name = self.context.name(path, wanted)
+        name = self.context.free_name(path, wanted)
         if not rests:
             node = moving(node, wanted, self.state.matrix, self.state.ends, self.times)
         target[name] = node

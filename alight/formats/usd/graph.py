@@ -9,24 +9,22 @@ import numpy as np
 
 from alight.core.errors import SceneError
 from alight.core.fields import LARGEST
-from alight.formats.glow import Glow
+from alight.formats.model_scene import Data, ModelScene
 from alight.formats.names import free_name
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import Bounds
 from alight.formats.usd.cameras import read_camera
 from alight.formats.usd.lights import is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
-from alight.formats.usd.meshes import has_set, mesh_of, read_mesh, solid
+from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
 from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
-from alight.meshes.triangles import MeshArrays
-from alight.scene.meshes import mesh_problem
+from alight.scene.meshes import mesh_of
 from alight.scene.transform import is_singular
 from alight.shapes.mesh import Mesh
 
-Data = dict[str, Any]
 Matrix = np.ndarray
 #: Schemas that say nothing about what is seen.
 _SILENT = ("Scope", "Xform", "", "Material", "Shader", "NodeGraph", "GeomSubset", "RenderSettings")
@@ -35,7 +33,7 @@ _MOST_DEEP = 200
 _SMALL = f"of at most {LARGEST:g} in size"
 
 
-class Graph:
+class Graph(ModelScene):
     """Builds the nodes of a stage.
 
     Parameters
@@ -43,39 +41,13 @@ class Graph:
     stage : Stage
     root : (4, 4) float64
         From the stage's space to the world.
-
-    Attributes
-    ----------
-    nodes, prototypes, bsdfs : dict
-        Descriptions of the native format.
-    environments : list of dict
-    cameras : list of (str, float)
-        Node path and aspect of each camera.
-    view : (4, 4) float64 or None
-        Camera to world of the first camera.
-    bounds : Bounds
-        Of all that is seen, in the world.
-    is_lit : bool
-        Whether there are lights.
-    glow : Glow
-        Of the meshes that shine.
-    places : dict of str to str
-        Key path -> prim.
     """
 
     def __init__(self, stage: Stage, root: Matrix) -> None:
+        super().__init__(stage.report, stage.reach, {"": stage.name})
         self.stage = stage
         self.root = root
-        self.nodes: dict[str, Data] = {}
-        self.prototypes: dict[str, Data] = {}
-        self.bsdfs: dict[str, Data] = {}
-        self.environments: list[Data] = []
-        self.cameras: list[tuple[str, float]] = []
-        self.view: Matrix | None = None
-        self.bounds = Bounds()
-        self.is_lit = False
-        self.glow = Glow(stage.reach.folder)
-        self.places: dict[str, str] = {}
+        self._domes: list[Data] = []
         self._materials: dict[tuple[str, str], tuple[str, Surface]] = {}
         self._prototype_names: dict[str, str] = {}
         self._prototype_bounds: dict[str, Bounds] = {}
@@ -89,6 +61,9 @@ class Graph:
             self.cameras = [(f"world/{path}", aspect) for path, aspect in self.cameras]
         else:
             self.nodes.update(world["children"])
+        for around in self._domes:
+            # They stand in the world, not where their prims do.
+            self.nodes[free_name("dome", self.nodes, "dome")] = {"light": around}
 
     def _children(self, parent: Any, to_world: Matrix, path: str) -> dict[str, Data]:
         nodes: dict[str, Data] = {}
@@ -167,8 +142,7 @@ class Graph:
         if prim.IsA(UsdGeom.Camera):
             self.stage.report.count("cameras")
             camera, aspect = read_camera(self.stage, prim)
-            self.cameras.append((path, aspect))
-            self.view = to_world if self.view is None else self.view
+            self.add_camera(path, aspect, to_world)
             return {"camera": camera}
         if is_light(prim):
             return self._light(prim, to_world)
@@ -183,8 +157,10 @@ class Graph:
         self.stage.report.count("lights")
         placed = read_light(self.stage, prim, to_world)
         self.is_lit = True
-        if placed.environment is not None:
-            self.environments.append(placed.environment)
+        if placed.environment is not None and self.environment is None:
+            self.environment = placed.environment
+        elif placed.environment is not None:
+            self._domes.append(placed.environment)
         return placed.node or None
 
     def _solid(self, prim: Any, found: tuple[Data, list[Data]], to_world: Matrix) -> Data:
@@ -236,13 +212,12 @@ class Graph:
         self, prim: Any, bound: Any, triangles: Triangles, chosen: Any, to_world: Matrix
     ) -> Data:
         sets = self._sets_of(bound, prim)
-        mesh = mesh_of(triangles, sets, chosen)
         self._say_what_is_lacking(prim, bound, triangles)
-        arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
-        problem = mesh_problem(arrays)
-        if problem:
-            self.stage.problem(prim, f"{problem[0]} {problem[1]}")
-            raise SceneError(self.stage.report.issues)
+        try:
+            mesh = mesh_of(arrays_of(triangles, sets, chosen))
+        except SceneError as error:
+            self.stage.problem(prim, error.issues[0].sentence)
+            raise SceneError(self.stage.report.issues) from None
         name, material = self._material_of(bound, prim)
         return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
 
@@ -257,11 +232,10 @@ class Graph:
             )
 
     def _shining(self, data: Data, material: Surface, to_world: Matrix) -> Data:
-        if material.emission is not None:
-            if isinstance(data["shape"], Mesh):
-                self.glow.add(data["shape"], to_world, material.emission)
-            else:
-                self.is_lit = True
+        if isinstance(data["shape"], Mesh):
+            self.shine(data["shape"], material, to_world)
+        elif material.emission is not None:
+            self.is_lit = True
         return data | material.light
 
     def _material_of(self, bound: Any, prim: Any) -> tuple[str, Surface]:
@@ -276,20 +250,18 @@ class Graph:
         if key not in self._materials:
             read = read_material(self.stage, material, prim) if material else None
             read = read or plain_material(self.stage, prim)
-            self._materials[key] = (self._bsdf_name(read, material, prim), read)
+            self._materials[key] = (self._bsdf_name(key, read, material, prim), read)
         return self._materials[key]
 
-    def _bsdf_name(self, read: Surface, material: Any, prim: Any) -> str:
+    def _bsdf_name(self, key: tuple[str, str], read: Surface, material: Any, prim: Any) -> str:
         """Name of a material, one for all that are alike."""
         for name, bsdf in self.bsdfs.items():
             if bsdf == read.bsdf:
                 return name
         self.stage.report.count("materials")
-        name = free_name(material.GetPrim().GetName() if material else "plain", self.bsdfs, "bsdf")
-        self.bsdfs[name] = read.bsdf
         place = material.GetPath() if material else prim.GetPath()
-        self.places[f"bsdfs.{name}"] = f"{self.stage.name}: {place}"
-        return name
+        wanted = material.GetPrim().GetName() if material else "plain"
+        return self.name_of(key, read, wanted, f"{self.stage.name}: {place}")
 
     def _prototype(self, prim: Any, to_world: Matrix) -> str:
         """Name of what an instance shows; read once."""

@@ -12,7 +12,7 @@ from alight.core.errors import unknown_name
 from alight.formats.usd.modules import UsdGeom
 from alight.formats.usd.stage import Stage
 from alight.meshes.polygons import Polygons, Triangles, subdivided, triangulated, vertex_normals
-from alight.meshes.triangles import joined_sets
+from alight.meshes.triangles import MeshArrays, joined_sets
 from alight.shapes.mesh import Mesh
 
 Data = dict[str, Any]
@@ -59,13 +59,13 @@ def read_mesh(stage: Stage, prim: Any, sets: Sequence[str]) -> Triangles | None:
     return triangulated(polygons)
 
 
-def mesh_of(triangles: Triangles, sets: Sequence[str], chosen: Any = None) -> Mesh:
-    """The shape of all triangles, or of the chosen ones, with these texture coordinates."""
+def arrays_of(triangles: Triangles, sets: Sequence[str], chosen: Any = None) -> MeshArrays:
+    """The arrays of all triangles, or of the chosen ones, with these texture coordinates."""
     faces = triangles.faces if chosen is None else triangles.faces[chosen]
     used, index = np.unique(faces, return_inverse=True)
     arrays = {name: table[used].astype(np.float32) for name, table in triangles.values.items()}
     uvs, more_uvs = joined_sets([arrays.get(_UVS + name) for name in sets])
-    return Mesh(
+    return MeshArrays(
         vertices=triangles.vertices[used].astype(np.float32),
         faces=index.reshape(-1, 3).astype(np.int32),
         normals=arrays.get("normals"),

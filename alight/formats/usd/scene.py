@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from alight.core.errors import Issue, SceneError, show_value
-from alight.formats.model_scene import model_scene
-from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
@@ -21,7 +17,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     Parameters
     ----------
     data, name : bytes and str
-        Content of the file, which OpenUSD reads again itself; and its name for messages.
+        Nothing, as OpenUSD reads the file itself; and its name for messages.
     reach : Reach, optional
         Where it lies, and its layers and pictures may lie; the current folder by default.
 
@@ -44,26 +40,4 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         raise SceneError([*report.issues, issue]) from None
     if report.issues:
         raise SceneError(report.issues)
-    tables: dict[str, Any] = {
-        "bsdfs": graph.bsdfs,
-        "prototypes": graph.prototypes,
-        "nodes": graph.nodes,
-    }
-    for around in graph.environments:
-        # They stand in the world, not where their prims do.
-        if "environment" in tables:
-            name = free_name("dome", graph.nodes, "dome")
-            graph.nodes[name] = {"light": around}
-        else:
-            tables["environment"] = around
-    return model_scene(
-        tables,
-        graph.places | {"": name},
-        report,
-        graph.bounds,
-        graph.glow,
-        is_lit=graph.is_lit,
-        cameras=[path for path, _ in graph.cameras],
-        aspect=graph.cameras[0][1] if graph.cameras else 1.0,
-        view=graph.view,
-    )
+    return graph.finish()

@@ -176,8 +176,9 @@ def test_maps_of_pbrt_3_stand_as_the_file_says(tmp_path):
     np.save(tmp_path / "map.npy", (texels + 1.0).astype(np.float32))
     scene = read_old('LightSource "infinite" "string mapname" "map.npy"', folder=tmp_path)
     light = node(scene).light
-    from alight.scene.images import ImageStore
+    from alight.scene.files import Files
+    from alight.scene.images import loaded
 
-    found = places(ImageStore(tmp_path).loaded(light), node(scene).transform.matrix)
+    found = places(loaded(light, Files(tmp_path)), node(scene).transform.matrix)
     for name, sign, axis in (("+x", 1, 0), ("-x", -1, 0), ("+y", 1, 1), ("+z", 1, 2)):
         np.testing.assert_allclose(found[name] - 1.0, sign * np.eye(3)[axis], atol=0.06)
