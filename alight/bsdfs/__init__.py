@@ -53,3 +53,6 @@ MODELS = (
     bump_map,
     coated_conductor,
 )
+
+#: Of shapes that name none.
+DEFAULT = diffuse.Diffuse()

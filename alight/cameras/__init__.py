@@ -7,3 +7,6 @@ MODELS = (
     thin_lens,
     orthographic,
 )
+
+#: Of scenes whose camera has no type.
+DEFAULT = pinhole.Pinhole()

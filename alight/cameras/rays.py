@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alight.cameras.basis import project_points, unproject_points
+from alight.cameras.model import CAMERAS
 from alight.core.motion import matrix_at, placed, turned
-from alight.core.registry import Models
 from alight.core.vec import normalize
 from lanewise.jit import kernel, specialised
 from lanewise.simd import lanes_u32
@@ -26,7 +26,7 @@ def generate_ray(program):
     (0.5, 0.5)), so that a crop window is a cut-out of the whole picture. `u_lens` is a pair in
     [0, 1)^2.
     """
-    generate = camera_module(program.camera).generate_ray
+    generate = CAMERAS[program.camera].generate_ray
 
     @kernel
     def generate_ray(scene, film_x, film_y, u_lens):
@@ -70,22 +70,17 @@ def project(
     -----
     A thin lens is taken at its centre: that is where points in focus appear.
     """
-    module = camera_module(camera.type_name())
+    model = CAMERAS[camera.type_name()]
     matrix = np.asarray(to_world, np.float64)
-    extents = module.half_extents(camera, *size)
-    return project_points(points, extents, size, matrix, module.PERSPECTIVE)
+    extents = model.half_extents(camera, *size)
+    return project_points(points, extents, size, matrix, model.PERSPECTIVE)
 
 
 def unproject(
     camera: Camera, to_world: ArrayLike, size: tuple[int, int], raster: ArrayLike
 ) -> NDArray[np.float64]:
     """World points of film coordinates and depths: the inverse of `project`."""
-    module = camera_module(camera.type_name())
+    model = CAMERAS[camera.type_name()]
     matrix = np.asarray(to_world, np.float64)
-    extents = module.half_extents(camera, *size)
-    return unproject_points(raster, extents, size, matrix, module.PERSPECTIVE)
-
-
-def camera_module(name: str):
-    """The module of a camera model."""
-    return Models("cameras")[name]
+    extents = model.half_extents(camera, *size)
+    return unproject_points(raster, extents, size, matrix, model.PERSPECTIVE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alight.cameras.rays import camera_module
+from alight.cameras.model import CAMERAS
 from alight.core.spec import Camera
 from lanewise.view import View
 
@@ -21,6 +21,5 @@ def compile_camera(camera: Camera, to_world: ArrayLike, size: tuple[int, int]) -
     size : (int, int)
         Width and height of the full film in pixels.
     """
-    module = camera_module(camera.type_name())
-    table = module.pack(camera, size, np.asarray(to_world, np.float64))
+    table = CAMERAS[camera.type_name()].pack(camera, size, np.asarray(to_world, np.float64))
     return View(np.ascontiguousarray(table, np.float32))

@@ -47,16 +47,16 @@ class Program(NamedTuple):
 
     shapes: tuple[str, ...] = ()
     bsdfs: tuple[str, ...] = ()
-    textures: tuple[str, ...] = ("constant",)
+    textures: tuple[str, ...] = ()
     lights: tuple[str, ...] = ()
     light_shapes: tuple[str, ...] = ()
     single_light: bool = False
     light_tree: bool = False
     accel: tuple[str, ...] = ()
-    camera: str = "pinhole"
-    sampler: tuple = ("sobol",)
-    filter: str = "box"
-    integrator: str = "path"
+    camera: str = ""
+    sampler: tuple = ()
+    filter: str = ""
+    integrator: str = ""
     options: tuple[tuple[str, Any], ...] = ()
     aovs: tuple[str, ...] = ()
     media: tuple[str, ...] = ()

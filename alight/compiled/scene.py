@@ -110,10 +110,9 @@ def compile_scene(
         builder=builder,
         threads=threads,
     )
-    light_choice = getattr(flat.integrator, "light_choice", "auto")
     of_light = light_motions(flat, shapes, paths)
-    combined = getattr(flat.integrator, "light_sampling", None) == "mis"
-    lights = compile_lights(flat, shapes, light_choice, compensated=combined)
+    choice = flat.integrator.choice_of_lights
+    lights = compile_lights(flat, shapes, choice, compensated=flat.integrator.combines)
     tables = SceneTables(
         shapes=shapes.tables,
         materials=materials,

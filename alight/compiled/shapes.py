@@ -18,15 +18,12 @@ from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.scene.meshes import Geometry
 from alight.scene.motion import Motion
 from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeTables
-from alight.shapes.model import SHAPES
+from alight.shapes.model import MOST_NUMBERS, SHAPES
 from lanewise.view import View
 
 #: Copies of a shared mesh with at most this many triangles in all are stored one by one: a second
 #: level of the hierarchy would cost more than the memory.
 FEW_TRIANGLES = 64
-
-#: Zeros after the last row, so that a lane that reads another kind of row stays inside the table.
-PADDING = 64
 
 #: Most shapes named in one message.
 MOST_TOLD = 10
@@ -266,6 +263,9 @@ class _Compiler:
         model, offset = SHAPES[kind], self.offset
         assert model.pack is not None
         row = model.pack(shape, matrix)
+        if row.size > MOST_NUMBERS:
+            text = f"the row of a {kind} must hold at most {MOST_NUMBERS} numbers, got {row.size}"
+            raise SceneError([Issue(placed.name, text)])
         flags = FLIP if shape.flip_normals else 0
         if model.area is None or model.bounds is None:
             index = self._enter(kind, source, placed, row, flags, np.zeros(0))
@@ -368,7 +368,8 @@ class _Compiler:
         if uv_sets:
             shifts = uv_shifts(info, arrays.further, arrays.vertex_count)
             further = [table for sets in arrays.further.values() for table in sets]
-        data = np.concatenate([*self.data, np.zeros(PADDING)]).astype(np.float32)
+        # Zeros after the last row: a lane that reads another kind of row stays inside the table.
+        data = np.concatenate([*self.data, np.zeros(MOST_NUMBERS)]).astype(np.float32)
         tables = ShapeTables(
             View(info),
             View(data),

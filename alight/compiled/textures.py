@@ -21,11 +21,10 @@ import numpy as np
 
 from alight.compiled.packer import Packer
 from alight.core.errors import Issue, SceneError
+from alight.core.registry import default_of
 from alight.core.spec import Texture
-from alight.textures.bitmap import TILE
 from alight.textures.composed import COMPOSED
-from alight.textures.constant import Constant
-from alight.textures.images import Image, decoded_levels
+from alight.textures.images import TILE, Image, decoded_levels
 from alight.textures.model import TEXTURES
 from alight.textures.nesting import Composed, Value, most
 from lanewise.view import View
@@ -129,7 +128,7 @@ class TextureTable:
         """Make the tables of all textures that have a number."""
         lists = [_steps(spec) for spec in self._numbers]
         every = [spec for steps in lists for spec in steps]
-        used = {"constant", *(spec.type_name() for spec in every)}
+        used = {default_of(Texture).type_name(), *(spec.type_name() for spec in every)}
         features = {name for spec in every for name in TEXTURES[spec.type_name()].features(spec)}
         rows = [np.zeros(max(3, *(sum(TEXTURES[n].SLOTS.values()) for n in used)), np.float32)]
         starts: dict[Texture, int] = {}
@@ -157,8 +156,8 @@ class TextureTable:
 
     def _row(self, spec: Texture) -> np.ndarray:
         """The numbers of one texture."""
-        if isinstance(spec, Constant):
-            return np.array(spec.color, np.float32)
+        if not spec.varies:
+            return np.array(spec.maximum(), np.float32)
         model = TEXTURES[spec.type_name()]
         packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self)
         if model.pack is not None:
@@ -172,7 +171,7 @@ def _steps(spec: Value) -> list[Texture]:
         raise ValueError(f"the texture name {spec!r} must be resolved before compiling")
     if isinstance(spec, float | int | tuple):
         # Parts may exceed 1: only their product is a share of light.
-        return [Constant.model_construct(color=most(spec))]
+        return [default_of(Texture).model_copy(update={"color": most(spec)})]
     if not isinstance(spec, Composed):
         return [spec]
     return [*(step for part in spec.ordered for step in _steps(part)), spec]

@@ -69,6 +69,11 @@ def specs(family: str) -> dict[str, type[Spec]]:
     return _specs(modules(family))
 
 
+def default_of(base: type[S]) -> S:
+    """Give what a family has where nothing is named: the ``DEFAULT`` of its registry."""
+    return import_module(f"alight.{base.family}").DEFAULT
+
+
 def specs_of(base: type[S]) -> dict[str, type[S]]:
     """Map type names to description classes, for the family of a base class."""
     return cast("dict[str, type[S]]", specs(base.family))
@@ -147,7 +152,7 @@ class Record:
 
     name: str
     number: int
-    EXAMPLES: tuple[Any, ...]
+    EXAMPLES: tuple[Any, ...] = ()
 
     @property
     def spec(self) -> type[Any]:
@@ -164,13 +169,18 @@ class Records(Mapping[str, R], Generic[R]):
     def __getitem__(self, name: str) -> R:
         models = modules(self.family)
         number = _numbers(self.family, models)[name]
-        return cast("R", _record_of(_by_name(models)[name], self.record, name, number))
+        return record_of(_by_name(models)[name], self.record, name, number)
 
     def __iter__(self) -> Iterator[str]:
         return iter(_by_name(modules(self.family)))
 
     def __len__(self) -> int:
         return len(modules(self.family))
+
+
+def record_of(module: ModuleType, record: type[R], name: str, number: int = -1) -> R:
+    """What a module says of the fields of a record; those in no registry have no number."""
+    return cast("R", _record_of(module, record, name, number))
 
 
 @lru_cache(maxsize=1024)

@@ -6,16 +6,15 @@ others must know of a model, its class says by members that the base class of it
 
 from __future__ import annotations
 
-import difflib
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
 
-from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
+from alight.core.errors import SceneError
+from alight.core.field_errors import translate
 from alight.core.fields import (
     Interval,
     Model,
@@ -130,11 +129,20 @@ def _is_dark(color: Triple | Texture | str) -> bool:
 
 
 class Light(Spec):
-    """Base class of lights; `placement` is where a scene may place one."""
+    """Base class of lights.
+
+    Attributes
+    ----------
+    placement : {"node", "shape", "environment"}
+        Where a scene may place one.
+    has_place : bool
+        Around the scene, and yet at a place: a rectangle through which the others are seen.
+    """
 
     family: ClassVar[str] = "lights"
     kind: ClassVar[str] = "light"
     placement: ClassVar[Literal["node", "shape", "environment"]] = "node"
+    has_place: ClassVar[bool] = False
 
     @property
     def is_black(self) -> bool:
@@ -147,6 +155,16 @@ class Light(Spec):
         """Bound of the radiance that it emits; None if none is known."""
         return None
 
+    def read(self, files: Any) -> Self:
+        """Take numbers from the file that it names, by `files.read`; pictures are for others.
+
+        Raises
+        ------
+        SceneError
+            If the file is missing or broken; its path is ``file``.
+        """
+        return self
+
 
 class Texture(Spec):
     """Base class of textures: colours over a surface, which most of them let vary there."""
@@ -154,6 +172,11 @@ class Texture(Spec):
     family: ClassVar[str] = "textures"
     kind: ClassVar[str] = "texture"
     varies: ClassVar[bool] = True
+
+    @property
+    def mean_is_exact(self) -> bool:
+        """Whether `mean` is that over the plane of (u, v), and no estimate."""
+        return not self.varies
 
     def maximum(self) -> tuple[float, float, float]:
         """Largest value of each channel."""
@@ -222,11 +245,24 @@ class Camera(Spec):
 
 
 class Sampler(Spec):
-    """Base class of samplers; made for `block` samples, doubled any number of times."""
+    """Base class of samplers.
+
+    Attributes
+    ----------
+    block : int
+        It is made for so many samples, doubled any number of times.
+    independent : bool
+        Samples know nothing of each other.
+    """
 
     family: ClassVar[str] = "samplers"
     kind: ClassVar[str] = "sampler"
     block: ClassVar[int] = 1
+    independent: ClassVar[bool] = False
+
+    def with_block(self, samples: int) -> Self:
+        """The same with blocks of at most so many samples, if it has blocks."""
+        return self
 
 
 class Filter(Spec):
@@ -240,14 +276,42 @@ class Filter(Spec):
 class Integrator(Spec):
     """Base class of integrators.
 
-    Without `needs_light` even a dark scene gives a picture; those that follow light must say by
-    `sees_media` whether they know of media.
+    Attributes
+    ----------
+    needs_light : bool
+        A dark scene gives a black picture.
+    sees_media : bool
+        Media play their part; those that follow light must say so.
+    transports : bool
+        Its picture is the light of all paths with at most `longest_path` edges: the same as that
+        of every other integrator of this kind.
     """
 
     family: ClassVar[str] = "integrators"
     kind: ClassVar[str] = "integrator"
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
+    transports: ClassVar[bool] = False
+
+    @property
+    def longest_path(self) -> int | None:
+        """Edges of the longest path; None without a limit."""
+        return None
+
+    @property
+    def choice_of_lights(self) -> str:
+        """How light sampling chooses a light, see `alight.integrators.options.LightSampling`."""
+        return "auto"
+
+    @property
+    def combines(self) -> bool:
+        """Whether light sampling and BSDF sampling share the work by weights."""
+        return False
+
+    @property
+    def finds_light_by_chance(self) -> bool:
+        """Whether no path is led to a light."""
+        return False
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.
@@ -329,40 +393,3 @@ def energy_problem(**parts: Triple | Texture | str) -> str | None:
         return None
     shown = ", ".join(f"{channel:g}" for channel in sums)
     return f"{' + '.join(parts)} must be at most 1 in each channel, got ({shown})"
-
-
-def translate(spec: type[BaseModel], error: ValidationError) -> list[Issue]:
-    """Put pydantic's errors in our words: one issue each, paths relative to the description."""
-    return [
-        Issue(
-            join_path(*detail["loc"]),
-            _message(spec, detail),
-            about_key=detail["type"] == "extra_forbidden",
-        )
-        for detail in error.errors(include_url=False)
-    ]
-
-
-def _message(spec: type[BaseModel], detail: Mapping[str, Any]) -> str:
-    kind, value = detail["type"], detail["input"]
-    fields = [name for name in spec.model_fields if name != "type"]
-    if kind == "alight":
-        return detail["ctx"]["message"]
-    if kind == "extra_forbidden":
-        return unknown_name("key", str(detail["loc"][-1]), fields, listed_as="keys")
-    if kind == "missing":
-        return f"is missing  (keys: {', '.join(fields)})"
-    if kind == "literal_error":
-        return _choice_message(value, re.findall(r"'([^']*)'", detail["ctx"]["expected"]))
-    nouns = {"string_type": "a text", "bool_type": "true or false", "dict_type": "a mapping"}
-    if kind in nouns:
-        return f"must be {nouns[kind]}, got {show_value(value)}"
-    if kind == "is_instance_of":
-        return f"must be a {detail['ctx']['class'].lower()}, got {show_value(value)}"
-    return f"{detail['msg']}, got {show_value(value)}"
-
-
-def _choice_message(value: object, choices: list[str]) -> str:
-    near = difflib.get_close_matches(str(value)[:80], choices, n=1)
-    hint = f'; did you mean "{near[0]}"?' if near else ""
-    return f"must be one of {', '.join(choices)}, got {show_value(value)}{hint}"

@@ -8,3 +8,6 @@ MODELS = (
     gaussian,
     mitchell,
 )
+
+#: Of films that name none.
+DEFAULT = box.Box()

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
+import numpy as np
+
 from alight.core.spec import Filter, FilterRadius
 from lanewise.jit import kernel
 from lanewise.simd import lanes
@@ -36,6 +38,11 @@ EXAMPLES = (Box(), Box(radius=1.5), Box(radius=0.1))
 def pack(spec):
     """Table of the kernel: the radius."""
     return [spec.radius]
+
+
+def value(spec, x, y):
+    """The filter."""
+    return np.where(np.maximum(np.abs(x), np.abs(y)) <= spec.radius, 1.0, 0.0)
 
 
 @kernel

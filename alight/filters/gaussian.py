@@ -36,14 +36,20 @@ class Gaussian(Filter):
 EXAMPLES = (Gaussian(), Gaussian(stddev=1.0, radius=3.0), Gaussian(stddev=4.0, radius=1.0))
 
 
+def factor(spec, x):
+    """g(x) of the formula above, for distances within the radius."""
+    floor = np.exp(-0.5 * (spec.radius / spec.stddev) ** 2)
+    return np.exp(-0.5 * (x / spec.stddev) ** 2) - floor
+
+
+def value(spec, x, y):
+    """The filter."""
+    return np.maximum(factor(spec, x), 0.0) * np.maximum(factor(spec, y), 0.0)
+
+
 def pack(spec):
     """Table of the kernel, see `inverse_cdf`."""
-
-    def g(x):
-        floor = np.exp(-0.5 * (spec.radius / spec.stddev) ** 2)
-        return np.exp(-0.5 * (x / spec.stddev) ** 2) - floor
-
-    return tabulate(g, spec.radius)
+    return tabulate(lambda x: factor(spec, x), spec.radius)
 
 
 sample = sample_separable

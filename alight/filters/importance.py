@@ -14,28 +14,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from alight.core.registry import Models
 from alight.core.spec import Filter
+from alight.filters.model import FILTERS
 from lanewise.jit import kernel, specialised
 from lanewise.view import View
 
 
 def compile_filter(spec: Filter) -> View:
     """Table of a filter (float32), as `sample_filter` reads it from ``scene.filter``."""
-    return View(np.ascontiguousarray(_module(spec.type_name()).pack(spec), np.float32))
+    return View(np.ascontiguousarray(FILTERS[spec.type_name()].pack(spec), np.float32))
 
 
 @specialised
 def sample_filter(program):
     """``sample_filter(scene, u2)``: offsets dx, dy from the pixel's centre in pixels, weight."""
-    sample = _module(program.filter).sample
+    sample = FILTERS[program.filter].sample
 
     @kernel
     def sample_filter(scene, u2):
         return sample(scene.filter, u2)
 
     return sample_filter
-
-
-def _module(name):
-    return Models("filters")[name]

@@ -59,6 +59,12 @@ def sign_change(b, c):
     return (2 * b + 6 * c) / (b + 6 * c) if c > 0.0 else 2.0
 
 
+def value(spec, x, y):
+    """The filter, up to a factor."""
+    half = 0.5 * spec.radius
+    return profile(x / half, spec.b, spec.c) * profile(y / half, spec.b, spec.c)
+
+
 def pack(spec):
     """Table of the kernel, see `inverse_cdf`."""
     half = 0.5 * spec.radius

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
+import numpy as np
+
 from alight.core.spec import Filter, FilterRadius
 from lanewise.jit import kernel
 from lanewise.simd import lanes, sqrt, where
@@ -34,6 +36,11 @@ EXAMPLES = (Tent(), Tent(radius=2.0), Tent(radius=0.5))
 def pack(spec):
     """Table of the kernel: the radius."""
     return [spec.radius]
+
+
+def value(spec, x, y):
+    """The filter."""
+    return np.maximum(spec.radius - np.abs(x), 0.0) * np.maximum(spec.radius - np.abs(y), 0.0)
 
 
 @kernel

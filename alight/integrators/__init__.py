@@ -9,3 +9,6 @@ MODELS = (
     ambient_occlusion,
     random_walk,
 )
+
+#: Of scenes that name none and hold no media.
+DEFAULT = path.Path()

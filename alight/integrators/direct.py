@@ -5,7 +5,7 @@ Source: PBR4 section 13.2 (direct lighting); Veach and Guibas 1995 for the combi
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from alight.core.noise_only import NoiseOnly
 from alight.integrators import path
@@ -26,8 +26,14 @@ class Direct(LightSampling):
         As for `path`.
     """
 
+    transports: ClassVar[bool] = True
     type: Literal["direct"] = "direct"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
+
+    @property
+    def longest_path(self) -> int:
+        """From a light to a surface and into the camera."""
+        return MAX_DEPTH
 
 
 EXAMPLES = (

@@ -30,6 +30,21 @@ class LightSampling(Integrator):
     light_choice: Annotated[Literal["auto", "power", "uniform", "tree"], NoiseOnly()] = "auto"
     hide_emitters: Truth = False
 
+    @property
+    def choice_of_lights(self) -> str:
+        """As `light_choice` says."""
+        return self.light_choice
+
+    @property
+    def combines(self) -> bool:
+        """Both ways, weighted."""
+        return self.light_sampling == "mis"
+
+    @property
+    def finds_light_by_chance(self) -> bool:
+        """By BSDF sampling alone."""
+        return self.light_sampling == "bsdf"
+
 
 class PathTracing(LightSampling):
     """Base class of path tracers.
@@ -48,6 +63,11 @@ class PathTracing(LightSampling):
     russian_roulette: Annotated[Literal["throughput", "none"], NoiseOnly()] = "throughput"
     rr_depth: Annotated[Depth, NoiseOnly()] = 5
     max_depth: Depth | None = None
+
+    @property
+    def longest_path(self) -> int | None:
+        """As `max_depth` says."""
+        return self.max_depth
 
     @model_validator(mode="after")
     def _paths_end(self) -> Self:

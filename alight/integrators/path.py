@@ -46,7 +46,7 @@ sampling techniques, SIGGRAPH 1995; PBR4 sections 13.4 and 14.1.4.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
@@ -100,6 +100,7 @@ class Path(PathTracing):
         How "mis" weights the two techniques that find light.
     """
 
+    transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
 

@@ -9,7 +9,7 @@ Source: PBR4 section 1.3.6 (RandomWalkIntegrator).
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
@@ -30,8 +30,19 @@ class RandomWalk(Integrator):
         Longest path, counted in edges after the camera.
     """
 
+    transports: ClassVar[bool] = True
     type: Literal["random_walk"] = "random_walk"
     max_depth: Depth = 5
+
+    @property
+    def longest_path(self) -> int:
+        """As `max_depth` says."""
+        return self.max_depth
+
+    @property
+    def finds_light_by_chance(self) -> bool:
+        """Always."""
+        return True
 
 
 EXAMPLES = (RandomWalk(), RandomWalk(max_depth=1), RandomWalk(max_depth=20))

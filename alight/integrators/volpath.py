@@ -93,6 +93,7 @@ class VolPath(PathTracing):
     """
 
     sees_media: ClassVar[bool] = True
+    transports: ClassVar[bool] = True
     type: Literal["volpath"] = "volpath"
 
 

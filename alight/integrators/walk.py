@@ -8,13 +8,12 @@ by one vertex and clears `active` where the path has ended. The main loop starts
 from __future__ import annotations
 
 from collections import namedtuple
-from importlib import import_module
 
 import numpy as np
 
-from alight.core.registry import Models
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, normalize
+from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
 from lanewise.jit import kernel, specialised
@@ -44,9 +43,6 @@ PathState = namedtuple("PathState", "o d p L L_direct beta pdf delta depth sampl
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
 #: metres).
 Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance")
-
-#: Modules of this package that can replace an integrator.
-PASSES = ("aov", "contributions")
 
 #: Depth of paths that only roulette ends.
 UNLIMITED = 2**31 - 1
@@ -112,7 +108,7 @@ def begin_paths(new, o, d, weight, sampler, path):
 @specialised
 def empty_paths(program):
     """``empty_paths()``: inactive paths, with all that the integrator keeps."""
-    return getattr(module_of(program), "empty_paths", no_paths)
+    return model_of(program).empty_paths or no_paths
 
 
 @specialised
@@ -122,7 +118,7 @@ def start_paths(program):
     An integrator that keeps more than a `PathState` has kernels of the names `empty_paths` and
     `start_paths`.
     """
-    return getattr(module_of(program), "start_paths", begin_paths)
+    return model_of(program).start_paths or begin_paths
 
 
 @kernel
@@ -155,13 +151,13 @@ def step(program):
 
     Where things move, it sees the scene at the times of its paths.
     """
-    return _in_time(program, module_of(program).step(program))
+    return _in_time(program, model_of(program).step(program))
 
 
 @specialised
 def trace(program):
     """The first half of a step, ``trace(scene, settings, path) -> (path, hit)``; `is_staged`."""
-    return _in_time(program, module_of(program).stages(program)[0])
+    return _in_time(program, _stages(program)[0])
 
 
 def _in_time(program, own):
@@ -179,7 +175,7 @@ def _in_time(program, own):
 @specialised
 def shade(program):
     """The second half, ``shade(scene, settings, path, hit) -> path``."""
-    own = module_of(program).stages(program)[1]
+    own = _stages(program)[1]
     if not program.motion:
         return own
 
@@ -190,13 +186,12 @@ def shade(program):
     return shade_in_time
 
 
+def _stages(program):
+    stages = model_of(program).stages
+    assert stages is not None
+    return stages(program)
+
+
 def is_staged(program):
     """Whether the step of a program's integrator has two halves, between which paths may wait."""
-    return hasattr(module_of(program), "stages")
-
-
-def module_of(program):
-    """The module of a program's integrator, or of the pass in its place."""
-    if program.integrator in PASSES:
-        return import_module(f"alight.integrators.{program.integrator}")
-    return Models("integrators")[program.integrator]
+    return model_of(program).stages is not None

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.formats import loads
 from alight.lab.arms import digest, seed_of
 from alight.lab.measure import compiled_kernels, render_ladder
 from alight.lab.pictures import Session, StudyProgress
@@ -23,8 +24,6 @@ from alight.lab.results import Curve, CurveResult, TableResult
 from alight.lab.statistics import log_slope, positive_interval
 from alight.metrics.relmse import Estimate
 from alight.scene import Scene, flatten
-from alight.scene.build import Builder
-from alight.shapes.mesh import Mesh
 from lanewise.machine import fingerprint
 
 #: Name -> (label, structure, builder, most triangles of the ball).
@@ -40,8 +39,8 @@ _QUICK_MOST = 32768
 _SIZE, _SPP, _QUICK_SPP = 128, 4, 1
 
 
-def ball(triangles: int) -> Mesh:
-    """A bumpy ball of about this many triangles."""
+def bumpy_ball(triangles: int) -> dict[str, np.ndarray]:
+    """Vertices and faces of a bumpy ball of about this many triangles."""
     rings = max(2, round((triangles / 4.0) ** 0.5))
     sectors = 2 * rings
     theta, phi = np.meshgrid(
@@ -57,36 +56,37 @@ def ball(triangles: int) -> Mesh:
     faces = np.concatenate(
         [np.stack([corner, right, below], axis=-1), np.stack([right, below + 1, below], axis=-1)]
     )
-    return Mesh(vertices=vertices.astype(np.float32), faces=faces.astype(np.int32))
+    return {"vertices": vertices.astype(np.float32), "faces": faces.astype(np.int32)}
+
+
+#: A floor, and a triangle in the place of the ball.
+SCENE = """
+alight: 1
+camera:
+  type: pinhole
+  fov: 32
+  transform: {look_at: {origin: [0, 1.5, 5], target: [0, -0.1, 0]}}
+integrator: ambient_occlusion
+nodes:
+  floor:
+    shape: rectangle
+    transform:
+      - scale: 20
+      - rotate: {axis: x, angle: -90}
+      - translate: [0, -1.1, 0]
+  ball:
+    shape: {type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces: [[0, 1, 2]]}
+"""
 
 
 def scene_of(triangles: int) -> Scene:
     """The ball over its floor."""
-    builder = Builder()
-    scene = builder.scene(
-        {
-            "alight": 1,
-            "camera": {
-                "type": "pinhole", "fov": 32,
-                "transform": {"look_at": {"origin": [0, 1.5, 5], "target": [0, -0.1, 0]}},
-            },
-            "film": {"size": [_SIZE, _SIZE]},
-            "integrator": {"type": "ambient_occlusion"},
-            "nodes": {
-                "floor": {
-                    "shape": "rectangle",
-                    "transform": [
-                        {"scale": 20}, {"rotate": {"axis": "x", "angle": -90}},
-                        {"translate": [0, -1.1, 0]},
-                    ],
-                },
-                "ball": {"shape": "sphere"},
-            },
-        }
-    )  # fmt: skip
-    assert not builder.issues, builder.issues
-    ball_node = scene.nodes["ball"].replaced(shape=ball(triangles))
-    return scene.replaced(nodes={**scene.nodes, "ball": ball_node})
+    scene = loads(SCENE, "acceleration")
+    ball = scene.nodes["ball"]
+    assert ball.shape is not None
+    shaped = ball.replaced(shape=ball.shape.replaced(**bumpy_ball(triangles)))
+    film = scene.film.replaced(size=(_SIZE, _SIZE))
+    return scene.replaced(film=film, nodes={**scene.nodes, "ball": shaped})
 
 
 def counts_of(most: int) -> list[int]:

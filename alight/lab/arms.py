@@ -13,6 +13,7 @@ from typing import Any
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import SceneError, show_value, unknown_name
 from alight.core.noise_only import noise_only_fields
+from alight.core.registry import default_of
 from alight.core.spec import Sampler, Spec
 from alight.formats import builtin_names, load
 from alight.lab.measure import Rung, compiled_kernels, render_ladder
@@ -27,7 +28,6 @@ from alight.lab.study import (
     StudyError,
 )
 from alight.rendering.tile import Kernels
-from alight.samplers.sobol import Sobol
 from alight.scene import Scene, content_hash, flatten
 from lanewise.machine import fingerprint
 
@@ -210,7 +210,10 @@ def _window(scene: Scene) -> tuple:
 def same_picture_hash(scene: Scene) -> str:
     """Content hash without all that changes the noise only."""
     plain = without_choices(scene).model_copy(
-        update={"sampler": Sobol(), "film": scene.film.model_copy(update={"replicates": 1})}
+        update={
+            "sampler": default_of(Sampler),
+            "film": scene.film.model_copy(update={"replicates": 1}),
+        }
     )
     return content_hash(plain)
 

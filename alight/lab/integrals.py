@@ -29,10 +29,8 @@ from alight.lab.pictures import Session, StudyProgress
 from alight.lab.results import Curve, CurveResult, TableResult
 from alight.lab.statistics import fit_slope, log_slope, positive_interval
 from alight.metrics.relmse import Estimate
-from alight.samplers.halton import Halton
-from alight.samplers.independent import Independent
+from alight.samplers.model import SAMPLERS, SamplerModel
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state
-from alight.samplers.sobol import Sobol
 from lanewise.jit import instantiate
 
 #: Dimensions of the integrals; nodes or samples at most, without and with ``--quick``.
@@ -65,11 +63,11 @@ def orthant_volume(d: int) -> float:
 
 
 INTEGRANDS: dict[str, Callable[[np.ndarray], np.ndarray]] = {"smooth": smooth, "edge": edge}
-SAMPLERS: dict[str, Sampler] = {
-    "independent": Independent(),
-    "halton": Halton(),
-    "sobol": Sobol(),
-}
+
+
+def sequences() -> dict[str, SamplerModel]:
+    """Samplers of any number of samples, by name."""
+    return {name: m for name, m in SAMPLERS.items() if m.EXAMPLES[0].block == 1}
 
 
 def sampler_points(sampler: Sampler, count: int, d: int, replicates: int, seed: int) -> np.ndarray:
@@ -151,17 +149,18 @@ def _panel(seed: int, integrand: str, d: int, most: int, replicates: int) -> Cur
     f = INTEGRANDS[integrand]
     counts = [2**k for k in range(1, most.bit_length()) if 2**k <= most]
     curves = []
-    for name, sampler in SAMPLERS.items():
-        points = sampler_points(sampler, most, d, replicates, seed_of(seed, integrand, d, name))
+    for name, model in sequences().items():
+        seeds = seed_of(seed, integrand, d, name)
+        points = sampler_points(model.EXAMPLES[0], most, d, replicates, seeds)
         values = f(points)
         squared = np.stack([(values[:, :n].mean(axis=1) - 1.0) ** 2 for n in counts])
-        curves.append(_random_curve(name, counts, squared, _expected(name, integrand, d)))
+        curves.append(_random_curve(name, counts, squared, _of_sampler(model, integrand, d)))
     rng = np.random.default_rng(seed_of(seed, integrand, d, "jittered"))
     grid = sides(d, most)
     squared = np.stack(
         [(f(jittered_points(k, d, replicates, rng)).mean(axis=1) - 1.0) ** 2 for k in grid]
     )
-    expected = _expected("jittered", integrand, d)
+    expected = -0.5 - 1.0 / d if integrand == "smooth" else -0.5 - 0.5 / d
     curves.insert(1, _random_curve("jittered", [k**d for k in grid], squared, expected))
     for name in ("midpoint", "simpson", "gauss"):
         nodes = sides(d, most, odd=name == "simpson")
@@ -201,14 +200,12 @@ def _exact_curve(name: str, counts: list[int], errors: list[float]) -> Curve:
     return Curve(name, name, x, y, list(y), list(y), slope)
 
 
-def _expected(name: str, integrand: str, d: int) -> float | None:
+def _of_sampler(model: SamplerModel, integrand: str, d: int) -> float | None:
     """Slope of the RMSE that theory predicts, where it does."""
-    if name == "independent":
+    if model.EXAMPLES[0].independent:
         return -0.5
-    if name == "jittered":
-        return -0.5 - 1.0 / d if integrand == "smooth" else -0.5 - 0.5 / d
-    if name == "sobol" and integrand == "smooth" and d <= 2:
-        return -1.5
+    if integrand == "smooth" and d <= 2:
+        return model.EXPECTED_RATE[d - 1] / 2.0
     return None
 
 

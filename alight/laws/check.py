@@ -7,7 +7,18 @@ from collections.abc import Callable, Iterator, Sequence
 from alight.core.registration import registered_module
 from alight.core.registry import type_name_of
 from alight.core.spec import Spec
-from alight.laws import bsdfs, integrators, lights, media, others, phases, samplers, shapes
+from alight.laws import (
+    bsdfs,
+    cameras,
+    filters,
+    integrators,
+    lights,
+    media,
+    phases,
+    samplers,
+    shapes,
+    textures,
+)
 from alight.laws.compiled import compiled_bsdf_is_the_twins
 from alight.laws.materials import COSINES, Material
 from alight.laws.report import Report, Result, judged
@@ -104,7 +115,7 @@ CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
     "media": _simple(media.LAWS),
     "lights": _check_light,
     "integrators": _simple(integrators.LAWS, integrators.COMPILED_LAWS),
-    "textures": _simple((others.values_lie_below_the_maximum,)),
-    "filters": _simple((others.weights_have_mean_one,)),
-    "cameras": _simple((others.rays_have_unit_directions,)),
+    "textures": _simple(textures.LAWS),
+    "filters": _simple(filters.LAWS),
+    "cameras": _simple(cameras.LAWS),
 }

@@ -1,4 +1,4 @@
-"""Laws of integrators: finite, a pure function of the sample, machine code as the Python text.
+"""Laws of integrators: finite, a pure function of the sample, the light that all of them find.
 
 Each law is a function of an example and raises `BrokenLawError`. They render a small room with a
 mirror ball and a lamp.
@@ -11,16 +11,21 @@ from functools import lru_cache
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.core.noise_only import noise_only_fields
+from alight.core.registry import default_of
 from alight.core.spec import Integrator
 from alight.films.fixed_point import carry, to_float
 from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.laws.report import demand, demand_close
+from alight.laws.statistics import LARGEST_Z
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
 
 SPP, REPLICATES = 8, 4
+#: Samples where means are compared.
+MANY = 16
 
 ROOM = """
 alight: 1
@@ -40,19 +45,27 @@ bsdfs: {mirror: {type: mirror, reflectance: 0.9}}
 """
 
 
+#: The lamp switched off, and a brighter sky.
+DARK_LAMP = ROOM.replace("radiance: 20", "radiance: 0").replace("radiance: 0.2", "radiance: 1")
+
+
 @lru_cache(maxsize=8)
 def room(spec: Integrator) -> CompiledScene:
     """The room, with this integrator."""
-    return compile_scene(flatten(loads(ROOM, "room").replaced(integrator=spec)), structure="list")
+    return _compiled(spec, ROOM)
+
+
+def _compiled(spec: Integrator, text: str) -> CompiledScene:
+    return compile_scene(flatten(loads(text, "room").replaced(integrator=spec)), structure="list")
 
 
 def picture(
-    scene: CompiledScene, tile: Tile, *, compiled: bool = False, seed: int = 0
+    scene: CompiledScene, tile: Tile, *, compiled: bool = False, seed: int = 0, spp: int = SPP
 ) -> np.ndarray:
     """Sums (height, width, replicates, 3) of a tile; every number must be finite."""
     settings = make_settings(scene.integrator, seed=seed, replicates=REPLICATES)
     ranges = np.tile(
-        np.array([0, SPP], np.int64),
+        np.array([0, spp], np.int64),
         (-(-tile.y1 // 8) - tile.y0 // 8, -(-tile.x1 // 8) - tile.x0 // 8, 1),
     )
     kernels = make_kernels(scene, compiled=compiled)
@@ -65,6 +78,35 @@ def picture(
 def samples_are_finite_and_not_negative(spec: Integrator) -> None:
     """Samples are finite and not negative."""
     demand(picture(room(spec), Tile(0, 0, 16, 16)) >= 0.0, "a sample is negative")
+
+
+@lru_cache(maxsize=8)
+def means(spec: Integrator, lit: bool) -> np.ndarray:
+    """Means (16, 16, replicates, 3) of the room, with the lamp or by the sky alone."""
+    scene = room(spec) if lit else _compiled(spec, DARK_LAMP)
+    return picture(scene, Tile(0, 0, 16, 16), spp=MANY) * (REPLICATES / MANY)
+
+
+def its_picture_is_that_of_all_others(spec: Integrator) -> None:
+    """One that transports light has the mean of a path tracer with paths as long."""
+    if not spec.transports:
+        return
+    tracer, free = default_of(Integrator), {"type", *noise_only_fields(spec)}
+    shared = {n: v for n, v in spec if n in type(tracer).model_fields and n not in free}
+    if spec.longest_path is not None:
+        shared |= {"max_depth": spec.longest_path, "russian_roulette": "none"}
+    # Chance finds a small lamp too rarely for a standard error: a sky is met by every path.
+    lit = not spec.finds_light_by_chance
+    mine, other = means(spec, lit), means(tracer.replaced(**shared), lit)
+    # The same random numbers: what both have in common has no noise.
+    difference = mine - other
+    variance = (difference.var(axis=2, ddof=1) / REPLICATES).mean(axis=(0, 1)) / (16 * 16)
+    rounding = 1e-5 * other.mean(axis=(0, 1, 2))
+    z = difference.mean(axis=(0, 1, 2)) / np.sqrt(variance + rounding**2)
+    worst = int(np.argmax(np.abs(z)))
+    a, b = (side[..., worst].mean() for side in (mine, other))
+    text = f"channel {worst}: mean {a:.5g}, that of a path tracer {b:.5g}"
+    demand(abs(z[worst]) < LARGEST_Z, f"{text}, {abs(z[worst]):.1f} standard errors")
 
 
 def tiles_do_not_matter(spec: Integrator) -> None:
@@ -84,5 +126,9 @@ def compiled_picture_is_the_twins(spec: Integrator) -> None:
     demand_close(found.mean(), expected.mean(), "mean, compiled against Python", rtol=0.02)
 
 
-LAWS = (samples_are_finite_and_not_negative, tiles_do_not_matter)
+LAWS = (
+    samples_are_finite_and_not_negative,
+    tiles_do_not_matter,
+    its_picture_is_that_of_all_others,
+)
 COMPILED_LAWS = (compiled_picture_is_the_twins,)

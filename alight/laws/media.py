@@ -12,16 +12,18 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
-from alight.core.registry import specs_of
-from alight.core.spec import Bsdf, Integrator, Medium, Shape
+from alight.core.registry import default_of, specs_of
+from alight.core.spec import Bsdf, Camera, Integrator, Medium, Shape
+from alight.laws.integrators import picture
 from alight.laws.report import demand
 from alight.laws.shapes import scene_of
 from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
-from alight.media.coefficients import extinction
+from alight.media.coefficients import Coefficients, extinction
 from alight.media.model import MEDIA
 from alight.media.sampling import cross, fly
 from alight.media.tables import Stream
-from alight.scene import Node, flatten
+from alight.rendering.tile_kernel import Tile
+from alight.scene import Node, Scene, flatten
 from alight.scene.transform import scale, translate
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
@@ -29,17 +31,33 @@ from lanewise.vec3 import Vec3
 #: Lanes that follow one ray, rays, and steps of the integral along each.
 N, RAYS, STEPS = 40_000, 6, 20_000
 
+#: Sides of the furnace's picture in pixels, and samples of each.
+FILM, FURNACE_SPP = (12, 12), 8
 
-@lru_cache(maxsize=4)
-def ball_of(spec: Medium) -> CompiledScene:
+
+def _ball(spec: Medium) -> Scene:
     """A ball of the medium around (0.5, 0.5, 0.5), behind a border that is not there."""
     border = next(b for b in specs_of(Bsdf).values() if b.unseen)()
     round_ = next(s for s in specs_of(Shape).values() if s.closed)()
     place = translate(0.5, 0.5, 0.5) @ scale(0.8)
     node = Node(shape=round_, bsdf=border, interior=spec, transform=place)
     sees = next(i for i in specs_of(Integrator).values() if i.sees_media)()
-    scene = scene_of({"ball": node}).replaced(integrator=sees)
-    return compile_scene(flatten(scene), structure="list")
+    return scene_of({"ball": node}).replaced(integrator=sees)
+
+
+@lru_cache(maxsize=4)
+def ball_of(spec: Medium) -> CompiledScene:
+    """That ball, compiled."""
+    return compile_scene(flatten(_ball(spec)), structure="list")
+
+
+@lru_cache(maxsize=4)
+def furnace_of(spec: Medium) -> CompiledScene:
+    """That ball before surroundings of radiance 1, on a small film."""
+    scene = _ball(spec)
+    camera = Node(camera=default_of(Camera), transform=translate(0.5, 0.5, 3.0))
+    film = scene.film.replaced(size=FILM)
+    return compile_scene(flatten(scene.replaced(camera=camera, film=film)), structure="list")
 
 
 def _rays(spec: Medium) -> Any:
@@ -135,7 +153,18 @@ def shadow_rays_come_through_as_the_transmittance_says(spec: Medium) -> None:
             _demand_mean(weight[:, c], expected[c], "comes through")
 
 
+def in_a_furnace_it_vanishes(spec: Coefficients) -> None:
+    """In a furnace as bright as the medium itself nothing is seen: all light is 1."""
+    scene = furnace_of(spec.shining((1.0, 1.0, 1.0)))
+    values = picture(scene, Tile(0, 0, *FILM), spp=FURNACE_SPP).sum(axis=2) / FURNACE_SPP
+    for channel in range(3):
+        # Samples of a pixel have one mean: pixels are independent values of it.
+        mean = values[..., channel].ravel()
+        _demand_mean(mean, 1.0, f"light in the furnace, channel {channel}")
+
+
 LAWS = (
+    in_a_furnace_it_vanishes,
     flights_come_through_as_the_transmittance_says,
     scattering_is_spread_as_the_density,
     shadow_rays_come_through_as_the_transmittance_says,

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from alight.compiled.program import Program
-from alight.core.registry import Models, versions
+from alight.core.registry import versions
 from alight.core.spec import Sampler
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import chi_square_tail, uniform_p_value
+from alight.samplers.model import SAMPLERS
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state
 from lanewise.jit import instantiate, kernel
 from lanewise.machine import lanes_of_machine
@@ -145,7 +146,7 @@ def pairs_of_dimensions_are_not_correlated(spec: Sampler) -> None:
     # All but the two numbers of one pair.
     others = [(i, j) for i in range(13) for j in range(i) if i // 2 != j // 2]
     worst = np.stack([gains(values[i], values[j]) for i, j in others])
-    limit = getattr(_module(spec), "WORST_GAIN", 1.0)
+    limit = SAMPLERS[spec.type_name()].WORST_GAIN
     # The square of a normal variable varies by sqrt(2) of its mean; 3 600 figures, 5 sigma.
     most = limit * (1 + 5 * np.sqrt(2 / pixels))
     demand(
@@ -180,7 +181,7 @@ def smooth(x, y):
     return np.exp(x) * np.cos(y + 0.5 * x * y)
 
 
-def mean_squared_errors(spec_of, counts, pair, pixels=256):
+def mean_squared_errors(with_block, counts, pair, pixels=256):
     """Of a smooth integrand, at each number of samples."""
     out = []
     node, weight = np.polynomial.legendre.leggauss(20)
@@ -189,10 +190,10 @@ def mean_squared_errors(spec_of, counts, pair, pixels=256):
     for n in counts:
         state = replicates(n, pixels)
         if pair:
-            x, y = (c.astype(np.float64) for c in twin(spec_of(n))(state, 0))
+            x, y = (c.astype(np.float64) for c in twin(with_block(n))(state, 0))
             f, exact = smooth(x, y), exact_2d
         else:
-            f = np.exp(twin(spec_of(n), False)(state, 8).astype(np.float64))
+            f = np.exp(twin(with_block(n), False)(state, 8).astype(np.float64))
             exact = np.e - 1.0
         out.append(((f.reshape(pixels, n).mean(axis=1) - exact) ** 2).mean())
     return np.array(out)
@@ -205,11 +206,8 @@ def error_falls_at_the_declared_rate(spec: Sampler) -> None:
     """
     counts = np.array([16, 64, 256, 1024])
 
-    def spec_of(n):
-        return spec.replaced(strata=int(np.sqrt(n))) if hasattr(spec, "strata") else spec
-
-    for pair, declared in enumerate(_module(spec).EXPECTED_RATE):
-        errors = mean_squared_errors(spec_of, counts, bool(pair))
+    for pair, declared in enumerate(SAMPLERS[spec.type_name()].EXPECTED_RATE):
+        errors = mean_squared_errors(spec.with_block, counts, bool(pair))
         slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
         text = f"{pair + 1}-D: slope {slope:.3g}, declared {declared}"
         demand(abs(slope - declared) < 0.3, text)
@@ -258,10 +256,6 @@ def compiled_numbers_are_the_twins(spec: Sampler) -> None:
     found, expected = compiled_and_twin(spec)
     # A fused multiply and add rounds once where NumPy rounds twice.
     demand_close(found, expected, "compiled against Python", atol=2.0**-22)
-
-
-def _module(spec: Sampler):
-    return Models("samplers")[spec.type_name()]
 
 
 #: Laws of every example, of the first one, and of the last one's machine code.

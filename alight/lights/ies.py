@@ -11,7 +11,7 @@ Source: IES LM-63-02; see `alight.lights.photometry`.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from alight.lights.photometry import (
     Profile,
     grid,
     profile_problem,
+    read_profile,
 )
 from alight.lights.tables import INFO, STRIDE, LightSample
 from lanewise.jit import kernel
@@ -106,6 +107,18 @@ class Ies(Light):
         """Whether it emits nothing, as far as is known without reading its file."""
         dark = self.candela is not None and max(map(max, self.candela)) == 0.0
         return dark or self.scale == (0.0, 0.0, 0.0)
+
+    def read(self, files: Any) -> Self:
+        """Take the profile from its file."""
+        if self.file is None:
+            return self
+        found = files.read(read_profile, self.file)
+        return self.replaced(
+            file=None,
+            vertical_angles=tuple(found.vertical.tolist()),
+            horizontal_angles=tuple(found.horizontal.tolist()),
+            candela=tuple(map(tuple, found.candela.tolist())),
+        )
 
 
 _DOWN = (0.0, 45.0, 90.0)

@@ -42,6 +42,7 @@ class Portal(Light):
     """Window to the surroundings: the rectangle of x and y from -1 to 1 of its node."""
 
     placement: ClassVar[Literal["node", "shape", "environment"]] = "environment"
+    has_place: ClassVar[bool] = True
     type: Literal["portal"] = "portal"
 
     @property

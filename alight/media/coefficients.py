@@ -42,6 +42,15 @@ class Coefficients(Medium):
     emission: Color = (0.0, 0.0, 0.0)
     phase: Annotated[PhaseFunction, Model("phase function", "phases")] = DEFAULT
 
+    @property
+    def largest_emission(self) -> float:
+        """Of all channels and places."""
+        return max(self.emission)
+
+    def shining(self, emission: Triple) -> Self:
+        """The same with this emission everywhere."""
+        return self.replaced(emission=emission)
+
     @model_validator(mode="after")
     def _given_one_way(self) -> Self:
         first = self.sigma_t is not None or self.albedo is not None
@@ -53,9 +62,11 @@ class Coefficients(Medium):
 
 def shines(spec: Any) -> bool:
     """Whether a medium adds light; of a grid in a file, that is its `emission`."""
-    grid = getattr(spec, "emission_values", None)
-    source = max(spec.emission) if grid is None else float(grid.values.max())
-    return source > 0.0 and min(scattering_albedo(spec)) < 1.0 and max(extinction(spec)) > 0.0
+    return (
+        spec.largest_emission > 0.0
+        and min(scattering_albedo(spec)) < 1.0
+        and max(extinction(spec)) > 0.0
+    )
 
 
 def extinction(spec: Any) -> Triple:

@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import model_validator
 
 from alight.core.maths import log
-from alight.core.spec import Interval, Numbers, Vector3, invalid
+from alight.core.spec import Interval, Numbers, Triple, Vector3, invalid
 from alight.core.vec import gather_vec3
 from alight.media.coefficients import Coefficients, extinction
 from alight.media.tables import (
@@ -45,7 +45,7 @@ from alight.media.tables import (
 )
 from alight.media.volumes import Values
 from alight.media.voxels import color_at, density, into_cube
-from alight.phases.henyey_greenstein import HenyeyGreenstein
+from alight.phases import FORWARD
 from lanewise.jit import kernel
 from lanewise.simd import (
     any_lane,
@@ -91,6 +91,17 @@ class Grid(Coefficients):
     values: Values | None = None
     albedo_values: Values | None = None
     emission_values: Values | None = None
+
+    @property
+    def largest_emission(self) -> float:
+        """Of all channels and places."""
+        values = self.emission_values
+        return max(self.emission) if values is None else float(values.values.max())
+
+    def shining(self, emission: Triple) -> Self:
+        """The same with this emission everywhere."""
+        return self.replaced(emission=emission, emission_values=None)
+
     low: Vector3 = (0.0, 0.0, 0.0)
     high: Vector3 = (1.0, 1.0, 1.0)
     matrix: Annotated[tuple[float, ...], Numbers(12, Interval())] | None = None
@@ -139,7 +150,7 @@ _STEP = np.arange(24.0).reshape(2, 3, 4) / 23.0
 
 EXAMPLES = (
     Grid(values=_STEP),
-    Grid(values=_STEP, sigma_t=(4.0, 2.0, 1.0), albedo=0.9, phase=HenyeyGreenstein(g=0.6)),
+    Grid(values=_STEP, sigma_t=(4.0, 2.0, 1.0), albedo=0.9, phase=FORWARD.replaced(g=0.6)),
     Grid(values=_STEP, albedo_values=_STEP[..., None] * [1.0, 0.5, 0.0], low=(-1.0, 0.0, 0.0)),
     Grid(values=_STEP, albedo=0.2, emission_values=_STEP[..., None] * [3.0, 1.0, 0.0]),
 )

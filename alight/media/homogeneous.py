@@ -25,7 +25,7 @@ from alight.media.tables import (
     pick,
     share,
 )
-from alight.phases.henyey_greenstein import HenyeyGreenstein
+from alight.phases import FORWARD
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_vec3, maximum, minimum, where
 
@@ -38,7 +38,7 @@ class Homogeneous(Coefficients):
 
 EXAMPLES = (
     Homogeneous(),
-    Homogeneous(sigma_t=2.0, albedo=(0.9, 0.5, 0.1), phase=HenyeyGreenstein(g=0.8)),
+    Homogeneous(sigma_t=2.0, albedo=(0.9, 0.5, 0.1), phase=FORWARD),
     Homogeneous(sigma_a=(0.0, 0.1, 1.0), sigma_s=(1.0, 0.5, 0.0), scale=10.0),
     Homogeneous(sigma_a=0.3),
 )

@@ -14,3 +14,6 @@ MODELS = (
 
 #: That of media which say nothing.
 DEFAULT = isotropic.Isotropic()
+
+#: One that mostly goes on, for examples of media.
+FORWARD = henyey_greenstein.HenyeyGreenstein(g=0.8)

@@ -114,15 +114,9 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
     residual = found @ slope - radiance * pixels
     spread = float((residual**2).sum()) * len(tiles) / max(len(tiles) - 1, 1)
     error = math.sqrt(spread) / float(pixels.sum())
-    if _finds_light_by_chance(job.scene.integrator):
+    if job.scene.integrator.finds_light_by_chance:
         error = math.hypot(error, _RULE_OF_THREE * brightest / (spp * float(pixels.sum())))
     return Lost(float(radiance), error)
-
-
-def _finds_light_by_chance(integrator: Integrator) -> bool:
-    """Whether no path is led to a light."""
-    fields = dict(integrator)
-    return integrator.type_name() == "random_walk" or fields.get("light_sampling") == "bsdf"
 
 
 def _series(found: np.ndarray) -> tuple[float, np.ndarray]:
@@ -140,7 +134,7 @@ def _some_cells(job: Job, seed: int) -> list[Tile]:
     film = job.rounds[0]
     x, y, w, h = film.crop
     samples = min(max(w * h // _PIXELS, _LEAST), _MOST)
-    if _finds_light_by_chance(job.scene.integrator):
+    if job.scene.integrator.finds_light_by_chance:
         samples *= _BY_CHANCE
     rows, columns = cells_of(*film.crop)
     down, across = rows.stop - rows.start, columns.stop - columns.start

@@ -9,3 +9,6 @@ MODELS = (
     halton,
     sobol,
 )
+
+#: Of scenes that name none.
+DEFAULT = sobol.Sobol()

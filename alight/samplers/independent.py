@@ -7,7 +7,7 @@ Source: PBR4 section 8.3.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from alight.core.rng import hash_1, hash_2, sample_keys, unit_float
 from alight.core.spec import Sampler
@@ -17,6 +17,7 @@ from lanewise.jit import kernel
 class Independent(Sampler):
     """Plain Monte Carlo."""
 
+    independent: ClassVar[bool] = True
     type: Literal["independent"] = "independent"
 
 

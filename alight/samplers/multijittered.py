@@ -8,7 +8,8 @@ Source: Kensler, Correlated multi-jittered sampling, Pixar technical memo 13-01 
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from typing import Literal, Self
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.rng import hash_2, mix, sample_keys, unit_float
@@ -36,6 +37,10 @@ class Multijittered(Sampler):
     def block(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Samples that are one whole."""
         return self.strata**2
+
+    def with_block(self, samples: int) -> Self:
+        """Strata for blocks of at most so many samples."""
+        return self.replaced(strata=max(1, math.isqrt(samples)))
 
 
 EXAMPLES = (Multijittered(), Multijittered(strata=1), Multijittered(strata=7))

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from alight.core.registry import Models
 from alight.core.spec import Sampler
+from alight.samplers.model import SAMPLERS
 from alight.samplers.state import SamplerState as SamplerState
 from alight.samplers.state import sampler_state as sampler_state
 from lanewise.jit import specialised
@@ -41,9 +41,9 @@ def get_2d(program):
 
 def _kernels(key):
     name, *parameters = (key,) if isinstance(key, str) else key
-    return _made_by(Models("samplers")[name], tuple(parameters))
+    return _made_by(SAMPLERS[name], tuple(parameters))
 
 
 @cache
-def _made_by(module, parameters):
-    return module.make_kernels(*parameters)
+def _made_by(model, parameters):
+    return model.make_kernels(*parameters)

@@ -9,7 +9,8 @@ Source: Cook, Stochastic sampling in computer graphics (1986); PBR4 section 8.5.
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from typing import Literal, Self
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.rng import hash_1, hash_2, sample_keys, unit_float
@@ -35,6 +36,10 @@ class Stratified(Sampler):
     def block(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Samples that are one whole."""
         return self.strata**2
+
+    def with_block(self, samples: int) -> Self:
+        """Strata for blocks of at most so many samples."""
+        return self.replaced(strata=max(1, math.isqrt(samples)))
 
 
 EXAMPLES = (Stratified(), Stratified(strata=1), Stratified(strata=7))

@@ -14,8 +14,18 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from alight.core.errors import Issue, join_path, show_value, unknown_name
-from alight.core.registry import specs
-from alight.core.spec import Model, Models, NumberOrTexture, Numbers, Spec, Texture, translate
+from alight.core.field_errors import translate
+from alight.core.registry import default_of, specs, specs_of
+from alight.core.spec import (
+    Camera,
+    Light,
+    Model,
+    Models,
+    NumberOrTexture,
+    Numbers,
+    Spec,
+    Texture,
+)
 from alight.scene.description import (
     CameraField,
     FilmSettings,
@@ -182,7 +192,7 @@ class Builder:
         moved = parse_transform(
             steps, lambda issue: self.issues.append(issue.under(join_path(path, "transform")))
         )
-        keys.setdefault("type", "pinhole")
+        keys.setdefault("type", default_of(Camera).type_name())
         return Node(transform=moved, camera=self.model(Model("camera", "cameras"), keys, path))
 
 
@@ -204,10 +214,10 @@ def _type_problem(marker: Model, name: object, path: str) -> tuple[str, str]:
 
 
 def _stand_in(family: str, path: str) -> Spec:
-    # A rectangle may carry a light and has no file that could be missing.
-    light = "constant" if path == "environment" else "area"
-    name = {"shapes": "rectangle", "bsdfs": "diffuse", "lights": light}.get(family)
-    return specs(family)[name]() if name else next(iter(specs(family).values()))()
+    if family == Light.family:
+        place = "environment" if path == "environment" else "shape"
+        return next(light for light in specs_of(Light).values() if light.placement == place)()
+    return next(iter(specs(family).values()))()
 
 
 @cache

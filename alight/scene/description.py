@@ -16,7 +16,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from pydantic_core import core_schema
 
 from alight.core.errors import Issue, quote, show_value
-from alight.core.registry import specs
+from alight.core.registry import default_of, specs_of
 from alight.core.spec import (
     Bsdf,
     Camera,
@@ -34,9 +34,7 @@ from alight.core.spec import (
     Texture,
     invalid,
 )
-from alight.filters.box import Box
 from alight.media.coefficients import shines
-from alight.samplers.sobol import Sobol
 from alight.scene.files import Files, Held
 from alight.scene.transform import IDENTITY, Transform
 
@@ -127,7 +125,7 @@ class FilmSettings(Spec):
         Annotated[tuple[int, int, int, int], Numbers(4, Interval(0, MOST_PIXELS, integer=True))]
         | None
     ) = None
-    filter: Annotated[Filter, Model("filter", "filters")] = Box()
+    filter: Annotated[Filter, Model("filter", "filters")] = default_of(Filter)
     replicates: Annotated[int, Interval(1, 64, integer=True)] = 4
 
     @model_validator(mode="after")
@@ -302,13 +300,6 @@ class Source:
         return f"{self.name}:{place}" if re.fullmatch(r"\d+:\d+", place) else place
 
 
-def _default_integrator() -> Integrator:
-    # By name: integrators are above the scene in the order of imports.
-    integrator = specs("integrators")["path"]()
-    assert isinstance(integrator, Integrator)
-    return integrator
-
-
 NO_LIGHT = "the scene has no light: the picture will be black"
 
 
@@ -353,9 +344,10 @@ class Scene(Spec):
 
     camera: Annotated[Node | str, CameraField()] | None = None
     film: Annotated[FilmSettings, Model("film", "film")] = FilmSettings()
-    sampler: Annotated[Sampler, Model("sampler", "samplers")] = Sobol()
+    sampler: Annotated[Sampler, Model("sampler", "samplers")] = default_of(Sampler)
     integrator: Annotated[Integrator, Model("integrator", "integrators")] = Field(
-        default_factory=_default_integrator
+        # Only when asked: integrators are above the scene in the order of imports.
+        default_factory=lambda: default_of(Integrator)
     )
     environment: Annotated[Light, Model("light", "lights")] | None = None
     medium: NestedMedium | None = None
@@ -370,7 +362,8 @@ class Scene(Spec):
     def _default_sees_media(self) -> Self:
         if "integrator" not in self.model_fields_set and next(self.used_media(), None):
             # The description is new and frozen only for others.
-            object.__setattr__(self, "integrator", specs("integrators")["volpath"]())
+            sees_media = next(spec for spec in specs_of(Integrator).values() if spec.sees_media)
+            object.__setattr__(self, "integrator", sees_media())
         return self
 
     def used_media(self) -> Iterator[tuple[str, Medium | str]]:

@@ -13,7 +13,7 @@ from alight.scene.build import FORMAT_VERSION
 from alight.scene.description import Node, Scene
 from alight.scene.steps import dump_transform
 from alight.scene.transform import Transform
-from alight.shapes.mesh import Mesh
+from alight.shapes.arrays import TriangleShape
 from alight.textures.images import Image, holds_image
 from alight.textures.uv import UvTransform
 
@@ -66,10 +66,15 @@ class _Writer:
 
     def value(self, value: Any, path: str) -> Any:
         if isinstance(value, Spec):
-            holds_file = isinstance(value, Mesh) or holds_image(value) or holds_volume(value)
+            holds_arrays = isinstance(value, TriangleShape)
+            holds_file = holds_arrays or holds_image(value) or holds_volume(value)
             if self.write_file is not None and holds_file:
                 value = self.write_file(value, path)
-            if self.edited and isinstance(value, Mesh) and not self.edited.startswith(path):
+            if (
+                self.edited
+                and isinstance(value, TriangleShape)
+                and not self.edited.startswith(path)
+            ):
                 return value
             return self.spec(value, path)
         if isinstance(value, Transform):

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from alight.bsdfs.diffuse import Diffuse
 from alight.core.errors import SceneError
-from alight.core.registry import versions
+from alight.core.registry import default_of, versions
 from alight.core.spec import (
     Bsdf,
     Camera,
@@ -32,7 +31,7 @@ from alight.scene.meshes import Geometry, geometry
 from alight.scene.motion import NOWHERE, Motion
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
-from alight.shapes.mesh import ARRAYS, Mesh
+from alight.shapes.arrays import ARRAYS, TriangleShape
 
 NO_GEOMETRY = -1
 
@@ -247,7 +246,7 @@ class _Flattener:
 
     def bsdf_index(self, bsdf: Bsdf | str | None) -> int:
         """Number a material; equal ones share a number."""
-        bsdf = Diffuse() if bsdf is None else bsdf
+        bsdf = default_of(Bsdf) if bsdf is None else bsdf
         if isinstance(bsdf, str) and bsdf in self._bsdf_by_name:
             return self._bsdf_by_name[bsdf]
         resolved = resolve_bsdf(bsdf, self.scene, self.files)
@@ -260,7 +259,7 @@ class _Flattener:
 
     def geometry_index(self, shape: Shape) -> int:
         """Number a mesh's arrays; equal ones share a number."""
-        if not isinstance(shape, Mesh):
+        if not isinstance(shape, TriangleShape):
             return NO_GEOMETRY
         found = geometry(shape, self.files)
         index = self._geometry_index.setdefault(found.digest, len(self.geometries))

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.core.spec import Spec, Texture, invalid, texture_interval
-from alight.lights.ies import Ies
-from alight.lights.photometry import read_profile
+from alight.core.spec import Light, Spec, Texture, invalid, texture_interval
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.files import Files
@@ -32,8 +30,8 @@ def loaded(spec: AnySpec, files: Files) -> AnySpec:
     SceneError
         If the file is missing or broken; its path is ``file``.
     """
-    if isinstance(spec, Ies):
-        return _with_profile(spec, files)
+    if isinstance(spec, Light):
+        spec = spec.read(files)
     name = getattr(spec, "file", None) if holds_image(spec) else None
     if name is None:
         return spec
@@ -55,19 +53,6 @@ def _noted(path: Path, name: str) -> tuple[Image, list[str]]:
     """A picture, and what had to be changed in it."""
     notes: list[str] = []
     return read_image(path, name, notes.append), notes
-
-
-def _with_profile(spec: Any, files: Files) -> Any:
-    """A lamp with the profile of its file; its fields hold it."""
-    if spec.file is None:
-        return spec
-    found = files.read(read_profile, spec.file)
-    return spec.replaced(
-        file=None,
-        vertical_angles=tuple(found.vertical.tolist()),
-        horizontal_angles=tuple(found.horizontal.tolist()),
-        candela=tuple(map(tuple, found.candela.tolist())),
-    )
 
 
 def resolved(spec: AnySpec, textures: Mapping[str, Texture], files: Files) -> AnySpec:

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.core.registry import specs_of
+from alight.core.spec import Shape
 from alight.meshes import obj, ply, stl
 from alight.meshes.triangles import MeshArrays
 from alight.scene.files import Files
-from alight.shapes.mesh import Mesh
+from alight.shapes.arrays import TriangleShape
 
 FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
 
@@ -58,7 +60,7 @@ class Geometry:
         return self if self.normals is None else replace(self, normals=None)
 
 
-def geometry(mesh: Mesh, files: Files) -> Geometry:
+def geometry(mesh: TriangleShape, files: Files) -> Geometry:
     """Return the checked arrays of a mesh, the same ones each time.
 
     Raises
@@ -76,7 +78,7 @@ def geometry(mesh: Mesh, files: Files) -> Geometry:
     return found.flat if mesh.face_normals else found
 
 
-def mesh_of(arrays: MeshArrays, **options: bool) -> Mesh:
+def mesh_of(arrays: MeshArrays, **options: bool) -> TriangleShape:
     """A mesh of arrays, which are checked here and not again.
 
     Raises
@@ -84,12 +86,13 @@ def mesh_of(arrays: MeshArrays, **options: bool) -> Mesh:
     SceneError
         If they make no mesh; the path is the array's name.
     """
-    mesh = Mesh(**vars(checked(arrays)), **options)
+    of_arrays = next(s for s in specs_of(Shape).values() if issubclass(s, TriangleShape))
+    mesh = of_arrays(**vars(checked(arrays)), **options)
     mesh.hand_on(Geometry(*arrays_of(mesh)))
     return mesh
 
 
-def arrays_of(mesh: Mesh) -> MeshArrays:
+def arrays_of(mesh: TriangleShape) -> MeshArrays:
     """The arrays that a mesh without a file holds."""
     assert mesh.vertices is not None and mesh.faces is not None
     return MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))

@@ -19,7 +19,8 @@ from pydantic import BeforeValidator, ValidationError
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, show_value, unknown_name
-from alight.core.spec import Degrees, Interval, Numbers, Spec, Triple, Vector3, invalid, translate
+from alight.core.field_errors import translate
+from alight.core.spec import Degrees, Interval, Numbers, Spec, Triple, Vector3, invalid
 from alight.scene import transform as make
 from alight.scene.keyframes import MOST_KEYFRAMES, Keyframes, keyframes
 from alight.scene.keyframes import problems as keyframe_problems

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from alight.bsdfs.nesting import (
+    Nested,
     count_leaves,
     count_levels,
     find_transmissive,
@@ -16,7 +17,6 @@ from alight.bsdfs.nesting import (
     levels_problem,
     names_in,
 )
-from alight.bsdfs.two_sided import TwoSided
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
 from alight.core.registry import specs
 from alight.core.spec import Bsdf, Light, Spec, Texture, energy_problem, texture_interval
@@ -28,7 +28,7 @@ from alight.scene.media import media_problems
 from alight.scene.meshes import geometry, surface_area
 from alight.scene.moving import motion_problems
 from alight.scene.transform import Matrix, is_singular
-from alight.shapes.mesh import Mesh
+from alight.shapes.arrays import TriangleShape
 from alight.textures import nesting as textures
 
 MOST_PLACED = 4_000_000
@@ -206,11 +206,8 @@ class _Checker:
     def check_two_sided(self) -> None:
         """Check that what is made two-sided has one side."""
         known = self.scene.bsdfs
-        twice = [
-            (path, nested)
-            for path, nested in self.two_sided
-            if isinstance(nested, str) and isinstance(known.get(nested), TwoSided)
-        ]
+        named = {name for name, spec in known.items() if makes_two_sided(spec)}
+        twice = [(path, nested) for path, nested in self.two_sided if nested in named]
         for path, nested in twice:
             self.report(path, f'must not be two_sided itself, got "{nested}"')
         for path, nested in () if twice else self.two_sided:
@@ -252,7 +249,7 @@ class _Checker:
             self.check_bsdf(nested, path)
         else:
             self.check_name("bsdf", nested, self.scene.bsdfs, path)
-        if isinstance(outer, TwoSided):
+        if makes_two_sided(outer):
             self.two_sided.append((path, nested))
 
     def check_prototypes(self) -> None:
@@ -296,7 +293,7 @@ class _Checker:
                 text = "together with its parents' transforms it is singular or too large"
                 self.report(f"{path}.transform", text)
             self.check_light(node, path, to_world)
-            if isinstance(node.shape, Mesh):
+            if isinstance(node.shape, TriangleShape):
                 self.check_mesh(node, path, to_world)
         lights = (node.light for _, _, node in self.scene.walk())
         around = sum(light is not None and light.placement == "environment" for light in lights)
@@ -315,7 +312,7 @@ class _Checker:
             text = f"{kind} has no shape: give it as environment, or on a node of its own"
             self.report(f"{path}.light", text)
         elif light.placement == "environment":
-            self.check_surroundings(kind, path, to_world)
+            self.check_surroundings(light, path, to_world)
         elif light.placement == "node" and node.shape is not None:
             self.report(f"{path}.light", f"{kind} has no shape: give it a node of its own")
         elif light.placement == "shape" and node.shape is None:
@@ -328,22 +325,23 @@ class _Checker:
         self.check_image(light, path)
         self.check_textured(light, path)
 
-    def check_surroundings(self, kind: str, path: str, to_world: Matrix) -> None:
-        """Check a node with an environment: its matrix keeps angles, a portal's right ones."""
+    def check_surroundings(self, light: Light, path: str, to_world: Matrix) -> None:
+        """Check a node with an environment: its matrix keeps angles, a window's right ones."""
+        name = light.type_name()
         if path.startswith("prototypes"):
-            self.report(f"{path}.light", f"{kind} surrounds the scene: not in a prototype")
+            self.report(f"{path}.light", f"{name} light surrounds the scene: not in a prototype")
             return
         linear = to_world[:3, :3]
         square = linear.T @ linear
-        if kind == "portal light":
+        if light.has_place:
             if abs(square[0, 1]) > 1e-4 * np.sqrt(square[0, 0] * square[1, 1]):
-                self.report(f"{path}.transform", "must keep the portal a rectangle")
+                self.report(f"{path}.transform", f"must keep the {name} a rectangle")
             return
         if not np.allclose(square, np.eye(3) * square[0, 0], rtol=0.0, atol=1e-4 * square[0, 0]):
             self.report(f"{path}.transform", "must keep all angles: an environment is only turned")
 
     def check_mesh(self, node: Node, path: str, to_world: Matrix) -> None:
-        assert isinstance(node.shape, Mesh)
+        assert isinstance(node.shape, TriangleShape)
         try:
             found = geometry(node.shape, self.files)
         except SceneError as error:
@@ -372,9 +370,15 @@ class _Checker:
             return
         if light.placement != "environment":
             self.report("environment", f"must surround the scene, got {light.type_name()} light")
-        elif light.type_name() == "portal":
-            self.report("environment", "a portal has a place: give it a node of its own")
+        elif light.has_place:
+            text = f"a {light.type_name()} has a place: give it a node of its own"
+            self.report("environment", text)
         self.check_light_textures(light, "environment")
+
+
+def makes_two_sided(bsdf: Bsdf) -> bool:
+    """Whether it makes what it holds look the same from both sides."""
+    return isinstance(bsdf, Nested) and bsdf.makes_two_sided
 
 
 def all_nodes(scene: Scene) -> Iterator[tuple[str, Node]]:

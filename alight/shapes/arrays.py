@@ -1,15 +1,16 @@
-"""Arrays of meshes as fields of descriptions: tables of numbers, checked once, never changed."""
+"""Shapes of triangles: their arrays as fields, tables of numbers that never change."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
+from pydantic import PrivateAttr, model_validator
 from pydantic_core import core_schema
 
-from alight.core.spec import invalid
+from alight.core.spec import Shape, Truth, invalid
 from alight.core.uv_sets import MOST_SETS
 
 
@@ -98,3 +99,56 @@ Points = Annotated[NDArray[np.float32], Rows(3, np.float32)]
 Coordinates = Annotated[NDArray[np.float32], Rows(2, np.float32)]
 Sets = Annotated[NDArray[np.float32], Tables(2, np.float32, MOST_SETS - 1)]
 Indices = Annotated[NDArray[np.int32], Rows(3, np.int32)]
+
+#: Fields of a `TriangleShape` that hold arrays.
+ARRAYS = ("vertices", "faces", "normals", "uvs", "colors", "more_uvs")
+
+
+class TriangleShape(Shape):
+    """Base class of shapes made of triangles, from arrays or a file."""
+
+    file: str | None = None
+    vertices: Points | None = None
+    faces: Indices | None = None
+    normals: Points | None = None
+    uvs: Coordinates | None = None
+    more_uvs: Sets | None = None
+    colors: Points | None = None
+    face_normals: Truth = False
+    _checked: Any = PrivateAttr(None)
+
+    @property
+    def checked(self) -> Any:
+        """What a check of the arrays has found, handed on to whoever needs it next, or None."""
+        return self._checked
+
+    def hand_on(self, checked: object) -> None:
+        """Keep what a check of the arrays has found; both are immutable."""
+        self._checked = checked
+
+    @model_validator(mode="after")
+    def _has_one_source(self) -> Self:
+        given = [name for name in ARRAYS if getattr(self, name) is not None]
+        if self.file is not None and given:
+            raise invalid(f"takes either file or arrays, got file and {', '.join(given)}")
+        if self.file is None and not {"vertices", "faces"} <= set(given):
+            raise invalid("needs a file, or vertices and faces")
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        """Equal fields; arrays count as equal where all of their numbers are."""
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(_same(value, getattr(other, name)) for name, value in self)
+
+    def __hash__(self) -> int:
+        """Hash of the array bytes and the other fields."""
+        return hash(
+            tuple(value.tobytes() if isinstance(value, np.ndarray) else value for _, value in self)
+        )
+
+
+def _same(a: object, b: object) -> bool:
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return np.array_equal(a, b)
+    return type(a) is type(b) and a == b

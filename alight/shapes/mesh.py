@@ -23,15 +23,11 @@ Source: PBR4 sections 6.5 and 6.8.
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
-
-import numpy as np
-from pydantic import PrivateAttr, model_validator
+from typing import Literal
 
 from alight.core.constants import gamma
 from alight.core.distributions import pmf_discrete, sample_discrete
 from alight.core.frame import frame_from_tangent
-from alight.core.spec import Shape, Truth, invalid
 from alight.core.vec import (
     Vec3,
     absolute_vec3,
@@ -42,7 +38,7 @@ from alight.core.vec import (
     max_component,
 )
 from alight.core.warps import square_to_triangle
-from alight.shapes.arrays import Coordinates, Indices, Points, Sets
+from alight.shapes.arrays import TriangleShape
 from alight.shapes.charts import along_rows, corners_of, rows_if
 from alight.shapes.charts import derivatives as derivatives
 from alight.shapes.hit import (
@@ -70,10 +66,8 @@ from lanewise.simd import (
     where,
 )
 
-ARRAYS = ("vertices", "faces", "normals", "uvs", "colors", "more_uvs")
 
-
-class Mesh(Shape):
+class Mesh(TriangleShape):
     """Triangles that share vertices.
 
     Parameters
@@ -100,51 +94,6 @@ class Mesh(Shape):
     """
 
     type: Literal["mesh"] = "mesh"
-    file: str | None = None
-    vertices: Points | None = None
-    faces: Indices | None = None
-    normals: Points | None = None
-    uvs: Coordinates | None = None
-    more_uvs: Sets | None = None
-    colors: Points | None = None
-    face_normals: Truth = False
-    _checked: Any = PrivateAttr(None)
-
-    @property
-    def checked(self) -> Any:
-        """What a check of the arrays has found, handed on to whoever needs it next, or None."""
-        return self._checked
-
-    def hand_on(self, checked: object) -> None:
-        """Keep what a check of the arrays has found; both are immutable."""
-        self._checked = checked
-
-    @model_validator(mode="after")
-    def _has_one_source(self) -> Self:
-        given = [name for name in ARRAYS if getattr(self, name) is not None]
-        if self.file is not None and given:
-            raise invalid(f"takes either file or arrays, got file and {', '.join(given)}")
-        if self.file is None and not {"vertices", "faces"} <= set(given):
-            raise invalid("needs a file, or vertices and faces")
-        return self
-
-    def __eq__(self, other: object) -> bool:
-        """Equal fields; arrays count as equal where all of their numbers are."""
-        if not isinstance(other, Mesh):
-            return NotImplemented
-        return all(_same(value, getattr(other, name)) for name, value in self)
-
-    def __hash__(self) -> int:
-        """Hash of the array bytes and the other fields."""
-        return hash(
-            tuple(value.tobytes() if isinstance(value, np.ndarray) else value for _, value in self)
-        )
-
-
-def _same(a: object, b: object) -> bool:
-    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
-        return np.array_equal(a, b)
-    return type(a) is type(b) and a == b
 
 
 _TETRAHEDRON = {

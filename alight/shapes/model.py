@@ -10,6 +10,9 @@ import numpy as np
 from alight.core.constants import PI
 from alight.core.registry import Kernel, Record, Records
 
+#: Most numbers of a shape's row: how far kernels read.
+MOST_NUMBERS = 64
+
 
 def everywhere(row: np.ndarray) -> tuple[np.ndarray, float]:
     """Normals of all directions."""
@@ -23,7 +26,7 @@ class ShapeModel(Record):
     Attributes
     ----------
     pack : (spec, (4, 4) float64) -> (n,) float32
-        The row of the table from the matrix object to world; at most 64 numbers.
+        The row of the table from the matrix object to world; at most `MOST_NUMBERS`.
     area, bounds, facing : functions of a packed row
         Surface area, m^2; corners of the box, metres; unit axis and half angle of a cone around all
         outer normals, radians.

@@ -30,3 +30,6 @@ MODELS = (
 
 #: One that is not the same everywhere, for examples of other families.
 VARYING = checkerboard.Checkerboard()
+
+#: The same colour everywhere: what a number is where a texture is wanted.
+DEFAULT = constant.Constant()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.spec import RadianceTexture, Triple
+from alight.core.spec import RadianceTexture, Texture, Triple
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.nesting import Composed, average, most
 from lanewise.jit import kernel
@@ -34,6 +34,11 @@ class Add(Composed):
     def mean(self) -> Triple:
         """Mean of each channel."""
         return _sum(average(self.a), average(self.b))
+
+    @property
+    def mean_is_exact(self) -> bool:
+        """Where those of both parts are."""
+        return all(not isinstance(p, Texture) or p.mean_is_exact for p in self.parts)
 
 
 def _sum(a: Triple, b: Triple) -> Triple:

@@ -32,7 +32,7 @@ from alight.core.parameters import Slots, loader, slots_of
 from alight.core.spec import Texture, Triple, invalid
 from alight.core.uv_sets import UvSet, set_features
 from alight.core.vec import Vec3
-from alight.textures.images import Pixels, source_problem
+from alight.textures.images import TILE, Pixels, source_problem
 from alight.textures.model import Flag, Number
 from alight.textures.uv import IDENTITY, LookupPoint, ToUv
 from lanewise.jit import kernel, specialised
@@ -99,6 +99,11 @@ class Bitmap(Texture):
         """Mean of each channel over the picture; 0 as long as the file has not been read."""
         return (0.0, 0.0, 0.0) if self.pixels is None else self.pixels.mean(self.color_space)
 
+    @property
+    def mean_is_exact(self) -> bool:
+        """Where no edge goes on for ever."""
+        return "clamp" not in (self.wrap, self.wrap_v or self.wrap)
+
 
 _CORNERS = np.array(
     [[[255, 0, 0], [0, 255, 0], [40, 40, 200]], [[0, 0, 0], [9, 99, 199], [255] * 3]]
@@ -116,9 +121,6 @@ EXAMPLES = (
     Bitmap(pixels=np.array([[[0.1, 0.2, 0.3], [1.0, 0.0, 0.5]]]), wrap="clamp"),
     Bitmap(pixels=np.array([[0.25, 0.5], [0.75, 1.0]]), wrap="mirror", wrap_v="clamp"),
 )
-
-#: Sides of the tiles that texels lie in, see `alight.compiled.textures`.
-TILE = 4
 
 REPEAT, MIRROR, CLAMP = 0.0, 1.0, 2.0
 _WRAPS = {"repeat": REPEAT, "mirror": MIRROR, "clamp": CLAMP}

@@ -67,6 +67,11 @@ class Checkerboard(Texture):
         red, green, blue = (0.5 * sum(pair) for pair in zip(self.color0, self.color1, strict=True))
         return red, green, blue
 
+    @property
+    def mean_is_exact(self) -> bool:
+        """There are as many fields of either colour."""
+        return True
+
 
 EXAMPLES = (
     Checkerboard(),

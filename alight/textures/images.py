@@ -29,6 +29,9 @@ from alight.core.srgb import decode_srgb
 #: Limits of one picture: floats count its columns exactly, and it takes at most 0.8 GB.
 MOST_SIDE, MOST_TEXELS = 2**16, 2**26
 
+#: Sides of the tiles that texels lie in once compiled, see `alight.compiled.textures`.
+TILE = 4
+
 
 @dataclass(frozen=True, eq=False)
 class Image:

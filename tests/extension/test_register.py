@@ -1,5 +1,6 @@
 """`alight.register`: a user's model is a model like ours."""
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -13,13 +14,15 @@ from typer.testing import CliRunner
 import alight
 from alight.bsdfs.diffuse import Diffuse
 from alight.cli.main import app
+from alight.compiled.shapes import compile_shapes
 from alight.core.errors import SceneError
 from alight.core.registration import RegistrationError, unregister
-from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models
+from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models, user_number
 from alight.core.spec import Light, Shape
 from alight.formats import loads
 from alight.laws.materials import Material, direction, random_numbers
-from alight.scene import content_hash
+from alight.scene import content_hash, flatten
+from alight.shapes.model import MOST_NUMBERS
 from tests.docs.pages import ROOT, blocks
 from tests.extension.models import LAMBERT, SCENE, module_of
 
@@ -267,6 +270,51 @@ def test_shapes_and_lights_need_what_their_place_asks_for():
     assert 'rays hit a light of placement "shape": DELTA must be False' in str(caught.value)
     with pytest.raises(RegistrationError, match="a model is a module, a class or a namespace"):
         alight.register(3.0)
+
+
+def names_of_one_number():
+    """Two names with the same number: by the birthday paradox among a few hundred."""
+    by_number = {}
+    for k in range(2000):
+        # Checksums of neighbouring texts never agree.
+        name = f"lambert_{hashlib.sha256(bytes([k % 256, k // 256])).hexdigest()[:6]}"
+        by_number.setdefault(user_number(name), []).append(name)
+    return next(names for names in by_number.values() if len(names) > 1)[:2]
+
+
+def test_two_models_never_share_a_number():
+    first, second = names_of_one_number()
+    registered(LAMBERT.replace('"lambert"', f'"{first}"'))
+    with pytest.raises(RegistrationError, match=f"{second} has the number of {first}, which is"):
+        registered(LAMBERT.replace('"lambert"', f'"{second}"'))
+    assert second not in Models("bsdfs")
+    unregister("bsdfs", first)
+    registered(LAMBERT.replace('"lambert"', f'"{second}"'))
+
+
+def test_rows_of_shapes_are_as_long_as_kernels_read():
+    class Marble(Shape):
+        type: Literal["marble"] = "marble"
+
+    sphere = vars(Models("shapes")["sphere"])
+    for size, text in (
+        (MOST_NUMBERS, ""),
+        (MOST_NUMBERS + 1, "ball\n  the row of a marble must hold at most 64 numbers, got 65"),
+    ):
+
+        def pack(spec, matrix, size=size):
+            row = sphere["pack"](sphere["EXAMPLES"][0], matrix)
+            return np.pad(row, (0, size - row.size))
+
+        alight.register(types.SimpleNamespace(**{**sphere, "EXAMPLES": (Marble(),), "pack": pack}))
+        text_of_scene = (SCENE % "diffuse").replace("sphere, center: [0, 1, 0]", "marble")
+        flat = flatten(loads(text_of_scene.replace(", reflectance: [0.9, 0.5, 0.1]", "")))
+        if text:
+            with pytest.raises(SceneError) as caught:
+                compile_shapes(flat)
+            assert str(caught.value) == text
+        else:
+            compile_shapes(flat)
 
 
 # ---------------------------------------------------------------- the command line

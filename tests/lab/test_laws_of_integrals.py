@@ -10,13 +10,13 @@ from scipy import special, stats
 from alight.lab.integrals import (
     INTEGRANDS,
     RADIUS,
-    SAMPLERS,
     _panel,
     jittered_points,
     orthant_volume,
     product_error,
     product_rule,
     sampler_points,
+    sequences,
     sides,
 )
 
@@ -69,10 +69,10 @@ def test_jittered_points_are_one_in_each_cell_and_uniform_within():
         assert means.var() == pytest.approx(1.0 / 12.0 / 125, rel=0.9)
 
 
-@pytest.mark.parametrize("name", SAMPLERS)
+@pytest.mark.parametrize("name", sequences())
 @pytest.mark.parametrize("d", [1, 2, 3, 6])
 def test_points_of_samplers_are_uniform_and_their_dimensions_independent(name, d):
-    points = sampler_points(SAMPLERS[name], 64, d, 48, 7)
+    points = sampler_points(sequences()[name].EXAMPLES[0], 64, d, 48, 7)
     assert points.shape == (48, 64, d)
     flat = points.reshape(-1, d)
     assert np.all((flat >= 0.0) & (flat < 1.0))
@@ -83,7 +83,7 @@ def test_points_of_samplers_are_uniform_and_their_dimensions_independent(name, d
             assert abs(np.corrcoef(flat[:, i], flat[:, j])[0, 1]) < 0.08
     # Each replicate has points of its own, each seed too.
     assert len(np.unique(points[:, 0, 0])) > 40
-    assert (sampler_points(SAMPLERS[name], 64, d, 48, 8) != points).any()
+    assert (sampler_points(sequences()[name].EXAMPLES[0], 64, d, 48, 8) != points).any()
 
 
 @pytest.mark.parametrize("d", [1, 2, 3, 4, 6])

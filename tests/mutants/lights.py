@@ -87,8 +87,8 @@ LIGHT = (
     ),
     Mutant(
         "importance compensated where nothing complements it",
-        "compiled/scene.py",
-        (('== "mis"', '!= "bsdf"'),),
+        "integrators/options.py",
+        (('self.light_sampling == "mis"', 'self.light_sampling != "bsdf"'),),
         f"{STRATEGIES}::test_only_combined_sampling_is_compensated",
     ),
     Mutant(

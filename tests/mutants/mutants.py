@@ -7,6 +7,7 @@ from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
+from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
@@ -38,4 +39,5 @@ MUTANTS = (
     + AGREEMENT
     + STUDIES
     + COMPILER
+    + LAWS
 )

@@ -7,6 +7,7 @@ from typing import Any
 
 from alight.core.registry import Models as Registry
 from alight.core.spec import Integrator, Sampler
+from alight.integrators.options import LightSampling, PathTracing
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.descriptions import any_model, of_model, varied
 from alight.scene.description import FilmSettings, Node
@@ -121,12 +122,12 @@ def _shows(spec: Integrator, media: bool, found_by_chance: bool, fewest: int) ->
     if not spec.needs_light:
         return True
     # Without a length to choose, paths may be short ones: direct light only.
-    if fewest >= INDIRECT and not hasattr(spec, "max_depth"):
+    if fewest >= INDIRECT and "max_depth" not in dict(spec):
         return False
-    return (spec.sees_media or not media) and (found_by_chance or hasattr(spec, "light_sampling"))
+    return (spec.sees_media or not media) and (found_by_chance or isinstance(spec, LightSampling))
 
 
 def _weight(spec: Integrator, media: bool) -> int:
-    if not hasattr(spec, "russian_roulette"):
+    if not isinstance(spec, PathTracing):
         return 1
     return PATH_TRACERS if media or not spec.sees_media else PATH_TRACERS // 4

@@ -89,7 +89,7 @@ def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
             found[f"{path}.{name}={shown}"] = changed.from_source(scene.source)
     first = {"light_choice", "sampling"} if _is_by_light(cause) else {"light_sampling", "heuristic"}
     program = compile_scene(flatten(small(scene))).program
-    if getattr(scene.integrator, "light_choice", None) == AUTO:
+    if scene.integrator.choice_of_lights == AUTO:
         # What it takes by itself is no other choice.
         found.pop(f"integrator.light_choice={'tree' if program.light_tree else 'power'}", None)
     if program.single_light:

@@ -19,6 +19,7 @@ from alight.laws.materials import Material, direction
 from alight.laws.report import judged
 from alight.laws.scene.findings import Finding
 from alight.laws.statistics import SphereCells, chi_square, z_of_mean
+from alight.textures.fetch import is_textured
 
 #: Directions of the viewer, as cosines; the last one is for materials with a back.
 COSINES = (0.9, 0.25, -0.5)
@@ -62,7 +63,7 @@ def check_materials(specs: dict[str, Bsdf], seed: int) -> Iterator[Finding]:
             yield Finding("materials", "all laws", detail=f"{left} more were not looked at")
             return
         plain = Material(spec)
-        textured = plain.program.textures != ("constant",)
+        textured = is_textured(plain.program)
         rng = np.random.default_rng((seed, 1, number))
         for u, v in PLACES if textured else PLACES[:1]:
             material = Material(spec, uv=(u, v))

@@ -19,10 +19,10 @@ import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.constants import LUMINANCE
-from alight.core.spec import Integrator
+from alight.core.registry import default_of, specs_of
+from alight.core.spec import Integrator, Sampler, Texture
 from alight.films import CELL_SIZE
 from alight.films.fixed_point import carry, to_float
-from alight.integrators.path import Path
 from alight.integrators.walk import make_settings
 from alight.laws.scene.findings import Finding
 from alight.laws.statistics import chi_square_tail
@@ -31,9 +31,9 @@ from alight.rendering.resources import usable_processors
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
-from alight.samplers.independent import Independent
 from alight.scene import Scene, flatten
 from alight.scene.flatten import FlatScene
+from alight.textures.images import Image
 
 #: Pixels of the longer side, pixels of a block's side, independent seeds, samples of each seed.
 SIZE, BLOCK, SEEDS, SPP = 48, 4, 32, 16
@@ -67,19 +67,20 @@ def small(scene: Scene, integrator: Integrator | None = None, size: int = SIZE) 
     film = scene.film.replaced(size=shape, crop=None)
     integrator = integrator or scene.integrator
     # A copy made by hand: it must keep its folder.
-    copy = scene.replaced(film=film, sampler=Independent(), integrator=integrator)
+    sampler = next(spec for spec in specs_of(Sampler).values() if spec.independent)()
+    copy = scene.replaced(film=film, sampler=sampler, integrator=integrator)
     return copy.from_source(scene.source)
 
 
-def integrator_of(scene: Scene, **options: object) -> Path | None:
-    """The scene's path tracer with short paths and these options; None if it has another one."""
-    own = scene.integrator
-    if own.type_name() not in ("path", "direct", "random_walk"):
+def integrator_of(scene: Scene, **options: object) -> Integrator | None:
+    """A path tracer with short paths and these options; None where it has another picture."""
+    own, tracer = scene.integrator, default_of(Integrator)
+    if own.sees_media or not own.transports:
         return None
-    fields = {n: v for n, v in own if n in Path.model_fields and n != "type"}
-    depth = 2 if own.type_name() == "direct" else fields.get("max_depth")
+    fields = {n: v for n, v in own if n in type(tracer).model_fields and n != "type"}
+    depth = own.longest_path
     fields["max_depth"] = MAX_DEPTH if depth is None else min(depth, MAX_DEPTH)
-    return Path(**{**fields, "rr_depth": RR_DEPTH, **options})
+    return tracer.replaced(**{**fields, "rr_depth": RR_DEPTH, **options})
 
 
 class Sums:
@@ -178,7 +179,7 @@ def _brightest(flat: FlatScene) -> float:
     lights += [placed.light for placed in flat.environments]
     for light in lights:
         # Its colours, and the largest values of its pictures and textures.
-        values = [v.maximum() if hasattr(v, "maximum") else v for _, v in light]
+        values = [v.maximum() if isinstance(v, Texture | Image) else v for _, v in light]
         colors = [v for v in values if isinstance(v, tuple) and len(v) == 3]
         found.append(float(np.prod(np.array(colors), axis=0) @ LUMINANCE) if colors else 0.0)
     return max(found)

@@ -1,0 +1,82 @@
+"""Laws of pixel filters: samples are spread as the filter, and their weights have the mean 1.
+
+Each law is a function of an example and raises `BrokenLawError`.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from alight.compiled.program import Program
+from alight.core.registry import versions
+from alight.core.spec import Filter
+from alight.filters.importance import compile_filter, sample_filter
+from alight.filters.model import FILTERS
+from alight.laws.report import demand
+from alight.laws.statistics import LARGEST_Z, SIGNIFICANCE, chi_square, z_of_mean
+from lanewise.jit import instantiate
+
+N = 60_000
+
+#: Cells of the filter's square along each axis, and points of each.
+CELLS, POINTS = 16, 64
+
+
+def samples(spec: Filter) -> np.ndarray:
+    """Offsets dx, dy in pixels and weights, (3, N) float64."""
+    program = Program(filter=spec.type_name(), registered=versions([spec]))
+    run = instantiate(sample_filter, program, compiled=False)
+    u2 = tuple(np.random.default_rng(1).random((2, N), np.float32))
+    found = run(SimpleNamespace(filter=compile_filter(spec)), u2)
+    return np.stack([np.broadcast_to(part, N) for part in found]).astype(float)
+
+
+def weights_have_mean_one(spec: Filter) -> None:
+    """The mean weight is 1, no weight exceeds the declared bound, and offsets are finite."""
+    dx, dy, weight = samples(spec)
+    demand(np.isfinite(dx) & np.isfinite(dy), "an offset is not finite")
+    z = z_of_mean(weight, 1.0, 1e-5)
+    demand(abs(z) < LARGEST_Z, f"the mean weight is {weight.mean():.5g}")
+    if spec.largest_weight is not None:
+        most = np.abs(weight).max()
+        demand(most <= spec.largest_weight * (1.0 + 1e-6), f"a weight is {most:.5g}")
+
+
+def pictures_are_not_shifted(spec: Filter) -> None:
+    """The weighted mean of the offsets is the pixel's centre."""
+    dx, dy, weight = samples(spec)
+    for axis, offset in (("x", dx), ("y", dy)):
+        z = z_of_mean(weight * offset, 0.0, 1e-6 * np.abs(offset).max())
+        shift = (weight * offset).mean()
+        demand(abs(z) < LARGEST_Z, f"pictures are shifted by {shift:.3g} pixels along {axis}")
+
+
+def samples_are_spread_as_the_filter(spec: Filter) -> None:
+    """Offsets have the density |f| (chi-square), and weights the sign of f."""
+    value = FILTERS[spec.type_name()].value
+    dx, dy, weight = samples(spec)
+    reach = max(np.abs(dx).max(), np.abs(dy).max())
+    # What lies beyond the samples found is one more cell.
+    edges = np.linspace(-reach, reach, CELLS + 1)
+    wide = 1.5 * reach
+    at = np.linspace(-wide, wide, 3 * CELLS * POINTS // 2 + 1)
+    at = 0.5 * (at[1:] + at[:-1])
+    f = np.asarray(value(spec, at[:, None], at[None, :]), float) * np.ones((at.size, at.size))
+    cell = np.clip(np.searchsorted(edges, at) - 1, -1, CELLS)
+    inside = (cell >= 0) & (cell < CELLS)
+    share = np.zeros((CELLS, CELLS))
+    np.add.at(share, np.ix_(cell[inside], cell[inside]), np.abs(f)[np.ix_(inside, inside)])
+    share /= np.abs(f).sum()
+    counts = np.histogram2d(dx, dy, bins=(edges, edges))[0].ravel()
+    counts = np.append(counts, N - counts.sum())
+    p = chi_square(counts, share.ravel())
+    demand(p > SIGNIFICANCE, f"chi-square test of the offsets: p = {p:.3g}")
+    here = np.asarray(value(spec, dx, dy), float) * np.ones(N)
+    # Next to a zero of f rounding decides.
+    clear = np.abs(here) > 1e-3 * np.abs(here).max()
+    demand((np.sign(here) == np.sign(weight))[clear], "a weight has not the sign of the filter")
+
+
+LAWS = (weights_have_mean_one, pictures_are_not_shifted, samples_are_spread_as_the_filter)

@@ -1,0 +1,82 @@
+"""Laws of textures: values lie in the range that they declare, with the mean that they declare.
+
+Each law is a function of an example and raises `BrokenLawError`.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from alight.compiled.program import Program
+from alight.compiled.textures import TextureTable
+from alight.core.registry import versions
+from alight.core.spec import Texture
+from alight.laws.report import demand
+from alight.laws.statistics import LARGEST_Z, z_of_mean
+from alight.shapes.hit import INFO, Surface
+from alight.textures.fetch import texture_value
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
+from lanewise.view import View
+
+N = 60_000
+
+#: Standard deviation of texture coordinates that are spread over the plane: of what repeats with
+#: the frequency f, this leaves exp(-2 pi^2 SPREAD^2 f^2), below 1e-80 for one period in five.
+SPREAD = 16.0
+
+
+def values_at(spec: Texture, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Values (3, n) at texture coordinates, on a surface without colours of its own."""
+    n = u.size
+    table = TextureTable()
+    # What does not vary is seen by its number alone, as materials see it.
+    number = table.number(spec)
+    compiled = table.compiled()
+    program = Program(textures=compiled.names, registered=versions([spec]))
+    materials = SimpleNamespace(
+        texture_info=compiled.info, texture_data=compiled.data, texels=compiled.texels
+    )
+    shapes = SimpleNamespace(info=View(np.zeros(INFO, np.uint32)))
+    scene = SimpleNamespace(materials=materials, shapes=shapes)
+    zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
+    one = zero + np.float32(1.0)
+    black, up = Vec3(zero, zero, zero), Vec3(zero, zero, one)
+    p = Vec3(u, v, zero)
+    s, t = Vec3(one, zero, zero), Vec3(zero, one, zero)
+    surface = Surface(p, zero, up, up, s, t, u, v, none, none, none, none, black, ())
+    value = Vec3(*(zero + np.float32(c) for c in spec.maximum())) if not spec.varies else black
+    run = instantiate(texture_value, program, compiled=False)
+    with np.errstate(all="ignore"):
+        found = run(scene, none + np.uint32(number), surface, value)
+    return np.stack([np.broadcast_to(c, n) for c in (found.x, found.y, found.z)]).astype(float)
+
+
+def _coordinates(seed: int) -> np.ndarray:
+    return (SPREAD * np.random.default_rng(seed).normal(size=(2, N))).astype(np.float32)
+
+
+def values_lie_below_the_maximum(spec: Texture) -> None:
+    """Values of a texture are finite and lie in [0, maximum()]."""
+    values = values_at(spec, *_coordinates(4))
+    demand(np.isfinite(values) & (values >= 0.0), "a value is negative or not finite")
+    most = np.reshape(spec.maximum(), (3, 1))
+    demand(values <= most + 1e-6, f"a value is {values.max():.5g}, above maximum()")
+
+
+def the_mean_is_the_declared_one(spec: Texture) -> None:
+    """The mean over the plane is mean() where that is exact; it is above 0 where any value is."""
+    values = values_at(spec, *_coordinates(5))
+    mean, most = np.array(spec.mean(), float), np.array(spec.maximum(), float)
+    demand(mean <= most + 1e-9, "mean() exceeds maximum()")
+    demand((mean > 0.0) | (values.max(axis=1) <= 0.0), "mean() is 0, and a value is not")
+    if spec.mean_is_exact:
+        for channel, (found, expected) in enumerate(zip(values, mean, strict=True)):
+            z = z_of_mean(found, expected, 1e-6 * max(expected, 1e-3))
+            text = f"channel {channel}: the mean is {found.mean():.5g}, declared {expected:.5g}"
+            demand(abs(z) < LARGEST_Z, text)
+
+
+LAWS = (values_lie_below_the_maximum, the_mean_is_the_declared_one)

@@ -1,0 +1,231 @@
+"""Bugs that the laws of a family must find, one for each law."""
+
+from tests.mutants.mutant import Mutant
+
+LAWS_OF = "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family"
+
+LAWS = (
+    Mutant(
+        "directions of the orthographic camera not of unit length",
+        "cameras/orthographic.py",
+        (
+            (
+                "lanes_vec3(0.0) + vector(table, FORWARD)",
+                "lanes_vec3(1e-3) + vector(table, FORWARD)",
+            ),
+        ),
+        f"{LAWS_OF}[cameras-orthographic]",
+    ),
+    Mutant(
+        "rays of the pinhole camera through the middles of the film's halves",
+        "cameras/pinhole.py",
+        (("vector(table, FORWARD) + x *", "vector(table, FORWARD) + 0.5 * x *"),),
+        f"{LAWS_OF}[cameras-pinhole]",
+    ),
+    Mutant(
+        "rays of a lens as far apart behind it as in it",
+        "cameras/thin_lens.py",
+        (("normalize(table[FOCUS] * axis - lens)", "normalize(table[FOCUS] * axis)"),),
+        f"{LAWS_OF}[cameras-thin_lens]",
+    ),
+    Mutant(
+        "samples of a lens crowd at its centre",
+        "cameras/thin_lens.py",
+        (
+            (
+                "lens_x, lens_y = square_to_disk_concentric(u_lens)",
+                "lens_x, lens_y = (c * u_lens[0] for c in square_to_disk_concentric(u_lens))",
+            ),
+        ),
+        f"{LAWS_OF}[cameras-thin_lens]",
+    ),
+    Mutant(
+        "weights of the tent filter 2 % too large",
+        "filters/tent.py",
+        (("lanes(1.0)", "lanes(1.02)"),),
+        f"{LAWS_OF}[filters-tent]",
+    ),
+    Mutant(
+        "the box filter to the right of its pixel",
+        "filters/box.py",
+        (("r * (2.0 * u2[0] - 1.0)", "r * (2.0 * u2[0] - 0.98)"),),
+        f"{LAWS_OF}[filters-box]",
+    ),
+    Mutant(
+        "tails of the Gaussian filter too long",
+        "filters/inverse_cdf.py",
+        (("sqrt(2.0 * minimum(u, 1.0 - u))", "2.0 * minimum(u, 1.0 - u)"),),
+        f"{LAWS_OF}[filters-gaussian]",
+    ),
+    Mutant(
+        "negative lobes of a filter counted as positive",
+        "filters/mitchell.py",
+        (
+            (
+                "profile(x / half, spec.b, spec.c), spec.radius, change)",
+                "profile(x / half, spec.b, spec.c), spec.radius)",
+            ),
+        ),
+        f"{LAWS_OF}[filters-mitchell]",
+    ),
+    Mutant(
+        "the largest value of a checkerboard is that of one colour",
+        "textures/checkerboard.py",
+        (("(max(pair) for pair", "(min(pair) for pair"),),
+        f"{LAWS_OF}[textures-checkerboard]",
+    ),
+    Mutant(
+        "the mean of a sum of textures without one of them",
+        "textures/add.py",
+        (("_sum(average(self.a), average(self.b))", "_sum(average(self.a), average(self.a))"),),
+        f"{LAWS_OF}[textures-add]",
+    ),
+    Mutant(
+        "the box of a disk 10 % too small",
+        "shapes/disk.py",
+        (("half = np.hypot(", "half = 0.9 * np.hypot("),),
+        f"{LAWS_OF}[shapes-disk]",
+    ),
+    Mutant(
+        "dp/du of a sphere for half a turn",
+        "shapes/sphere.py",
+        (("Vec3(-TWO_PI * sine * s, TWO_PI * sine * c", "Vec3(-PI * sine * s, PI * sine * c"),),
+        f"{LAWS_OF}[shapes-sphere]",
+    ),
+    Mutant(
+        "the area of an ellipsoid as of a ball of its volume",
+        "shapes/sphere.py",
+        (("float(4.0 * np.pi * a * b * r_g)", "float(4.0 * np.pi * (a * b * c) ** (2.0 / 3.0))"),),
+        f"{LAWS_OF}[shapes-sphere]",
+    ),
+    Mutant(
+        "a cube without its last side",
+        "shapes/cube.py",
+        (("for side in sides())", "for side in sides()[:5])"),),
+        f"{LAWS_OF}[shapes-cube]",
+    ),
+    Mutant(
+        "points of a shining disk crowd at its edge",
+        "shapes/disk.py",
+        (
+            (
+                "x, y = square_to_disk_concentric(u2)",
+                "x, y = square_to_disk_concentric((sqrt(u2[0]), u2[1]))",
+            ),
+        ),
+        f"{LAWS_OF}[shapes-disk]",
+    ),
+    Mutant(
+        "a hit disk has half the density of its samples",
+        "shapes/disk.py",
+        (("(1.0 / gather(tables.data, k + AREA)", "(0.5 / gather(tables.data, k + AREA)"),),
+        f"{LAWS_OF}[shapes-disk]",
+    ),
+    Mutant(
+        "u of a sphere twice around",
+        "shapes/sphere.py",
+        (("arctan2(q.y, q.x) * INV_TWO_PI", "arctan2(q.y, q.x) * INV_PI"),),
+        f"{LAWS_OF}[shapes-sphere]",
+    ),
+    Mutant(
+        "a point light that BSDF sampling is thought to find",
+        "lights/point.py",
+        (("lanes_mask(True)", "lanes_mask(False)"),),
+        f"{LAWS_OF}[lights-point]",
+    ),
+    Mutant(
+        "a point light that falls with the distance alone",
+        "lights/point.py",
+        (("lanes_vec3(1.0) * falling", "lanes_vec3(1.0) * falling * distance"),),
+        f"{LAWS_OF}[lights-point]",
+    ),
+    Mutant(
+        "the power of a point light over half of the sphere",
+        "lights/point.py",
+        (("return 4.0 * PI * luminance", "return 2.0 * PI * luminance"),),
+        f"{LAWS_OF}[lights-point]",
+    ),
+    Mutant(
+        "directions to a uniform sky crowd at its top",
+        "lights/constant.py",
+        (("square_to_uniform_sphere(u2)", "square_to_uniform_sphere((u2[0] * u2[0], u2[1]))"),),
+        f"{LAWS_OF}[lights-constant]",
+    ),
+    Mutant(
+        "the power of a uniform sky through half of the scene's disk",
+        "lights/constant.py",
+        (("return 4.0 * PI * PI * radius", "return 2.0 * PI * PI * radius"),),
+        f"{LAWS_OF}[lights-constant]",
+    ),
+    Mutant(
+        "a hit lamp has half the density of its samples",
+        "lights/area.py",
+        (("where(cosine > 0.0, density, 0.0)", "where(cosine > 0.0, 0.5 * density, 0.0)"),),
+        f"{LAWS_OF}[lights-area]",
+    ),
+    Mutant(
+        "the power of a lamp as if it shone straight ahead",
+        "lights/area.py",
+        (("return PI * area * luminance", "return 2.0 * PI * area * luminance"),),
+        f"{LAWS_OF}[lights-area]",
+    ),
+    Mutant(
+        "Rayleigh's phase function for a quarter of the sphere",
+        "phases/rayleigh.py",
+        (("0.75 * INV_FOUR_PI", "3.0 * INV_FOUR_PI"),),
+        f"{LAWS_OF}[phases-rayleigh]",
+    ),
+    Mutant(
+        "Rayleigh's cosines drawn uniformly",
+        "phases/rayleigh.py",
+        (("1.0 - where(c < 0.0, -mu, mu)", "1.0 - 0.5 * c + 0.0 * mu"),),
+        f"{LAWS_OF}[phases-rayleigh]",
+    ),
+    Mutant(
+        "media add light where they scatter, too",
+        "integrators/volpath.py",
+        (("absorbed = lanes_vec3(1.0) - albedo", "absorbed = lanes_vec3(1.0) + 0.0 * albedo"),),
+        f"{LAWS_OF}[media-homogeneous]",
+    ),
+    Mutant(
+        "flights half as long, with the weights of whole ones",
+        "media/homogeneous.py",
+        (
+            (
+                "distance = minimum(where(scattered, t, t_max), FARTHEST)",
+                "distance = minimum(where(scattered, 0.5 * t, t_max), FARTHEST)",
+            ),
+        ),
+        f"{LAWS_OF}[media-homogeneous]",
+    ),
+    Mutant(
+        "shadow rays through media dimmed by the first channel",
+        "media/homogeneous.py",
+        (("exp(-extinction.y * distance)", "exp(-extinction.x * distance)"),),
+        f"{LAWS_OF}[media-homogeneous]",
+    ),
+    Mutant(
+        "a random walk of the hemisphere's density",
+        "integrators/random_walk.py",
+        (("f_cos * (1.0 / INV_FOUR_PI)", "f_cos * (0.5 / INV_FOUR_PI)"),),
+        f"{LAWS_OF}[integrators-random_walk]",
+    ),
+    Mutant(
+        "direct light with one more reflection",
+        "integrators/direct.py",
+        (("max_depth=MAX_DEPTH)", "max_depth=MAX_DEPTH + 1)"),),
+        f"{LAWS_OF}[integrators-direct]",
+    ),
+    Mutant(
+        "survivors of roulette as bright as before",
+        "integrators/roulette.py",
+        (("where(playing, beta / survival, beta)", "beta"),),
+        f"{LAWS_OF}[integrators-path]",
+    ),
+    Mutant(
+        "the openness of a point can be below 0",
+        "integrators/ambient_occlusion.py",
+        (("where(active & ~shut, path.beta, L)", "where(active & ~shut, path.beta, -path.beta)"),),
+        f"{LAWS_OF}[integrators-ambient_occlusion]",
+    ),
+)
