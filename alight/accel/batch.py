@@ -144,7 +144,15 @@ def _run(text, bvh, origins, directions, t_max, columns, threads) -> np.ndarray:
     results = np.zeros((columns, -(-n // _PADDING) * _PADDING), np.float32)
     out, empty = View(results), View(np.zeros(0, np.float32))
     no_ids = View(np.zeros(0, np.uint32))
-    accel = Accelerator((), empty, no_ids, empty, no_ids, bvh, View(box_of(bvh)))
+    accel = Accelerator(
+        shapes=(),
+        triangles=empty,
+        triangle_ids=no_ids,
+        pairs=empty,
+        pair_ids=no_ids,
+        tree=bvh,
+        box=View(box_of(bvh)),
+    )
     scene = _Scene(accel, _Shapes(empty))
 
     def chunk(begin: int) -> None:

@@ -131,7 +131,17 @@ def find_leaves(
 
 def _no_leaf() -> Leaves:
     vectors, numbers, words = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.uint32)
-    return Leaves(vectors, vectors, vectors, numbers, numbers, numbers, numbers, words, words)
+    return Leaves(
+        low=vectors,
+        high=vectors,
+        axis=vectors,
+        spread=numbers,
+        dark=numbers,
+        behind=numbers,
+        intensity=numbers,
+        row=words,
+        prim=words,
+    )
 
 
 def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -> Leaves:
@@ -153,7 +163,17 @@ def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -
         spreads = np.minimum(spread + turn, PI)
     if row.motion is not None or spread:
         behind = half
-    return Leaves(low, high, axis, spreads, dark, behind, strength, word, word * 0)
+    return Leaves(
+        low=low,
+        high=high,
+        axis=axis,
+        spread=spreads,
+        dark=dark,
+        behind=behind,
+        intensity=strength,
+        row=word,
+        prim=word * 0,
+    )
 
 
 def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndarray) -> Leaves:
@@ -174,15 +194,15 @@ def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndar
         normal, spread = row.motion.turned(normal)
         behind = 0.5 * np.linalg.norm(high - low, axis=1)
     return Leaves(
-        low,
-        high,
-        normal,
-        spread,
-        np.full(n, row.dark),
-        behind,
-        row.brightness * row.areas[kept],
-        np.full(n, number, np.uint32),
-        np.flatnonzero(kept).astype(np.uint32),
+        low=low,
+        high=high,
+        axis=normal,
+        spread=spread,
+        dark=np.full(n, row.dark),
+        behind=behind,
+        intensity=row.brightness * row.areas[kept],
+        row=np.full(n, number, np.uint32),
+        prim=np.flatnonzero(kept).astype(np.uint32),
     )
 
 
@@ -197,15 +217,15 @@ def _at_point(number: int, row: LightRow, power: float) -> Leaves:
         axes, turn = row.motion.turned(axes)
         cone = np.minimum(cone + turn, PI)
     return Leaves(
-        low,
-        high,
-        axes,
-        cone,
-        np.array([dark]),
-        0.5 * np.linalg.norm(high - low, axis=1),
-        np.array([power / max(solid_angle, 1e-9)]),
-        word,
-        word * 0,
+        low=low,
+        high=high,
+        axis=axes,
+        spread=cone,
+        dark=np.array([dark]),
+        behind=0.5 * np.linalg.norm(high - low, axis=1),
+        intensity=np.array([power / max(solid_angle, 1e-9)]),
+        row=word,
+        prim=word * 0,
     )
 
 

@@ -70,14 +70,14 @@ def compile_materials(
     lists = rows.pack_layers(layers)
     table = rows.textures.compiled()
     tables = MaterialTables(
-        View(np.array(rows.info or [0, 0], np.uint32)),
-        View(np.concatenate(rows.data or [np.zeros(rows.stride, np.float32)])),
-        View(np.concatenate(rows.texture or [np.zeros(rows.stride, np.uint32)])),
-        table.info,
-        table.data,
-        table.texels,
-        View(lists),
-        View(np.concatenate([*rows.curves, np.zeros(1, np.float32)])),
+        info=View(np.array(rows.info or [0, 0], np.uint32)),
+        data=View(np.concatenate(rows.data or [np.zeros(rows.stride, np.float32)])),
+        texture=View(np.concatenate(rows.texture or [np.zeros(rows.stride, np.uint32)])),
+        texture_info=table.info,
+        texture_data=table.data,
+        texels=table.texels,
+        layers=View(lists),
+        curves=View(np.concatenate([*rows.curves, np.zeros(1, np.float32)])),
     )
     models = [name for name in BSDFS if name in rows.used]
     return tables, (*models, *sorted(rows.used - set(models))), table.names

@@ -371,14 +371,14 @@ class _Compiler:
         # Zeros after the last row: a lane that reads another kind of row stays inside the table.
         data = np.concatenate([*self.data, np.zeros(MOST_NUMBERS)]).astype(np.float32)
         tables = ShapeTables(
-            View(info),
-            View(data),
-            View(_joined(arrays.faces, 3, np.uint32)),
-            View(_joined(arrays.vertices, 3, np.float32)),
-            View(_joined_if_any(arrays.normals, 3)),
-            View(_joined_if_any([*arrays.uvs, *further], 2)),
-            View(_joined_if_any(arrays.colors, 3)),
-            View(shifts),
+            info=View(info),
+            data=View(data),
+            faces=View(_joined(arrays.faces, 3, np.uint32)),
+            vertices=View(_joined(arrays.vertices, 3, np.float32)),
+            normals=View(_joined_if_any(arrays.normals, 3)),
+            uvs=View(_joined_if_any([*arrays.uvs, *further], 2)),
+            colors=View(_joined_if_any(arrays.colors, 3)),
+            uv_shifts=View(shifts),
         )
         kinds = {row.kind for row in self.rows}
         empty = not np.isfinite(self.low).all()

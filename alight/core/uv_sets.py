@@ -58,7 +58,7 @@ def triangle_uvs(tables, surface, number):
     u0, v0 = gather_row(tables.uvs, i0, 2)
     u1, v1 = gather_row(tables.uvs, i1, 2)
     u2, v2 = gather_row(tables.uvs, i2, 2)
-    return TriangleUvs(further, u0, v0, u1, v1, u2, v2)
+    return TriangleUvs(further=further, u0=u0, v0=v0, u1=u1, v1=v1, u2=u2, v2=v2)
 
 
 @specialised

@@ -188,7 +188,19 @@ def spherical_rectangle(corner, edge_x, edge_y, p):
     cosine, sine = second[0] * per_length, second[1] * per_length
     by_area = solid_angle <= _SMALLEST_SOLID_ANGLE
     return SphericalRectangle(
-        x, y, z, x0, x1, y0, y1, z0, cosine, sine, solid_angle, width * height, by_area
+        x=x,
+        y=y,
+        z=z,
+        x0=x0,
+        x1=x1,
+        y0=y0,
+        y1=y1,
+        z0=z0,
+        cosine=cosine,
+        sine=sine,
+        solid_angle=solid_angle,
+        area=width * height,
+        by_area=by_area,
     )
 
 

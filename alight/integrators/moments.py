@@ -45,24 +45,44 @@ def always(scene, sampler):
 def at_times(scene, sampler):
     """What kernels ask for, and when."""
     return AtTimes(
-        scene.shapes, scene.materials, scene.lights, scene.accel, scene.camera, scene.filter,
-        scene.motions, get_1d(sampler, TIME),
-    )  # fmt: skip
+        shapes=scene.shapes,
+        materials=scene.materials,
+        lights=scene.lights,
+        accel=scene.accel,
+        camera=scene.camera,
+        filter=scene.filter,
+        motions=scene.motions,
+        time=get_1d(sampler, TIME),
+    )
 
 
 @kernel
 def at_times_in_media(scene, sampler):
     """The same of a scene with media."""
     return AtTimesInMedia(
-        scene.shapes, scene.materials, scene.lights, scene.accel, scene.camera, scene.filter,
-        scene.media, scene.motions, get_1d(sampler, TIME),
-    )  # fmt: skip
+        shapes=scene.shapes,
+        materials=scene.materials,
+        lights=scene.lights,
+        accel=scene.accel,
+        camera=scene.camera,
+        filter=scene.filter,
+        media=scene.media,
+        motions=scene.motions,
+        time=get_1d(sampler, TIME),
+    )
 
 
 @kernel
 def at_times_recorded(scene, sampler):
     """The same with a log."""
     return AtTimesRecorded(
-        scene.shapes, scene.materials, scene.lights, scene.accel, scene.camera, scene.filter,
-        scene.motions, scene.log, get_1d(sampler, TIME),
-    )  # fmt: skip
+        shapes=scene.shapes,
+        materials=scene.materials,
+        lights=scene.lights,
+        accel=scene.accel,
+        camera=scene.camera,
+        filter=scene.filter,
+        motions=scene.motions,
+        log=scene.log,
+        time=get_1d(sampler, TIME),
+    )

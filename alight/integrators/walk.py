@@ -77,7 +77,7 @@ def no_paths():
     return PathState(
         o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
         delta=lanes_mask(False), depth=zero,
-        sampler=SamplerState(zero, zero, zero, zero, zero, zero, zero),
+        sampler=SamplerState(x=zero, y=zero, index=zero, scramble=zero, seed=zero, a=zero, b=zero),
         active=lanes_mask(False), rays=as_int(0),
     )  # fmt: skip
 

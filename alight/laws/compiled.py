@@ -45,9 +45,21 @@ def scatter_all(scene, bsdf, wo, other, u, uv, out):
         material = load_lanes(bsdf, i)
         color = Vec3(0.25, 0.5, 0.75) * load_lanes(uv, i)
         surface = Surface(
-            black, zero, up, up, s, t, load_lanes(uv, i), load_lanes(uv, i + N),
-            none, none, material, none, color, (),
-        )  # fmt: skip
+            p=black,
+            error=zero,
+            ng=up,
+            ns=up,
+            s=s,
+            t=t,
+            u=load_lanes(uv, i),
+            v=load_lanes(uv, i + N),
+            shape=none,
+            prim=none,
+            bsdf=material,
+            light=none,
+            color=color,
+            chart=(),
+        )
         w, v = load_vec3(wo, i), load_vec3(other, i)
         u2 = load_lanes(u, i + N), load_lanes(u, i + 2 * N)
         active = load_lanes(u, i) >= 0.0

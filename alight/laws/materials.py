@@ -52,7 +52,22 @@ class Material:
         black, up = Vec3(zero, zero, zero), Vec3(zero, zero, one)
         s, t = Vec3(one, zero, zero), Vec3(zero, one, zero)
         bsdf = none if bsdf is None else bsdf
-        return Surface(black, zero, up, up, s, t, u, v, none, none, bsdf, none, black, ())
+        return Surface(
+            p=black,
+            error=zero,
+            ng=up,
+            ns=up,
+            s=s,
+            t=t,
+            u=u,
+            v=v,
+            shape=none,
+            prim=none,
+            bsdf=bsdf,
+            light=none,
+            color=black,
+            chart=(),
+        )
 
     def evaluate(self, wo, wi, bsdf=None):
         """(f_cos (3, n), pdf (n,))."""

@@ -46,7 +46,22 @@ def values_at(spec: Texture, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     black, up = Vec3(zero, zero, zero), Vec3(zero, zero, one)
     p = Vec3(u, v, zero)
     s, t = Vec3(one, zero, zero), Vec3(zero, one, zero)
-    surface = Surface(p, zero, up, up, s, t, u, v, none, none, none, none, black, ())
+    surface = Surface(
+        p=p,
+        error=zero,
+        ng=up,
+        ns=up,
+        s=s,
+        t=t,
+        u=u,
+        v=v,
+        shape=none,
+        prim=none,
+        bsdf=none,
+        light=none,
+        color=black,
+        chart=(),
+    )
     value = Vec3(*(zero + np.float32(c) for c in spec.maximum())) if not spec.varies else black
     run = instantiate(texture_value, program, compiled=False)
     with np.errstate(all="ignore"):

@@ -97,7 +97,15 @@ def sample(scene, index, p, u, u2):
     shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
     s = sample_shape(scene.shapes, scene.lights.cdf, start, shape, p, u, u2)
     bright = where(s.cosine > 0.0, sampled_color(scene, index, p, s, u, u2), lanes_vec3(0.0))
-    return LightSample(s.wi, s.distance, bright, s.pdf, lanes_mask(False), s.cosine, s.error)
+    return LightSample(
+        wi=s.wi,
+        distance=s.distance,
+        radiance=bright,
+        pdf=s.pdf,
+        delta=lanes_mask(False),
+        cosine=s.cosine,
+        error=s.error,
+    )
 
 
 @kernel

@@ -59,4 +59,12 @@ def sample(scene, index, p, u, u2):
     one = lanes(1.0)
     # A lone light has a scalar index: what it gives must be lanes all the same.
     wi = lanes_vec3(0.0) + gather_vec3(scene.lights.data, index * STRIDE + 4)
-    return LightSample(wi, INFINITY * one, lanes_vec3(1.0), one, lanes_mask(True), one, lanes(0.0))
+    return LightSample(
+        wi=wi,
+        distance=INFINITY * one,
+        radiance=lanes_vec3(1.0),
+        pdf=one,
+        delta=lanes_mask(True),
+        cosine=one,
+        error=lanes(0.0),
+    )

@@ -219,11 +219,11 @@ def sample(scene, index, p, u, u2):
     away = Vec3(-dot(x, wi), -dot(y, wi), -dot(z, wi))
     one = lanes(1.0)
     return LightSample(
-        wi,
-        distance,
-        lanes_vec3(1.0) * (intensity(scene, index, away) * falling),
-        one,
-        lanes_mask(True),
-        one,
-        lanes(0.0),
+        wi=wi,
+        distance=distance,
+        radiance=lanes_vec3(1.0) * (intensity(scene, index, away) * falling),
+        pdf=one,
+        delta=lanes_mask(True),
+        cosine=one,
+        error=lanes(0.0),
     )

@@ -36,7 +36,15 @@ def moving_sample(sample: Callable) -> Callable:
         if any_lane(moving):
             m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
             wi = where(moving, normalize(turned(m, wi)), wi)
-        return LightSample(wi, s.distance, s.radiance, s.pdf, s.delta, s.cosine, s.error)
+        return LightSample(
+            wi=wi,
+            distance=s.distance,
+            radiance=s.radiance,
+            pdf=s.pdf,
+            delta=s.delta,
+            cosine=s.cosine,
+            error=s.error,
+        )
 
     return sample_moving
 

@@ -63,11 +63,11 @@ def sample(scene, index, p, u, u2):
     wi, distance, falling = way_to(gather_vec3(scene.lights.data, index * STRIDE + 4) - p)
     one = lanes(1.0)
     return LightSample(
-        wi,
-        distance,
-        lanes_vec3(1.0) * falling,
-        one,
-        lanes_mask(True),
-        one,
-        lanes(0.0),
+        wi=wi,
+        distance=distance,
+        radiance=lanes_vec3(1.0) * falling,
+        pdf=one,
+        delta=lanes_mask(True),
+        cosine=one,
+        error=lanes(0.0),
     )

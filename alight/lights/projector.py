@@ -229,11 +229,11 @@ def sample(scene, index, p, u, u2):
     bright = where(there, falloff * falling / spread, 0.0)
     one = lanes(1.0)
     return LightSample(
-        wi,
-        distance,
-        where(there, shown(cdf, start, u, v) * bright, lanes_vec3(0.0)),
-        one,
-        lanes_mask(True),
-        one,
-        lanes(0.0),
+        wi=wi,
+        distance=distance,
+        radiance=where(there, shown(cdf, start, u, v) * bright, lanes_vec3(0.0)),
+        pdf=one,
+        delta=lanes_mask(True),
+        cosine=one,
+        error=lanes(0.0),
     )

@@ -37,7 +37,15 @@ from lanewise.simd import (
 def no_sample(scene, index, p, u, u2):
     """A `LightSample` of zeros in every lane."""
     zero, vector = lanes(0.0), lanes_vec3(0.0)
-    return LightSample(vector, zero, vector, zero, lanes_mask(False), zero, zero)
+    return LightSample(
+        wi=vector,
+        distance=zero,
+        radiance=vector,
+        pdf=zero,
+        delta=lanes_mask(False),
+        cosine=zero,
+        error=zero,
+    )
 
 
 def _sample_of(name: str):

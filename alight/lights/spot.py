@@ -175,11 +175,11 @@ def sample(scene, index, p, u, u2):
     )
     one = lanes(1.0)
     return LightSample(
-        wi,
-        distance,
-        lanes_vec3(1.0) * (falloff * falling),
-        one,
-        lanes_mask(True),
-        one,
-        lanes(0.0),
+        wi=wi,
+        distance=distance,
+        radiance=lanes_vec3(1.0) * (falloff * falling),
+        pdf=one,
+        delta=lanes_mask(True),
+        cosine=one,
+        error=lanes(0.0),
     )

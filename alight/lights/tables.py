@@ -44,4 +44,12 @@ def row_of(scene, back):
 def from_infinity(wi, radiance, pdf):
     """The `LightSample` of an environment that can be hit."""
     one = lanes(1.0)
-    return LightSample(wi, INFINITY * one, radiance, pdf, lanes_mask(False), one, lanes(0.0))
+    return LightSample(
+        wi=wi,
+        distance=INFINITY * one,
+        radiance=radiance,
+        pdf=pdf,
+        delta=lanes_mask(False),
+        cosine=one,
+        error=lanes(0.0),
+    )

@@ -187,16 +187,16 @@ def bounds_at(cdf, k):
     )
     far = where(turn >= ALIKE, FAR_AWAY * radius * radius, NEVER)
     return Bounds(
-        gather_vec3(cdf, k),
-        radius,
-        bits_float(reach << 16),
-        axis,
-        to_float((cone >> 15) & 32767) * (2.0 / 32767.0) - 1.0,
-        to_float(cone & 32767) * (1.0 / 32767.0),
-        to_float(strength & 65535) * (2.0 / 65535.0) - 1.0,
-        bits_float(strength & 0x7FFF0000),
-        where(strength >= FLAT, 1.0, 0.0),
-        where(cone >= EVEN, -1.0, far),
+        center=gather_vec3(cdf, k),
+        radius=radius,
+        behind=bits_float(reach << 16),
+        axis=axis,
+        cosine=to_float((cone >> 15) & 32767) * (2.0 / 32767.0) - 1.0,
+        sine=to_float(cone & 32767) * (1.0 / 32767.0),
+        dark=to_float(strength & 65535) * (2.0 / 65535.0) - 1.0,
+        intensity=bits_float(strength & 0x7FFF0000),
+        flat=where(strength >= FLAT, 1.0, 0.0),
+        far=where(cone >= EVEN, -1.0, far),
     )
 
 
@@ -204,16 +204,16 @@ def bounds_at(cdf, k):
 def bounds_of_row(cdf, k):
     """The group in the row of `unpack` at the uniform offset k: scalars, the same for all lanes."""
     return Bounds(
-        row_vec3(cdf, k),
-        cdf[k + 3],
-        cdf[k + 4],
-        row_vec3(cdf, k + 5),
-        cdf[k + 8],
-        cdf[k + 9],
-        cdf[k + 10],
-        cdf[k + 11],
-        cdf[k + 12],
-        cdf[k + 13],
+        center=row_vec3(cdf, k),
+        radius=cdf[k + 3],
+        behind=cdf[k + 4],
+        axis=row_vec3(cdf, k + 5),
+        cosine=cdf[k + 8],
+        sine=cdf[k + 9],
+        dark=cdf[k + 10],
+        intensity=cdf[k + 11],
+        flat=cdf[k + 12],
+        far=cdf[k + 13],
     )
 
 

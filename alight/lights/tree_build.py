@@ -142,7 +142,10 @@ def build_tree(
         begin, end = tree.nodes[:, FIRST_LEAF], tree.nodes[:, FIRST_LEAF + 1]
         tree = _with_even_groups(tree, start, find_even(leaves, begin, end))
     top, ways = _widened(tree, start)
-    return LightTree(top, tree.nodes, ways, tree.numbers, tree.middle, tree.far, _table(leaves))
+    return LightTree(
+        top=top, nodes=tree.nodes, ways=ways, numbers=tree.numbers, middle=tree.middle,
+        far=tree.far, table=_table(leaves),
+    )  # fmt: skip
 
 
 def binary_tree(leaves: Leaves, start: int) -> BinaryTree:
@@ -291,8 +294,9 @@ def _groups(leaves: Leaves, items: np.ndarray, starts: np.ndarray) -> Groups:
     behind = np.maximum.reduceat(_behind(leaves, items, np.repeat(center, sizes, axis=0)), starts)
     intensity = np.add.reduceat(leaves.intensity[items], starts)
     return Groups(
-        center, radius, np.minimum(behind, radius), axis, np.cos(spread), np.cos(dark), intensity,
-        np.maximum.reduceat(own, starts) <= 0.0, differ < SAME_WAY,
+        center=center, radius=radius, behind=np.minimum(behind, radius),
+        axis=axis, cosine=np.cos(spread), dark=np.cos(dark), intensity=intensity,
+        flat=np.maximum.reduceat(own, starts) <= 0.0, alike=differ < SAME_WAY,
     )  # fmt: skip
 
 

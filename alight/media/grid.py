@@ -219,7 +219,17 @@ def _enter(scene, medium, o, d, t_max, channel, active):
     per_rate, per_largest = 1.0 / maximum(rate, 1e-30), 1.0 / maximum(largest, 1e-30)
     og, dg = into_cube(scene, medium, o, 1.0), into_cube(scene, medium, d, 0.0)
     t, end = _inside(og, dg, t_max)
-    way = _Way(og, dg, end, thickness, largest, rate, ratio, per_rate, per_largest)
+    way = _Way(
+        o=og,
+        d=dg,
+        end=end,
+        thickness=thickness,
+        largest=largest,
+        rate=rate,
+        ratio=ratio,
+        per_rate=per_rate,
+        per_largest=per_largest,
+    )
     return way, t, active & (t < end)
 
 

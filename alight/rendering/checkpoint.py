@@ -172,9 +172,15 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     if job["goal"] is not None:
         goal = Goal(arrays["goal.first"], arrays["goal.count"], job["goal"])
     state = JobState(
-        films, job["schedule"], _schedule_state(archive), goal, job["rays"], job["samples"],
-        job["seconds"], job["time_limit"],
-    )  # fmt: skip
+        rounds=films,
+        schedule=job["schedule"],
+        schedule_state=_schedule_state(archive),
+        goal=goal,
+        rays=job["rays"],
+        samples=job["samples"],
+        seconds=job["seconds"],
+        time_limit=job["time_limit"],
+    )
     origin = Origin(
         None if recipe is None else Recipe(**as_tuples(recipe)),
         _content(archive),

@@ -164,9 +164,15 @@ class Job:
             rays, samples = self.rays, self.samples
         schedule = self.schedule
         return JobState(
-            rounds, schedule.name, schedule.state(), self.goal, rays, samples, self.seconds,
-            self.time_limit,
-        )  # fmt: skip
+            rounds=rounds,
+            schedule=schedule.name,
+            schedule_state=schedule.state(),
+            goal=self.goal,
+            rays=rays,
+            samples=samples,
+            seconds=self.seconds,
+            time_limit=self.time_limit,
+        )
 
     def restore(self, state: JobState, goal: Goal | None) -> None:
         """Go on from a state: with its goal, or with None, to ask this job's own schedule."""

@@ -159,7 +159,16 @@ def judge_means(
     """
     estimate = estimate_relmse(means, counts)
     if math.isnan(estimate.figure.value):
-        return Judgement(math.nan, math.nan, math.nan, 1.0, math.nan, False, False, math.inf)
+        return Judgement(
+            achieved=math.nan,
+            share=math.nan,
+            unseen=math.nan,
+            doubtful=1.0,
+            bound=math.nan,
+            within=False,
+            met=False,
+            factor=math.inf,
+        )
     achieved = estimate.relrmse_below(1.0 - promise.doubt)
     share, doubted = math.nan, False
     if promise.metric == "relrmse":
@@ -181,9 +190,17 @@ def judge_means(
     # What is unseen falls with the samples, not with their root.
     factor = 1.0 if met else max(factor, unseen.figure / promise.error, 1.0)
     return Judgement(
-        achieved, share, unseen.figure, unseen.doubtful, unseen.bound, within, met, factor, doubted,
-        math.sqrt(estimate.figure.value),
-    )  # fmt: skip
+        achieved=achieved,
+        share=share,
+        unseen=unseen.figure,
+        doubtful=unseen.doubtful,
+        bound=unseen.bound,
+        within=within,
+        met=met,
+        factor=factor,
+        doubted=doubted,
+        value=math.sqrt(estimate.figure.value),
+    )
 
 
 def cell_sum(plane: np.ndarray) -> np.ndarray:

@@ -150,14 +150,14 @@ def render_tile(
         for name, layer in zip(wanted, layers.shaped, strict=True):
             aovs[name] = layer[:, :, : len(LAYERS[name])]
     partial = PartialFilm(
-        tile.x0,
-        tile.y0,
-        sums,
-        film.counts.shaped,
-        int(tally[INVALID]),
-        int(tally[SATURATED]),
-        ranges,
-        {name: aovs[name] for name in scene.program.aovs},
+        x0=tile.x0,
+        y0=tile.y0,
+        sums=sums,
+        counts=film.counts.shaped,
+        invalid=int(tally[INVALID]),
+        saturated=int(tally[SATURATED]),
+        ranges=ranges,
+        aovs={name: aovs[name] for name in scene.program.aovs},
     )
     return partial, int(tally[RAYS])
 

@@ -17,4 +17,4 @@ SamplerState = namedtuple("SamplerState", "x y index scramble seed a b")
 def sampler_state(x, y, index, scramble, seed):
     """The state that names a sample."""
     a, b = pixel_keys(x, y, scramble, seed)
-    return SamplerState(x, y, index, scramble, seed, a, b)
+    return SamplerState(x=x, y=y, index=index, scramble=scramble, seed=seed, a=a, b=b)

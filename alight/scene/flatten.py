@@ -206,7 +206,14 @@ class _Flattener:
                 border = self.border(node)
                 self.shapes.append(
                     PlacedShape(
-                        path, node.shape, to_world, index, light, geometry, border, here.motion
+                        name=path,
+                        shape=node.shape,
+                        to_world=to_world,
+                        bsdf=index,
+                        light=light,
+                        geometry=geometry,
+                        border=border,
+                        motion=here.motion,
                     )
                 )
             elif light is not None:

@@ -240,7 +240,9 @@ def surface(tables, k, hit, o, d):
     n = gradient * (gather(data, k + SIDE) / size)
     # dp/dphi = A (-y, x, 0)
     s, t = frame_from_tangent(n, times(data, k + MATRIX, Vec3(-q.y, q.x, lanes(0.0))))
-    return Geometry(p, error, n, n, s, t, turn_of(q), q.z, lanes_vec3(1.0))
+    return Geometry(
+        p=p, error=error, ng=n, ns=n, s=s, t=t, u=turn_of(q), v=q.z, color=lanes_vec3(1.0)
+    )
 
 
 # ---------------------------------------------------------------- sampling

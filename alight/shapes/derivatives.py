@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from alight.core.motion import matrix_at, point_of_rest, turned
-from alight.shapes.hit import INFO, Surface
+from alight.shapes.hit import INFO
 from alight.shapes.model import SHAPES
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import any_lane, gather, where
 
 
@@ -45,11 +46,7 @@ def uv_derivatives(program):
 
 @kernel
 def _at_rest(scene, surface):
-    return Surface(
-        point_of_rest(scene, surface), surface.error, surface.ng, surface.ns, surface.s, surface.t,
-        surface.u, surface.v, surface.shape, surface.prim, surface.bsdf, surface.light,
-        surface.color, surface.chart,
-    )  # fmt: skip
+    return replace(surface, p=point_of_rest(scene, surface))
 
 
 @kernel

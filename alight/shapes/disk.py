@@ -89,7 +89,9 @@ def surface(tables, k, hit, o, d):
     radial = x * gather_vec3(data, k + E1) + y * gather_vec3(data, k + E2)
     size = sqrt(length_squared(radial))
     s = where(size > 0.0, radial * (1.0 / maximum(size, 1e-30)), g.s)
-    return Geometry(g.p, g.error, g.ng, g.ns, s, cross(g.ng, s), g.u, g.v, g.color)
+    return Geometry(
+        p=g.p, error=g.error, ng=g.ng, ns=g.ns, s=s, t=cross(g.ng, s), u=g.u, v=g.v, color=g.color
+    )
 
 
 @kernel

@@ -117,7 +117,9 @@ def flat_geometry(data, k, x, y, error, u, v):
     n = gather_vec3(data, k)
     s = gather_vec3(data, k + E1) * gather(data, k + 24)
     p = flat_point(data, k, x, y)
-    return Geometry(p, error, n, n, s, cross(n, s), u, v, lanes_vec3(1.0))
+    return Geometry(
+        p=p, error=error, ng=n, ns=n, s=s, t=cross(n, s), u=u, v=v, color=lanes_vec3(1.0)
+    )
 
 
 @kernel(strict=True)

@@ -226,7 +226,7 @@ def surface(tables, k, hit, o, d):
     n = where((flags & FLIP) != 0, -n, n)
     ns = where(dot(ns, n) < 0.0, -ns, ns)
     s, t = frame_from_tangent(ns, tangent)
-    return Geometry(p, error, n, ns, s, t, u, v, color)
+    return Geometry(p=p, error=error, ng=n, ns=ns, s=s, t=t, u=u, v=v, color=color)
 
 
 @kernel

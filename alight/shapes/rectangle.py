@@ -112,7 +112,17 @@ def surface(tables, k, hit, o, d):
     x = maximum(minimum(hit.u, 1.0), -1.0)
     y = maximum(minimum(hit.v, 1.0), -1.0)
     error = gather(data, k + 15)
-    return Geometry(p, error, n, n, s, cross(n, s), 0.5 * x + 0.5, 0.5 * y + 0.5, lanes_vec3(1.0))
+    return Geometry(
+        p=p,
+        error=error,
+        ng=n,
+        ns=n,
+        s=s,
+        t=cross(n, s),
+        u=0.5 * x + 0.5,
+        v=0.5 * y + 0.5,
+        color=lanes_vec3(1.0),
+    )
 
 
 @kernel

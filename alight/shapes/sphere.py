@@ -331,7 +331,7 @@ def surface(tables, k, hit, o, d):
     # dp/du = A (dq / dphi); at the poles it vanishes, and any tangent will do.
     s, t = frame_from_tangent(n, times(data, k + MATRIX, Vec3(-q.y, q.x, 0.0)))
     u, v = local_uv(q)
-    return Geometry(p, error, n, n, s, t, u, v, lanes_vec3(1.0))
+    return Geometry(p=p, error=error, ng=n, ns=n, s=s, t=t, u=u, v=v, color=lanes_vec3(1.0))
 
 
 # ---------------------------------------------------------------- sampling

@@ -30,7 +30,9 @@ def needs_tangents(program) -> bool:
 def blank():
     """A `Geometry` of zeros in every lane."""
     zero, vector = lanes(0.0), lanes_vec3(0.0)
-    return Geometry(vector, zero, vector, vector, vector, vector, zero, zero, vector)
+    return Geometry(
+        p=vector, error=zero, ng=vector, ns=vector, s=vector, t=vector, u=zero, v=zero, color=vector
+    )
 
 
 def _chain(kinds: tuple[ShapeModel, ...]):
@@ -162,20 +164,20 @@ def _in_the_world(m, w, surface, moving):
     tangent = dot(surface.ns, surface.ng) * surface.s - dot(surface.s, surface.ng) * surface.ns
     s, t = frame_from_tangent(ns, turned(m, tangent))
     return Surface(
-        where(moving, p, surface.p),
-        where(moving, error, surface.error),
-        where(moving, ng, surface.ng),
-        where(moving, ns, surface.ns),
-        where(moving, s, surface.s),
-        where(moving, t, surface.t),
-        surface.u,
-        surface.v,
-        surface.shape,
-        surface.prim,
-        surface.bsdf,
-        surface.light,
-        surface.color,
-        surface.chart,
+        p=where(moving, p, surface.p),
+        error=where(moving, error, surface.error),
+        ng=where(moving, ng, surface.ng),
+        ns=where(moving, ns, surface.ns),
+        s=where(moving, s, surface.s),
+        t=where(moving, t, surface.t),
+        u=surface.u,
+        v=surface.v,
+        shape=surface.shape,
+        prim=surface.prim,
+        bsdf=surface.bsdf,
+        light=surface.light,
+        color=surface.color,
+        chart=surface.chart,
     )
 
 
@@ -204,5 +206,18 @@ def surface_at_rest(scene, hit, o, d, active):
     s, t = tangents(g)
     chart = chart_of(tables, hit)
     return Surface(
-        g.p, g.error, g.ng, g.ns, s, t, g.u, g.v, hit.shape, hit.prim, bsdf, light, g.color, chart
+        p=g.p,
+        error=g.error,
+        ng=g.ng,
+        ns=g.ns,
+        s=s,
+        t=t,
+        u=g.u,
+        v=g.v,
+        shape=hit.shape,
+        prim=hit.prim,
+        bsdf=bsdf,
+        light=light,
+        color=g.color,
+        chart=chart,
     )
