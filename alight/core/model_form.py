@@ -17,7 +17,7 @@ from lanewise.jit import is_kernel
 
 #: Names that programs use for something else.
 RESERVED = {
-    "integrators": {"aov"},
+    "integrators": {"contributions"},
     "bsdfs": {"anisotropic"},
     "shapes": {"instance", "triangles", "pairs"},
     "media": {"chromatic", "emissive"},

@@ -10,7 +10,7 @@ from typing import Any
 from alight.core.registry import Kernel, Record, Records, record_of
 
 #: Modules of this package that can replace an integrator.
-PASSES = ("aov", "contributions")
+PASSES = ("contributions",)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

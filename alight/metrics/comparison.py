@@ -20,9 +20,11 @@ from pathlib import Path
 
 import numpy as np
 
-from alight.core.constants import LUMINANCE
 from alight.metrics.block_sums import LARGEST_SKEWNESS, BlockSums, Measured
 from alight.metrics.statistics import holm, student_t_tail, sum_of_squares_tails, welch
+
+#: Rounded as in the statistics of references that are already stored.
+STORED_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class PictureStatistics:
         s, h, w, _ = pictures.shape
         if h % block or w % block:
             raise ValueError(f"{w}x{h} pixels do not divide into blocks of {block}")
-        luminance = (pictures @ LUMINANCE).reshape(s, h // block, block, w // block, block)
+        luminance = (pictures @ STORED_LUMINANCE).reshape(s, h // block, block, w // block, block)
         blocks, channels = luminance.mean(axis=(2, 4)), pictures.mean(axis=(1, 2))
         return cls(
             s, block, blocks.mean(axis=0), blocks.var(axis=0, ddof=1),

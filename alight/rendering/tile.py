@@ -67,9 +67,9 @@ def make_kernels(
         return np.errstate(all="ignore")(kernel)
 
     wanted = set(LAYERS) & set(scene.program.aovs)
-    # What light does there plays no part in these layers, and need not be compiled for them.
+    # What light does plays no part in these layers: no integrator is compiled for them.
     aovs = ("uv", THROUGH) if wanted & THROUGH_LAYERS else ("uv",)
-    looking = scene.program._replace(integrator="aov", options=(), aovs=aovs)
+    looking = scene.program._replace(integrator="", options=(), aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
     add = compiled_add_rows() if compiled else None
     return Kernels(make(picture, beauty), make(render_layers, looking) if wanted else None, add)

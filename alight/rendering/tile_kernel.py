@@ -20,9 +20,11 @@ from alight.integrators.queue import NO_HIT, empty_queue, put, take
 from alight.integrators.walk import (
     FILTER,
     LENS,
+    begin_paths,
     count_lanes,
     empty_paths,
     is_staged,
+    no_paths,
     shade,
     start_paths,
     step,
@@ -57,7 +59,10 @@ Tile = namedtuple("Tile", "x0 y0 x1 y1")
 #: of the pixel are left, and the 8x8 cell that the pixel is in.
 Cursor = namedtuple("Cursor", "x y index scramble left cell")
 
-#: Rows of `start`, for the widest packet: x, y, index and scramble of each lane's sample.
+#: Lanes that start a path, their rays, the weight of the pixel filter, and the sampler.
+CameraRays = namedtuple("CameraRays", "new o d weight sampler")
+
+#: Rows of `camera_rays`, for the widest packet: x, y, index and scramble of each lane's sample.
 ROOM = 16
 TAKEN = 4 * ROOM
 
@@ -112,8 +117,8 @@ def next_pixel(settings, tile, ranges, cursor):
 
 
 @kernel
-def start(scene, settings, tile, ranges, cursor):
-    """The next packet of samples as paths that wait for their first step; returns the cursor too.
+def camera_rays(scene, settings, tile, ranges, cursor):
+    """The next packet of samples, as `CameraRays`; returns the cursor too.
 
     All lanes start together, on one pixel or its neighbours, so that their first steps look at
     the same things.
@@ -144,8 +149,15 @@ def start(scene, settings, tile, ranges, cursor):
     dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
     seen = at_times_of(scene, sampler)
     o, d = generate_ray(seen, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS))
-    new = lane_index() < count
-    return cursor, start_paths(new, o, d, weight, sampler, empty_paths())
+    return cursor, CameraRays(lane_index() < count, o, d, weight, sampler)
+
+
+@kernel
+def start(scene, settings, tile, ranges, cursor):
+    """The next packet of samples as paths before their first step; returns the cursor too."""
+    cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
+    paths = start_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, empty_paths())
+    return cursor, paths
 
 
 @specialised
@@ -293,5 +305,6 @@ def render_layers(scene, settings, tile, ranges, wanted, sums):
     _, cells = count_cells(tile)
     film = LayerFilm(tile, wanted, sums)
     while cursor.cell < cells:
-        cursor, path = start(scene, settings, tile, ranges, cursor)
+        cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
+        path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
         look(scene, film, path)

@@ -32,7 +32,7 @@ import mitsuba_scenes
 import mitsuba_textures  # noqa: F401
 import numpy as np
 
-from alight.core.constants import LUMINANCE
+from alight.metrics.comparison import STORED_LUMINANCE
 
 REFERENCES = Path(__file__).parent / "references"
 BLOCK = 2
@@ -40,7 +40,7 @@ BLOCK = 2
 
 def block_luminance(image: np.ndarray) -> np.ndarray:
     """Mean luminance of 2x2 blocks; (height, width, 3) -> (height/2, width/2)."""
-    luminance = np.asarray(image, np.float64) @ LUMINANCE
+    luminance = np.asarray(image, np.float64) @ STORED_LUMINANCE
     height, width = luminance.shape
     return luminance.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).mean((1, 3))
 
