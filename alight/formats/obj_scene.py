@@ -25,7 +25,7 @@ from alight.formats.surfaces import Surface, plain_surface
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
 from alight.scene.meshes import mesh_of
-from alight.shapes.mesh import Mesh
+from alight.shapes.arrays import TriangleShape
 
 MOST_LIBRARY_BYTES = 16 * 2**20
 #: Of free-form curves and surfaces.
@@ -176,7 +176,7 @@ def _library(
         materials.update(mtl.read(content, path.name, reach.from_folder(path.parent), report))
 
 
-def _mesh(content: obj.Content, part: _Part, name: str, report: Report) -> Mesh | None:
+def _mesh(content: obj.Content, part: _Part, name: str, report: Report) -> TriangleShape | None:
     """The mesh of a part; None if it has no triangle."""
     arrays = content.mesh(part.faces)
     if len(arrays.faces) == 0:

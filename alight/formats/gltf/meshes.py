@@ -18,7 +18,7 @@ from alight.formats.gltf.values import Item
 from alight.formats.gltf.vertex_colors import OPACITY_SET, opacity_coordinates, vertex_colors
 from alight.meshes.triangles import MeshArrays, joined_sets
 from alight.scene.meshes import mesh_of
-from alight.shapes.mesh import Mesh
+from alight.shapes.arrays import TriangleShape
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
@@ -30,7 +30,7 @@ def read_primitive(
     weights: list[float],
     sets: tuple[int, ...],
     joints: NDArray[np.float64] | None = None,
-) -> Mesh | None:
+) -> TriangleShape | None:
     """Read a primitive.
 
     Parameters
@@ -47,7 +47,7 @@ def read_primitive(
 
     Returns
     -------
-    Mesh or None
+    TriangleShape or None
         None for points and lines, which have no surface.
 
     Raises
