@@ -24,7 +24,7 @@ def paragraph(text: str) -> str:
 def preformatted(lines: Iterable[str]) -> str:
     """Lines that keep their blanks, as on a terminal; empty if there are none."""
     text = "\n".join(lines)
-    return f"<pre>{html.escape(text)}</pre>" if text else ""
+    return f'<pre style="white-space:pre-wrap">{html.escape(text)}</pre>' if text else ""
 
 
 def table(rows: Sequence[Sequence[object]], heads: Sequence[str] = (), caption: str = "") -> str:
@@ -70,7 +70,8 @@ def picture(png: bytes, name: str, width: int | None = None) -> str:
     """
     data = base64.b64encode(png).decode("ascii")
     size = "" if width is None else f' width="{width}"'
-    return f'<img alt="{html.escape(name)}"{size} src="data:image/png;base64,{data}">'
+    style = ' style="max-width:100%"'
+    return f'<img alt="{html.escape(name)}"{size}{style} src="data:image/png;base64,{data}">'
 
 
 def figure(image: np.ndarray, caption: str, exposure: float | str = 0.0, width: int = 240) -> str:
