@@ -18,20 +18,21 @@ from alight.core.vec import dot, max_component
 from alight.integrators.volume_walk import medium_beyond
 from alight.integrators.walk import count_lanes
 from alight.media.sampling import cross
-from alight.media.tables import Crossing, Stream, segment_of
+from alight.media.tables import Crossing, Segment, Stream, segment_of
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import any_lane, lanes, lanes_u32, lanes_vec3, where
 
 
 @specialised
 def come_through(program):
-    """What of the light comes through on the way from o along the unit d to the distance end.
+    """What of the light comes through to the end of a `Segment`.
 
-    ``(scene, o, d, end, medium, channel, stream, most, lit, rays) -> (Crossing, passed, rays)``.
-    `medium` is what the rays start in; `passed` counts the surfaces that they went through. Nothing
-    comes through more than `most` of them.
+    ``(scene, segment, most, lit, rays) -> (Crossing, passed, rays)``. The segment's medium is what
+    the rays start in; `passed` counts the surfaces that they went through. Nothing comes through
+    more than `most` of them.
     """
     if has_null(program):
         return _through_borders
@@ -42,25 +43,24 @@ def come_through(program):
 def come_through_holes(scene, o, d, end, most, lit, rays):
     """`come_through` where there are no media: (part of the light, surfaces passed, rays)."""
     none = lanes_u32(0)
-    stream = Stream(none, none, none)
-    crossing, passed, rays = come_through(scene, o, d, end, none, none, stream, most, lit, rays)
+    segment = Segment(o, d, end, none, none, Stream(none, none, none))
+    crossing, passed, rays = come_through(scene, segment, most, lit, rays)
     return crossing.passed.x * crossing.boost, passed, rays
 
 
 @kernel
-def _through_empty_space(scene, o, d, end, medium, channel, stream, most, lit, rays):
-    dark = is_occluded(scene, o, d, end, lit)
+def _through_empty_space(scene, segment, most, lit, rays):
+    dark = is_occluded(scene, segment.o, segment.d, segment.length, lit)
     passed = where(dark, lanes_vec3(0.0), lanes_vec3(1.0))
     found = Crossing(passed, lanes_vec3(1.0), lanes(1.0))
     return found, lanes_u32(0), rays + count_lanes(lit)
 
 
 @kernel
-def _along_one_segment(scene, o, d, end, medium, channel, stream, most, lit, rays):
-    dark = is_occluded(scene, o, d, end, lit)
-    found = cross(scene, medium, o, d, end, channel, stream, lit & ~dark)
-    passed = where(dark, lanes_vec3(0.0), found.passed)
-    found = Crossing(passed, found.light, found.boost)
+def _along_one_segment(scene, segment, most, lit, rays):
+    dark = is_occluded(scene, segment.o, segment.d, segment.length, lit)
+    found = cross(scene, segment, lit & ~dark)
+    found = replace(found, passed=where(dark, lanes_vec3(0.0), found.passed))
     return found, lanes_u32(0), rays + count_lanes(lit)
 
 
@@ -71,29 +71,31 @@ def _cross_segment(program):
         return cross
 
     @kernel
-    def empty(scene, medium, o, d, t_max, channel, stream, active):
+    def empty(scene, segment, active):
         return Crossing(lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0))
 
     return empty
 
 
 @kernel
-def _through_borders(scene, o, d, end, medium, channel, stream, most, lit, rays):
+def _through_borders(scene, segment, most, lit, rays):
     passed, light, boost = lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0)
-    going, segment = lit, lanes_u32(0)
+    o, d, end, medium = segment.o, segment.d, segment.length, segment.medium
+    going, number = lit, lanes_u32(0)
     while any_lane(going):
         rays += count_lanes(going)
         hit = intersect_closest(scene, o, d, end, going)
         met = going & (hit.t < INFINITY)
         t = where(met, hit.t, end)
-        part = segment_of(stream, segment)
-        found = _cross_segment(scene, medium, o, d, t, channel, part, going)
+        stream = segment_of(segment.stream, number)
+        part = Segment(o, d, t, medium, segment.channel, stream)
+        found = _cross_segment(scene, part, going)
         passed = where(going, passed * found.passed, passed)
         light = where(going, light * found.light, light)
         boost = where(going, boost * found.boost, boost)
         surface = make_surface(scene, hit, o, d, met)
-        segment = where(met, segment + 1, segment)
-        share = where(segment > most, 0.0, open_share(scene, surface, met))
+        number = where(met, number + 1, number)
+        share = where(number > most, 0.0, open_share(scene, surface, met))
         # Not a factor of `passed`, which is a density of paths too: theirs leaves the holes out.
         boost = where(met, boost * share, boost)
         passed = where(met & ~(share > 0.0), lanes_vec3(0.0), passed)
@@ -104,4 +106,4 @@ def _through_borders(scene, o, d, end, medium, channel, stream, most, lit, rays)
         medium = where(through, medium_beyond(scene, surface, d, medium), medium)
         o = where(through, beyond, o)
         going = through
-    return Crossing(passed, light, boost), segment, rays
+    return Crossing(passed, light, boost), number, rays

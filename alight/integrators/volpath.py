@@ -57,7 +57,7 @@ from alight.lights.hits import on_shapes
 from alight.lights.misses import environments_of
 from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
 from alight.media.sampling import evaluate_phase, fly, sample_phase
-from alight.media.tables import EMISSIVE, stream_of
+from alight.media.tables import EMISSIVE, Segment, stream_of
 from alight.media.voxels import emission
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
@@ -222,7 +222,8 @@ def _fly(scene, path, t):
     if any_lane(within):
         u = get_1d(path.sampler, vertex_dimension(path.steps + 1) + FREE_FLIGHT)
         stream = stream_of(path.sampler, 2 * path.steps)
-        flight = fly(scene, medium, path.o, path.d, t, path.channel, u, stream, within)
+        segment = Segment(path.o, path.d, t, medium, path.channel, stream)
+        flight = fly(scene, segment, u, within)
         scattered = within & flight.scattered
         t = where(scattered, flight.t, t)
         path = replace(
@@ -334,9 +335,8 @@ def _write_add_direct_light(chosen_weight, by_light):
             medium = medium_beyond(scene, surface, light.wi, path.medium)
             medium = where(scattered, path.medium, medium)
             stream = stream_of(path.sampler, 2 * path.steps + 1)
-            crossing, _, rays = come_through(
-                scene, o, light.wi, end, medium, path.channel, stream, UNLIMITED, lit, rays
-            )
+            segment = Segment(o, light.wi, end, medium, path.channel, stream)
+            crossing, _, rays = come_through(scene, segment, UNLIMITED, lit, rays)
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost
             L = where(lit, L + path.beta * f_cos * light.radiance * crossing.passed * w, L)

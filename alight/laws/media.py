@@ -21,7 +21,7 @@ from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
 from alight.media.coefficients import Coefficients, extinction
 from alight.media.model import MEDIA
 from alight.media.sampling import cross, fly
-from alight.media.tables import Stream
+from alight.media.tables import Segment, Stream
 from alight.rendering.tile_kernel import Tile
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import scale, translate
@@ -80,15 +80,16 @@ def _depth(spec: Medium, o: np.ndarray, d: np.ndarray, length: float) -> float:
     return float(density.mean() * length)
 
 
-def _arguments(o: np.ndarray, d: np.ndarray, length: float) -> tuple[tuple, np.ndarray, Stream]:
+def _segment(o: np.ndarray, d: np.ndarray, length: float) -> tuple[Segment, np.ndarray]:
+    """Many times the same way, with random numbers of their own."""
     rng = np.random.default_rng(4)
     ones = np.ones(N, np.float32)
     rows = np.ones(N, np.uint32)
     origin, direction = (Vec3(*(np.float32(c) * ones for c in v)) for v in (o, d))
     channel = rng.integers(0, 3, N).astype(np.uint32)
     keys = Stream(*(rng.integers(0, 2**32, N, np.uint32) for _ in range(3)))
-    arguments = rows, origin, direction, np.float32(length) * ones, channel
-    return arguments, rng.random(N, np.float32), keys
+    way = Segment(origin, direction, np.float32(length) * ones, rows, channel, keys)
+    return way, rng.random(N, np.float32)
 
 
 def _columns(v: Any) -> np.ndarray:
@@ -105,9 +106,9 @@ def flights_come_through_as_the_transmittance_says(spec: Medium) -> None:
     scene = ball_of(spec)
     run = instantiate(fly, scene.program, compiled=False)
     for o, d, length in _rays(spec):
-        arguments, u, stream = _arguments(o, d, length)
+        segment, u = _segment(o, d, length)
         with np.errstate(all="ignore"):
-            flight = run(scene.tables, *arguments, u, stream, np.ones(N, bool))
+            flight = run(scene.tables, segment, u, np.ones(N, bool))
         factor, through = _columns(flight.factor), ~np.broadcast_to(flight.scattered, N)
         t = np.broadcast_to(flight.t, N)
         demand((t >= 0.0) & (t <= np.float32(length)), "a flight ends beyond the ray")
@@ -125,9 +126,9 @@ def scattering_is_spread_as_the_density(spec: Medium) -> None:
     scene = ball_of(spec)
     run = instantiate(fly, scene.program, compiled=False)
     for o, d, length in _rays(spec):
-        arguments, u, stream = _arguments(o, d, length)
+        segment, u = _segment(o, d, length)
         with np.errstate(all="ignore"):
-            flight = run(scene.tables, *arguments, u, stream, np.ones(N, bool))
+            flight = run(scene.tables, segment, u, np.ones(N, bool))
         factor = _columns(flight.factor)
         early = np.broadcast_to(flight.scattered & (flight.t < 0.5 * np.float32(length)), N)
         weight = factor / factor.mean(axis=1, keepdims=True)
@@ -143,9 +144,9 @@ def shadow_rays_come_through_as_the_transmittance_says(spec: Medium) -> None:
     scene = ball_of(spec)
     run = instantiate(cross, scene.program, compiled=False)
     for o, d, length in _rays(spec):
-        arguments, _, stream = _arguments(o, d, length)
+        segment, _ = _segment(o, d, length)
         with np.errstate(all="ignore"):
-            crossing = run(scene.tables, *arguments, stream, np.ones(N, bool))
+            crossing = run(scene.tables, segment, np.ones(N, bool))
         passed = _columns(crossing.passed) * np.broadcast_to(crossing.boost, N)[:, None]
         weight = passed / _columns(crossing.light).mean(axis=1, keepdims=True)
         expected = np.exp(-_depth(spec, o, d, length) * np.array(extinction(spec)))

@@ -210,15 +210,16 @@ _Way = namedtuple("_Way", "o d end thickness largest rate ratio per_rate per_lar
 
 
 @kernel
-def _enter(scene, medium, o, d, t_max, channel, active):
+def _enter(scene, segment, active):
     """The `_Way` of rays, where it begins, and the mask of those that get there."""
+    medium = segment.medium
     thickness = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
     largest = gather(scene.media.data, medium * STRIDE + LARGEST)
-    chosen = pick(thickness, channel)
+    chosen = pick(thickness, segment.channel)
     rate, ratio = chosen * largest, share(thickness, chosen)
     per_rate, per_largest = 1.0 / maximum(rate, 1e-30), 1.0 / maximum(largest, 1e-30)
-    og, dg = into_cube(scene, medium, o, 1.0), into_cube(scene, medium, d, 0.0)
-    t, end = _inside(og, dg, t_max)
+    og, dg = into_cube(scene, medium, segment.o, 1.0), into_cube(scene, medium, segment.d, 0.0)
+    t, end = _inside(og, dg, segment.length)
     way = _Way(
         o=og,
         d=dg,
@@ -248,14 +249,14 @@ def _collide(scene, medium, way, t, v, going):
 
 
 @kernel
-def fly(scene, medium, o, d, t_max, channel, u, stream, active):
-    """A `Flight` along rays of unit direction d, to the surface at t_max, metres."""
-    way, t, going = _enter(scene, medium, o, d, t_max, channel, active)
+def fly(scene, segment, u, active):
+    """A `Flight` to the surface at the end of a `Segment`."""
+    way, t, going = _enter(scene, segment, active)
     scattered, step = lanes_mask(False), lanes_u32(0)
     factor, light = lanes_vec3(1.0), lanes_vec3(1.0)
     while any_lane(going):
-        v, w = step_numbers(stream, step)
-        inside, reached, real, change = _collide(scene, medium, way, t, v, going)
+        v, w = step_numbers(segment.stream, step)
+        inside, reached, real, change = _collide(scene, segment.medium, way, t, v, going)
         collides = inside & (w < real)
         null = inside & ~collides
         factor = where(going, factor * change, factor)
@@ -265,18 +266,18 @@ def fly(scene, medium, o, d, t_max, channel, u, stream, active):
         t = where(going, reached, t)
         going = null
         step = step + 1
-    albedo = color_at(scene, medium, ALBEDO, ALBEDOS, way.o + t * way.d)
-    return Flight(scattered, where(scattered, t, t_max), factor, light, albedo)
+    albedo = color_at(scene, segment.medium, ALBEDO, ALBEDOS, way.o + t * way.d)
+    return Flight(scattered, where(scattered, t, segment.length), factor, light, albedo)
 
 
 @kernel
-def cross(scene, medium, o, d, t_max, channel, stream, active):
-    """A `Crossing` along shadow rays of unit direction d and length t_max, metres."""
-    way, t, going = _enter(scene, medium, o, d, t_max, channel, active)
+def cross(scene, segment, active):
+    """A `Crossing` along the `Segment` of a shadow ray."""
+    way, t, going = _enter(scene, segment, active)
     light, passed, boost, step = lanes_vec3(1.0), lanes(1.0), lanes(1.0), lanes_u32(0)
     while any_lane(going):
-        v, w = step_numbers(stream, step)
-        inside, reached, real, change = _collide(scene, medium, way, t, v, going)
+        v, w = step_numbers(segment.stream, step)
+        inside, reached, real, change = _collide(scene, segment.medium, way, t, v, going)
         light = where(going, light * change, light)
         passed = where(inside, passed * maximum(1.0 - real, 0.0), passed)
         dim = inside & (passed * boost < DIM)

@@ -54,26 +54,26 @@ def density_at(spec: Homogeneous, points: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def fly(scene, medium, o, d, t_max, channel, u, stream, active):
-    """A `Flight` along rays of unit direction d, to the surface at t_max, metres."""
-    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
-    chosen = pick(extinction, channel)
+def fly(scene, segment, u, active):
+    """A `Flight` to the surface at the end of a `Segment`."""
+    extinction = gather_vec3(scene.media.data, segment.medium * STRIDE + EXTINCTION)
+    chosen = pick(extinction, segment.channel)
     t = -log(1.0 - u) / maximum(chosen, 1e-30)
-    scattered = active & (t < t_max) & (chosen > 0.0)
-    distance = minimum(where(scattered, t, t_max), FARTHEST)
+    scattered = active & (t < segment.length) & (chosen > 0.0)
+    distance = minimum(where(scattered, t, segment.length), FARTHEST)
     passed = decay(extinction, chosen, distance)
     factor = where(scattered, passed * share(extinction, chosen), passed)
     # Light sampling would have come all the way.
     light = where(scattered, 1.0, exp(chosen * distance))
-    albedo = gather_vec3(scene.media.data, medium * STRIDE + ALBEDO)
+    albedo = gather_vec3(scene.media.data, segment.medium * STRIDE + ALBEDO)
     return Flight(scattered, distance, factor, lanes_vec3(1.0) * light, albedo)
 
 
 @kernel
-def cross(scene, medium, o, d, t_max, channel, stream, active):
-    """A `Crossing` along shadow rays of unit direction d and length t_max, metres."""
-    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
-    distance = minimum(t_max, FARTHEST)
+def cross(scene, segment, active):
+    """A `Crossing` along the `Segment` of a shadow ray."""
+    extinction = gather_vec3(scene.media.data, segment.medium * STRIDE + EXTINCTION)
+    distance = minimum(segment.length, FARTHEST)
     passed = Vec3(
         exp(-extinction.x * distance),
         exp(-extinction.y * distance),

@@ -19,9 +19,9 @@ class MediumModel(Record):
     ----------
     pack : (spec, packer) -> None
         What its kernels read beyond the coefficients; see `alight.compiled.media.MediumPacker`.
-    fly : kernel ``(scene, medium, o, d, t_max, channel, u, stream, active) -> Flight``
+    fly : kernel ``(scene, segment, u, active) -> Flight``
         Where paths are scattered; see `alight.media.tables`.
-    cross : kernel ``(scene, medium, o, d, t_max, channel, stream, active) -> Crossing``
+    cross : kernel ``(scene, segment, active) -> Crossing``
         How much light comes through on the way of a shadow ray.
     density_at : (spec, (n, 3) float64) -> (n,) float64
         Factor of the coefficients at points of the world, metres.

@@ -7,6 +7,7 @@ lanes that are not active are arbitrary, but for the crossing of empty space, wh
 from __future__ import annotations
 
 from alight.core.frame import frame_from_normal
+from alight.core.switch import switch
 from alight.core.vec import length_squared
 from alight.core.warps import direction_around_z
 from alight.media.model import MEDIA
@@ -30,86 +31,49 @@ def _kind(scene, medium):
 
 @specialised
 def fly(program):
-    """``(scene, medium, o, d, t_max, channel, u, stream, active) -> Flight``.
-
-    `medium` is a row of the tables, not 0 where active.
-    """
-    chain = _fly_chain(_models(MEDIA, program.media))
+    """``(scene, segment, u, active) -> Flight``; active lanes are in a medium."""
+    answers = switch((m.number, _flying(m)) for m in _models(MEDIA, program.media))
 
     @kernel
-    def fly(scene, medium, o, d, t_max, channel, u, stream, active):
-        kind = _kind(scene, medium)
-        return chain(scene, medium, kind, o, d, t_max, channel, u, stream, active)
+    def fly(scene, segment, u, active):
+        one = lanes_vec3(1.0)
+        nothing = Flight(lanes_mask(False), lanes(0.0) + segment.length, one, one, one)
+        return answers(scene, segment, _kind(scene, segment.medium), u, active, nothing)
 
     return fly
 
 
-def _fly_chain(models):
-    if not models:
-        return _stay
-    own, number, rest = models[0].fly, models[0].number, _fly_chain(models[1:])
+def _flying(model):
+    own = model.fly
 
     @kernel
-    def step(scene, medium, kind, o, d, t_max, channel, u, stream, active):
-        result = rest(scene, medium, kind, o, d, t_max, channel, u, stream, active)
-        mine = active & (kind == number)
-        if any_lane(mine):
-            found = own(scene, medium, o, d, t_max, channel, u, stream, mine)
-            result = Flight(
-                where(mine, found.scattered, result.scattered),
-                where(mine, found.t, result.t),
-                where(mine, found.factor, result.factor),
-                where(mine, found.light, result.light),
-                where(mine, found.albedo, result.albedo),
-            )
-        return result
+    def answer(scene, segment, kind, u, active, value):
+        return own(scene, segment, u, active)
 
-    return step
-
-
-@kernel
-def _stay(scene, medium, kind, o, d, t_max, channel, u, stream, active):
-    one = lanes_vec3(1.0)
-    return Flight(lanes_mask(False), lanes(0.0) + t_max, one, one, one)
+    return answer
 
 
 @specialised
 def cross(program):
-    """``(scene, medium, o, d, t_max, channel, stream, active) -> Crossing``."""
-    chain = _cross_chain(_models(MEDIA, program.media))
+    """``(scene, segment, active) -> Crossing``."""
+    answers = switch((m.number, _crossing(m)) for m in _models(MEDIA, program.media))
 
     @kernel
-    def cross(scene, medium, o, d, t_max, channel, stream, active):
-        kind, within = _kind(scene, medium), active & (medium != 0)
-        return chain(scene, medium, kind, o, d, t_max, channel, stream, within)
+    def cross(scene, segment, active):
+        medium, empty = segment.medium, Crossing(lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0))
+        return answers(scene, segment, _kind(scene, medium), (), active & (medium != 0), empty)
 
     return cross
 
 
-def _cross_chain(models):
-    if not models:
-        return _come_through
-    own, number, rest = models[0].cross, models[0].number, _cross_chain(models[1:])
+def _crossing(model):
+    own = model.cross
 
     @kernel
-    def step(scene, medium, kind, o, d, t_max, channel, stream, active):
-        result = rest(scene, medium, kind, o, d, t_max, channel, stream, active)
-        mine = active & (kind == number)
-        if any_lane(mine):
-            found = own(scene, medium, o, d, t_max, channel, stream, mine)
-            result = Crossing(
-                where(mine, found.passed, result.passed),
-                where(mine, found.light, result.light),
-                where(mine, found.boost, result.boost),
-            )
-        return result
+    def answer(scene, segment, kind, query, active, value):
+        return own(scene, segment, active)
 
-    return step
-
-
-@kernel
-def _come_through(scene, medium, kind, o, d, t_max, channel, stream, active):
-    return Crossing(lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0))
+    return answer
 
 
 # ---------------------------------------------------------------- directions

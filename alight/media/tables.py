@@ -39,6 +39,11 @@ CHROMATIC = "chromatic"
 #: What programs call it that a medium shines.
 EMISSIVE = "emissive"
 
+#: A part of a ray between two surfaces: o, d: origin and unit direction; length: metres; medium
+#: (u32): row of the tables, 0 for empty space; channel (u32), which chooses distances; stream: a
+#: `Stream` of random numbers.
+Segment = namedtuple("Segment", "o d length medium channel stream")
+
 #: What a path did on its way to a surface.
 #: scattered: mask, it was scattered at the distance t before; factor (Vec3): throughput, and the
 #: densities of this in the three channels, over the density in the channel that chose the distance;

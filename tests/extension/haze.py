@@ -57,12 +57,12 @@ def density_at(spec: Haze, points: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def rate(scene, medium, o, d):
+def rate(scene, segment):
     """Density at the origin, and what it falls by per metre, logarithmically; never quite 0."""
-    per_height = 1.0 / maximum(gather(scene.media.data, medium * STRIDE + LARGEST), 1e-30)
-    falls = d.y * per_height
+    per_height = 1.0 / maximum(gather(scene.media.data, segment.medium * STRIDE + LARGEST), 1e-30)
+    falls = segment.d.y * per_height
     falls = where(absolute(falls) < 1e-4 * per_height, 1e-4 * per_height, falls)
-    return exp(minimum(-o.y * per_height, 80.0)), falls
+    return exp(minimum(-segment.o.y * per_height, 80.0)), falls
 
 
 @kernel
@@ -72,30 +72,30 @@ def depth(density, falls, t):
 
 
 @kernel
-def fly(scene, medium, o, d, t_max, channel, u, stream, active):
-    """A `Flight` along rays of unit direction d, to the surface at t_max, metres."""
-    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
-    chosen = pick(extinction, channel)
-    density, falls = rate(scene, medium, o, d)
-    whole = depth(density, falls, minimum(t_max, FARTHEST))
+def fly(scene, segment, u, active):
+    """A `Flight` to the surface at the end of a `Segment`."""
+    extinction = gather_vec3(scene.media.data, segment.medium * STRIDE + EXTINCTION)
+    chosen = pick(extinction, segment.channel)
+    density, falls = rate(scene, segment)
+    whole = depth(density, falls, minimum(segment.length, FARTHEST))
     wanted = -log(1.0 - u) / maximum(chosen, 1e-30)
     scattered = active & (wanted < whole) & (chosen > 0.0)
     left = maximum(1.0 - wanted * falls / density, 1e-30)
-    t = where(scattered, minimum(-log(left) / falls, t_max), t_max)
+    t = where(scattered, minimum(-log(left) / falls, segment.length), segment.length)
     reached = where(scattered, wanted, whole)
     passed = decay(extinction, chosen, reached)
     factor = where(scattered, passed * share(extinction, chosen), passed)
     light = where(scattered, 1.0, exp(chosen * reached))
-    albedo = gather_vec3(scene.media.data, medium * STRIDE + ALBEDO)
+    albedo = gather_vec3(scene.media.data, segment.medium * STRIDE + ALBEDO)
     return Flight(scattered, t, factor, lanes_vec3(1.0) * light, albedo)
 
 
 @kernel
-def cross(scene, medium, o, d, t_max, channel, stream, active):
-    """A `Crossing` along shadow rays of unit direction d and length t_max, metres."""
-    extinction = gather_vec3(scene.media.data, medium * STRIDE + EXTINCTION)
-    density, falls = rate(scene, medium, o, d)
-    reached = depth(density, falls, minimum(t_max, FARTHEST))
+def cross(scene, segment, active):
+    """A `Crossing` along the `Segment` of a shadow ray."""
+    extinction = gather_vec3(scene.media.data, segment.medium * STRIDE + EXTINCTION)
+    density, falls = rate(scene, segment)
+    reached = depth(density, falls, minimum(segment.length, FARTHEST))
     passed = Vec3(
         exp(-extinction.x * reached), exp(-extinction.y * reached), exp(-extinction.z * reached)
     )

@@ -9,7 +9,7 @@ import pytest
 
 from alight.compiled.scene import compile_scene
 from alight.media.sampling import cross, fly
-from alight.media.tables import Stream
+from alight.media.tables import Segment, Stream
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from lanewise.simd import lanes
@@ -42,7 +42,7 @@ class Bench:
         u = rng.random(COUNT, np.float32)
         keys = (rng.integers(0, 2**32, COUNT, np.uint32) for _ in range(3))
         rows = np.full(COUNT, medium, np.uint32)
-        return rows, o, d, lanes(length) * ones, channel, u, Stream(*keys)
+        return Segment(o, d, lanes(length) * ones, rows, channel, Stream(*keys)), u
 
 
 @pytest.fixture(scope="module")
@@ -90,8 +90,8 @@ def columns(v):
 @pytest.mark.parametrize("ray", RAYS.values(), ids=RAYS)
 def test_flights_come_through_as_the_transmittance_says(bench, ray):
     active = np.ones(COUNT, bool)
-    rows, o, d, length, channel, u, stream = bench.arguments(*ray)
-    flight = bench.fly(bench.scene, rows, o, d, length, channel, u, stream, active)
+    segment, u = bench.arguments(*ray)
+    flight = bench.fly(bench.scene, segment, u, active)
     factor, through = columns(flight.factor), ~flight.scattered
     expected = np.exp(-optical_depth(*ray) * np.array(EXTINCTION))
     weight = factor / factor.mean(1, keepdims=True)
@@ -102,15 +102,15 @@ def test_flights_come_through_as_the_transmittance_says(bench, ray):
     # The densities of light sampling are those of ratio tracking: their mean over paths is 1.
     light = columns(flight.light)
     for c in range(3):
-        own = through & (channel == c)
-        assert_mean(own / (channel == c).mean() * light[:, c], 1.0)
+        own = through & (segment.channel == c)
+        assert_mean(own / (segment.channel == c).mean() * light[:, c], 1.0)
 
 
 @pytest.mark.parametrize("ray", RAYS.values(), ids=RAYS)
 def test_shadow_rays_come_through_as_the_transmittance_says(bench, ray):
     active = np.ones(COUNT, bool)
-    rows, o, d, length, channel, _, stream = bench.arguments(*ray)
-    crossing = bench.cross(bench.scene, rows, o, d, length, channel, stream, active)
+    segment, _ = bench.arguments(*ray)
+    crossing = bench.cross(bench.scene, segment, active)
     passed = columns(crossing.passed) * np.broadcast_to(crossing.boost, COUNT)[:, None]
     light = columns(crossing.light)
     weight = passed / light.mean(1, keepdims=True)
@@ -122,9 +122,9 @@ def test_shadow_rays_come_through_as_the_transmittance_says(bench, ray):
 def test_a_flight_knows_what_the_shadow_ray_of_the_same_numbers_does(bench):
     """Both meet the same collisions; what passes by chance here is weighted there by 1 - real."""
     active = np.ones(COUNT, bool)
-    rows, o, d, length, channel, u, stream = bench.arguments(*RAYS["grid"])
-    flight = bench.fly(bench.scene, rows, o, d, length, channel, u, stream, active)
-    crossing = bench.cross(bench.scene, rows, o, d, length, channel, stream, active)
+    segment, u = bench.arguments(*RAYS["grid"])
+    flight = bench.fly(bench.scene, segment, u, active)
+    crossing = bench.cross(bench.scene, segment, active)
     # Without roulette.
     alike = ~flight.scattered & (np.broadcast_to(crossing.boost, COUNT) == 1.0)
     alike &= crossing.passed.x > 0.0

@@ -7,7 +7,7 @@ from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.media.grid import Grid
 from alight.media.sampling import fly
-from alight.media.tables import Stream
+from alight.media.tables import Segment, Stream
 from alight.media.voxels import emission
 from alight.scene import flatten, rotate, scale, translate
 from lanewise.jit import instantiate
@@ -84,7 +84,8 @@ def test_values_are_those_of_the_place_of_the_collision(place):
     stream = Stream(*(rng.integers(0, 2**32, N, np.uint32) for _ in range(3)))
     far = np.full(N, 100.0, np.float32)
     u = rng.random(N, np.float32)
-    flight = run_fly(compiled.tables, rows, Vec3(*o), Vec3(*d), far, channel, u, stream, every)
+    segment = Segment(Vec3(*o), Vec3(*d), far, rows, channel, stream)
+    flight = run_fly(compiled.tables, segment, u, every)
     hit = flight.scattered
     assert 0.15 < hit.mean() < 0.9
     p = o + np.where(hit, flight.t, 0.0) * d

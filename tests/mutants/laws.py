@@ -192,8 +192,8 @@ LAWS = (
         "media/homogeneous.py",
         (
             (
-                "distance = minimum(where(scattered, t, t_max), FARTHEST)",
-                "distance = minimum(where(scattered, 0.5 * t, t_max), FARTHEST)",
+                "distance = minimum(where(scattered, t, segment.length), FARTHEST)",
+                "distance = minimum(where(scattered, 0.5 * t, segment.length), FARTHEST)",
             ),
         ),
         f"{LAWS_OF}[media-homogeneous]",
