@@ -14,7 +14,8 @@ from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.core.registry import versions
 from alight.core.spec import Bsdf
-from alight.shapes.hit import INFO, Surface
+from alight.laws.plane import plane_surface
+from alight.shapes.hit import INFO
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
 from lanewise.view import View
@@ -46,28 +47,8 @@ class Material:
 
     def surface(self, n, bsdf=None):
         """A surface in the plane z = 0, at n points."""
-        zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
-        one = zero + np.float32(1.0)
-        u, v = (zero + np.float32(c) for c in self.uv)
-        black, up = Vec3(zero, zero, zero), Vec3(zero, zero, one)
-        s, t = Vec3(one, zero, zero), Vec3(zero, one, zero)
-        bsdf = none if bsdf is None else bsdf
-        return Surface(
-            p=black,
-            error=zero,
-            ng=up,
-            ns=up,
-            s=s,
-            t=t,
-            u=u,
-            v=v,
-            shape=none,
-            prim=none,
-            bsdf=bsdf,
-            light=none,
-            color=black,
-            chart=(),
-        )
+        u, v = (np.full(n, c, np.float32) for c in self.uv)
+        return plane_surface(u, v, bsdf)
 
     def evaluate(self, wo, wi, bsdf=None):
         """(f_cos (3, n), pdf (n,))."""

@@ -13,9 +13,10 @@ from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
 from alight.core.registry import versions
 from alight.core.spec import Texture
+from alight.laws.plane import plane_surface
 from alight.laws.report import demand
 from alight.laws.statistics import LARGEST_Z, z_of_mean
-from alight.shapes.hit import INFO, Surface
+from alight.shapes.hit import INFO
 from alight.textures.fetch import texture_value
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
@@ -42,27 +43,8 @@ def values_at(spec: Texture, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     shapes = SimpleNamespace(info=View(np.zeros(INFO, np.uint32)))
     scene = SimpleNamespace(materials=materials, shapes=shapes)
     zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
-    one = zero + np.float32(1.0)
-    black, up = Vec3(zero, zero, zero), Vec3(zero, zero, one)
-    p = Vec3(u, v, zero)
-    s, t = Vec3(one, zero, zero), Vec3(zero, one, zero)
-    surface = Surface(
-        p=p,
-        error=zero,
-        ng=up,
-        ns=up,
-        s=s,
-        t=t,
-        u=u,
-        v=v,
-        shape=none,
-        prim=none,
-        bsdf=none,
-        light=none,
-        color=black,
-        chart=(),
-    )
-    value = Vec3(*(zero + np.float32(c) for c in spec.maximum())) if not spec.varies else black
+    surface, start = plane_surface(u, v), (0.0, 0.0, 0.0) if spec.varies else spec.maximum()
+    value = Vec3(*(zero + np.float32(c) for c in start))
     run = instantiate(texture_value, program, compiled=False)
     with np.errstate(all="ignore"):
         found = run(scene, none + np.uint32(number), surface, value)

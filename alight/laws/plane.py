@@ -1,0 +1,32 @@
+"""The plane z = 0, on which laws look at materials and textures."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.shapes.hit import Surface
+from lanewise.vec3 import Vec3
+
+
+def plane_surface(
+    u: NDArray[np.float32], v: NDArray[np.float32], bsdf: NDArray[np.uint32] | None = None
+) -> Surface:
+    """The surface at points of the plane, as the NumPy twin sees it.
+
+    Parameters
+    ----------
+    u, v : (n,) float32
+        Texture coordinates; the points are (u, v, 0), metres.
+    bsdf : (n,) uint32, optional
+        Rows of the materials; 0 by default.
+    """
+    zero, none = np.zeros_like(u), np.zeros(len(u), np.uint32)
+    one = zero + np.float32(1.0)
+    black, up = Vec3(zero, zero, zero), Vec3(zero, zero, one)
+    return Surface(
+        p=Vec3(u, v, zero), error=zero, ng=up, ns=up,
+        s=Vec3(one, zero, zero), t=Vec3(zero, one, zero), u=u, v=v,
+        shape=none, prim=none, bsdf=none if bsdf is None else bsdf, light=none,
+        color=black, chart=(),
+    )  # fmt: skip
