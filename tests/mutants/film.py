@@ -67,6 +67,13 @@ FILM = (
         "tests/metrics/test_statistics.py::test_holm_steps_down",
     ),
     Mutant(
+        "a fourth channel among the errors of the picture",
+        "films/film.py",
+        (("(sums, counts)[1][..., :3]", "(sums, counts)[1][..., :4]"),),
+        "tests/film/test_film.py"
+        "::test_a_fourth_channel_changes_nothing_of_the_picture_and_its_error",
+    ),
+    Mutant(
         "a base of Halton's points that is no prime",
         "samplers/halton.py",
         (("109, 113, 127", "109, 115, 127"),),
