@@ -41,4 +41,16 @@ RAYS = (
         (("STRETCH = 1.0 + 2.0**-20", "STRETCH = 1.0 - 2.0**-10"),),
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),
+    Mutant(
+        "points of shining triangles thought to be exact",
+        "shapes/mesh.py",
+        (
+            (
+                "(wi, distance, cosine, error, density)",
+                "(wi, distance, cosine, 0.0 * error, density)",
+            ),
+        ),
+        "tests/shapes/test_robust_rays.py"
+        "::test_shadow_rays_from_the_air_do_not_meet_their_light[mesh-far]",
+    ),
 )
