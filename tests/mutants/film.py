@@ -79,4 +79,11 @@ FILM = (
         (("109, 113, 127", "109, 115, 127"),),
         "tests/core/test_tables_of_constants.py::test_the_bases_of_halton_are_the_first_primes",
     ),
+    Mutant(
+        "layers that choose at glass with other random numbers than the picture",
+        "integrators/aov.py",
+        (("vertex_dimension(path.depth + 1)", "vertex_dimension(path.depth + 2)"),),
+        "tests/rendering/test_aovs.py"
+        "::test_the_layers_take_the_way_of_the_picture_sample_by_sample",
+    ),
 )

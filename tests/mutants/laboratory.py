@@ -69,4 +69,11 @@ LABORATORY = (
         (("(weight * share if d < depth else 0.0)", "0.0"),),
         f"{BOUNDS}::test_without_roulette_it_is_a_geometric_series",
     ),
+    Mutant(
+        "the longest paths in the words of their replicates",
+        "integrators/contributions.py",
+        (("minimum_u32(depth, lanes_u32((1 << HALF) - 1))", "depth"),),
+        "tests/lab/test_why.py"
+        "::test_words_hold_all_numbers_up_to_their_limits_and_the_longest_path_beyond",
+    ),
 )

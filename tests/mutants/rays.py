@@ -53,4 +53,21 @@ RAYS = (
         "tests/shapes/test_robust_rays.py"
         "::test_shadow_rays_from_the_air_do_not_meet_their_light[mesh-far]",
     ),
+    Mutant(
+        "dp/dv of instances left in the space of their mesh",
+        "shapes/charts.py",
+        (
+            (
+                "where(instanced, along_rows(tables.data, k, across), across)",
+                "where(instanced, across, along_rows(tables.data, k, across))",
+            ),
+        ),
+        "tests/shapes/test_surfaces.py::test_instances_look_like_copies",
+    ),
+    Mutant(
+        "threads together give the right part a box of other bins",
+        "accel/top.py",
+        (("first + bins - 1)", "first + bins + 1)"),),
+        "tests/accel/test_build.py::test_the_tree_does_not_depend_on_who_divides_the_first_levels",
+    ),
 )
