@@ -120,6 +120,19 @@ def test_the_freedom_of_even_pictures_is_their_number_of_pixels():
     assert figure_of(means.astype(np.float32)).freedom == pytest.approx(16 * 24 * terms, rel=5e-3)
 
 
+def test_the_doubt_about_noisy_pixels_counts_by_their_share():
+    """Where others have an error that they know, relative doubt shrinks, squared, as the share."""
+    noisy = picture_of_all_kinds()
+    noisy[:, 10:] = 0.5
+    both = noisy.copy()
+    both[:, 10:] += 0.06 * np.array([1.0, -1.0, 1.0, -1.0])[:, None]
+    alone, joined = figure_of(noisy), figure_of(both)
+    share = alone.value / joined.value
+    assert 0.5 < share < 0.95
+    assert joined.brightness == pytest.approx(alone.brightness * share**2, rel=2e-3)
+    assert 1.0 - joined.lowest == pytest.approx((1.0 - alone.lowest) * share, rel=2e-3)
+
+
 def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0, ratio=2.0):
     """Sums of pixels of which B sees rho, with normal noise."""
     rng, n = np.random.default_rng(seed), len(rho)
