@@ -305,6 +305,10 @@ def test_the_spread_of_a_reference_is_how_its_noise_moves_every_error(count):
     # The variance of 6000 numbers is right to 2 to 3 %.
     assert found == pytest.approx(left.var(), rel=0.1)
     assert reference_spread(4.0 * sigma**2 / count, count) == pytest.approx(16.0 * found)
+    # Over what a variance that is known exactly would give: 1 + 1 over its degrees of freedom.
+    exact = reference_spread(sigma**2, math.inf)
+    for blocks in (2, 3, 5, 16):
+        assert reference_spread(sigma**2, blocks) / exact == pytest.approx(1.0 + 1.0 / (blocks - 1))
 
 
 # ---------------------------------------------------------------------------- figures
