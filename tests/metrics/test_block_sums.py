@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from alight.metrics import Measured
+from alight.metrics import Measured, block_sums
 from alight.metrics.block_sums import BlockSums
 
 NAMES = ("pixels", "size", "difference", "squares", "variance", "exchanged", "fourth", "spread")
@@ -32,6 +32,17 @@ def test_blocks_of_blocks_are_blocks():
         total = getattr(fine, name).sum(axis=(0, 1))
         np.testing.assert_allclose(getattr(whole, name)[0, 0], total, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(fine.third, coarse.third)
+
+
+@pytest.mark.parametrize("strip", [1, 24, 1000])
+def test_how_many_rows_are_worked_on_at_a_time_does_not_matter(strip, monkeypatch):
+    """Fewer than a block has, too: a block may be as large as the picture."""
+    a, b = noisy(1, (70, 40, 2)), noisy(2, (70, 40, 2), spp=64)
+    expected = BlockSums.of(a, b, 16)
+    monkeypatch.setattr(block_sums, "_STRIP", strip)
+    found = BlockSums.of(a, b, 16)
+    for name in NAMES:
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-9)
 
 
 def test_what_each_picture_says_of_the_other_is_exchanged():

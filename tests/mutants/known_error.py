@@ -159,4 +159,11 @@ KNOWN_ERROR = (
         "tests/metrics/test_pixel_bars.py"
         "::test_bars_of_an_even_picture_are_students_with_five_more_degrees",
     ),
+    Mutant(
+        "doubt about some pixels, cubed by their share",
+        "metrics/own_error.py",
+        (("(believed.value / total) ** 2", "(believed.value / total) ** 3"),),
+        "tests/metrics/test_noisy_pixels.py"
+        "::test_the_doubt_about_noisy_pixels_counts_by_their_share",
+    ),
 )
