@@ -221,6 +221,23 @@ def test_differences_of_channels_are_relative_to_the_reference():
             assert channel == pytest.approx((value, value - width, value + width), rel=1e-3)
 
 
+@pytest.mark.parametrize(("counts", "sigmas"), [((3, 20), (0.4, 0.1)), ((20, 3), (0.4, 0.1))])
+def test_intervals_of_channels_are_welchs(counts, sigmas):
+    """Of few and many pictures, of which one kind is noisier."""
+    rng = np.random.default_rng(17)
+    rows = [
+        np.stack([block_row(one) for one in seeds(rng, n, truth(), sigma, shared=False)])
+        for n, sigma in zip(counts, sigmas, strict=True)
+    ]
+    sides = [BlockMoments.of(side, (WIDTH, HEIGHT)).statistics for side in rows]
+    found = compare_with_reference(*sides).test.difference
+    arm, reference = (side[:, :3] for side in rows)
+    interval = stats.ttest_ind(arm, reference, equal_var=False).confidence_interval(0.95)
+    widths = (interval.high - interval.low) / reference.mean(axis=0)
+    # Degrees of freedom are told to two digits.
+    assert [one.high - one.low for one in found] == pytest.approx(widths, rel=0.03)
+
+
 def test_blocks_of_the_arm_may_be_larger_than_the_references():
     rng = np.random.default_rng(8)
     picture = truth()
