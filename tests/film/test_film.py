@@ -369,19 +369,6 @@ def test_machine_code_adds_tiles_as_numpy_does():
     np.testing.assert_array_equal(films[1].sums, films[0].sums)
 
 
-def test_a_fourth_channel_changes_nothing_of_the_picture_and_its_error():
-    films = Film(24, 16), Film(24, 16, channels=("R", "G", "B", "A"))
-    samples = np.random.default_rng(5).lognormal(0.0, 0.3, (8, 16, 24, 3)).astype(np.float32)
-    for film in films:
-        film.sums[..., :3, :] = partial_of(samples, 0, 0, 0).sums
-        film.counts[...] = 2
-    films[1].sums[..., 3, 0] = 10**9
-    for said in ("image", "standard_error", "error"):
-        np.testing.assert_equal(*(getattr(film, said) for film in films), said)
-    np.testing.assert_equal(*(film.replicate_means() for film in films))
-    np.testing.assert_equal(*(film.interval() for film in films))
-
-
 @pytest.mark.parametrize("channels", [("R", "G", "B"), ("R", "G", "B", "A")])
 def test_machine_code_reads_films_as_numpy_does(monkeypatch, channels):
     """More rows than a band, a cut band at the end, negative sums, and empty replicates."""

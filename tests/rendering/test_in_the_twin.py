@@ -14,7 +14,7 @@ from alight.films import fixed_point
 from alight.films.sample_ranges import CELL_SIZE
 from alight.filters.mitchell import Mitchell, profile
 from alight.formats import loads
-from alight.integrators.walk import CAMERA_DIMENSIONS, make_settings
+from alight.integrators.walk import CAMERA_DIMENSIONS, VERTEX_DIMENSIONS, make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Cursor, Tile, count_cells, next_pixel, next_sample
 from alight.samplers import independent
@@ -102,7 +102,11 @@ def test_no_random_number_is_used_for_two_purposes(monkeypatch):
     # The camera's are computed for a whole packet whenever one of its lanes starts a path.
     again = {key[2] for key, n in reads.items() if n > 1 and key[2] >= CAMERA_DIMENSIONS}
     assert not again, again
-    assert max(key[2] for key in places) > 3 * 16
+    # Low dimensions are the best: no vertex leaves its place to none.
+    used = [key[2] for key in places if key[2] >= CAMERA_DIMENSIONS]
+    vertices = {(dimension - CAMERA_DIMENSIONS) // VERTEX_DIMENSIONS for dimension in used}
+    assert vertices == set(range(len(vertices)))
+    assert max(vertices) > 2
 
 
 # ---------------------------------------------------------------- layers, invalid samples, filters
