@@ -7,6 +7,7 @@ import pytest
 
 from alight.metrics import Measured, block_sums
 from alight.metrics.block_sums import BlockSums
+from alight.metrics.statistics import t_to_z
 
 NAMES = ("pixels", "size", "difference", "squares", "variance", "exchanged", "fourth", "spread")
 
@@ -74,6 +75,19 @@ def test_skewness_falls_with_the_root_of_the_number_of_pixels():
     # Skewness 2 / sqrt(k R) of one pixel; four pixels have half of it.
     assert sums.skewness == pytest.approx(0.5 * 2.0 / math.sqrt(2.0 * 4), rel=0.25)
     assert sums.joined().skewness == pytest.approx(0.5 * sums.skewness, rel=0.1)
+
+
+@pytest.mark.parametrize("shape", [(1, 2, 1), (1, 3, 1), (4, 4, 1)])
+def test_pixels_that_differ_by_more_than_they_say_are_judged_by_their_spread(shape):
+    """The sum over n times the spread of its terms, however small the errors claim to be."""
+    d = np.random.default_rng(11).normal(0.2, 1.0, shape)
+    few = Measured(1.0 + d, np.full(shape, 1e-3), 4)
+    sums = BlockSums.of(few, Measured(np.ones(shape), np.zeros(shape), 4), 4)
+    dof = np.maximum(sums.variance**2 / sums.spread - 2.0, 1.0)
+    expected = d.sum() / math.sqrt(d.size * d.var(ddof=1))
+    np.testing.assert_allclose(sums.z(), t_to_z(np.full((1, 1, 1), expected), dof), rtol=1e-5)
+    # By themselves they would say that it is a thousand times the error.
+    assert abs(sums.z(own=True)).min() > abs(sums.z()).max()
 
 
 def test_a_block_of_unknown_error_is_not_judged_and_others_are():

@@ -27,6 +27,9 @@ EQUIVALENT: dict[str, str] = {
     "integrators/volpath.py step.volpath_step: 1e-30 -> 1.0200000000000001e-30": (
         "keeps a density above 0; any tiny number does"
     ),
+    "integrators/shadow_rays.py _through_empty_space: 0 -> 1": (
+        "surfaces passed in a scene in which there are none to pass: nobody asks"
+    ),
     "lab/statistics.py log_ratio: 0.5 -> 0.51": (
         "without any variance of its own the ratio has infinitely many degrees of freedom"
     ),
