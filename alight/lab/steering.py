@@ -25,7 +25,7 @@ from alight.films import Film
 from alight.integrators.walk import Settings, make_settings
 from alight.lab.measure import Rung, add_tiles, film_for
 from alight.rendering.cycles import THRESHOLD, Cycles
-from alight.rendering.job import seed_of_round
+from alight.rendering.seeds import seed_of_round
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.schedule import Schedule, Verdict
 from alight.rendering.steering import Steered

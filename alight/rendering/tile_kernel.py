@@ -14,7 +14,9 @@ from collections import namedtuple
 from alight.cameras.rays import generate_ray
 from alight.films.fixed_point import put_limbs
 from alight.filters.importance import sample_filter
+from alight.guiding.records import record_ends
 from alight.integrators.aov import LayerFilm, look
+from alight.integrators.guided import is_guided
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
 from alight.integrators.walk import (
@@ -201,12 +203,23 @@ def add_finished(program):
     return add_finished
 
 
-@kernel
-def finish(settings, tile, film, path, before):
-    """Add the paths that have ended since they were active in the lanes of `before`."""
-    finished = before & ~path.active
-    if any_lane(finished):
-        add_finished(settings, tile, film, path, finished)
+@specialised
+def finish(program):
+    """Add the paths that have ended since they were active in the lanes of `before`.
+
+    ``finish(settings, tile, film, path, before)``
+    """
+    guided = is_guided(program)
+
+    @kernel
+    def finish(settings, tile, film, path, before):
+        finished = before & ~path.active
+        if any_lane(finished):
+            add_finished(settings, tile, film, path, finished)
+            if guided:
+                record_ends(settings.log, path, finished)
+
+    return finish
 
 
 @specialised
