@@ -42,16 +42,16 @@ WIDTH = 400
 SPP = 96
 MORE = {
     "cloud": 384,
-    "door-ajar": 512,
+    "door-ajar": 128,
     "environment-map": 256,
     "fog": 512,
     "lamp-and-glass": 256,
-    "lamp-in-glass": 512,
+    "lamp-in-glass": 128,
     "milk": 512,
     "mirror-and-glass": 256,
     "motion-blur": 384,
     "rough-glass": 256,
-    "under-water": 512,
+    "under-water": 128,
     "veach-plates": 192,
 }
 #: Its noise is what it shows: that of 16 samples in the scene's own size, four pixels as one.

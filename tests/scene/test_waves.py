@@ -8,6 +8,8 @@ from alight.formats import load, loads, save
 from alight.scene.builtin import waves
 
 MESH = waves.builtin_mesh("builtin:waves")
+NORMALS = MESH.normals
+assert NORMALS is not None
 SIDE = waves.CELLS + 1
 
 
@@ -22,7 +24,7 @@ def test_normals_are_those_of_the_water():
     step = 1e-5
     along_x = (waves.height(x + step, z)[0] - waves.height(x - step, z)[0]) / (2.0 * step)
     along_z = (waves.height(x, z + step)[0] - waves.height(x, z - step)[0]) / (2.0 * step)
-    nx, ny, nz = MESH.normals.astype(float).T
+    nx, ny, nz = NORMALS.astype(float).T
     assert (ny > 0.0).all()
     assert np.allclose([-nx / ny, -nz / ny], [along_x, along_z], atol=1e-6)
 
@@ -33,7 +35,7 @@ def test_triangles_cover_the_square_and_look_up():
     assert np.isclose(0.5 * normals[:, 1].sum(), 4.0)
     assert (normals[:, 1] > 0.0).all()
     # They are small enough for the waves: they turn from the normal between them by 3 degrees.
-    between = MESH.normals[MESH.faces].astype(float).sum(axis=1)
+    between = NORMALS[MESH.faces].astype(float).sum(axis=1)
     cosine = np.sum(normals * between, axis=1)
     cosine /= np.linalg.norm(normals, axis=1) * np.linalg.norm(between, axis=1)
     assert np.degrees(np.arccos(cosine.min())) < 3.0
@@ -41,7 +43,7 @@ def test_triangles_cover_the_square_and_look_up():
 
 def test_squares_continue_each_other():
     heights = MESH.vertices[:, 1].reshape(SIDE, SIDE)
-    normals = MESH.normals.reshape(SIDE, SIDE, 3)
+    normals = NORMALS.reshape(SIDE, SIDE, 3)
     for table in (heights, normals):
         assert np.allclose(table[0], table[-1], atol=1e-6)
         assert np.allclose(table[:, 0], table[:, -1], atol=1e-6)
