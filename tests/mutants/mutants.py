@@ -18,6 +18,7 @@ from tests.mutants.scattering import SCATTERING
 from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
+from tests.mutants.waves import WAVES
 
 MUTANTS = (
     SCATTERING
@@ -40,4 +41,5 @@ MUTANTS = (
     + STUDIES
     + COMPILER
     + LAWS
+    + WAVES
 )
