@@ -42,8 +42,8 @@ Drawn = namedtuple("Drawn", "p d pdf of_bsdf of_guide weight")
 #: Shares of the guide among which a leaf chooses.
 SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9)
 
-#: int64 each; cells: second moment of the quadrants, four a node; leaves: of each leaf the number of its
-#: records, and the second moment that each of `SHARES` would have had.
+#: int64 each; cells: second moments of the quadrants, four a node; leaves: of each leaf the number
+#: of its records, and the second moment that each of `SHARES` would have had.
 Totals = namedtuple("Totals", "cells leaves")
 LEAF_SUMS = 1 + len(SHARES)
 

@@ -50,8 +50,8 @@ from lanewise.simd import (
     where,
 )
 
-#: A path goes on for sure while what it may add is 1 / `WINDOW` of what a sample of its pixel may be
-#: (root mean squares), and with the probability `LEAST` at least.
+#: A path goes on for sure while what it may add is 1 / `WINDOW` of what a sample of its pixel may
+#: be (root mean squares), and with the probability `LEAST` at least.
 WINDOW, LEAST = 6.0, 0.05
 
 #: Place of the choice between guide and BSDF among the numbers of a vertex.

@@ -135,7 +135,7 @@ EXAMPLES = (
     Path(light_sampling="bsdf", russian_roulette="none", max_depth=4),
     Path(light_sampling="emitter", light_choice="uniform"),
     Path(heuristic="balance", rr_depth=1),
-    Path(hide_emitters=True),
+    Path(hide_emitters=True, guiding="on"),
 )
 
 

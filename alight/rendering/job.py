@@ -27,6 +27,7 @@ from alight.rendering.tiles import tiles_of
 from alight.rendering.training import Training
 from lanewise.machine import fingerprint
 
+
 @dataclass(frozen=True)
 class Progress:
     """How far a render is.

@@ -26,8 +26,8 @@ from alight.rendering.layers import layers_of
 from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
-from alight.rendering.training import is_to_be_guided, trained
 from alight.rendering.schedules import schedule_of, time_limit_of
+from alight.rendering.training import is_to_be_guided, trained
 from alight.scene import Scene, content_hash, flatten
 
 #: Seconds between two reports of progress.

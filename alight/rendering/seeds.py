@@ -1,8 +1,8 @@
-"""Seeds of a render's parts: its rounds, and what is not the picture. No schedule has 2^16 rounds."""
+"""Seeds of a render's parts: its rounds, and what is not the picture."""
 
 from __future__ import annotations
 
-#: The ledger's pilot, and the first round of training a guide, in the place of a round.
+#: The ledger's pilot, and the first round of training a guide; no schedule has so many rounds.
 PILOT, TRAINING = 2**16, 2**17
 
 

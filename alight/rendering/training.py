@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
 from alight.films import CELL_SIZE
 from alight.guiding.records import Totals, add_records
@@ -44,6 +43,10 @@ BLOCK, DARKEST = 4, 0.01
 
 #: Most nodes of all quadtrees: 8 bytes each in the guide, and 32 a thread while it is trained.
 MOST_NODES = 1 << 19
+
+
+#: `Guide.box` of a guide with a single leaf.
+_EVERYWHERE = np.array([0, 0, 0, 1, 1, 1], np.float32)
 
 
 class Training(NamedTuple):
@@ -82,7 +85,15 @@ def with_guide(scene: CompiledScene, guide: Guide) -> CompiledScene:
     return replace(scene, program=program, guide=guide)
 
 
-def trained(scene: CompiledScene, *, seed: int, threads: int) -> tuple[CompiledScene, Training]:
+def untrained(scene: CompiledScene) -> CompiledScene:
+    """A scene with a guide that is never asked: it has the kernels of a trained one."""
+    frame = _framed(_EVERYWHERE, np.ones((1, 1), np.float32), scene.size)
+    return with_guide(scene, Tree.new().guide(frame))
+
+
+def trained(
+    scene: CompiledScene, *, seed: int, threads: int, rounds: int = ROUNDS
+) -> tuple[CompiledScene, Training]:
     """Train a guide for a scene that asks for one.
 
     Parameters
@@ -92,6 +103,7 @@ def trained(scene: CompiledScene, *, seed: int, threads: int) -> tuple[CompiledS
         Of the render; training has random numbers of its own.
     threads : int
         They do not change the guide.
+    rounds : int
 
     Returns
     -------
@@ -100,9 +112,12 @@ def trained(scene: CompiledScene, *, seed: int, threads: int) -> tuple[CompiledS
     Training
     """
     trainer = _Trainer(scene, threads)
-    guide = trainer.train(seed)
+    guide = trainer.train(seed, rounds)
     arrays = [table.array for table in guide]
     digest = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
+    # Trained in another picture: the film has other pixels.
+    film = _framed(guide.box.array, guide.picture.shaped, scene.size)
+    guide = guide._replace(blocks=View(film.blocks))
     took = Training(
         cpu_seconds=trainer.cpu_seconds,
         paths=trainer.paths,
@@ -133,26 +148,19 @@ class _Trainer:
         self.scene, self.threads, self.size = scene, threads, scene.small_view.size
         self.tables = scene.tables._replace(camera=scene.small_view.camera)
         self.tiles = tiles_of((0, 0, *self.size), SMALL)
-        self.kernel = instantiate(render_tile_kernel, self._program())
+        self.kernel = instantiate(render_tile_kernel, untrained(scene).program._replace(aovs=()))
         self.add = instantiate(add_records)
         self.local = threading.local()
         self.unit = 0.0
         self.cpu_seconds, self.paths, self.vertices = 0.0, 0, 0
 
-    def _program(self) -> Program:
-        guided = with_guide(self.scene, Tree.new().guide(self._first_frame())).program
-        return guided._replace(aovs=())
-
-    def _first_frame(self) -> Frame:
-        box = np.array([0, 0, 0, 1, 1, 1], np.float32)
-        return _framed(box, np.ones((1, 1), np.float32), self.scene.size)
-
-    def train(self, seed: int) -> Guide:
+    def train(self, seed: int, rounds: int) -> Guide:
         """Run all rounds."""
         began = time.thread_time()
-        tree, frame = Tree.new(), self._first_frame()
+        tree = Tree.new()
+        frame = _framed(_EVERYWHERE, np.ones((1, 1), np.float32), self.size)
         with ThreadPoolExecutor(self.threads) as pool:
-            for number in range(ROUNDS):
+            for number in range(rounds):
                 settings = make_settings(
                     self.scene.integrator,
                     seed=seed_of_round(seed, TRAINING + number),
@@ -164,9 +172,9 @@ class _Trainer:
                 # The bounds stay: later rounds divide what the first has bounded.
                 box = frame.box if number else _box(found)
                 picture = _blocks(found.squares / 2**number)
-                frame = _framed(box, picture, self.scene.size)
+                frame = _framed(box, picture, self.size)
                 tree.learn(found.totals, self.unit, asked=number > 0)
-                if number + 1 < ROUNDS:
+                if number + 1 < rounds:
                     tree = tree.grown(found.totals.leaves.shaped[:, 0], MOST_NODES)
         self.cpu_seconds += time.thread_time() - began
         return tree.guide(frame)
@@ -241,7 +249,7 @@ def _look(found: _Round, tile: Tile, log: Log) -> None:
 def _box(found: _Round) -> NDArray[np.float32]:
     """`Guide.box` around all vertices of a round."""
     if not (found.low <= found.high).all():
-        return np.array([0, 0, 0, 1, 1, 1], np.float32)
+        return _EVERYWHERE
     extent = found.high - found.low
     extent = np.maximum(extent, max(float(extent.max()) * 1e-6, 1e-30))
     return np.concatenate([found.low, 1.0 / extent]).astype(np.float32)

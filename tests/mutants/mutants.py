@@ -5,6 +5,7 @@ from tests.mutants.compiler import COMPILER
 from tests.mutants.edges import EDGES
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
+from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laws import LAWS
@@ -42,4 +43,5 @@ MUTANTS = (
     + COMPILER
     + LAWS
     + WAVES
+    + GUIDING
 )
