@@ -10,15 +10,12 @@ from scipy import stats
 from alight.core.errors import OptionError
 from alight.rendering.stopping import (
     Promise,
-    Unseen,
-    cell_sum,
     first_look,
     judge_means,
     next_look,
     share_within,
-    spread_over_pixels,
-    unseen_error,
 )
+from alight.rendering.unseen import Unseen, cell_sum, spread_over_pixels, unseen_error
 
 #: Signs of four replicates around their mean: a variance of 4/3 times the square of the step.
 SIGNS = np.array([1.0, 1.0, -1.0, -1.0])[:, None]

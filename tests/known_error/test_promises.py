@@ -22,9 +22,9 @@ from alight.rendering.stopping import (
     line_of,
     next_look,
     share_within,
-    unseen_error,
     word_of,
 )
+from alight.rendering.unseen import unseen_error
 
 
 def noisy(rng, spp, sigma=1.0, size=32):
