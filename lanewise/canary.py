@@ -104,8 +104,7 @@ def try_methods() -> Iterator[Row]:
 
     from lanewise.numba_adapter import METHODS
 
-    # Of a pointer's instance only: it is set when one is made.
-    made = {"llvmlite.ir.PointerType": ir.PointerType(ir.FloatType())}
+    made = {"llvmlite.ir.PointerType": ir.FloatType().as_pointer()}
     for (owner, name), assumed in METHODS.items():
         module, _, kind = owner.rpartition(".")
         found = made.get(owner) or getattr(import_module(module), kind, None)
