@@ -93,7 +93,7 @@ def test_of_a_black_metal_the_coat_is_left(name):
     f_cos, pdf = material.evaluate(wo, direction(0.5))
     _, weight, _, _ = material.sample(wo, random_numbers(1000, 3))
     assert np.isfinite(f_cos).all() and np.isfinite(pdf).all()
-    reflected, _ = fresnel(np.array([0.6]), layers_of(BLACK[name]).ior)
+    reflected, _ = fresnel(np.array([0.6]), layers_of(BLACK[name]).coat_eta)
     np.testing.assert_allclose(weight.mean(1), reflected[0], atol=1e-3)
 
 
