@@ -2,8 +2,8 @@ r"""A user's shape, one file: the torus, a quartic.
 
 .. math:: \left(\sqrt{x^2 + y^2} - R\right)^2 + z^2 = r^2
 
-A transform makes it any affine image. Rays are met in the space of q = p / R with a = r / R, from
-the point c of the ray that is nearest to the middle, along the unit direction d:
+A transform makes it any affine image. Rays are intersected in the space of q = p / R with
+a = r / R, from the point c of the ray that is nearest to the middle, along the unit direction d:
 
 .. math:: f(s) = (s^2 + k)^2 - 4 (A s^2 + 2 B s + E), \quad k = c \cdot c + 1 - a^2
 
