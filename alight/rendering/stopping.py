@@ -235,7 +235,7 @@ def share_within(means: np.ndarray, counts: np.ndarray, error: float, doubt: flo
     with np.errstate(divide="ignore"):
         t = np.where(joined > 0.0, error / np.sqrt(joined), np.inf)
     share = float(_inside(t).mean())
-    z = NormalDist().inv_cdf(1.0 - doubt)
+    z = -NormalDist().inv_cdf(doubt)
     return share - z * math.sqrt(max(share * (1.0 - share), 0.0) / (h * w))
 
 

@@ -60,7 +60,7 @@ LABORATORY = (
     Mutant(
         "a share of pixels whose margin is always that of 99 %",
         "rendering/stopping.py",
-        (("NormalDist().inv_cdf(1.0 - doubt)", "2.576"),),
+        (("-NormalDist().inv_cdf(doubt)", "2.576"),),
         f"{PROMISES}::test_the_share_is_students_and_its_margin_the_binomial_one",
     ),
     Mutant(
