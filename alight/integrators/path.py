@@ -226,7 +226,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     recorded, meet = listeners.meet is not None, listeners.meet
     hides = program.option("hide_emitters", False)
     absorbing, refracting = absorbs(program), refracts(program)
-    guided, scatter_guided = is_guided(program), write_guided_scatter(roulette)
+    guided = is_guided(program)
+    next_direction = write_guided_scatter(roulette) if guided else _write_scatter(scatter)
 
     @kernel
     def shade(scene, settings, path, hit):
@@ -262,19 +263,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
             path = add_direct_light(scene, settings, path, surface, wo, active, here)
 
         # Where the path continues: beta gains f cos / p_b.
-        if guided:
-            arrived = replace(path, active=active)
-            found = scatter_guided(scene, settings, arrived, here, surface, wo)
-        else:
-            found = scatter(
-                scene,
-                surface,
-                wo,
-                get_1d(path.sampler, dimension + BSDF_CHOICE),
-                get_2d(path.sampler, dimension + BSDF_DIRECTION),
-                active,
-            )
-        wi, weight, pdf, flags = found
+        arrived = replace(path, active=active)
+        wi, weight, pdf, flags = next_direction(scene, settings, arrived, here, surface, wo)
         beta = path.beta * weight
         brightness = max_component(beta)
         # Not "brightness > 0": a NaN must live on and be counted by the film.
@@ -297,6 +287,19 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         return replace(vertex, sampler=path.sampler, rays=path.rays)
 
     return shade
+
+
+def _write_scatter(scatter):
+    """As `alight.integrators.guided.write_guided_scatter`, without a guide."""
+
+    @kernel
+    def next_direction(scene, settings, path, here, surface, wo):
+        active, dimension = path.active, vertex_dimension(path.depth + 1)
+        u = get_1d(path.sampler, dimension + BSDF_CHOICE)
+        u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+        return scatter(scene, surface, wo, u, u2, active)
+
+    return next_direction
 
 
 def _write_add_direct_light(program, light_weight, by_light, listeners):
