@@ -5,6 +5,9 @@ EQUIVALENT: dict[str, str] = {
     "accel/references.py fill_bins: 1 -> 0": (
         "a second guard: the bins' scale is 1e-5 smaller than would reach the bin beyond the last"
     ),
+    "accel/references.py bin_scale: 1e-36 -> 1.02e-36": (
+        "tells a centroid's extent of 0 from others; any tiny number does"
+    ),
     "bsdfs/burley.py _values: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
         "stands in for directions that are invalid, whose result is thrown away"
     ),
@@ -15,11 +18,18 @@ EQUIVALENT: dict[str, str] = {
         "bsdfs/principled_lobes.py _share_reflected.share: where(view.side.inside, "
         "params.transmission, 1.0) * rest -> (rest)"
     ): ("how often facets are reflected from inside; the estimate divides by this very chance"),
+    (
+        "core/distributions.py pmf_cell: pmf_discrete(cdf, offset + row * (columns + 1), column) "
+        "-> pmf_discrete(cdf, column, offset + row * (columns + 1))"
+    ): ("the sum of both is where it is read"),
     "core/maths.py arctan2: 1.0 -> 1.02": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
     "core/motion.py error_in_world: 1e-37 -> 1.02e-37": (
         "keeps the root of a zero vector's length above 0; any tiny number does"
+    ),
+    "core/warps.py spherical_rectangle: _corner(u1, v1, w) -> _corner(v1, u1, w)": (
+        "the angle of a corner does not change with its two sides exchanged"
     ),
     "integrators/random_walk.py scatter_uniformly: 2.0 * u -> (2.0) (2)": (
         "a choice of lobe for the side of the coin that goes anywhere on the sphere"
