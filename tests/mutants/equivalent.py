@@ -11,11 +11,11 @@ EQUIVALENT: dict[str, str] = {
     "bsdfs/burley.py _values: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
         "stands in for directions that are invalid, whose result is thrown away"
     ),
-    "bsdfs/coating.py share_of_coat: 1.0 -> 1.02 (2)": (
+    "bsdfs/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
     (
-        "bsdfs/principled_lobes.py _share_reflected.share: where(view.side.inside, "
+        "bsdfs/principled_lobes.py _chance_of_reflection.chance: where(view.side.inside, "
         "params.transmission, 1.0) * rest -> (rest)"
     ): ("how often facets are reflected from inside; the estimate divides by this very chance"),
     (
