@@ -160,7 +160,7 @@ LAWS = (
     Mutant(
         "a hit lamp has half the density of its samples",
         "lights/area.py",
-        (("where(cosine > 0.0, density, 0.0)", "where(cosine > 0.0, 0.5 * density, 0.0)"),),
+        (("where(hit.cosine > 0.0, density, 0.0)", "where(hit.cosine > 0.0, 0.5 * density, 0.0)"),),
         f"{LAWS_OF}[lights-area]",
     ),
     Mutant(
