@@ -30,7 +30,7 @@ from alight.laws.statistics import (
     unit_vectors,
     z_of_mean,
 )
-from alight.lights.environment_map import ROWS
+from alight.lights.environment_map import BAND, COLUMNS, FIRST_BAND, ROWS, TEXEL
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.model import LIGHTS
@@ -130,6 +130,9 @@ def power_is_the_integral(spec: Light) -> None:
 
 # ---------------------------------------------------------------- around the scene
 
+#: Of radiance over density: 64 operations of float32, all rounded to one side.
+ROUNDING = 64 * 2.0**-24
+
 #: Densities above it belong to lights that are narrower than a cell of the sphere.
 NARROW = 200.0
 
@@ -198,25 +201,41 @@ def samples_bring_the_power(spec: Light) -> None:
     n = len(pdf)
     weight = luminance(Vec3(*stacked(light.radiance, n))).astype(float)
     weight = np.where(pdf > 0.0, weight / np.where(pdf > 0.0, pdf, 1.0), 0.0)
-    mean, grain = _mean_of_row(spec)
-    declared = model.power(mean, 0.0, 1.0) / PI
-    z = z_of_mean(weight, declared, (5e-3 + grain) * declared)
+    declared = model.power(_mean_radiance(spec), 0.0, 1.0) / PI
+    z = z_of_mean(weight, declared, ROUNDING * declared)
     demand(abs(z) < LARGEST_Z, f"samples bring {weight.mean():.5g}, by its power {declared:.5g}")
 
 
-def _mean_of_row(spec: Light) -> tuple[float, float]:
-    """Luminance of the mean over all directions, and how far off the grain of a map leaves it.
-
-    The mean of a map takes each of its cells by the corners.
-    """
-    model, grain = LIGHTS[spec.type_name()], 0.0
+def _mean_radiance(spec: Light) -> float:
+    """Luminance of the mean over all directions."""
+    model = LIGHTS[spec.type_name()]
     color = model.mean(spec)
     if model.map_of is not None:
         made, aside = model.map_of(spec, np.eye(4), False), model.beside_the_map(spec)
         scale = model.place(spec, np.eye(4))[0]
-        color = [a * (b + c) for a, b, c in zip(scale, made.mean, aside, strict=True)]
-        grain = 0.6 / float(made.table[ROWS])
-    return float(luminance(Vec3(*color))), grain
+        mean, most_off = mean_of_map(made.table)
+        demand_close(made.mean, mean, "mean of the map", atol=most_off + ROUNDING * mean)
+        color = [a * (b + c) for a, b, c in zip(scale, mean, aside, strict=True)]
+    return float(luminance(Vec3(*color)))
+
+
+def mean_of_map(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean radiance of a map, and how far from it the means of the cells' corners may be.
+
+    Between two rows of texels, at a and b = a + h, radiance is linear in theta: with
+    S = cos a - cos b and T = sin b - sin a - h cos b it is half of L_a S + (L_b - L_a) T / h.
+    Corners take S / 2 for T / h, whose difference is h^2 cos((a + b) / 2) / 12 to the second order.
+    """
+    columns, rows = int(table[COLUMNS]), int(table[ROWS])
+    texels = table[FIRST_BAND + BAND * rows :].reshape(rows + 1, columns, TEXEL)
+    radiance = texels[:, :, :3].astype(float).mean(axis=1)
+    theta, h = np.linspace(0.0, PI, rows + 1), PI / rows
+    s = -np.diff(np.cos(theta))[:, None]
+    t = (np.diff(np.sin(theta)) - h * np.cos(theta[1:]))[:, None]
+    steps = np.diff(radiance, axis=0)
+    mean = 0.5 * (radiance[:-1] * s + steps * t / h).sum(axis=0)
+    middle = np.abs(np.cos(0.5 * (theta[1:] + theta[:-1])))[:, None]
+    return mean, (np.abs(steps) * middle).sum(axis=0) * h * h / 24.0
 
 
 # ---------------------------------------------------------------- on a shape

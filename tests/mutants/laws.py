@@ -164,6 +164,12 @@ LAWS = (
         f"{LAWS_OF}[lights-area]",
     ),
     Mutant(
+        "a map whose mean is a tenth of a percent too high",
+        "lights/environment_map.py",
+        (("mean = [float((share", "mean = [1.001 * float((share"),),
+        f"{LAWS_OF}[lights-environment]",
+    ),
+    Mutant(
         "the power of a lamp as if it shone straight ahead",
         "lights/area.py",
         (("return PI * area * luminance", "return 2.0 * PI * area * luminance"),),
