@@ -27,6 +27,7 @@ from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import schedule_of, time_limit_of
+from alight.rendering.training import is_to_be_guided, trained
 from alight.scene import Scene, content_hash, flatten
 
 #: Seconds between two reports of progress.
@@ -76,10 +77,14 @@ def make_job(
     threads = threads or usable_processors()
     compiled = compile_scene(flat, content_hash(flat), aovs=layers_of(aovs), threads=threads)
     clock.lap("bvh")
+    training = None
+    if is_to_be_guided(compiled):
+        compiled, training = trained(compiled, seed=seed, threads=threads)
+        clock.lap("training")
     replicates = replicates or flat.film.replicates
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
-        largest_sample=largest_sample(flat), notes=flat.notes,
+        largest_sample=largest_sample(flat), notes=flat.notes, training=training,
     )  # fmt: skip
 
 

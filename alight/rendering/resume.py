@@ -71,7 +71,7 @@ def prepare_resume(
     """
     saved = path if isinstance(path, Checkpoint) else read_checkpoint(path)
     notes = saved.origin.notes
-    # Not those of the notes: a file of data names no code that is run (decision 31).
+    # Not those of the notes: a file of data names no code that is run (decision 32).
     plugins = Files().check(options.plugins)
     load_plugins(plugins)
     noted = Targets.noted(notes)

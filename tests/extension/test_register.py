@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 import types
-from pathlib import Path
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -16,14 +15,20 @@ import alight
 from alight.bsdfs.diffuse import Diffuse
 from alight.cli.main import app
 from alight.compiled.shapes import compile_shapes
-from alight.core.errors import FilmError, SceneError
-from alight.core.registration import RegistrationError, unregister
-from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models, user_number
+from alight.core.errors import SceneError
+from alight.core.registration import RegistrationError, _copy, unregister
+from alight.core.registry import (
+    FAMILIES,
+    REGISTERED,
+    VERSION,
+    Models,
+    members_of,
+    modules,
+    user_number,
+)
 from alight.core.spec import Light, Shape
 from alight.formats import loads
 from alight.laws.materials import Material, direction, random_numbers
-from alight.outputs.display import Display
-from alight.rendering.writing import Targets
 from alight.scene import content_hash, flatten
 from alight.shapes.model import MOST_NUMBERS
 from tests.docs.pages import ROOT, blocks
@@ -164,6 +169,19 @@ def test_what_kernels_are_made_from_is_in_the_version_and_in_the_content_hash(ed
     registered(LAMBERT.replace(*edit))
     assert version() != before
     assert content_hash(loads(SCENE % "lambert")) != content
+
+
+@pytest.mark.parametrize(
+    ("family", "name"), [(family, name) for family in FAMILIES for name in members_of(family)]
+)
+def test_all_that_others_take_from_a_model_is_in_its_version(family, name):
+    """A constant such as a shape's PROJECTION decides which samples are drawn, as kernels do."""
+    [model, *_] = [m for m in modules(family) if name in vars(m)] or modules(family)
+    digests = {
+        getattr(_copy("other", {**vars(model), name: value}, family), VERSION)
+        for value in (vars(model).get(name), 0.123)
+    }
+    assert len(digests) == 2
 
 
 def test_comments_and_registering_again_leave_the_version():
@@ -337,34 +355,6 @@ def test_plugins_of_the_command_line(tmp_path):
     unregister("bsdfs", "lambert")
     done = invoke("trace", scene, "--pixel", "8,5")
     assert done.exit_code == 2 and 'unknown bsdf "lambert"' in done.output
-
-
-def test_a_checkpoint_runs_no_scripts_but_those_that_are_asked_for(tmp_path):
-    """Neither in Python nor on the command line; its message says which ones it needs."""
-    script, scene, film = (tmp_path / name for name in ("my_model.py", "scene.yaml", "a.alight"))
-    ran = tmp_path / "ran"
-    mark = f"import pathlib\npathlib.Path({str(ran)!r}).touch()\n"
-    script.write_text(f"{LAMBERT}\nimport alight\nalight.register(__name__)\n{mark}")
-    scene.write_text(SCENE % "lambert")
-    first = alight.render(scene, spp=1, checkpoint=film, plugins=script)
-    unregister("bsdfs", "lambert")
-    ran.unlink()
-    asked = f"a checkpoint runs no scripts; it was rendered with --plugin {script}"
-    done = invoke("resume", film, "--spp", 2)
-    assert done.exit_code == 2 and asked in done.output
-    with pytest.raises(FilmError, match='unknown bsdf "lambert"') as caught:
-        alight.resume(film, spp=2)
-    assert asked in str(caught.value)
-    assert not ran.exists()
-    again = alight.resume(film, spp=2, plugins=script)
-    assert ran.exists() and again.spp == 2 == 2 * first.spp
-
-
-def test_the_printed_command_asks_for_the_scripts():
-    """What an interrupted render says can be copied and goes on."""
-    targets = Targets([], Display(), checkpoint=Path("a.alight"), plugins=[Path("my model.py")])
-    assert targets.resuming() == "alight resume a.alight --plugin 'my model.py'"
-    assert Targets.noted(targets.notes()).plugins == [Path("my model.py").absolute()]
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from tests.mutants.compiler import COMPILER
 from tests.mutants.edges import EDGES
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
+from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laws import LAWS
@@ -18,6 +19,7 @@ from tests.mutants.scattering import SCATTERING
 from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
+from tests.mutants.waves import WAVES
 
 MUTANTS = (
     SCATTERING
@@ -40,4 +42,6 @@ MUTANTS = (
     + STUDIES
     + COMPILER
     + LAWS
+    + WAVES
+    + GUIDING
 )
