@@ -101,12 +101,8 @@ class Bsdf(Spec):
 
 def largest_of(values: Iterable[float | None]) -> float | None:
     """The largest of all, at least 0; None if one is unknown."""
-    known = [0.0]
-    for value in values:
-        if value is None:
-            return None
-        known.append(value)
-    return max(known)
+    found = list(values)
+    return None if None in found else max([0.0, *filter(None, found)])
 
 
 def largest_channel(value: Any) -> float | None:

@@ -15,7 +15,7 @@ EDGES = (
                 "load_plugins([*Targets.noted(notes).plugins, *plugins])",
             ),
         ),
-        "tests/extension/test_register.py"
+        "tests/extension/test_scripts_of_checkpoints.py"
         "::test_a_checkpoint_runs_no_scripts_but_those_that_are_asked_for",
     ),
     Mutant(
