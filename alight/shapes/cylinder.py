@@ -40,7 +40,7 @@ from alight.core.maths import arctan2, sincos, sincos_2pi
 from alight.core.spec import Positive, Shape, Vector3, invalid
 from alight.core.vec import Vec3, absolute_vec3, dot, gather_vec3, length_squared, row_vec3
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
-from alight.shapes.sphere import column, excess, from_center, times, transposed_times
+from alight.shapes.quadric import column, excess, from_center, times, transposed_times
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     copysign,

@@ -23,7 +23,6 @@ LONGER = {
     "alight/rendering/trace.py": 435,
     "alight/scene/description.py": 436,
     "alight/scene/validation.py": 463,
-    "alight/shapes/sphere.py": 430,
     "lanewise/instructions.py": 445,
     "lanewise/lane_types.py": 407,
     "lanewise/wide_instructions.py": 402,
