@@ -59,7 +59,15 @@ class Form:
 FORMS = {
     "shapes": Form(
         more_functions=("pack", "area", "bounds", "facing"),
-        more_kernels=("intersect", "surface", "derivatives", "sample", "pdf", "coordinates"),
+        more_kernels=(
+            "intersect",
+            "surface",
+            "derivatives",
+            "sample",
+            "pdf",
+            "coordinates",
+            "sample_area",
+        ),
     ),
     "bsdfs": Form(
         ("is_lossless", "is_reciprocal", "pack"),
@@ -81,8 +89,18 @@ FORMS = {
             "beside_the_map",
             "window",
             "share_all_around",
+            "emission_table",
         ),
-        ("pdf", "emitted", "radiance"),
+        (
+            "pdf",
+            "emitted",
+            "radiance",
+            "emit",
+            "emit_pdf",
+            "left_out",
+            "window_point",
+            "window_pdf",
+        ),
     ),
     "cameras": Form(("half_extents", "pack"), ("generate_ray",), ("PERSPECTIVE",)),
     "samplers": Form(values=("EXPECTED_RATE",)),

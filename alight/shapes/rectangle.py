@@ -30,7 +30,7 @@ from alight.shapes.flat import (
     pack_flat,
     point_on_plane,
 )
-from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
+from alight.shapes.hit import INFO, AreaSample, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel
 from lanewise.simd import absolute, gather, lanes_u32, lanes_vec3, maximum, minimum, rsqrt, where
 
@@ -173,6 +173,25 @@ def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
     k = gather(tables.info, shape * INFO + 3)
     return density_of(tables.data, k, seen_from(tables.data, k, p), distance * wi, distance, cosine)
+
+
+@kernel
+def sample_area(tables, cdf, start, shape, u, u2):
+    """Choose a point uniformly by area.
+
+    Parameters
+    ----------
+    tables, cdf, start, shape, u, u2
+        As for `sample`.
+
+    Returns
+    -------
+    AreaSample
+    """
+    k = gather(tables.info, shape * INFO + 3)
+    x, y = 2.0 * u2[0] - 1.0, 2.0 * u2[1] - 1.0
+    p = flat_point(tables.data, k, x, y)
+    return AreaSample(p, x, y, lanes_u32(0), 1.0 / gather(tables.data, k + AREA))
 
 
 @kernel

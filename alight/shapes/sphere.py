@@ -63,7 +63,14 @@ from alight.core.vec import (
     row_vec3,
 )
 from alight.core.warps import square_to_uniform_cone, square_to_uniform_sphere, uniform_cone_pdf
-from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
+from alight.shapes.hit import (
+    INFO,
+    AreaSample,
+    Geometry,
+    ShapeSample,
+    area_to_solid_angle,
+    needs_uv,
+)
 from alight.shapes.quadric import column, excess, from_center, times, transposed_times
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
@@ -72,6 +79,7 @@ from lanewise.simd import (
     fma,
     gather,
     lanes,
+    lanes_u32,
     lanes_vec3,
     maximum,
     minimum,
@@ -365,6 +373,19 @@ def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
     q = q * (1.0 / sqrt(length_squared(q)))
     by_area = area_to_solid_angle(area_density(data, k, q), distance, cosine)
     return where(by_cone, uniform_cone_pdf(one_minus_cos), by_area)
+
+
+@kernel
+def sample_area(tables, cdf, start, shape, u, u2):
+    """Choose the image of a uniform point; see `alight.shapes.rectangle.sample_area`.
+
+    Uniform by area on true spheres.
+    """
+    data = tables.data
+    k = gather(tables.info, shape * INFO + 3)
+    q = square_to_uniform_sphere(u2)
+    p = gather_vec3(data, k) + times(data, k + MATRIX, q)
+    return AreaSample(p, lanes(0.0), lanes(0.0), lanes_u32(0), area_density(data, k, q))
 
 
 @kernel
