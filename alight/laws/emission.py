@@ -67,6 +67,10 @@ def compiled(scene: Scene) -> CompiledScene:
     return compile_scene(flatten(scene), structure="list", emits=True)
 
 
+def _vec(v: Any) -> Vec3:
+    return Vec3(*np.asarray(v, np.float32))
+
+
 def rays_of(scene: CompiledScene, seed: int = 8) -> Rays:
     """`N` rays of a scene's lights."""
     u = np.random.default_rng(seed).random((5, N), np.float32)
@@ -134,7 +138,7 @@ def emitted_directions_follow_their_density(spec: Light) -> None:
 
 
 def _density_is_theirs(rays: Rays, lit: np.ndarray) -> None:
-    n, d = Vec3(*np.float32(rays.n)), Vec3(*np.float32(rays.d))
+    n, d = _vec(rays.n), _vec(rays.d)
     found = run(rays.scene, emission_direction_pdf, rays.light, n, d)
     # At an edge, rounding decides to which side a direction belongs.
     same = np.isclose(np.broadcast_to(found, N), rays.pdf_direction, rtol=5e-3, atol=1e-6)[lit]
@@ -145,7 +149,7 @@ def _directions_follow(rays: Rays, lit: np.ndarray) -> None:
     """In the frame of the normal where there is a surface, else in the world."""
     d = rays.d
     if not np.array_equal(rays.n, rays.d):
-        s, t = frame_from_normal(Vec3(*np.float32(rays.n)))
+        s, t = frame_from_normal(_vec(rays.n))
         d = np.stack([np.sum(axis * d, axis=0) for axis in (stacked(s, N), stacked(t, N), rays.n)])
     for cells in (SphereCells(), SphereCells(side=128)):
         n = cells.points.shape[1]
@@ -274,11 +278,11 @@ def _by_samples(
     """Estimates of the irradiance at `N` points of the disk, by light sampling."""
     u = np.random.default_rng(9).random((5, N), np.float32)
     r, turn = size * np.sqrt(u[3]), 2.0 * np.pi * u[4]
-    s, t = frame_from_normal(Vec3(*np.float32(normal)))
+    s, t = frame_from_normal(_vec(normal))
     local = Vec3(r * np.cos(turn), r * np.sin(turn), 0.0 * r)
     points = center[:, None] + stacked(to_world(s, t, Vec3(*normal), local), N)
-    facing = Vec3(*np.repeat(np.float32(normal)[:, None], N, axis=1))
-    p, active = Vec3(*np.float32(points)), np.ones(N, bool)
+    facing = _vec(np.repeat(normal[:, None], N, axis=1))
+    p, active = _vec(points), np.ones(N, bool)
     light = run(scene, sample_light, p, facing, u[0], (u[1], u[2]), active)
     wi, pdf = stacked(light.wi, N), np.broadcast_to(light.pdf, N).astype(float)
     cosine = np.maximum(np.sum(wi * normal[:, None], axis=0), 0.0)
@@ -291,7 +295,7 @@ def _by_samples(
 def _free_way(scene: CompiledScene, o: Any, d: Any) -> np.ndarray:
     """Distance of the first surface along rays (3, N), m."""
     far = np.full(N, np.inf, np.float32)
-    origin, direction = Vec3(*np.float32(o)), Vec3(*np.float32(d))
+    origin, direction = _vec(o), _vec(d)
     hit = run(scene, intersect_closest, origin, direction, far, np.ones(N, bool))
     return np.broadcast_to(hit.t, N).astype(float)
 
