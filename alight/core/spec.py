@@ -285,6 +285,8 @@ class Integrator(Spec):
     transports : bool
         Its picture is the light of all paths with at most `longest_path` edges: the same as that
         of every other integrator of this kind.
+    splats : bool
+        All its paths start at lights and find their pixels by themselves.
     """
 
     family: ClassVar[str] = "integrators"
@@ -292,6 +294,7 @@ class Integrator(Spec):
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
     transports: ClassVar[bool] = False
+    splats: ClassVar[bool] = False
 
     @property
     def longest_path(self) -> int | None:
@@ -311,7 +314,7 @@ class Integrator(Spec):
     @property
     def traces_light_paths(self) -> bool:
         """Whether paths start at lights."""
-        return False
+        return self.splats
 
     @property
     def finds_light_by_chance(self) -> bool:

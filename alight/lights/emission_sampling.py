@@ -14,18 +14,20 @@ from __future__ import annotations
 
 from alight.core.distributions import pmf_discrete, sample_discrete
 from alight.core.motion import direction_at_rest, inverse_rows, matrix_at, placed, turned
-from alight.core.vec import gather_vec3, normalize
+from alight.core.switch import is_one_of
+from alight.core.vec import dot, gather_vec3, normalize
 from alight.lights.ball import middle_of
 from alight.lights.environment_emission import (
     arriving_pdf,
     emit_from_environment,
     environments_probability,
 )
-from alight.lights.hits import on_shapes
+from alight.lights.hits import on_shapes, radiance_of_shape
 from alight.lights.misses import environments_of
 from alight.lights.model import LIGHTS, LightModel
-from alight.lights.shape_emission import emit_from_shape, shape_direction_pdf
+from alight.lights.shape_emission import emit_from_shape, place_on_shape, shape_direction_pdf
 from alight.lights.tables import CHOICE, INFO, STRIDE, Emission
+from alight.shapes.hit import spawn_origin
 from lanewise.jit import kernel, specialised
 from lanewise.records import replace
 from lanewise.simd import (
@@ -38,6 +40,7 @@ from lanewise.simd import (
     lanes_mask,
     lanes_u32,
     lanes_vec3,
+    maximum,
     to_float,
     where,
 )
@@ -223,6 +226,59 @@ def sample_emission(program):
         return replace(e, flux=e.flux * (1.0 / choice), light=index, choice=choice)
 
     return with_lights
+
+
+# ---------------------------------------------------------------- lights that are seen
+
+
+@specialised
+def emission_towards(program):
+    """What a point of a shape that shines sends elsewhere: ``(scene, index, u, u2, q)``.
+
+    Parameters
+    ----------
+    scene : namedtuple
+    index : uint32
+        The lights that `sample_emission` has chosen.
+    u, u2 : float and pair of floats
+        Uniform in [0, 1): as there, u being the number that chose the light.
+    q : Vec3
+        What the point is seen from.
+
+    Returns
+    -------
+    intensity : Vec3
+        W/sr, over all probabilities: radiance times cosine; 0 for lights without a surface.
+    o : Vec3
+        Where a ray to q starts.
+    """
+    models = on_shapes(program)
+    if not models:
+
+        @kernel
+        def nothing(scene, index, u, u2, q):
+            return lanes_vec3(0.0), q
+
+        return nothing
+    is_on_shape = is_one_of(model.number for model in models)
+
+    @kernel
+    def from_the_surface(scene, index, u, u2, q):
+        mine = is_on_shape(lanes_u32(0) + gather(scene.lights.info, index * INFO))
+        count = scene.lights.info.size // INFO
+        _, choice, rest = sample_discrete(scene.lights.emission, CHOICE, count, u)
+        some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
+        inside = where(mine, index, some)
+        surface, pdf = place_on_shape(scene, inside, rest, u2)
+        w = normalize(q - surface.p)
+        cosine = maximum(dot(surface.ng, w), 0.0)
+        drawn = mine & (pdf > 0.0) & (cosine > 0.0)
+        share = where(drawn, cosine / where(drawn, pdf * choice, 1.0), 0.0)
+        o = spawn_origin(surface.p, surface.error, surface.ng, w)
+        radiance = radiance_of_shape(scene, inside, surface, w)
+        return where(drawn, radiance * share, lanes_vec3(0.0)), o
+
+    return from_the_surface
 
 
 # ---------------------------------------------------------------- density

@@ -56,6 +56,17 @@ def sample_area(program):
 
 
 @kernel
+def place_on_shape(scene, index, u, u2):
+    """A point of the lights `index`, which are shapes: (surface, density per square metre)."""
+    shape, start = gather(scene.lights.info, index * INFO + 1), gather(scene.lights.starts, index)
+    shape = lanes_u32(0) + shape
+    s = sample_area(scene.shapes, scene.lights.emission, start, shape, u, u2)
+    # The point is the hit of a ray that ends before it has begun.
+    hit = Hit(lanes(0.0), lanes(0.0) + s.u, lanes(0.0) + s.v, shape, lanes_u32(0) + s.prim)
+    return surface_from_rest(scene, hit, s.p, lanes_vec3(1.0), lanes_mask(True)), s.pdf
+
+
+@kernel
 def emit_from_shape(scene, index, u, u2, v2):
     """A ray from the lights `index`, which are shapes, as `Emission` before their choice.
 
@@ -68,18 +79,13 @@ def emit_from_shape(scene, index, u, u2, v2):
     v2 : pair of floats
         Uniform in [0, 1), choose the direction.
     """
-    shape, start = gather(scene.lights.info, index * INFO + 1), gather(scene.lights.starts, index)
-    shape = lanes_u32(0) + shape
-    s = sample_area(scene.shapes, scene.lights.emission, start, shape, u, u2)
-    # The point is the hit of a ray that ends before it has begun.
-    hit = Hit(lanes(0.0), lanes(0.0) + s.u, lanes(0.0) + s.v, shape, lanes_u32(0) + s.prim)
-    surface = surface_from_rest(scene, hit, s.p, lanes_vec3(1.0), lanes_mask(True))
+    surface, pdf = place_on_shape(scene, index, u, u2)
     n = surface.ng
     a, b = frame_from_normal(n)
     d = normalize(to_world(a, b, n, square_to_cosine_hemisphere(v2)))
-    drawn = s.pdf > 0.0
+    drawn = pdf > 0.0
     # The cosine cancels that of the density.
-    area = where(drawn, PI / where(drawn, s.pdf, 1.0), 0.0)
+    area = where(drawn, PI / where(drawn, pdf, 1.0), 0.0)
     return Emission(
         p=surface.p,
         n=n,
@@ -88,7 +94,7 @@ def emit_from_shape(scene, index, u, u2, v2):
         flux=radiance_of_shape(scene, index, surface, d) * area,
         light=lanes_u32(0),
         choice=lanes(1.0),
-        pdf_position=lanes(0.0) + s.pdf,
+        pdf_position=lanes(0.0) + pdf,
         pdf_direction=shape_direction_pdf(n, d),
         delta_position=lanes_mask(False),
         delta_direction=lanes_mask(False),

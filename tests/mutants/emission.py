@@ -35,7 +35,7 @@ EMISSION = (
     Mutant(
         "the flux of a shape without its pi",
         "lights/shape_emission.py",
-        (("PI / where(drawn, s.pdf, 1.0)", "1.0 / where(drawn, s.pdf, 1.0)"),),
+        (("PI / where(drawn, pdf, 1.0)", "1.0 / where(drawn, pdf, 1.0)"),),
         f"{LAWS_OF}[lights-area]",
     ),
     Mutant(
