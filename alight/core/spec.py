@@ -326,12 +326,9 @@ class Integrator(Spec):
 
         Parameters
         ----------
-        radiance : float
-            Of the brightest light.
-        weight : float
-            Largest weight f cos / pdf of a sampled direction.
-        start : float
-            Largest weight of a camera ray.
+        radiance, weight, start : float
+            Of the brightest light; largest weight f cos / pdf of a sampled direction; largest one
+            of a camera ray.
         """
         return None
 

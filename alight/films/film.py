@@ -184,13 +184,6 @@ class Film:
             self.invalid += int(partial.invalid)
             self.saturated += int(partial.saturated)
 
-    def add(self, other: Film) -> None:
-        """Add all sums of a film of the same kind, as its `merge` does, but in place."""
-        with self.lock:
-            merged = merging.merge((self, other))
-            self.sums, self.counts, self.cells = merged.sums, merged.counts, merged.cells
-            self.invalid, self.saturated = merged.invalid, merged.saturated
-
     def _window(self, partial: PartialFilm) -> tuple[slice, slice]:
         """Rows and columns of our arrays that a tile covers, checked."""
         x, y, w, h = self.crop

@@ -13,7 +13,7 @@ import numpy as np
 
 from alight.compiled.scene import CompiledScene
 from alight.core.version import VERSION
-from alight.films import Film
+from alight.films import Film, merging
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
 from alight.rendering.layers import AOVS
@@ -305,7 +305,7 @@ class Job:
             pool.shutdown(wait=True, cancel_futures=True)
             raise
         if self.splats and not cancel.is_set():
-            film.add(target)
+            merging.add(film, target)
 
     def statistics(self, seconds: dict[str, float]) -> dict[str, Any]:
         """Times, rates and memory of this render, of its parts before a checkpoint too."""

@@ -1,9 +1,10 @@
-"""Bugs of light paths where they start."""
+"""Bugs of light paths: where they start, on their way, and where they arrive."""
 
 from tests.mutants.mutant import Mutant
 
 LAWS_OF = "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family"
 SCENES = "tests/lights/test_emission.py"
+TRACING = "tests/rendering/test_light_tracing.py::test_it_finds_what_path_tracing_finds"
 
 EMISSION = (
     Mutant(
@@ -84,5 +85,56 @@ EMISSION = (
         "lights/emission_sampling.py",
         (("turning, placed(m, e.p)), e.p)", "turning, e.p), e.p)"),),
         f"{SCENES}::test_moving_lights_emit_where_they_are[0.4]",
+    ),
+    Mutant(
+        "light paths without Veach's correction for shading normals",
+        "integrators/light.py",
+        (
+            (
+                "corrected = absolute(dot(surface.ng, d)) * per_cos",
+                "corrected = absolute(dot(surface.ns, d)) / absolute(wl.z)",
+            ),
+            (
+                "corrected = absolute(dot(surface.ng, c.w)) * per_cos * c.importance",
+                "corrected = absolute(dot(surface.ns, c.w)) / absolute(wl.z) * c.importance",
+            ),
+        ),
+        f"{TRACING}[points and directions by a lens, shading normals]",
+    ),
+    Mutant(
+        "flux is concentrated in glass as radiance is",
+        "integrators/light.py",
+        (("turned = turned * inside / outside", "turned = turned * 1.0"),),
+        f"{TRACING}[under water]",
+    ),
+    Mutant(
+        "splats over one pixel too few",
+        "rendering/light_tile.py",
+        (("(1.0 / as_float(width * height))", "(1.0 / as_float(width * height - width))"),),
+        f"{TRACING}[a lamp]",
+    ),
+    Mutant(
+        "the importance of a pinhole per pixel of the picture's middle",
+        "cameras/connection.py",
+        (("stretch * stretch * stretch /", "stretch /"),),
+        f"{LAWS_OF}[cameras-pinhole]",
+    ),
+    Mutant(
+        "points of a thin lens as if it were in its middle",
+        "cameras/connection.py",
+        (("across * per_ahead + lens_x / table[FOCUS]", "across * per_ahead"),),
+        f"{LAWS_OF}[cameras-thin_lens]",
+    ),
+    Mutant(
+        "negative lobes of a filter splatted as positive ones",
+        "filters/splatting.py",
+        (("where(g < 0.0, -total, total)", "total"),),
+        f"{LAWS_OF}[filters-mitchell]",
+    ),
+    Mutant(
+        "a cancelled pass of light paths stays in the film",
+        "rendering/job.py",
+        (("if self.splats and not cancel.is_set():", "if self.splats:"),),
+        "tests/rendering/test_light_tracing.py::test_a_pass_that_is_cut_short_leaves_nothing",
     ),
 )
