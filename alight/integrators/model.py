@@ -34,7 +34,7 @@ class IntegratorModel(Record):
         path. See `alight.integrators.light`.
     """
 
-    step: Callable[[Any], Kernel] | None = None
+    step: Callable[..., Kernel] | None = None
     stages: Callable[[Any], tuple[Kernel, Kernel]] | None = None
     empty_paths: Kernel | None = None
     start_paths: Kernel | None = None

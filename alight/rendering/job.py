@@ -17,7 +17,7 @@ from alight.films import Film, merging
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
 from alight.rendering.layers import AOVS
-from alight.rendering.light_paths import UNSEEN, parts_of
+from alight.rendering.light_paths import UNSEEN, check_light_paths, parts_of
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedule import Goal, Schedule, Verdict
@@ -103,6 +103,11 @@ class Job:
     notes : sequence of str
         What had to be changed in the scene's pictures.
 
+    Raises
+    ------
+    OptionError
+        If paths start at lights, and cannot make this picture (`alight.rendering.light_paths`).
+
     Attributes
     ----------
     time_limit : float or None
@@ -133,6 +138,8 @@ class Job:
         self._begin: float | None = None
         window = self.rounds[0].crop
         self.splats = scene.integrator.splats
+        if self.splats:
+            check_light_paths(scene, schedule)
         self.tiles = parts_of(window, threads) if self.splats else tiles_of(window)
         # The pool keeps its threads from pass to pass, and they their memory.
         self.local = threading.local()

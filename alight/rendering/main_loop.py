@@ -23,7 +23,7 @@ from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.job import Job, Progress
 from alight.rendering.largest_sample import largest_sample
 from alight.rendering.layers import layers_of
-from alight.rendering.light_paths import LEAST_REPLICATES, check_light_paths
+from alight.rendering.light_paths import LEAST_REPLICATES
 from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
@@ -78,7 +78,6 @@ def make_job(
     compiled = compile_scene(flat, content_hash(flat), aovs=layers_of(aovs), threads=threads)
     clock.lap("bvh")
     if compiled.integrator.splats:
-        check_light_paths(compiled, schedule)
         replicates = replicates or max(flat.film.replicates, LEAST_REPLICATES)
     replicates = replicates or flat.film.replicates
     return Job(

@@ -222,6 +222,10 @@ def test_media_and_traces_are_refused():
         alight.render(loads(CASES["a lamp"] + "integrator: light\n" + fog, "scene.yaml"), spp=1)
     with pytest.raises(OptionError, match="no path of light starts at a pixel"):
         alight.trace(small(), (1, 1))
+    with pytest.raises(OptionError, match="light does not record where its light comes from"):
+        alight.why(small())
+    with pytest.raises(OptionError, match="takes the same samples everywhere"):
+        alight.plan(small(), error=0.1)
 
 
 def test_the_ledger_says_what_is_missing():
