@@ -98,6 +98,20 @@ def try_names() -> Iterator[Row]:
         yield Row(f"{module}.{name}", assumed, broken)
 
 
+def try_methods() -> Iterator[Row]:
+    """Whether objects of Numba and llvmlite still have what other files use of them."""
+    from llvmlite import ir
+
+    from lanewise.numba_adapter import METHODS
+
+    made = {"llvmlite.ir.PointerType": ir.FloatType().as_pointer()}
+    for (owner, name), assumed in METHODS.items():
+        module, _, kind = owner.rpartition(".")
+        found = made.get(owner) or getattr(import_module(module), kind, None)
+        broken = "" if hasattr(found, name) else f"{owner} has no {name}"
+        yield Row(f"{owner}.{name}", assumed, broken)
+
+
 # ---------------------------------------------------------------- parts
 # Each function tries one part of the adapter. Its docstring is what is assumed.
 
@@ -368,12 +382,15 @@ def main() -> int:
     versions = [f"{name} {metadata.version(name)}" for name in ("numba", "llvmlite", "numpy")]
     print(", ".join([*versions, f"Python {platform.python_version()}"]))
     rows = list(try_names())
-    # Parts of an adapter that cannot be imported would only repeat why.
-    rows += try_parts() if not any(row.broken for row in rows) else ()
+    # An adapter that cannot be imported has no parts to try.
+    has_names = not any(row.broken for row in rows)
+    rows += [*try_methods(), *try_parts()] if has_names else []
     for row in rows:
         print(f"{'BROKEN' if row.broken else 'holds':<8}{row.name}: {row.assumed}")
         if row.broken:
             print(f"        {row.broken.strip()}")
+    if not has_names:
+        print("the parts of the adapter were not tried: mend the names first")
     broken = sum(bool(row.broken) for row in rows)
     print(f"{len(rows) - broken} hold, {broken} broken")
     return 1 if broken else 0

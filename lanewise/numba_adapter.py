@@ -2,7 +2,8 @@
 
 The rest of the package uses `numba.njit`, `numba.types`, `numba.extending`, `llvmlite.ir` and
 `llvmlite.binding`. The names below are Numba's own affair and may change with any minor version.
-Each says in one line what is assumed of it, and `lanewise.canary` tries them one by one.
+Each says in one line what is assumed of it, and `lanewise.canary` tries them one by one. So do the
+`METHODS` of objects that Numba and llvmlite hand to the rest of the package.
 """
 
 # Numba declares infer_global and others as None until it is initialised.
@@ -54,6 +55,26 @@ __all__ = [
     "AbstractTemplate", "TypingError", "cgutils", "infer_global", "jit", "lower_constant",
     "make_struct", "object_code",
 ]  # fmt: skip
+
+
+#: (class, method or attribute) that other files use -> what is assumed of it. The code generators
+#: are given a `BaseContext` as `context`, and unboxing a `PythonAPI` as `c.pyapi`.
+METHODS = {
+    ("numba.core.base.BaseContext", "cast"): "converts a value to another type",
+    ("numba.core.base.BaseContext", "get_constant"): "a Python number as a constant",
+    ("numba.core.base.BaseContext", "get_data_type"): "how a type is laid out in memory",
+    ("numba.core.base.BaseContext", "get_dummy_value"): "what a call that returns None gives",
+    ("numba.core.base.BaseContext", "get_value_as_data"): "a value as it is laid out in memory",
+    ("numba.core.base.BaseContext", "get_value_type"): "the LLVM type of values of a type",
+    ("numba.core.base.BaseContext", "make_tuple"): "a tuple of values",
+    ("numba.core.pythonapi.PythonAPI", "decref"): "gives a reference back",
+    ("numba.core.pythonapi.PythonAPI", "err_occurred"): "not null if Python has raised",
+    ("numba.core.pythonapi.PythonAPI", "float_as_double"): "the double in a Python float",
+    ("numba.core.pythonapi.PythonAPI", "number_float"): "a number as a Python float",
+    ("numba.core.pythonapi.PythonAPI", "object_getattr_string"): "an attribute by its name",
+    ("llvmlite.ir.Type", "as_pointer"): "pointers know the type that they point to",
+    ("llvmlite.ir.PointerType", "pointee"): "the type that a pointer points to",
+}
 
 
 def make_struct(context: Any, builder: Any, kind: types.Type, **fields: Any) -> Any:

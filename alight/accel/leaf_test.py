@@ -48,7 +48,7 @@ SOMETHING_ELSE = 1 << WIDTH
 
 
 @kernel(strict=True)
-def no_leaf_tests():
+def new_leaf_tests():
     """Room for a leaf test of each ray."""
     return LeafTests(
         local_longs(MOST), local_longs(MOST), local_longs(MOST), local_floats(_RECORDS)
@@ -83,7 +83,7 @@ def meet_block(blocks, at, ray, t, numbers, k, nearest):
 
 @kernel(strict=True)
 def take_hit(blocks, at, numbers, k, bits, best, nearest):
-    """`best` after a leaf test: the nearer one, of equals that with the lower index.
+    """`best` after a leaf test: the closer hit wins, ties go to the lower index.
 
     bits: what was hit, not nothing. Where any hit will do the search is over.
     """

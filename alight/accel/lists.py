@@ -37,7 +37,7 @@ NOTHING = 0xFFFFFFFF
 
 
 @kernel(strict=True)
-def no_hit(t_max):
+def start_search(t_max):
     """Where the search for a packet's hits starts: nothing up to t_max."""
     return Hit(t_max, lanes(0.0), lanes(0.0), lanes_u32(NOTHING), lanes_u32(0))
 
@@ -64,7 +64,7 @@ def start_list(best, nearest):
     Inside a list, in its order, a later hit must be strictly closer; that is one comparison.
     """
     if nearest:
-        return no_hit(where(best.t < INFINITY, bits_float(float_bits(best.t) + 1), best.t))
+        return start_search(where(best.t < INFINITY, bits_float(float_bits(best.t) + 1), best.t))
     return best
 
 

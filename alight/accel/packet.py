@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, MAX_DEPTH, NODE, STACK
-from alight.accel.leaf_test import no_leaf_tests, run_leaf_tests
+from alight.accel.leaf_test import new_leaf_tests, run_leaf_tests
 from alight.accel.node_test import SHRINK, meet_box
-from alight.accel.rays import MOST, RECIPROCAL, no_hits, no_rays, write_no_hits, write_rays
+from alight.accel.rays import MOST, RECIPROCAL, new_hits, new_rays, write_no_hits, write_rays
 from alight.accel.stack import ROOM, Stacks, fetch_ahead
 from alight.core.vec import Vec3
 from lanewise.jit import kernel
@@ -66,10 +66,10 @@ _ENTRIES = MOST * _PLACES
 
 
 @kernel(strict=True)
-def no_packet():
+def new_packet():
     """Room for a packet; `write_packet` fills it (see `lanewise.simd.local_floats`)."""
     stacks = Stacks(local_uints(_STACKS), local_floats(_STACKS), local_floats(CHILDREN))
-    return Packet(no_rays(), no_hits(), stacks, local_uints(MOST), no_leaf_tests())
+    return Packet(new_rays(), new_hits(), stacks, local_uints(MOST), new_leaf_tests())
 
 
 @kernel(strict=True)

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 from alight.accel.interleaved import trace_interleaved
 from alight.accel.layout import LIST, MOVING_LIST, MOVING_TREE, TREE, kinds_in, kinds_in_order
-from alight.accel.lists import NOTHING, no_hit, wins, write_lists
+from alight.accel.lists import NOTHING, start_search, wins, write_lists
 from alight.accel.moving import (
     data_at_times,
     with_times_in_memory,
@@ -21,7 +21,7 @@ from alight.accel.moving import (
 )
 from alight.accel.node_test import is_traceable, meet_box, reciprocal_of
 from alight.accel.other_leaves import write_others
-from alight.accel.packet import no_packet, trace_packet, write_packet
+from alight.accel.packet import new_packet, trace_packet, write_packet
 from alight.accel.rays import NONE
 from alight.core.constants import INFINITY
 from alight.shapes.hit import Hit
@@ -68,16 +68,16 @@ def is_occluded(scene, o, d, t_max, active):
 def search_scene(program):
     """The search of the lists and the tree: (scene, o, d, t_max, traceable, nearest) -> Hit."""
     plan = program.accel
-    data_of, search_lists, in_tree, others = _texts_of(plan, models_of(plan))
+    data_of, search_lists, search_of_tree, others = _texts_of(plan, models_of(plan))
     has_tree = TREE in plan
 
     @kernel(strict=True)
     def search(scene, o, d, t_max, traceable, nearest):
         data = data_of(scene)
-        best = no_hit(where(traceable, t_max, -1.0))
+        best = start_search(where(traceable, t_max, -1.0))
         best = search_lists(scene.accel, data, o, d, best, nearest)
         if has_tree:
-            best = in_tree(scene.accel, data, o, d, best, nearest, others)
+            best = search_of_tree(scene.accel, data, o, d, best, nearest, others)
         return best
 
     return search
@@ -100,7 +100,7 @@ def search_tree(accel, data, o, d, best, nearest, others):
     bits = mask_bits(enters)
     if bits == 0:
         return best
-    packet = no_packet()
+    packet = new_packet()
     write_packet(packet, o, d, best.t)
     trace_packet(accel.tree, data, o, packet, bits, nearest, others)
     trace_interleaved(accel.tree, data, packet, bits, nearest, others)
@@ -141,8 +141,8 @@ def _texts_of(plan: tuple[str, ...], models: tuple[ShapeModel, ...]) -> tuple:
         As of `leaf_test.run_leaf_tests`.
     """
     if kinds_in(plan, MOVING_LIST) or kinds_in(plan, MOVING_TREE):
-        in_tree = with_times_in_memory(search_tree)
-        return data_at_times, write_moving_lists(plan), in_tree, write_moving_others(plan)
+        search_of_tree = with_times_in_memory(search_tree)
+        return data_at_times, write_moving_lists(plan), search_of_tree, write_moving_others(plan)
     kinds = kinds_in(plan, TREE)
     others = write_others(kinds) if kinds else None
     return data_of_shapes, write_lists(kinds_in(plan, LIST)), search_tree, others

@@ -83,13 +83,13 @@ def triangle_ray(o, d):
 
 
 @kernel(strict=True)
-def no_rays():
+def new_rays():
     """Room for the rays of a packet."""
     return Rays(local_floats(_NUMBERS), local_uints(_ROWS))
 
 
 @kernel(strict=True)
-def no_hits():
+def new_hits():
     """Room for the hits of a packet."""
     return Hits(
         local_floats(MOST), local_floats(MOST), local_floats(MOST),

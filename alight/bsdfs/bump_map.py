@@ -1,4 +1,4 @@
-r"""Bump map: the normals of a surface that rises and falls by a picture.
+r"""Bump map: shading normals from a height field.
 
 .. math::
     n \propto \left( \frac{\partial p}{\partial u} + z\, c\, \frac{\partial h}{\partial u} \right)
@@ -35,9 +35,9 @@ class BumpMap(Nested):
     texture : float or texture, default 0
         The height; a bitmap needs ``color_space: linear`` if it has 8 or 16 bits.
     scale : float, metres, default 1
-        Factor of the height; below 0 hills become hollows.
+        Scale of the height; below 0 hills become hollows.
     rims : {"lit", "folded", "black"}, default "lit"
-        What becomes of normals that turn away from the viewer.
+        What to do with normals that turn away from the viewer.
     fading : bool, default True
         Whether light fades out towards the line where the true surface turns away from it.
     bsdf : Bsdf or str, default Diffuse()

@@ -12,9 +12,10 @@ GGX with alpha = roughness^2, along the tangent divided by
 :math:`\sqrt{1 - 0.9\, \text{anisotropic}}` and across multiplied by it; f_t is as in
 `rough_dielectric`; the coat's D_c is GTR1 of the roughness 0.1 to 0.001, its G_c of 0.25 always.
 
-**It makes light.** What is reflected on top of the diffuse part is not taken from it, the rim of
-rough surfaces comes in addition, and so does sheen; only between facets light is lost. A surface
-of base colour 1 in an environment of 1 should send out 1 at most. Measured, from above to grazing:
+**It creates energy.** Specular reflection is not taken from the diffuse part, the bright rim of
+rough surfaces comes on top of it, and so does sheen; energy is lost only between facets. In an
+environment of radiance 1, a surface of base colour 1 should reflect at most 1. Measured, from
+normal to grazing incidence:
 
 | base colour 1, else the defaults and | 0° | 30° | 45° | 60° | 75° | 85° |
 |---|---|---|---|---|---|---|
@@ -28,9 +29,9 @@ of base colour 1 in an environment of 1 should send out 1 at most. Measured, fro
 | clearcoat 1 | 1.07 | 1.07 | 1.07 | 1.09 | 1.15 | 1.19 |
 | metallic 1 | 0.92 | 0.90 | 0.89 | 0.86 | 0.83 | 0.86 |
 
-Together, and further down to the rim, up to 1.73. White walls of it grow brighter with each bounce;
-those of `principled` do not. So it is in Mitsuba, with which it agrees. Reciprocal. From behind all
-but glass is black.
+Combined, and closer to grazing, it reaches 1.73. White walls of it grow brighter with each bounce;
+those of `principled` do not. Mitsuba's model behaves the same way. Reciprocal. Black from behind,
+except for glass.
 
 Source: Burley 2012 and 2015, Physically Based Shading at Disney; the plug-in ``principled`` of
 Mitsuba 3 (https://mitsuba.readthedocs.io).
@@ -252,7 +253,7 @@ def _smith(w):
 
 
 @kernel
-def _shares(params, inside):
+def _chances(params, inside):
     """Probabilities of the facets, the coat and the diffuse part."""
     matte = (1.0 - params.metallic) * (1.0 - params.spec_trans)
     coat = where(inside, 0.0, 0.25 * params.clearcoat)
@@ -262,7 +263,7 @@ def _shares(params, inside):
 
 
 @kernel
-def _share_reflected(params, inside, fresnel):
+def _chance_of_reflection(params, inside, fresnel):
     """Probability of reflection at a facet."""
     clear = (1.0 - params.metallic) * params.spec_trans
     return where(inside, fresnel, 1.0 - clear * (1.0 - fresnel))
@@ -312,9 +313,9 @@ def _values(params, inside, wo, wi):
     coat = 0.25 * params.clearcoat * schlick * d * _smith(wo) * _smith(wi)
     coat = where(right, coat, 0.0)
     f_cos = f_cos + where(outside, (both + coat) * wi.z, lanes_vec3(0.0))
-    to_facets, to_coat, to_matte = _shares(params, inside)
-    share = _share_reflected(params, inside, plain)
-    pdf = to_facets * density * where(reflects, share, 1.0 - share)
+    to_facets, to_coat, to_matte = _chances(params, inside)
+    chance = _chance_of_reflection(params, inside, plain)
+    pdf = to_facets * density * where(reflects, chance, 1.0 - chance)
     coat_pdf = where(right, 0.25 * d * wm.z / maximum(cos_o, 1e-9), 0.0)
     others = to_coat * coat_pdf + to_matte * INV_PI * wi.z
     pdf = pdf + where(outside, others, 0.0)
@@ -334,7 +335,7 @@ def sample(params, wo, u, u2):
     inside = (wo.z < 0.0) & (params.spec_trans > 0.0)
     wo = mirrored_if(inside, wo)
     eta = where(inside, 1.0 / params.eta, params.eta)
-    to_facets, to_coat, _ = _shares(params, inside)
+    to_facets, to_coat, _ = _chances(params, inside)
     facets, coat = u < to_facets, (u >= to_facets) & (u < to_facets + to_coat)
     wm = sample_ggx_visible(burley_facets(params.roughness, params.anisotropic), wo, u2)
     # The coat's normals have the density D cos theta.
@@ -346,7 +347,8 @@ def sample(params, wo, u, u2):
     cos_o = dot(wo, wm)
     cosine = minimum(maximum(cos_o, 0.0), 1.0)
     plain, cos_t = fresnel_dielectric(cosine, eta)
-    passes = facets & (u / to_facets >= _share_reflected(params, inside, plain))
+    # At total internal reflection the chance of it is 1: what rounding still lets pass has pdf 0.
+    passes = facets & (u / to_facets >= _chance_of_reflection(params, inside, plain))
     refracted = (cosine / eta - cos_t) * wm - wo / eta
     wi = renormalize(where(passes, refracted, reflect(wo, wm)))
     wi = where(facets | coat, wi, square_to_cosine_hemisphere(u2))

@@ -10,9 +10,9 @@ with the glass t, the part d of the rest that goes through, and the lobes of `bu
 is mirrored to the other side, by facets whose roughness is multiplied by 0.65 eta - 0.35. Both
 sides are alike. Reciprocal.
 
-**It makes light**, as `burley` does: of base colour 1 and roughness 1 it sends out 1.04, 1.03,
-1.03, 1.06, 1.19 and 1.40 times what it gets at 0, 30, 45, 60, 75 and 85 degrees, with sheen up to
-1.61 times.
+**It creates energy**, as `burley` does: with base colour 1 and roughness 1 it returns 1.04, 1.03,
+1.03, 1.06, 1.19 and 1.40 times the incident light at 0, 30, 45, 60, 75 and 85 degrees, and with
+sheen up to 1.61 times.
 
 Source: Burley 2015, Extending the Disney BRDF to a BSDF; the plug-in ``principledthin`` of
 Mitsuba 3 (https://mitsuba.readthedocs.io).

@@ -5,13 +5,13 @@ r"""Coated metal: rough or polished metal under a rough or smooth clear coat.
         {4 \cos\theta_o \cos\theta_i} + s(\cos\theta_o)\, s(\cos\theta_i)\,
         \frac{D(\omega_m')\, G}{4 \eta^2 \cos\theta_o' \cos\theta_i'}
 
-First what the coat reflects. Then the metal's lobe: directions with a dash are refracted into the
-coat, of relative index eta, as if it were smooth; D is a little wider than the metal's own, by what
-a rough coat scatters on both ways. Light goes to and fro between the layers, and is coloured by the
-metal each time. How much of it finally leaves is known, see `alight.bsdfs.layered`; the scales s,
-one for each channel, give the lobe just that albedo from every side, within 0.002 (within 0.01 in
-the last degree above the surface). How it is spread is nearly right under smooth coats, and too
-narrow at grazing angles under rough ones.
+The first term is reflection by the coat, the second the metal's lobe: primed directions are
+refracted into the coat, of relative index eta, as if it were smooth, and D is a little wider than
+the metal's own, by what a rough coat scatters on the way in and out. Light bounces back and forth
+between the layers and is coloured by the metal each time. How much of it finally leaves is known,
+see `alight.bsdfs.layered`; the scales s, one for each channel, give the lobe just that albedo from
+every side, within 0.002 (within 0.01 in the last degree above the surface). Its distribution is
+nearly right under smooth coats, and too narrow at grazing angles under rough ones.
 
 All facets are GGX, of correlated heights, G = 1 / (1 + Lambda_o + Lambda_i), as in pbrt 4. Light
 that meets two facets of a layer is lost (single scattering). Black from behind.
@@ -34,7 +34,7 @@ from alight.bsdfs.albedo_table import place_of, read_plain_curve
 from alight.bsdfs.conductor import OfMetal
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.interface import MEDIA, Medium
-from alight.bsdfs.layered import CURVES, SCALE, SHARE, Layers, lobe_alpha, rounds
+from alight.bsdfs.layered import CHANCE, CURVES, SCALE, Layers, lobe_alpha, rounds
 from alight.bsdfs.rows import rows_at, rows_in_slots
 from alight.core.constants import INV_PI
 from alight.core.fresnel import cos_transmitted, fresnel_dielectric
@@ -56,7 +56,7 @@ class CoatedConductor(OfMetal):
     Parameters
     ----------
     metal, eta, k
-        As in `alight.bsdfs.conductor.OfMetal`: against vacuum, the coat is reckoned with.
+        As in `alight.bsdfs.conductor.OfMetal`: relative to vacuum; the coat is accounted for.
     int_ior, ext_ior : float in [1, 5] or str, defaults "acrylic" (1.49) and "air"
         Indices of refraction of the coat and outside, which is the lesser one.
     alpha : float, default 0.1
@@ -64,10 +64,10 @@ class CoatedConductor(OfMetal):
     coat_alpha : float, default 0.001
         Roughness of the coat, likewise.
     thickness : float, default 0
-        Optical thickness of the coat at right angles, >= 0: the part exp(-thickness) of the light
-        gets from layer to layer.
+        Optical thickness of the coat at normal incidence, >= 0: the part exp(-thickness) of the
+        light passes from layer to layer.
     bounces : int in [1, 1000], default 100
-        How many times light may meet the metal.
+        How many times light may hit the metal.
     """
 
     one_sided: ClassVar[bool] = True
@@ -148,7 +148,7 @@ def pack(spec: CoatedConductor, packer) -> None:
     """Fill the row of one material."""
     layers = layers_of(spec)
     found = rounds(layers)
-    packer.numbers("eta", layers.ior)
+    packer.numbers("eta", layers.coat_eta)
     packer.numbers("coat_alpha", layers.coat_alpha)
     packer.numbers("alpha", lobe_alpha(layers))
     packer.numbers("wide", found.trapped)
@@ -199,9 +199,9 @@ def _scale(params, cosine):
 
 
 @kernel
-def _share(params, cosine):
+def _chance_of_coat(params, cosine):
     """Probability of sampling the coat."""
-    return read_plain_curve(params.rows, lanes_u32(SHARE), place_of(cosine))
+    return read_plain_curve(params.rows, lanes_u32(CHANCE), place_of(cosine))
 
 
 @kernel
@@ -219,9 +219,9 @@ def evaluate(params, wo, wi):
     # Solid angles grow on the way out.
     pdf = pdf * wi.z / (params.eta * params.eta * inside.z)
     f_cos = _scale(params, wo.z) * _scale(params, wi.z) * (kept * pdf) + coat
-    share = _share(params, wo.z)
+    chance = _chance_of_coat(params, wo.z)
     pdf = (1.0 - params.wide) * pdf + params.wide * (INV_PI * wi.z)
-    pdf = share * coat_pdf + (1.0 - share) * pdf
+    pdf = chance * coat_pdf + (1.0 - chance) * pdf
     return where(above, f_cos, 0.0), where(above, pdf, 0.0)
 
 
@@ -230,7 +230,7 @@ def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
     front = wo.z > 0.0
     wo = where(front, wo, Vec3(0.0, 0.0, 1.0))
-    share = _share(params, wo.z)
+    chance = _chance_of_coat(params, wo.z)
     mirrored = renormalize(reflect(wo, sample_ggx_visible(params.coat, wo, u2)))
     inside = _refracted(params, wo)
     inside = reflect(inside, sample_ggx_visible(params.metal, inside, u2))
@@ -239,9 +239,9 @@ def sample(params, wo, u, u2):
     # What is trapped fails, in the surface; samples of a wide lobe go to all sides as well.
     leaves = (z2 > 0.0) & (inside.z > 0.0)
     out = where(leaves, Vec3(x, y, sqrt(maximum(z2, 0.0))), Vec3(1.0, 0.0, 0.0))
-    wide = u - share < params.wide * (1.0 - share)
+    wide = u - chance < params.wide * (1.0 - chance)
     wi = where(wide, square_to_cosine_hemisphere(u2), out)
-    wi = where(u < share, mirrored, wi)
+    wi = where(u < chance, mirrored, wi)
     f_cos, pdf = evaluate(params, wo, wi)
     pdf = where(front, pdf, 0.0)
     return wi, quotient(f_cos, pdf), pdf, lanes_u32(REFLECTION)

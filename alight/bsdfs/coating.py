@@ -58,8 +58,8 @@ ROWS = 33
 
 def diffuse_reflectance(eta: float) -> float:
     r"""Part of diffuse light that a smooth interface reflects: ∫ 2 mu F(mu) d mu; within 1e-6."""
-    # Below the critical angle's cosine all of it. Above, in steps of the refracted ray's cosine,
-    # in which F has no root: mu^2 = c^2 + (1 - c^2) t^2.
+    # Total internal reflection below the critical angle's cosine: all of it. Above, in steps of the
+    # refracted ray's cosine, in which F has no root: mu^2 = c^2 + (1 - c^2) t^2.
     critical = max(0.0, 1.0 - eta * eta)
     nodes, weights = np.polynomial.legendre.leggauss(64)
     t, dt = 0.5 * (nodes + 1.0), 0.5 * weights
@@ -114,7 +114,7 @@ def base_f_cos(reflectance, through, eta, cos_i):
 
 
 @kernel
-def share_of_coat(reflected, specular, matte):
+def chance_of_coat(reflected, specular, matte):
     """Probability of sampling the coat: its part of the reflected light, by luminance."""
     coat = reflected * luminance(specular)
     base = (1.0 - reflected) * luminance(matte)

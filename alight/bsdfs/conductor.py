@@ -114,7 +114,7 @@ class Metallic(OfMetal):
     metal, eta, k
         As in `OfMetal`.
     specular_reflectance : ColorTexture, default 1
-        Factor of what is reflected, each channel in [0, 1]; 1 for real metals.
+        Scale factor for reflected light, each channel in [0, 1]; 1 for real metals.
     """
 
     specular_reflectance: ColorTexture = WHITE

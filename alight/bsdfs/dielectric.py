@@ -1,11 +1,12 @@
-r"""Smooth dielectric (glass, water): reflects and refracts, both without blur.
+r"""Smooth dielectric (glass, water): perfectly specular reflection and refraction.
 
 .. math::
     \text{reflect with probability } F(\cos\theta_o; \eta), \qquad
     \text{refract with } 1 - F, \qquad \eta = \eta_\text{int} / \eta_\text{ext}
 
-Two Dirac lobes. Radiance that is refracted is scaled by 1 / eta^2, because the beam's solid angle
-changes. `int_ior` lies on the side that the normal points away from.
+Two Dirac lobes. Beyond the critical angle F = 1: total internal reflection. Refracted radiance is
+scaled by 1 / eta^2, because the beam's solid angle changes. `int_ior` lies on the side that the
+normal points away from.
 
 Nested bodies, such as water in a glass: every boundary is one surface, whose `int_ior` and
 `ext_ior` name the media on its two sides. Overlapping surfaces have no priorities; where two

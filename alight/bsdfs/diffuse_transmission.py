@@ -1,4 +1,4 @@
-r"""Matte surface that lets light through: paper, leaves, lamp shades.
+r"""Matte surface that transmits light: paper, leaves, lamp shades.
 
 .. math::
     f(\omega_o, \omega_i) = \frac{1}{\pi} \begin{cases}
@@ -9,7 +9,7 @@ r"""Matte surface that lets light through: paper, leaves, lamp shades.
 
 The same from both sides. Reflection or transmission is chosen in proportion to the luminance of the
 two, then a direction in proportion to the cosine. Where the two together exceed 1 in a channel,
-both are scaled down, so that no light is made.
+both are scaled down, so that no energy is created.
 
 Source: PBR4 section 9.2 and the material ``diffusetransmission`` of its program.
 """

@@ -49,7 +49,7 @@ class Interface(Bsdf):
     int_ior, ext_ior : float in [1, 5] or str, defaults "bk7" and "air"
         Indices of refraction inside and outside, as numbers or names of `MEDIA`.
     specular_reflectance, specular_transmittance : ColorTexture, defaults 1
-        Factors of what is reflected and let through, each channel in [0, 1]; 1 for real media.
+        Scale factors for reflected and transmitted light, each channel in [0, 1]; 1 for real media.
     """
 
     transmissive = True
@@ -90,5 +90,5 @@ def features(spec: Interface) -> tuple[str, ...]:
 
 @kernel
 def albedo(params):
-    """What is let through; nothing is absorbed by real media."""
+    """What is transmitted; nothing is absorbed by real media."""
     return params.transmittance

@@ -45,8 +45,9 @@ from lanewise.vec3 import Vec3
 Array = NDArray[np.float64]
 
 #: Curves of a row: three of s, and the probability of the coat's own lobe.
-SCALE, SHARE, CURVES = 0, 3, 4
-#: Cosines inside from which light does not get out; more of them near the critical one.
+SCALE, CHANCE, CURVES = 0, 3, 4
+#: Cosines inside at which light is trapped by total internal reflection; denser near the critical
+#: one.
 TRAPPED = 40
 _ROUNDS = 100
 
@@ -56,7 +57,7 @@ class Layers(NamedTuple):
 
     Attributes
     ----------
-    ior : float > 1
+    coat_eta : float > 1
         Index of the coat over that outside.
     coat_alpha, alpha : float
         Roughness of the coat and of the metal; those of at most `LEAST_ALPHA` are smooth.
@@ -68,7 +69,7 @@ class Layers(NamedTuple):
         How many times light may meet the metal.
     """
 
-    ior: float
+    coat_eta: float
     coat_alpha: float
     alpha: float
     eta: Triple
@@ -85,7 +86,7 @@ class Rounds(NamedTuple):
     row : (CURVES * STEPS,) float32
         Curves over the fourth root of the cosine outside.
     trapped : float
-        Part of the light in the metal's lobe that does not get out at once.
+        Part of the light in the metal's lobe that total internal reflection keeps in at first.
     albedo : (float, float, float)
         Reflected part of light that arrives at right angles.
     """
@@ -103,27 +104,27 @@ def _outside() -> Array:
     return np.maximum(np.linspace(0.0, 1.0, STEPS) ** 4, 1e-7)
 
 
-def _inside(ior: float) -> Array:
+def _inside(eta: float) -> Array:
     """Cosines of the grid inside: those of trapped light, then those of `_outside`, refracted."""
-    critical = np.sqrt(1.0 - 1.0 / ior**2)
+    critical = np.sqrt(1.0 - 1.0 / eta**2)
     part = np.linspace(0.0, 1.0, TRAPPED, endpoint=False)
     trapped = np.maximum(critical * (1.0 - (1.0 - part) ** 2), 1e-7)
-    return np.append(trapped, np.sqrt(1.0 - (1.0 - _outside() ** 2) / ior**2))
+    return np.append(trapped, np.sqrt(1.0 - (1.0 - _outside() ** 2) / eta**2))
 
 
-def _leaving(cosine: Array, ior: float) -> Array:
-    """Cosine outside of light with a cosine inside; 0 where it is trapped."""
-    return np.sqrt(np.maximum(1.0 - ior**2 * (1.0 - cosine**2), 0.0))
+def _leaving(cosine: Array, eta: float) -> Array:
+    """Cosine outside of light with a cosine inside; 0 at total internal reflection."""
+    return np.sqrt(np.maximum(1.0 - eta**2 * (1.0 - cosine**2), 0.0))
 
 
 def _place_outside(cosine: Array) -> Array:
     return (STEPS - 1.0) * np.clip(cosine, 0.0, 1.0) ** 0.25
 
 
-def _place_inside(cosine: Array, ior: float) -> Array:
-    critical = np.sqrt(1.0 - 1.0 / ior**2)
+def _place_inside(cosine: Array, eta: float) -> Array:
+    critical = np.sqrt(1.0 - 1.0 / eta**2)
     trapped = TRAPPED * (1.0 - np.sqrt(np.clip(1.0 - cosine / critical, 0.0, 1.0)))
-    return trapped + _place_outside(_leaving(cosine, ior))
+    return trapped + _place_outside(_leaving(cosine, eta))
 
 
 def _shared(place: Array, light: Array, points: int) -> Array:
@@ -159,12 +160,12 @@ def _mirrored(seen: Seen) -> Array:
     return seen.wm.z * (2.0 * seen.cosine) - seen.wo.z
 
 
-def _interface(seen: Seen, ior: float) -> tuple[Array, Array, Array, Array]:
+def _interface(seen: Seen, eta: float) -> tuple[Array, Array, Array, Array]:
     """Cosines of reflected and refracted light, and how much it is."""
-    fresnel, cos_t = fresnel_dielectric(seen.cosine, ior)
+    fresnel, cos_t = fresnel_dielectric(seen.cosine, eta)
     back = _mirrored(seen)
     # The refracted direction, turned over to the side of wo.
-    through = seen.wo.z / ior - seen.wm.z * (seen.cosine / ior - cos_t)
+    through = seen.wo.z / eta - seen.wm.z * (seen.cosine / eta - cos_t)
     passed = (1.0 - fresnel) * (cos_t > 0.0) * _kept(seen, through)
     return back, fresnel * _kept(seen, back), through, passed
 
@@ -200,17 +201,17 @@ class Albedos(NamedTuple):
 
 def albedos(layers: Layers) -> Albedos:
     """How much light is sent back."""
-    ior, inner = layers.ior, _inside(layers.ior)
+    coat_eta, inner = layers.coat_eta, _inside(layers.coat_eta)
     points = inner.size
-    back, reflected, through, passed = _interface(_seen(layers.coat_alpha, _outside()), ior)
-    entering = _shared(_place_inside(through, ior), passed, points)
+    back, reflected, through, passed = _interface(_seen(layers.coat_alpha, _outside()), coat_eta)
+    entering = _shared(_place_inside(through, coat_eta), passed, points)
     coat = reflected.sum(1)
-    back, reflected, through, passed = _interface(_seen(layers.coat_alpha, inner), 1.0 / ior)
-    again = _shared(_place_inside(back, ior), reflected, points)
+    back, reflected, through, passed = _interface(_seen(layers.coat_alpha, inner), 1.0 / coat_eta)
+    again = _shared(_place_inside(back, coat_eta), reflected, points)
     leaving = passed.sum(1)
     seen = _seen(layers.alpha, inner)
     cosine = _mirrored(seen)
-    place = _place_inside(np.maximum(cosine, 0.0), ior)
+    place = _place_inside(np.maximum(cosine, 0.0), coat_eta)
     kept = _kept(seen, cosine) * crossing(inner, layers.thickness)[:, None]
     kept = kept * crossing(np.maximum(cosine, 1e-7), layers.thickness)
     metal = []
@@ -239,12 +240,12 @@ class Matte(NamedTuple):
     internal: float
 
 
-def matte_rounds(ior: float, coat_alpha: float, thickness: float) -> Matte:
+def matte_rounds(coat_eta: float, coat_alpha: float, thickness: float) -> Matte:
     """The coat of `Layers` over a base that scatters to all sides alike."""
-    inner = _inside(ior)
-    _, _, through, passed = _interface(_seen(coat_alpha, _outside()), ior)
+    inner = _inside(coat_eta)
+    _, _, through, passed = _interface(_seen(coat_alpha, _outside()), coat_eta)
     down = (passed * crossing(np.maximum(through, 1e-7), thickness)).sum(1)
-    back, reflected, _, _ = _interface(_seen(coat_alpha, inner), 1.0 / ior)
+    back, reflected, _, _ = _interface(_seen(coat_alpha, inner), 1.0 / coat_eta)
     again = (reflected * crossing(np.maximum(back, 1e-7), thickness)).sum(1)
     again = again * crossing(inner, thickness)
     mu = _outside()
@@ -256,18 +257,18 @@ def matte_rounds(ior: float, coat_alpha: float, thickness: float) -> Matte:
 def lobe_alpha(layers: Layers) -> float:
     """Roughness that the metal seems to have from within the coat.
 
-    A facet of the coat that is tilted by d turns light inside by (1 - 1 / ior) d, one of the metal
-    by 2 d; light meets the coat twice.
+    A facet of the coat that is tilted by d turns light inside by (1 - 1 / coat_eta) d, one of the
+    metal by 2 d; light meets the coat twice.
     """
-    bends = 1.0 - 1.0 / layers.ior
+    bends = 1.0 - 1.0 / layers.coat_eta
     return min(1.0, float(np.sqrt(layers.alpha**2 + 0.5 * (bends * layers.coat_alpha) ** 2)))
 
 
 def _lobe(layers: Layers) -> Array:
     """The matrix K: mirrored inside by facets of `lobe_alpha`, and refracted by a smooth coat."""
-    seen = _seen(lobe_alpha(layers), _inside(layers.ior)[TRAPPED:], LATTICE)
+    seen = _seen(lobe_alpha(layers), _inside(layers.coat_eta)[TRAPPED:], LATTICE)
     cosine = _mirrored(seen)
-    out = _leaving(cosine, layers.ior)
+    out = _leaving(cosine, layers.coat_eta)
     kept = np.where(out > 0.0, _kept(seen, cosine), 0.0)
     return _shared(_place_outside(out), kept, STEPS)
 
@@ -290,9 +291,9 @@ def rounds(layers: Layers) -> Rounds:
             # A metal that reflects nothing, or that no light gets to, has s = 0.
             s = np.sqrt(s * albedo / np.maximum(lobe @ s, 1e-300))
         scales.append(s)
-    share = coat / (coat + metal.mean(0))
+    chance = coat / (coat + metal.mean(0))
     # Over all cosines, as they are seen from a white sky.
     mu = _outside()
     trapped = 1.0 - np.trapezoid(2.0 * mu * lobe.sum(1), mu)
     r, g, b = (float(coat[-1] + channel[-1]) for channel in metal)
-    return Rounds(np.array([*scales, share]).astype(np.float32).ravel(), float(trapped), (r, g, b))
+    return Rounds(np.array([*scales, chance]).astype(np.float32).ravel(), float(trapped), (r, g, b))

@@ -36,7 +36,7 @@ class NormalMap(Nested):
     scale : float >= 0, default 1
         Factor of the slopes.
     rims : {"lit", "folded", "black"}, default "lit"
-        What becomes of normals that turn away from the viewer.
+        What to do with normals that turn away from the viewer.
     fading : bool, default True
         Whether light fades out towards the line where the true surface turns away from it.
     follow_uv : bool, default True

@@ -12,7 +12,7 @@ deviation of the slopes' angles. This is the authors' qualitative model, without
 
 The largest part of the light that leaves again is rho (A + B / 2), towards grazing angles. Where
 A + B / 2 is larger than 1, for sigma below 18.7 degrees (by at most 1.5 %), A and B are divided by
-it, so that the surface never makes energy.
+it, so that the surface never creates energy.
 
 Source: Oren and Nayar, Generalization of Lambert's reflectance model, SIGGRAPH 1994, equation 30.
 """

@@ -5,7 +5,7 @@ r"""Modified Phong: a diffuse part and a lobe around the mirrored direction.
         + \rho_s \frac{n + 2}{2\pi} \max(0, \cos\alpha)^n
 
 with alpha the angle between `wi` and the mirrored `wo`. The factor (n + 2) / (2 pi) bounds the
-reflected part by rho_d + rho_s, which must not exceed 1, so the surface never makes energy.
+reflected part by rho_d + rho_s, which must not exceed 1, so the surface never creates energy.
 Reciprocal; black from behind.
 
 Source: Lafortune and Willems, Using the modified Phong reflectance model for physically based
@@ -111,7 +111,7 @@ def pack(spec: Phong, packer) -> None:
 
 
 @kernel
-def _share_of_lobe(params):
+def _chance_of_lobe(params):
     """Probability of sampling the lobe: its part of the reflected luminance."""
     lobe, matte = luminance(params.specular), luminance(params.diffuse)
     both = lobe + matte
@@ -129,8 +129,8 @@ def evaluate(params, wo, wi):
     lobe = where(above & (one_minus_cos < 1.0), INV_TWO_PI * power, 0.0)
     matte = where(above, INV_PI, 0.0)
     f = params.diffuse * matte + params.specular * ((n + 2.0) * lobe)
-    share = _share_of_lobe(params)
-    pdf = (1.0 - share) * (matte * wi.z) + share * ((n + 1.0) * lobe)
+    chance = _chance_of_lobe(params)
+    pdf = (1.0 - chance) * (matte * wi.z) + chance * ((n + 1.0) * lobe)
     return f * wi.z, pdf
 
 
@@ -142,7 +142,7 @@ def sample(params, wo, u, u2):
     axis = Vec3(-wo.x, -wo.y, wo.z)
     s, t = frame_from_normal(axis)
     glossy = to_world(s, t, axis, direction_around_z(one_minus_cos, u2[1]))
-    wi = where(u < _share_of_lobe(params), glossy, square_to_cosine_hemisphere(u2))
+    wi = where(u < _chance_of_lobe(params), glossy, square_to_cosine_hemisphere(u2))
     f_cos, pdf = evaluate(params, wo, wi)
     return wi, quotient(f_cos, pdf), pdf, lanes_u32(REFLECTION)
 

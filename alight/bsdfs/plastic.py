@@ -7,7 +7,7 @@ r"""Smooth plastic: a matte base under a clear smooth coat.
     \rho' = \frac{\rho}{1 - \rho R} \;\text{or}\; \frac{\rho}{1 - R}
 
 F is Fresnel's reflectance of the coat, eta = int_ior / ext_ior, and R the part of diffuse light
-that the coat reflects back to the base. With `nonlinear` colours get more saturated from round to
+that the coat reflects back to the base. With `nonlinear`, colours get more saturated with each
 round. One Dirac lobe and one smooth one; black from behind.
 
 Source: the plug-in ``plastic`` of Mitsuba 3 (https://mitsuba.readthedocs.io); PBR4 section 9.3 for
@@ -22,8 +22,8 @@ from typing import ClassVar, Literal, NamedTuple
 from alight.bsdfs.coating import (
     base_f_cos,
     base_reflectance,
+    chance_of_coat,
     diffuse_reflectance,
-    share_of_coat,
 )
 from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH, REFLECTION
 from alight.bsdfs.interface import MEDIA, Medium
@@ -48,7 +48,7 @@ class Coated(Bsdf):
     diffuse_reflectance : ColorTexture, default 0.5
         Albedo of the base, each channel in [0, 1].
     specular_reflectance : ColorTexture, default 1
-        Factor of the coat's reflection; 1 for real coats.
+        Scale factor for the coat's reflection; 1 for real coats.
     nonlinear : bool, default False
         Whether light is coloured by each round inside the coat.
     """
@@ -146,10 +146,10 @@ def load(scene, base, surface):
 
 
 @kernel
-def _share(params, reflected):
+def _chance_of_coat(params, reflected):
     """Probability of sampling the coat's lobe, which reflects the part F of the light."""
     # rho' (1 - R) is what the base reflects of light inside: (1 - R) = (1 - R_outside) / eta^2.
-    return share_of_coat(reflected, params.specular, params.base * (1.0 - params.internal))
+    return chance_of_coat(reflected, params.specular, params.base * (1.0 - params.internal))
 
 
 @kernel
@@ -160,7 +160,7 @@ def evaluate(params, wo, wi):
     reflected_i, _ = fresnel_dielectric(maximum(wi.z, 0.0), params.eta)
     through = where(above, (1.0 - reflected) * (1.0 - reflected_i), 0.0)
     f_cos = base_f_cos(params.base, through, params.eta, wi.z)
-    pdf = (1.0 - _share(params, reflected)) * (INV_PI * wi.z)
+    pdf = (1.0 - _chance_of_coat(params, reflected)) * (INV_PI * wi.z)
     return f_cos, where(above, pdf, 0.0)
 
 
@@ -168,19 +168,19 @@ def evaluate(params, wo, wi):
 def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, density or probability of the lobe, flags)."""
     reflected, _ = fresnel_dielectric(maximum(wo.z, 0.0), params.eta)
-    share = _share(params, reflected)
-    mirrored = u < share
+    chance = _chance_of_coat(params, reflected)
+    mirrored = u < chance
     matte = square_to_cosine_hemisphere(u2)
     wi = where(mirrored, Vec3(-wo.x, -wo.y, wo.z), matte)
     front = (wo.z > 0.0) & (wi.z > 0.0)
-    # Lobe of the coat: F / share.
-    coat = params.specular * (reflected / where(mirrored, share, 1.0))
+    # Lobe of the coat: F / chance.
+    coat = params.specular * (reflected / where(mirrored, chance, 1.0))
     # Base: the cosine over pi cancels.
     reflected_i, _ = fresnel_dielectric(maximum(matte.z, 0.0), params.eta)
     through = (1.0 - reflected) * (1.0 - reflected_i) / (params.eta * params.eta)
-    base = params.base * (through / where(mirrored, 1.0, 1.0 - share))
+    base = params.base * (through / where(mirrored, 1.0, 1.0 - chance))
     weight = where(front, where(mirrored, coat, base), 0.0)
-    pdf = where(mirrored, share, (1.0 - share) * (INV_PI * matte.z))
+    pdf = where(mirrored, chance, (1.0 - chance) * (INV_PI * matte.z))
     flags = where(mirrored, lanes_u32(REFLECTION | DELTA), lanes_u32(REFLECTION))
     return wi, weight, where(front, pdf, 0.0), flags
 

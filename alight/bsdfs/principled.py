@@ -15,8 +15,8 @@ albedo E does not take. All but sheen are facets of GGX, with alpha = roughness^
   `thin` it is a sheet that light passes without being bent, and both sides of it look the same;
 * iridescence mixes in the reflectance of a thin film, see `alight.bsdfs.thin_film`.
 
-With `compensation`, light that met several facets is given back by a table of the directional
-albedo: the metal times 1 + F0 (1 - W) / W, glass times 1 / (R + T), see
+With `compensation`, energy lost to multiple scattering between facets is restored from a table of
+the directional albedo: the metal times 1 + F0 (1 - W) / W, glass times 1 / (R + T), see
 `alight.bsdfs.albedo_rows`. White metals and white glass lose less than 1 % then, at every roughness
 and anisotropy, and so do a film or nothing over a white base; a film over rough glass errs by up to
 2 % from some directions. That scale and the layers look at wo alone: only plastic without them is
@@ -97,7 +97,7 @@ class Principled(Absorbing):
     Parameters
     ----------
     base_color : ColorTexture, default 0.8
-        Colour of the metal, of what is diffuse, and of what glass lets through.
+        Colour of the metal, of what is diffuse, and of what glass transmits.
     metallic : UnitTexture, default 0
         Share of metal.
     roughness : UnitTexture, default 0.5
@@ -125,7 +125,7 @@ class Principled(Absorbing):
     attenuation_color, attenuation_distance
         As in `alight.bsdfs.absorption.Absorbing`; without effect if `thin`.
     compensation : bool, default True
-        Whether light that met several facets is given back.
+        Whether energy lost to multiple scattering between facets is restored.
     """
 
     type: Literal["principled"] = "principled"

@@ -67,13 +67,13 @@ def _unit(x):
 
 
 @specialised
-def _share_reflected(program):
+def _chance_of_reflection(program):
     """``(params, view, metal, dielectric) -> probability`` of reflection at a facet."""
     if GLASS not in program.bsdfs:
         return _all_reflected
 
     @kernel
-    def share(params, view, metal, dielectric):
+    def chance(params, view, metal, dielectric):
         rest = 1.0 - params.metallic
         f = luminance(dielectric)
         opaque = where(view.side.inside, 0.0, params.metallic * luminance(metal))
@@ -82,7 +82,7 @@ def _share_reflected(program):
         through = rest * params.transmission * maximum(1.0 - f, 0.0) * luminance(params.base_color)
         return back / maximum(back + through, 1e-9)
 
-    return share
+    return chance
 
 
 @kernel
@@ -149,8 +149,8 @@ def _facets_of_glass(params, view, wi):
     share_of_glass = (1.0 - params.metallic) * params.transmission
     through = clear * view.factors.glass * params.base_color * share_of_glass
     factor = where(reflects, _reflection_factor(params, view, metal, dielectric), through)
-    share = _share_reflected(params, view, metal, dielectric)
-    return factor * (masking * pdf), pdf * where(reflects, share, 1.0 - share)
+    chance = _chance_of_reflection(params, view, metal, dielectric)
+    return factor * (masking * pdf), pdf * where(reflects, chance, 1.0 - chance)
 
 
 # ---------------------------------------------------------------- layers
@@ -273,9 +273,10 @@ def _facet_direction(program):
         cos_o = minimum(maximum(dot(view.side.wo, wm), 0.0), 1.0)
         metal, dielectric, _ = _facet_terms(params, view, cos_o)
         _, cos_t = fresnel_dielectric(cos_o, view.side.eta)
-        # Nothing is bent at total reflection, not even where metal leaves glass no share.
+        # At total internal reflection nothing is refracted, not even where metal leaves glass no
+        # part.
         open_ = (params.thin | (cos_t > 0.0)) & ~coat
-        passes = (u >= _share_reflected(params, view, metal, dielectric)) & open_
+        passes = (u >= _chance_of_reflection(params, view, metal, dielectric)) & open_
         mirrored = reflect(view.side.wo, wm)
         refracted = (cos_o / view.side.eta - cos_t) * wm - view.side.wo / view.side.eta
         through = where(params.thin, mirrored_if(params.thin, mirrored), refracted)

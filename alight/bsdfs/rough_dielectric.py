@@ -12,8 +12,9 @@ r"""Rough dielectric (ground glass): facets that reflect and refract, with maski
 
 eta is the index beyond the surface over the one on wo's side; f_t contains the factor eta^2 of the
 Jacobian of refraction and the 1 / eta^2 of radiance. Facets are sampled in proportion to how large
-they are seen, then reflect with probability F; weight = G1(wi), in refraction / eta^2. Light that
-meets two facets is lost (single scattering).
+they are seen, then reflect with probability F; weight = G1(wi), in refraction / eta^2. Beyond a
+facet's critical angle F = 1: total internal reflection. Light that meets two facets is lost (single
+scattering).
 
 Source: Walter et al. 2007, Microfacet Models for Refraction through Rough Surfaces, equations 16,
 17, 20 and 21; Heitz and d'Eon 2014 for the sampling; PBR4 section 9.7.

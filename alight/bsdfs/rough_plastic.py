@@ -22,11 +22,11 @@ from alight.bsdfs.coating import (
     ROWS,
     base_f_cos,
     base_reflectance,
+    chance_of_coat,
     coat_at,
     coat_internal,
     coat_table,
     coat_transmittance,
-    share_of_coat,
 )
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.plastic import Coated, pack_coat
@@ -153,9 +153,9 @@ def load(scene, base, surface):
 
 
 @kernel
-def _share(params, through):
+def _chance_of_coat(params, through):
     """Probability of sampling the coat's lobe, where the part T of the light enters."""
-    return share_of_coat(1.0 - through, params.specular, params.base * (1.0 - params.internal))
+    return chance_of_coat(1.0 - through, params.specular, params.base * (1.0 - params.internal))
 
 
 @kernel
@@ -175,17 +175,17 @@ def evaluate(params, wo, wi):
     both_ways = through * coat_transmittance(params.coat, wi.z)
     f_cos = params.specular * (fresnel * masking * density)
     f_cos = f_cos + base_f_cos(params.base, both_ways, params.eta, wi.z)
-    share = _share(params, through)
-    pdf = share * density + (1.0 - share) * (INV_PI * wi.z)
+    chance = _chance_of_coat(params, through)
+    pdf = chance * density + (1.0 - chance) * (INV_PI * wi.z)
     return where(above, f_cos, 0.0), where(above, pdf, 0.0)
 
 
 @kernel
 def sample(params, wo, u, u2):
     """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the two lobes, chosen by u."""
-    share = _share(params, coat_transmittance(params.coat, maximum(wo.z, 0.0)))
+    chance = _chance_of_coat(params, coat_transmittance(params.coat, maximum(wo.z, 0.0)))
     glossy = normalize(reflect(wo, sample_visible_facet(params.facets, wo, u2)))
-    wi = where(u < share, glossy, square_to_cosine_hemisphere(u2))
+    wi = where(u < chance, glossy, square_to_cosine_hemisphere(u2))
     f_cos, pdf = evaluate(params, wo, wi)
     return wi, quotient(f_cos, pdf), pdf, lanes_u32(REFLECTION)
 

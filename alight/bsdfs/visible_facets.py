@@ -28,7 +28,8 @@ from alight.core.vec import Vec3
 Array = NDArray[np.float64]
 
 #: Points of the integrals over facets, and the generator of their lattice: Fibonacci numbers. No
-#: two points share a coordinate, so that the kinks at total reflection are met at many places.
+#: two points share a coordinate, so that the kinks at total internal reflection are met at many
+#: places.
 LATTICE = 4181, 2584
 
 

@@ -2,12 +2,33 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alight.cameras.model import CAMERAS
 from alight.core.spec import Camera
+from alight.scene.flatten import PlacedCamera
 from lanewise.view import View
+
+#: Pixels of a small view.
+SMALL_VIEW = 2**14
+
+
+class SmallView(NamedTuple):
+    """The view of a camera in another, small picture.
+
+    Attributes
+    ----------
+    camera : View
+        As from `compile_camera`.
+    size : (int, int)
+        Width and height in pixels.
+    """
+
+    camera: View
+    size: tuple[int, int]
 
 
 def compile_camera(camera: Camera, to_world: ArrayLike, size: tuple[int, int]) -> View:
@@ -23,3 +44,11 @@ def compile_camera(camera: Camera, to_world: ArrayLike, size: tuple[int, int]) -
     """
     table = CAMERAS[camera.type_name()].pack(camera, size, np.asarray(to_world, np.float64))
     return View(np.ascontiguousarray(table, np.float32))
+
+
+def small_view(placed: PlacedCamera, size: tuple[int, int]) -> SmallView:
+    """The view in about `SMALL_VIEW` pixels, with the proportions of a film of that size."""
+    width, height = size
+    scale = (SMALL_VIEW / (width * height)) ** 0.5
+    small = max(round(width * scale), 1), max(round(height * scale), 1)
+    return SmallView(compile_camera(placed.camera, placed.to_world, small), small)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.accel.accelerator import build_accelerator
-from alight.compiled.cameras import compile_camera
+from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
 from alight.compiled.media import compile_media
@@ -19,6 +19,7 @@ from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.core.uv_sets import UV_SETS
 from alight.filters.importance import compile_filter
+from alight.guiding.tables import Guide
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.media.tables import EMISSIVE
 from alight.samplers.sampling import sampler_key
@@ -59,6 +60,12 @@ class CompiledScene:
         Description, for its numbers.
     stats : dict
         Counts, bytes and seconds of the acceleration structure.
+    warnings : tuple of str
+        What is legal but suspicious.
+    small_view : SmallView or None
+        Of integrators that want a guide: where its training starts.
+    guide : Guide or None
+        What its program asks for, see `alight.rendering.training`.
     """
 
     tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
@@ -69,6 +76,8 @@ class CompiledScene:
     integrator: Integrator
     stats: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    small_view: SmallView | None = None
+    guide: Guide | None = None
 
 
 def compile_scene(
@@ -170,6 +179,7 @@ def compile_scene(
         content_hash=content_hash,
         integrator=flat.integrator,
         stats=stats,
+        small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
         warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),
     )
 
@@ -200,7 +210,7 @@ def _darkness(flat: FlatScene, is_dark: bool) -> tuple[str, ...]:
 
 #: Numbers of integrators that kernels are given while they run (`alight.integrators.walk`), and
 #: what the tables and `Program.light_tree` say.
-RUN_TIME = {"max_depth", "rr_depth", "distance", "light_choice"}
+RUN_TIME = {"max_depth", "rr_depth", "distance", "light_choice", "guiding"}
 
 
 def compile_time_options(integrator: Integrator) -> tuple[tuple[str, Any], ...]:

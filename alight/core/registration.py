@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from alight.core.errors import AlightError, show_value
 from alight.core.model_form import FORMS, MOST_EXAMPLES, problems_of
-from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models
+from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models, members_of
 from alight.core.spec import Spec
 from lanewise.jit import Specialised, is_kernel
 from lanewise.source_digest import digest_of
@@ -153,8 +153,7 @@ def _name_of(source: Mapping[str, Any], place: str) -> tuple[str, str]:
 
 def _copy(name: str, source: Mapping[str, Any], family: str) -> ModuleType:
     """A module with the attributes of a model, its functions bound to today's globals."""
-    form = FORMS[family]
-    names = (*form.names, "make_kernels", "step")
+    names = tuple(dict.fromkeys((*FORMS[family].names, *members_of(family))))
     copier = _Copier([source[key] for key in names if key in source])
     module = ModuleType(name, source.get("__doc__"))
     for key, value in source.items():

@@ -160,11 +160,22 @@ class Record:
         return type(self.EXAMPLES[0])
 
 
+#: Family -> what others take from a model's file.
+_RECORDS: dict[str, type[Record]] = {}
+
+
+def members_of(family: str) -> tuple[str, ...]:
+    """Name what others take from a model's file."""
+    import_module(f"alight.{family}.model")
+    return tuple(f.name for f in fields(_RECORDS[family]) if f not in fields(Record))
+
+
 class Records(Mapping[str, R], Generic[R]):
     """The records of a family by type name, in the order of the registry; a live view."""
 
     def __init__(self, family: str, record: type[R]) -> None:
         self.family, self.record = family, record
+        _RECORDS[family] = record
 
     def __getitem__(self, name: str) -> R:
         models = modules(self.family)

@@ -321,6 +321,11 @@ class Integrator(Spec):
         """Whether no path is led to a light."""
         return False
 
+    @property
+    def wants_guide(self) -> bool:
+        """Whether a guide is trained before the picture is rendered."""
+        return False
+
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.
 

@@ -2,7 +2,8 @@
 
 Sample i belongs to replicate i mod R. ``sums[y, x, replicate, channel]`` are whole numbers
 (`fixed_point`), so tiles, passes, resumed parts and films of other machines are added in any order
-with the same bits. Pictures and their error bars are worked out from the sums when asked for.
+with the same bits. What is asked of them is worked out elsewhere: `readout` (means), `statistics`
+(standard errors), `metrics.own_error` and `metrics.pixel_bars` (error bars), `merging`, `storage`.
 """
 
 from __future__ import annotations
@@ -345,8 +346,7 @@ class Film:
             raise FilmError(f'the film has no AOV "{name}"; it has {_names(self.aov_sums)}')
         with self.lock:
             sums, n = self.aov_sums[name].copy(), self.counts.sum(axis=2)
-        if name in FIRST_SAMPLE_LAYERS:
-            n = np.minimum(n, 1)
+        n = np.minimum(n, 1) if name in FIRST_SAMPLE_LAYERS else n
         return (fixed_point.to_float(sums) / np.maximum(n, 1)[..., None]).astype(np.float32)
 
     @property

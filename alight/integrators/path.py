@@ -56,6 +56,13 @@ from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import max_component
+from alight.integrators.guided import (
+    NOWHERE,
+    guide_at,
+    is_guided,
+    mixed_density,
+    write_guided_scatter,
+)
 from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import write_reach_environment, write_reach_lamp
@@ -98,15 +105,25 @@ class Path(PathTracing):
     ----------
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
+    guiding : {"off", "on"}, default "off"
+        Whether paths also follow a guide, which learns before the picture where light comes from
+        (`alight.guiding`). Roulette then ends those that the guide expects to add little, from the
+        second vertex on.
     """
 
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
+    guiding: Annotated[Literal["off", "on"], NoiseOnly()] = "off"
+
+    @property
+    def wants_guide(self) -> bool:
+        """As `guiding` says."""
+        return self.guiding == "on"
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
-        if self.light_sampling != "mis":
+        if self.light_sampling != "mis" or self.wants_guide:
             return None
         share = 0.5 if self.heuristic == "power" else 1.0
         return largest_of_paths(self, share, radiance, weight, start)
@@ -118,7 +135,7 @@ EXAMPLES = (
     Path(light_sampling="bsdf", russian_roulette="none", max_depth=4),
     Path(light_sampling="emitter", light_choice="uniform"),
     Path(heuristic="balance", rr_depth=1),
-    Path(hide_emitters=True),
+    Path(hide_emitters=True, guiding="on"),
 )
 
 
@@ -205,10 +222,12 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners)
-    add_direct_light = _write_add_direct_light(light_weight, by_light, holes, listeners)
+    add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides = program.option("hide_emitters", False)
     absorbing, refracting = absorbs(program), refracts(program)
+    guided = is_guided(program)
+    next_direction = write_guided_scatter(roulette) if guided else _write_scatter(scatter)
 
     @kernel
     def shade(scene, settings, path, hit):
@@ -237,19 +256,15 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
 
+        here = guide_at(settings, surface.p) if guided else NOWHERE
+
         # Direct light by light sampling, weighted by w_l.
         if samples_lights:
-            path = add_direct_light(scene, settings, path, surface, wo, active)
+            path = add_direct_light(scene, settings, path, surface, wo, active, here)
 
         # Where the path continues: beta gains f cos / p_b.
-        wi, weight, pdf, flags = scatter(
-            scene,
-            surface,
-            wo,
-            get_1d(path.sampler, dimension + BSDF_CHOICE),
-            get_2d(path.sampler, dimension + BSDF_DIRECTION),
-            active,
-        )
+        arrived = replace(path, active=active)
+        wi, weight, pdf, flags = next_direction(scene, settings, arrived, here, surface, wo)
         beta = path.beta * weight
         brightness = max_component(beta)
         # Not "brightness > 0": a NaN must live on and be counted by the film.
@@ -257,7 +272,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active)
-        if roulette:
+        if roulette and not guided:
             if refracting:
                 # A path in glass is not dim: it regains on the way out what it lost on the way in.
                 brightness = brightness * concentration(scene, surface, wi)
@@ -274,15 +289,29 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     return shade
 
 
-def _write_add_direct_light(light_weight, by_light, holes, listeners):
-    """Light sampling, ``(scene, settings, path, surface, wo, active) -> path``.
+def _write_scatter(scatter):
+    """As `alight.integrators.guided.write_guided_scatter`, without a guide."""
+
+    @kernel
+    def next_direction(scene, settings, path, here, surface, wo):
+        active, dimension = path.active, vertex_dimension(path.depth + 1)
+        u = get_1d(path.sampler, dimension + BSDF_CHOICE)
+        u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+        return scatter(scene, surface, wo, u, u2, active)
+
+    return next_direction
+
+
+def _write_add_direct_light(program, light_weight, by_light, listeners):
+    """Light sampling, ``(scene, settings, path, surface, wo, active, here) -> path``.
 
     Only delta lights count unless `by_light`.
     """
     recorded, sample = listeners.sample is not None, listeners.sample
+    holes, guided = has_null(program), is_guided(program)
 
     @kernel
-    def add_direct_light(scene, settings, path, surface, wo, active):
+    def add_direct_light(scene, settings, path, surface, wo, active, here):
         L, L_direct, rays, depth = path.L, path.L_direct, path.rays, path.depth + 1
         dimension = vertex_dimension(depth)
         n = lit_normal(surface.ns, wo)
@@ -296,6 +325,8 @@ def _write_add_direct_light(light_weight, by_light, holes, listeners):
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
+            if guided:
+                pdf = mixed_density(settings, here, light.wi, pdf, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
             if not holes:
                 rays += count_lanes(lit)

@@ -13,6 +13,7 @@ import numpy as np
 
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, normalize
+from alight.guiding.tables import Guide, no_log
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
@@ -44,6 +45,10 @@ PathState = namedtuple("PathState", "o d p L L_direct beta pdf delta depth sampl
 #: metres).
 Settings = namedtuple("Settings", "max_depth rr_depth seed replicates distance")
 
+#: The same of a render with a guide: its tables, and the log of training paths
+#: (`alight.guiding.tables`).
+GuidedSettings = namedtuple("GuidedSettings", (*Settings._fields, "guide", "log"))
+
 #: Depth of paths that only roulette ends.
 UNLIMITED = 2**31 - 1
 
@@ -56,17 +61,20 @@ VERTEX_DIMENSIONS = 16
 LIGHT_CHOICE, LIGHT_POINT, BSDF_CHOICE, BSDF_DIRECTION, ROULETTE = 0, 1, 3, 4, 6
 
 
-def make_settings(integrator: Integrator, *, seed: int, replicates: int) -> Settings:
-    """The uniform numbers of a render, those of the integrator from its description."""
+def make_settings(
+    integrator: Integrator, *, seed: int, replicates: int, guide: Guide | None = None
+) -> Settings | GuidedSettings:
+    """What a render is done with, the numbers of the integrator from its description."""
     fields = dict(integrator)
     depth = fields.get("max_depth")
-    return Settings(
+    settings = Settings(
         max_depth=UNLIMITED if depth is None else depth,
         rr_depth=fields.get("rr_depth", UNLIMITED),
         seed=seed,
         replicates=replicates,
         distance=np.float32(fields.get("distance") or np.inf),
     )
+    return settings if guide is None else GuidedSettings(*settings, guide, no_log())
 
 
 @kernel

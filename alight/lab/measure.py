@@ -2,7 +2,8 @@
 
 Time is CPU time of the threads that render samples and add them to the film: it does not grow
 because something else runs on the machine, or in other threads of this program (libraries leave
-theirs spinning for a while), and loading, compiling and statistics are not in it.
+theirs spinning for a while), and loading, compiling and statistics are not in it. Training a
+guide is.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from alight.integrators.walk import Settings, make_settings
 from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
+from alight.rendering.training import is_to_be_guided, trained, untrained
 
 
 class Rung(NamedTuple):
@@ -46,9 +48,10 @@ class Rung(NamedTuple):
 
 def compiled_kernels(scene: CompiledScene) -> Kernels:
     """The kernels of a scene, run once without a sample so that machine code is there."""
+    scene = untrained(scene) if is_to_be_guided(scene) else scene
     kernels = make_kernels(scene)
     tile = tiles_of(film_for(scene, 0, 1).crop)[0]
-    settings = make_settings(scene.integrator, seed=0, replicates=1)
+    settings = make_settings(scene.integrator, seed=0, replicates=1, guide=scene.guide)
     render_tile(kernels, scene, settings, tile, _ranges(tile, 0, 0))
     return kernels
 
@@ -74,10 +77,11 @@ def render_ladder(
         Rising numbers of samples per pixel.
     threads : int
     """
+    scene, seconds = made_ready(scene, seed, threads)
     film = film_for(scene, seed, replicates)
-    settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
+    settings = make_settings(scene.integrator, seed=seed, replicates=replicates, guide=scene.guide)
     tiles = tiles_of(film.crop)
-    done, seconds = 0, 0.0
+    done = 0
 
     for spp in ladder:
         begin = time.thread_time()
@@ -86,6 +90,14 @@ def render_ladder(
         seconds += time.thread_time() - begin
         done = spp
         yield Rung(spp, seconds, film.mean[..., :3].astype(np.float32), film.invalid)
+
+
+def made_ready(scene: CompiledScene, seed: int, threads: int) -> tuple[CompiledScene, float]:
+    """A scene with its guide, if it wants one, and the CPU seconds of training it."""
+    if not is_to_be_guided(scene):
+        return scene, 0.0
+    guided, training = trained(scene, seed=seed, threads=threads)
+    return guided, training.cpu_seconds
 
 
 def add_tiles(

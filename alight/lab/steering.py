@@ -23,11 +23,11 @@ from alight.compiled.scene import CompiledScene
 from alight.core.errors import show_value, unknown_name
 from alight.films import Film
 from alight.integrators.walk import Settings, make_settings
-from alight.lab.measure import Rung, add_tiles, film_for
+from alight.lab.measure import Rung, add_tiles, film_for, made_ready
 from alight.rendering.cycles import THRESHOLD, Cycles
-from alight.rendering.job import seed_of_round
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.schedule import Schedule, Verdict
+from alight.rendering.seeds import seed_of_round
 from alight.rendering.steering import Steered
 from alight.rendering.tile import Kernels
 from alight.rendering.tiles import tiles_of
@@ -90,11 +90,14 @@ def steered_ladder(
     option : str or mapping
         See `problem_of`.
     """
+    scene, training = made_ready(scene, seed, threads)
     for spp in ladder:
         begin = time.thread_time()
-        settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
+        settings = make_settings(
+            scene.integrator, seed=seed, replicates=replicates, guide=scene.guide
+        )
         film, seconds = _picture(scene, kernels, settings, schedule_of(option, spp), threads)
-        seconds += time.thread_time() - begin
+        seconds += time.thread_time() - begin + training
         yield Rung(spp, seconds, film.mean[..., :3].astype(np.float32), film.invalid)
 
 

@@ -21,11 +21,14 @@ from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
+from alight.rendering.training import is_to_be_guided, trained
 from alight.scene import flatten
 
 SPP, REPLICATES = 8, 4
 #: Samples where means are compared.
 MANY = 16
+#: Rounds that train a guide.
+ROUNDS = 4
 
 ROOM = """
 alight: 1
@@ -56,14 +59,18 @@ def room(spec: Integrator) -> CompiledScene:
 
 
 def _compiled(spec: Integrator, text: str) -> CompiledScene:
-    return compile_scene(flatten(loads(text, "room").replaced(integrator=spec)), structure="list")
+    flat = flatten(loads(text, "room").replaced(integrator=spec))
+    scene = compile_scene(flat, structure="list")
+    if is_to_be_guided(scene):
+        scene, _ = trained(scene, seed=1, threads=1, rounds=ROUNDS)
+    return scene
 
 
 def picture(
     scene: CompiledScene, tile: Tile, *, compiled: bool = False, seed: int = 0, spp: int = SPP
 ) -> np.ndarray:
     """Sums (height, width, replicates, 3) of a tile; every number must be finite."""
-    settings = make_settings(scene.integrator, seed=seed, replicates=REPLICATES)
+    settings = make_settings(scene.integrator, seed=seed, replicates=REPLICATES, guide=scene.guide)
     ranges = np.tile(
         np.array([0, spp], np.int64),
         (-(-tile.y1 // 8) - tile.y0 // 8, -(-tile.x1 // 8) - tile.x0 // 8, 1),

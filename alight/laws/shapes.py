@@ -52,7 +52,13 @@ def scene_of(nodes: dict[str, Node]) -> Scene:
 
 
 class Body:
-    """One shape that shines, alone in the world, by the text of the kernels.
+    """One shape that shines, alone in the world or among others, by the text of the kernels.
+
+    Parameters
+    ----------
+    spec : Shape
+    placement : Transform
+    **others : Node
 
     Attributes
     ----------
@@ -62,10 +68,11 @@ class Body:
         A sphere around that.
     """
 
-    def __init__(self, spec: Shape, placement: Transform):
+    def __init__(self, spec: Shape, placement: Transform, **others: Node):
         lamp = next(light for light in LIGHTS.values() if light.is_on_shape).EXAMPLES[0]
         light = lamp if spec.finite else None
-        flat = flatten(scene_of({"body": Node(shape=spec, transform=placement, light=light)}))
+        body = Node(shape=spec, transform=placement, light=light)
+        flat = flatten(scene_of({"body": body, **others}))
         compiled = compile_scene(flat, structure="list")
         shapes = compile_shapes(flat)
         # All that surfaces know of themselves.
@@ -357,7 +364,11 @@ def look_all(scene, o, d, out, n):
 
 def compiled_surfaces_are_the_twins(spec: Shape) -> None:
     """Machine code finds the hits and surfaces of the Python text."""
-    body = body_of(spec, "turned")
+    demand_same_surfaces(body_of(spec, "turned"))
+
+
+def demand_same_surfaces(body: Body) -> None:
+    """Compare what machine code and the Python text see along the same lines."""
     n = 2048
     o, d = (np.ascontiguousarray(v[:, :n]) for v in body.lines(7))
     found = []

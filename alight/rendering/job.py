@@ -21,13 +21,12 @@ from alight.rendering.light_paths import UNSEEN, check_light_paths, parts_of
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.seeds import PILOT, seed_of_round
 from alight.rendering.tile import Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
+from alight.rendering.training import Training
 from lanewise.machine import fingerprint
-
-#: Names the random numbers of the ledger's pilot; no schedule has that many rounds.
-_PILOT_ROUND = 2**16
 
 
 @dataclass(frozen=True)
@@ -50,14 +49,6 @@ class Progress:
     total_samples: int
     seconds: float
     film: Film | None
-
-
-def seed_of_round(seed: int, round: int) -> int:
-    """Random numbers of a round's film: those of two rounds are independent, for every sampler.
-
-    Later samples of a sequence are not: they fill what its earlier ones left open.
-    """
-    return (seed + 0x9E3779B9 * round) % 2**32
 
 
 class JobState(NamedTuple):
@@ -102,6 +93,8 @@ class Job:
         Bound of a sample's value, for its films.
     notes : sequence of str
         What had to be changed in the scene's pictures.
+    training : Training, optional
+        Of the scene's guide.
 
     Raises
     ------
@@ -124,11 +117,14 @@ class Job:
         replicates: int,
         largest_sample: float | None = None,
         notes: Sequence[str] = (),
+        training: Training | None = None,
     ) -> None:
-        self.notes = list(notes)
+        self.notes, self.training = list(notes), training
         self.scene, self.schedule, self.threads = scene, schedule, threads
         self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
-        self.settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
+        self.settings = make_settings(
+            scene.integrator, seed=seed, replicates=replicates, guide=scene.guide
+        )
         self.rounds = [self._new_film()]
         self.goal: Goal | None = None
         self.verdict: Verdict | None = None
@@ -154,7 +150,7 @@ class Job:
             aovs={name: AOVS[name] for name in scene.program.aovs},
             scene_hash=scene.content_hash,
             seed=seed_of_round(self.seed, round),
-            options=dict(scene.integrator),
+            options=dict(scene.integrator) | self._guide(),
             fingerprint=fingerprint(),
             version=VERSION,
         )
@@ -163,6 +159,10 @@ class Job:
             film.recorded += (UNSEEN,)
         film.largest_sample = self.largest_sample
         return film
+
+    def _guide(self) -> dict[str, str]:
+        """The guide as a part of a film's identity."""
+        return {"guide": self.training.hash} if self.training else {}
 
     # ------------------------------------------------------------------------ saved and restored
 
@@ -254,7 +254,7 @@ class Job:
         film = self.film
         # The pilot looks at single pixels; light paths belong to none.
         if self.samples and not self.splats:
-            seed = seed_of_round(self.seed, _PILOT_ROUND)
+            seed = seed_of_round(self.seed, PILOT)
             film.recorded = depth_cap.measured(self, seed)
             film.recorded += self.schedule.biases(self.rounds)
 
@@ -330,6 +330,7 @@ class Job:
             "peak_rss_mb": peak_memory_mb(),
             "program": self.scene.program._asdict(),
             "accelerator": self.scene.stats,
+            **({"guide": self.training._asdict()} if self.training else {}),
             "notes": self.notes,
             "biases": [bias.state() for bias in self.film.biases],
             "verdict": {"word": verdict.word, "line": verdict.line, **verdict.figures},

@@ -28,6 +28,7 @@ from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import schedule_of, time_limit_of
+from alight.rendering.training import is_to_be_guided, trained
 from alight.scene import Scene, content_hash, flatten
 
 #: Seconds between two reports of progress.
@@ -79,10 +80,14 @@ def make_job(
     clock.lap("bvh")
     if compiled.integrator.splats:
         replicates = replicates or max(flat.film.replicates, LEAST_REPLICATES)
+    training = None
+    if is_to_be_guided(compiled):
+        compiled, training = trained(compiled, seed=seed, threads=threads)
+        clock.lap("training")
     replicates = replicates or flat.film.replicates
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
-        largest_sample=largest_sample(flat), notes=flat.notes,
+        largest_sample=largest_sample(flat), notes=flat.notes, training=training,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Films of different samples of one picture, added exactly, in any order."""
+"""`alight.merge`: films, film files and checkpoints; `films.merging` adds their sums."""
 
 from __future__ import annotations
 

@@ -6,11 +6,15 @@ error's logarithm. A render can only be ended too early by a look that comes bef
 reached: the m-th of these, counted backwards, finds a true error that is :math:`g^m` times too
 large, g being the growth from look to look, and has to be wrong by so much more:
 
-.. math:: P \le \sum_{m \ge 0} \bar\Phi(z + m \log(g) / \sigma)
+.. math:: P \le 1 - \prod_{m \ge 0} \Phi(z + m \log(g) / \sigma)
 
-With half of the doubt for each look this sum stays below a doubt of 5 % up to
-:math:`\sigma = 0.8`, even if the looks were independent. They are not: each holds the samples of
-those before it.
+If looks were independent, the product would be the probability that all are right. Each holds the
+samples of those before it, so they are positively correlated, and all are right at least as often
+(Slepian 1962). With half of the doubt for each look the bound stays below the doubt up to
+:math:`\sigma = 0.73` for every confidence from 50 %, and up to 0.87 for 95 %.
+
+Under the metric "pixel" a look is wrong if fewer of the pixels than estimated happen to be within
+the error; that, too, may have half of the doubt.
 
 Light that has hardly been seen yet is in no error estimate, so there is a second figure, the unseen
 energy, which has to be as small. `docs/known-error.md` has how often the promise was kept.
@@ -20,19 +24,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from statistics import NormalDist
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from alight.films import CELL_SIZE, Film
+from alight.films import Film
 from alight.metrics.own_error import estimate_relmse
 from alight.options.render import PromiseOptions
+from alight.rendering.unseen import cell_sum, spread_over_pixels, unseen_error
 
 #: Samples per pixel at the first look, and their growth from look to look.
 FIRST_LOOK, GROWTH = 16, 1.25
-
-#: With no event among N samples, its probability is below 3 / N with 95 % confidence.
-_RULE_OF_THREE = 3.0
 
 #: A pixel's own variance has R - 1 degrees of freedom; that of its cell counts as so many more, so
 #: that R = 4 gives Student's distribution with 8.
@@ -43,9 +46,6 @@ LARGEST_TOLD = 10.0
 
 #: Times the samples so far of which no number is told.
 _FAR = 1e4
-
-#: Two-sided 99 % of a normal distribution, for the share of the pixels.
-_Z = 2.576
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Promise:
 
     @property
     def doubt(self) -> float:
-        """Probability that one look may be wrong; with all the others, at most `1 - confidence`."""
+        """Probability that one look may be wrong: half of that of all looks together."""
         return 0.5 * (1.0 - self.confidence)
 
     def state(self) -> dict[str, Any]:
@@ -96,7 +96,8 @@ class Judgement(NamedTuple):
     achieved : float
         The error that is not exceeded, with the confidence of this look; NaN means unknown.
     share : float
-        Expected share of the pixels within the error, its lower bound; NaN under "relrmse".
+        Of the pixels within the error, at least, with the confidence of this look; NaN under
+        "relrmse".
     unseen : float
         relRMSE that events may add of which no sample has told yet: see `Unseen.figure`.
     doubtful : float
@@ -177,12 +178,12 @@ def judge_means(
         doubted = not within and sure <= promise.error**2
         factor = (achieved / promise.error) ** 2
     else:
-        share = share_within(means, counts, promise.error)
+        share = share_within(means, counts, promise.error, promise.doubt)
         within = share >= promise.share
         # The samples at which errors smaller by their root would be within.
         factor = 1.0
-        while factor < 1e9 and (
-            share_within(means, counts, promise.error * math.sqrt(factor)) < promise.share
+        while factor < 1e9 and promise.share > share_within(
+            means, counts, promise.error * math.sqrt(factor), promise.doubt
         ):
             factor *= 1.1
     unseen = unseen_error(means, counts, promise.error, largest)
@@ -203,106 +204,13 @@ def judge_means(
     )
 
 
-def cell_sum(plane: np.ndarray) -> np.ndarray:
-    """Sum of each 8x8 pixels, float64, for planes (h, w, ...)."""
-    y, x = range(0, plane.shape[0], CELL_SIZE), range(0, plane.shape[1], CELL_SIZE)
-    return np.add.reduceat(np.add.reduceat(plane, y, axis=0, dtype=np.float64), x, axis=1)
-
-
-def spread_over_pixels(cells: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Give every pixel the value of its cell."""
-    rows, columns = np.arange(height) // CELL_SIZE, np.arange(width) // CELL_SIZE
-    return cells[rows][:, columns]
-
-
-class Unseen(NamedTuple):
-    """relRMSE of light that no sample has told of yet.
-
-    Attributes
-    ----------
-    indicator : float
-        If an unseen event is as bright as the largest contribution seen in its cell.
-    bound : float
-        If it is as bright as a sample can be; NaN where that is not known.
-    doubtful : float
-        Share of the picture in whose cells the smaller of both exceeds the error.
-    """
-
-    indicator: float
-    bound: float
-    doubtful: float
-
-    @property
-    def figure(self) -> float:
-        """The smaller one."""
-        return min(self.indicator, math.inf if math.isnan(self.bound) else self.bound)
-
-
-def unseen_of(film: Film) -> Unseen:
-    """`unseen_error` of a film; `doubtful` against an error of 1 %."""
-    return unseen_error(*film.replicate_means(), 0.01, film.largest_sample)
-
-
-def unseen_error(
-    means: np.ndarray, counts: np.ndarray, error: float, largest: float | None = None
-) -> Unseen:
-    """Estimate the relRMSE of light that no sample has told of yet.
-
-    An event that none of the k n samples of a cell's k pixels has met has a probability below
-    3 / (k n). If it brings c, up to 3 c / (k n) of each pixel's light is missing. For a bound c is
-    `largest`. For the indicator it is the largest contribution seen in the cell: what one
-    replicate's sum has more than the others say, at least the largest sample if that stands out.
-
-    Parameters
-    ----------
-    means : ndarray, shape (h, w, R, 3)
-    counts : ndarray of int, shape (h, w, R)
-    error : float
-        For `Unseen.doubtful`.
-    largest : float, optional
-        No sample can be larger (`alight.rendering.largest_sample`).
-    """
-    n = counts.sum(axis=2)
-    height, width = n.shape
-    bright, most = [], []
-    total = 0.0
-    # Whole rows of cells at a time: the planes of a replicate stay in the processor's cache.
-    for y in range(0, height, CELL_SIZE):
-        rows = slice(y, y + CELL_SIZE)
-        m = np.ascontiguousarray(means[rows].transpose(2, 3, 0, 1), np.float32)
-        k = np.ascontiguousarray(counts[rows].transpose(2, 0, 1)[:, None], np.float32)
-        sums = k.sum(axis=0)
-        mean = (m * k).sum(axis=0) / np.maximum(sums, 1.0)
-        excess = (m - mean) * (k * sums / np.maximum(sums - k, 1.0))
-        columns = range(0, width, CELL_SIZE)
-        most.append(np.maximum.reduceat(excess.max(axis=(0, 2)), columns, axis=1))
-        bright.append(np.add.reduceat(mean.sum(axis=1), columns, axis=1))
-        total += float(mean.sum(dtype=np.float64))
-    samples = np.maximum(cell_sum(n), 1.0)
-    pixels = cell_sum(np.ones(n.shape))
-    epsilon = (0.1 * total / (3 * n.size)) ** 2
-    scale = (np.stack(bright, axis=1) / pixels) ** 2 + epsilon
-    weights = pixels / pixels.sum()
-    seen = _missing(np.maximum(np.stack(most, axis=1), 0.0), samples, scale)
-    indicator = math.sqrt(float((seen * weights).sum()))
-    if largest is None:
-        return Unseen(indicator, math.nan, float(weights[seen > error**2].sum()))
-    possible = _missing(np.float64(largest), samples, scale)
-    bound = math.sqrt(float((possible * weights).sum()))
-    smaller = np.minimum(seen, possible)
-    return Unseen(indicator, bound, float(weights[smaller > error**2].sum()))
-
-
-def _missing(brightest: np.ndarray, samples: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """relMSE of each cell if events so bright are missing, from planes (3, ...) and counts."""
-    return ((_RULE_OF_THREE * brightest / samples) ** 2 / np.maximum(scale, 1e-300)).mean(axis=0)
-
-
-def share_within(means: np.ndarray, counts: np.ndarray, error: float) -> float:
-    """Estimate how many of the pixels are within an error: the expected share, its lower bound.
+def share_within(means: np.ndarray, counts: np.ndarray, error: float, doubt: float) -> float:
+    """Find the share of the pixels that are within an error, but for a probability of `doubt`.
 
     Each pixel's variance is its own with R - 1 degrees of freedom, joined with the relative
     variance of its cell, which counts as 5 more: one pixel's few replicates can agree by chance.
+    How many of the pixels are within varies by no more than the binomial distribution of the
+    expected share does (Hoeffding 1956).
 
     Parameters
     ----------
@@ -310,6 +218,8 @@ def share_within(means: np.ndarray, counts: np.ndarray, error: float) -> float:
     counts : ndarray of int, shape (h, w, R)
     error : float
         Allowed, over max(pixel, 0.1 times the mean of the picture).
+    doubt : float
+        Probability that the share is smaller, in (0, 0.5].
     """
     h, w, replicates, _ = means.shape
     n = np.maximum(counts.sum(axis=2), 1)[..., None]
@@ -325,7 +235,8 @@ def share_within(means: np.ndarray, counts: np.ndarray, error: float) -> float:
     with np.errstate(divide="ignore"):
         t = np.where(joined > 0.0, error / np.sqrt(joined), np.inf)
     share = float(_inside(t).mean())
-    return share - _Z * math.sqrt(max(share * (1.0 - share), 0.0) / (h * w))
+    z = -NormalDist().inv_cdf(doubt)
+    return share - z * math.sqrt(max(share * (1.0 - share), 0.0) / (h * w))
 
 
 def _inside(t: np.ndarray) -> np.ndarray:

@@ -95,7 +95,7 @@ def statistics_of(
     further: Sequence[Bias] = (),
 ) -> dict[str, Any]:
     """Gather what ``--stats`` writes."""
-    from alight.rendering.stopping import unseen_of
+    from alight.rendering.unseen import unseen_of
 
     literature = _estimate(error.relmse_literature)
     unseen = unseen_of(film)

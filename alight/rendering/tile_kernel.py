@@ -13,8 +13,11 @@ from collections import namedtuple
 
 from alight.cameras.rays import generate_ray
 from alight.films.fixed_point import put_limbs
+from alight.films.sample_ranges import CELL_SIZE
 from alight.filters.importance import sample_filter
+from alight.guiding.records import record_ends
 from alight.integrators.aov import LayerFilm, look
+from alight.integrators.guided import is_guided
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
 from alight.integrators.walk import (
@@ -66,15 +69,14 @@ CameraRays = namedtuple("CameraRays", "new o d weight sampler")
 ROOM = 16
 TAKEN = 4 * ROOM
 
-CELL = 8
 INVALID, SATURATED, RAYS = 0, 1, 2
 
 
 @kernel
 def count_cells(tile):
     """Columns and total of the 8x8 cells of the full film that a tile touches."""
-    columns = (tile.x1 + CELL - 1) // CELL - tile.x0 // CELL
-    return columns, columns * ((tile.y1 + CELL - 1) // CELL - tile.y0 // CELL)
+    columns = (tile.x1 + CELL_SIZE - 1) // CELL_SIZE - tile.x0 // CELL_SIZE
+    return columns, columns * ((tile.y1 + CELL_SIZE - 1) // CELL_SIZE - tile.y0 // CELL_SIZE)
 
 
 @kernel
@@ -96,10 +98,10 @@ def next_pixel(settings, tile, ranges, cursor):
     columns, cells = count_cells(tile)
     first, count = 0, 0
     while cell < cells:
-        left = (tile.x0 // CELL + cell % columns) * CELL
-        top = (tile.y0 // CELL + cell // columns) * CELL
+        left = (tile.x0 // CELL_SIZE + cell % columns) * CELL_SIZE
+        top = (tile.y0 // CELL_SIZE + cell // columns) * CELL_SIZE
         cx0, cy0 = max(left, tile.x0), max(top, tile.y0)
-        cx1, cy1 = min(left + CELL, tile.x1), min(top + CELL, tile.y1)
+        cx1, cy1 = min(left + CELL_SIZE, tile.x1), min(top + CELL_SIZE, tile.y1)
         first, count = ranges[2 * cell], ranges[2 * cell + 1]
         if count > 0:
             if x < 0:
@@ -209,12 +211,23 @@ def add_finished(program):
     return add_finished
 
 
-@kernel
-def finish(settings, tile, film, path, before):
-    """Add the paths that have ended since they were active in the lanes of `before`."""
-    finished = before & ~path.active
-    if any_lane(finished):
-        add_finished(settings, tile, film, path, finished)
+@specialised
+def finish(program):
+    """Add the paths that have ended since they were active in the lanes of `before`.
+
+    ``finish(settings, tile, film, path, before)``
+    """
+    guided = is_guided(program)
+
+    @kernel
+    def finish(settings, tile, film, path, before):
+        finished = before & ~path.active
+        if any_lane(finished):
+            add_finished(settings, tile, film, path, finished)
+            if guided:
+                record_ends(settings.log, path, finished)
+
+    return finish
 
 
 @specialised

@@ -15,6 +15,8 @@ from alight.core.registry import specs_of
 from alight.core.spec import Shape
 from alight.meshes import obj, ply, stl
 from alight.meshes.triangles import MeshArrays
+from alight.scene.builtin.pictures import is_builtin
+from alight.scene.builtin.waves import builtin_mesh
 from alight.scene.files import Files
 from alight.shapes.arrays import TriangleShape
 
@@ -106,7 +108,7 @@ def read_file(path: Path, name: str = "") -> MeshArrays:
     path : Path
         The file.
     name : str, optional
-        How messages call it.
+        How messages call it; ``builtin:waves`` is a computed one.
 
     Raises
     ------
@@ -114,6 +116,11 @@ def read_file(path: Path, name: str = "") -> MeshArrays:
         If it is missing, of an unknown kind, or broken.
     """
     name = name or str(path)
+    if is_builtin(name):
+        try:
+            return builtin_mesh(name)
+        except ValueError as error:
+            raise _error(f"{quote(name)}: {error}") from None
     reader = FORMATS.get(path.suffix.lower())
     if reader is None:
         raise _error(f"must be a .ply, .obj or .stl file, got {quote(name)}")

@@ -74,7 +74,8 @@ class Mesh(TriangleShape):
     Parameters
     ----------
     file : str, optional
-        PLY, OBJ or STL file, relative to the scene file; not together with arrays.
+        PLY, OBJ or STL file, relative to the scene file, or ``builtin:waves``, ripples on water;
+        not together with arrays.
     vertices : (n, 3) float32, metres, optional
         Positions in the space of its node.
     faces : (m, 3) int32, optional

@@ -31,8 +31,13 @@ class ShapeModel(Record):
         Surface area, m^2; corners of the box, metres; unit axis and half angle of a cone around all
         outer normals, radians.
     intersect : kernel ``(data, k, o, d, t_max) -> (t, u, v, hit)``
-        Nearest hits of a shape with a formula; see `alight.shapes.rectangle.intersect`.
+        Nearest hits of a shape with a formula, 0 < t <= t_max, with d of any length. k: uniform
+        offset of the row; u, v: whatever `surface` finds useful in a `Hit`. Full description:
+        `alight.shapes.rectangle.intersect`.
     surface : kernel ``(tables, k, hit, o, d) -> Geometry``
+        The surface at the `Hit`s of rays, in the world: the point, a bound of its distance from the
+        true surface (how to derive it: `alight.shapes.hit`), the unit normals on the outer side,
+        tangents and texture coordinates. k: offsets of the rows in ``tables.data``, lanes.
     derivatives : kernel ``(tables, k, surface) -> (dp/du, dp/dv)``
         In the world, metres; without it the tangents of the surface.
     sample : kernel ``(tables, cdf, start, shape, p, u, u2) -> ShapeSample``
@@ -44,7 +49,8 @@ class ShapeModel(Record):
     sample_area : kernel ``(tables, cdf, start, shape, u, u2) -> AreaSample``
         A point of a shape that shines, seen from nowhere; without it no light path starts there.
     PROJECTION : float
-        Area of its largest shadow over its surface area.
+        Area of its largest shadow over its surface area; the light tree estimates by it how much a
+        lamp of this shape sends one way.
     """
 
     pack: Callable[..., np.ndarray] | None = None

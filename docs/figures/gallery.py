@@ -8,6 +8,7 @@ import sys
 from pictures import IMAGES
 
 import alight
+from alight.outputs import write_image
 
 SCENES = (
     "blurred-foreground",
@@ -15,6 +16,7 @@ SCENES = (
     "clear-day",
     "coated-plastics",
     "depth-of-field",
+    "door-ajar",
     "environment-map",
     "fog",
     "infinite-plane",
@@ -22,6 +24,7 @@ SCENES = (
     "lambert-and-uniform-scatter",
     "lamp-profiles",
     "lamp-and-glass",
+    "lamp-in-glass",
     "milk",
     "mirror-and-glass",
     "motion-blur",
@@ -30,6 +33,7 @@ SCENES = (
     "rough-metals",
     "soft-shadows",
     "transform-tree",
+    "under-water",
     "uniform-and-cosine-sampling",
     "veach-plates",
 )
@@ -38,17 +42,23 @@ WIDTH = 400
 SPP = 96
 MORE = {
     "cloud": 384,
+    "door-ajar": 128,
     "environment-map": 256,
     "fog": 512,
     "lamp-and-glass": 256,
+    "lamp-in-glass": 128,
     "milk": 512,
     "mirror-and-glass": 256,
     "motion-blur": 384,
     "rough-glass": 256,
+    "under-water": 128,
     "veach-plates": 192,
 }
 #: Its noise is what it shows: that of 16 samples in the scene's own size, four pixels as one.
 FEW = {"uniform-and-cosine-sampling": 64}
+#: Paths find their lamps so rarely that there would be little else to see than noise.
+DENOISED = ("door-ajar", "lamp-in-glass", "under-water")
+FEATURES = ("albedo_through", "normal_through")
 
 
 def render(name: str) -> None:
@@ -57,9 +67,15 @@ def render(name: str) -> None:
     scale = min(1.0, WIDTH / width)
     size = [round(width * scale), round(height * scale)]
     film = alight.render(
-        alight.load(name, [f"film.size={size}"]), spp={**MORE, **FEW}.get(name, SPP)
+        alight.load(name, [f"film.size={size}"]),
+        spp={**MORE, **FEW}.get(name, SPP),
+        aovs=FEATURES if name in DENOISED else (),
     )
-    film.save(IMAGES / "gallery" / f"{name}.png")
+    picture = IMAGES / "gallery" / f"{name}.png"
+    if name in DENOISED:
+        write_image(picture, alight.denoise(film)[0])
+    else:
+        film.save(picture)
 
 
 if __name__ == "__main__":

@@ -16,8 +16,16 @@ from alight.bsdfs.diffuse import Diffuse
 from alight.cli.main import app
 from alight.compiled.shapes import compile_shapes
 from alight.core.errors import SceneError
-from alight.core.registration import RegistrationError, unregister
-from alight.core.registry import FAMILIES, REGISTERED, VERSION, Models, user_number
+from alight.core.registration import RegistrationError, _copy, unregister
+from alight.core.registry import (
+    FAMILIES,
+    REGISTERED,
+    VERSION,
+    Models,
+    members_of,
+    modules,
+    user_number,
+)
 from alight.core.spec import Light, Shape
 from alight.formats import loads
 from alight.laws.materials import Material, direction, random_numbers
@@ -161,6 +169,19 @@ def test_what_kernels_are_made_from_is_in_the_version_and_in_the_content_hash(ed
     registered(LAMBERT.replace(*edit))
     assert version() != before
     assert content_hash(loads(SCENE % "lambert")) != content
+
+
+@pytest.mark.parametrize(
+    ("family", "name"), [(family, name) for family in FAMILIES for name in members_of(family)]
+)
+def test_all_that_others_take_from_a_model_is_in_its_version(family, name):
+    """A constant such as a shape's PROJECTION decides which samples are drawn, as kernels do."""
+    [model, *_] = [m for m in modules(family) if name in vars(m)] or modules(family)
+    digests = {
+        getattr(_copy("other", {**vars(model), name: value}, family), VERSION)
+        for value in (vars(model).get(name), 0.123)
+    }
+    assert len(digests) == 2
 
 
 def test_comments_and_registering_again_leave_the_version():

@@ -6,6 +6,8 @@ import pytest
 import alight
 from alight.core.registration import unregister
 from alight.formats import loads
+from alight.lab.random_scenes.bodies import any_body
+from alight.lab.random_scenes.chance import Chance
 from tests.extension import beam, haze, torus
 
 USERS = {"torus": ("shapes", torus), "beam": ("lights", beam), "haze": ("media", haze)}
@@ -24,6 +26,19 @@ def registered():
 def test_they_obey_the_laws_of_their_families(name):
     report = alight.check_laws(USERS[name][1], compiled=name == "torus")
     assert report, str(report)
+
+
+def test_a_torus_whose_tube_fills_its_ring_is_refused():
+    with pytest.raises(alight.SceneError, match="minor must be smaller than major, got 1 and 1"):
+        loads(SCENE.replace("{type: torus, minor: 0.2}", "{type: torus, minor: 1}"))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_scenes_bring_a_users_shape_into_their_cube(seed):
+    """Any torus reaches the cube from -1 to 1, and not beyond."""
+    shape, fitted = any_body(Chance(seed), ["torus"])
+    low, high = torus.bounds(torus.pack(shape, fitted.matrix))
+    assert np.maximum(-low, high).max() == pytest.approx(1.0, abs=1e-4)
 
 
 SCENE = """

@@ -2,8 +2,8 @@ r"""A user's shape, one file: the torus, a quartic.
 
 .. math:: \left(\sqrt{x^2 + y^2} - R\right)^2 + z^2 = r^2
 
-A transform makes it any affine image. Rays are met in the space of q = p / R with a = r / R, from
-the point c of the ray that is nearest to the middle, along the unit direction d:
+A transform makes it any affine image. Rays are intersected in the space of q = p / R with
+a = r / R, from the point c of the ray that is nearest to the middle, along the unit direction d:
 
 .. math:: f(s) = (s^2 + k)^2 - 4 (A s^2 + 2 B s + E), \quad k = c \cdot c + 1 - a^2
 
@@ -11,14 +11,15 @@ has no cubic term. Its three stationary points are bracketed by those of f', whi
 between them f is monotone, and a change of sign is halved until float32 has no more digits.
 """
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
+from pydantic import model_validator
 
-from alight.core.constants import INV_TWO_PI, TWO_PI, gamma
+from alight.core.constants import INV_TWO_PI, PI, TWO_PI, gamma
 from alight.core.frame import frame_from_tangent
 from alight.core.maths import arctan2, sincos_2pi
-from alight.core.spec import Positive, Shape
+from alight.core.spec import Positive, Shape, invalid
 from alight.core.vec import Vec3, absolute_vec3, cross, dot, gather_vec3, length_squared, row_vec3
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel
@@ -39,6 +40,14 @@ class Torus(Shape):
     major: Positive = 1.0
     minor: Positive = 0.3
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.minor >= self.major:
+            raise invalid(
+                f"minor must be smaller than major, got {self.minor:g} and {self.major:g}"
+            )
+        return self
+
 
 EXAMPLES = (Torus(), Torus(major=2.0, minor=0.2, flip_normals=True), Torus(minor=0.7))
 
@@ -47,6 +56,9 @@ EXAMPLES = (Torus(), Torus(major=2.0, minor=0.2, flip_normals=True), Torus(minor
 STRIDE = 32
 MINOR, SIDE, AREA, ERROR, INVERSE, MATRIX = 3, 4, 5, 6, 8, 17
 HALVINGS = 28
+
+#: Seen along its axis a ring of 4 pi R r, of 4 pi^2 R r in all.
+PROJECTION = 1.0 / PI
 GAMMA = gamma(24)
 
 

@@ -3,6 +3,7 @@
 import ast
 import inspect
 
+import numba.core.base
 import numba.core.codegen
 import pytest
 
@@ -49,6 +50,26 @@ def test_no_other_file_touches_what_is_marked_private():
     assert not touched
 
 
+def used_of_objects(path):
+    """What a file uses of the contexts that Numba hands to it, and of typed pointers."""
+    owners = {
+        "context": "numba.core.base.BaseContext",
+        "c.context": "numba.core.base.BaseContext",
+        "c.pyapi": "numba.core.pythonapi.PythonAPI",
+    }
+    pointers = {"as_pointer": "llvmlite.ir.Type", "pointee": "llvmlite.ir.PointerType"}
+    for node in ast.walk(tree(path)):
+        if isinstance(node, ast.Attribute):
+            owner = pointers.get(node.attr) or owners.get(ast.unparse(node.value))
+            if owner:
+                yield owner, node.attr
+
+
+def test_what_is_used_of_numbas_objects_is_listed():
+    used = {found for path in OTHERS for found in used_of_objects(path)}
+    assert used == set(numba_adapter.METHODS)
+
+
 def test_every_private_name_says_what_is_assumed():
     names = canary.private_names()
     assert len(names) > 15
@@ -79,7 +100,14 @@ def test_a_name_that_is_gone_is_told(monkeypatch, capsys):
     said = capsys.readouterr().out
     assert "BROKEN  numba.core.codegen.JITCodeLibrary" in said
     assert "numba.core.codegen has no JITCodeLibrary" in said
+    assert "the parts of the adapter were not tried" in said
     assert said.endswith(" 1 broken\n")
+
+
+def test_a_method_that_is_gone_is_told(monkeypatch):
+    monkeypatch.delattr(numba.core.base.BaseContext, "get_dummy_value")
+    [row] = [row for row in canary.try_methods() if row.broken]
+    assert row.broken == "numba.core.base.BaseContext has no get_dummy_value"
 
 
 def test_a_step_that_does_nothing_is_told(monkeypatch):

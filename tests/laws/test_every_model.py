@@ -4,11 +4,14 @@ BSDFs and samplers have tests of their own that walk the same laws example by ex
 (`test_bsdfs.py`, `tests/samplers/test_samplers.py`).
 """
 
+import numpy as np
 import pytest
 
 import alight
 from alight.core.registry import FAMILIES, modules, type_name_of
 from alight.laws.check import CHECKS
+from alight.laws.shapes import PLACEMENTS, Body, demand_same_surfaces
+from alight.scene import Node, rotate, translate
 from tests.static.sources import FAMILIES as FAMILIES_OF_THE_PACKAGE
 
 #: Walked elsewhere, example by example.
@@ -24,6 +27,22 @@ MODELS = [
 
 def test_every_family_has_laws():
     assert set(CHECKS) == set(FAMILIES) == set(FAMILIES_OF_THE_PACKAGE)
+
+
+def test_machine_code_sees_every_shape_as_the_python_text_does():
+    """All shapes in a ring around the first one, so that one compilation tells."""
+    first, *others = [model.EXAMPLES[0] for model in modules("shapes")]
+    places = [rotate((0, 0, 1), 360.0 * k / len(others)) for k in range(len(others))]
+    nodes = {
+        f"other{k}": Node(
+            shape=shape, transform=place @ translate(1.3, 0, 0) @ rotate((1, 2, 0), 70)
+        )
+        for k, (shape, place) in enumerate(zip(others, places, strict=True))
+    }
+    body = Body(first, PLACEMENTS["as it is"], **nodes)
+    hit, _ = body.hit(*body.lines(7), np.ones(20_000, bool))
+    assert set(hit.shape[np.isfinite(hit.t)]) == set(range(len(body.shapes.motions)))
+    demand_same_surfaces(body)
 
 
 @pytest.mark.parametrize("module", MODELS)

@@ -54,7 +54,13 @@ LABORATORY = (
     Mutant(
         "a share of pixels without its margin",
         "rendering/stopping.py",
-        (("return share - _Z * math.sqrt", "return share - 0.0 * math.sqrt"),),
+        (("return share - z * math.sqrt", "return share - 0.0 * math.sqrt"),),
+        f"{PROMISES}::test_the_share_is_students_and_its_margin_the_binomial_one",
+    ),
+    Mutant(
+        "a share of pixels whose margin is always that of 99 %",
+        "rendering/stopping.py",
+        (("-NormalDist().inv_cdf(doubt)", "2.576"),),
         f"{PROMISES}::test_the_share_is_students_and_its_margin_the_binomial_one",
     ),
     Mutant(

@@ -11,7 +11,7 @@ MATERIALS = (
     Mutant(
         "coat sampled with another probability than stated",
         "bsdfs/plastic.py",
-        (("mirrored = u < share", "mirrored = u < 0.5 * share"),),
+        (("mirrored = u < chance", "mirrored = u < 0.5 * chance"),),
         LAWS,
     ),
     Mutant(

@@ -6,6 +6,7 @@ from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
+from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laws import LAWS
@@ -19,6 +20,7 @@ from tests.mutants.scattering import SCATTERING
 from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
+from tests.mutants.waves import WAVES
 
 MUTANTS = (
     SCATTERING
@@ -42,4 +44,6 @@ MUTANTS = (
     + STUDIES
     + COMPILER
     + LAWS
+    + WAVES
+    + GUIDING
 )

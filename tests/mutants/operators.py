@@ -25,6 +25,7 @@ STATISTICS = (
     "rendering/depth_cap.py",
     "rendering/largest_sample.py",
     "rendering/stopping.py",
+    "rendering/unseen.py",
     "lab/agreement.py",
     "lab/blocks.py",
     "lab/decomposition.py",

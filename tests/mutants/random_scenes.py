@@ -36,6 +36,23 @@ RANDOM_SCENES = (
         f"{SCENES}::test_all_are_valid_and_have_light",
     ),
     Mutant(
+        "users' shapes taken for as large as the cube",
+        "lab/random_scenes/bodies.py",
+        (
+            (
+                "return np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]",
+                "return -np.ones(3), np.ones(3)",
+            ),
+        ),
+        "tests/extension/test_users_models.py::test_random_scenes_bring_a_users_shape_into_their_cube",
+    ),
+    Mutant(
+        "versions of models without what has a default",
+        "core/registration.py",
+        (("(*FORMS[family].names, *members_of(family))", "FORMS[family].names"),),
+        "tests/extension/test_register.py::test_all_that_others_take_from_a_model_is_in_its_version",
+    ),
+    Mutant(
         "negative indices counted from the end",
         "simd.py",
         (("if index.size and index.min() < 0:", "if False:"),),

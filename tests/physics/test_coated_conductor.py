@@ -27,7 +27,7 @@ def walks_of(layers, cosine):
     """Walks between the layers; the least roughness counts as none."""
     coat, metal = (a if a > LEAST_ALPHA else 0.0 for a in (layers.coat_alpha, layers.alpha))
     base = Metal(metal, layers.eta, layers.k)
-    return walks(cosine, layers.ior, coat, base, layers.thickness, layers.bounces)
+    return walks(cosine, layers.coat_eta, coat, base, layers.thickness, layers.bounces)
 
 
 def base_of(layers):
@@ -65,7 +65,7 @@ def test_the_lobe_has_the_albedo_of_the_table(name):
 def test_smooth_layers_are_a_geometric_series():
     layers = layers_of(COATED["smooth"])
     for cosine in (1.0, 0.6, 0.2):
-        r, inside = fresnel(np.array([cosine]), layers.ior)
+        r, inside = fresnel(np.array([cosine]), layers.coat_eta)
         m = fresnel_of_metal(inside, base_of(layers))[:, 0]
         expected = r + (1.0 - r) ** 2 * m / (1.0 - r * m)
         np.testing.assert_allclose(tabulated(COATED["smooth"], cosine), expected, atol=0.0015)
@@ -74,7 +74,7 @@ def test_smooth_layers_are_a_geometric_series():
 def test_one_bounce_through_a_grey_coat_is_a_product():
     spec = COATED["smooth"].replaced(thickness=0.3, bounces=1)
     layers = layers_of(spec)
-    r, inside = fresnel(np.array([0.6]), layers.ior)
+    r, inside = fresnel(np.array([0.6]), layers.coat_eta)
     m = fresnel_of_metal(inside, base_of(layers))[:, 0]
     expected = r + (1.0 - r) ** 2 * m * np.exp(-2.0 * 0.3 / inside)
     np.testing.assert_allclose(tabulated(spec, 0.6), expected, atol=0.0015)
@@ -93,7 +93,7 @@ def test_of_a_black_metal_the_coat_is_left(name):
     f_cos, pdf = material.evaluate(wo, direction(0.5))
     _, weight, _, _ = material.sample(wo, random_numbers(1000, 3))
     assert np.isfinite(f_cos).all() and np.isfinite(pdf).all()
-    reflected, _ = fresnel(np.array([0.6]), layers_of(BLACK[name]).ior)
+    reflected, _ = fresnel(np.array([0.6]), layers_of(BLACK[name]).coat_eta)
     np.testing.assert_allclose(weight.mean(1), reflected[0], atol=1e-3)
 
 

@@ -23,6 +23,7 @@ SCENES = (
     "coated-plastics",
     "cornell-box",
     "depth-of-field",
+    "door-ajar",
     "environment-map",
     "infinite-plane",
     "lambert-and-uniform-scatter",

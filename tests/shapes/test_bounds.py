@@ -1,4 +1,8 @@
-"""Boxes contain their shapes, however these are turned, stretched, slanted and moved."""
+"""Boxes contain their shapes, however these are turned, stretched, slanted and moved.
+
+Here, of shapes whose outermost points have a formula, that they are not larger than need be, too.
+Of all others, `alight.laws.shapes` proves that hits lie in the box.
+"""
 
 from types import SimpleNamespace
 
@@ -55,7 +59,10 @@ OUTLINES = {
     "cylinder": of_a_cylinder,
 }
 SPECS = [
-    spec for model in modules("shapes") for spec in model.EXAMPLES if type_name_of(model) != "plane"
+    spec
+    for model in modules("shapes")
+    for spec in model.EXAMPLES
+    if type_name_of(model) in OUTLINES
 ]
 NAMES = [f"{spec.type_name()}-{i}" for i, spec in enumerate(SPECS)]
 each_shape = pytest.mark.parametrize("spec", SPECS, ids=NAMES)
@@ -101,10 +108,6 @@ def check_contains(low, high, points, loosest):
     assert np.all(high >= most - rounding), (most - high) / size
     assert np.all(least - low <= loosest * size + 10.0 * rounding), (least - low) / size
     assert np.all(high - most <= loosest * size + 10.0 * rounding), (high - most) / size
-
-
-def test_all_shapes_with_bounds_are_here():
-    assert {"plane", *OUTLINES} == {type_name_of(model) for model in modules("shapes")}
 
 
 @each_shape

@@ -13,6 +13,7 @@ from alight.lab.random_scenes.descriptions import of_model
 from alight.lab.random_scenes.meshes import any_mesh
 from alight.scene.transform import Transform, scale, translate
 from alight.shapes.mesh import Mesh
+from alight.shapes.model import SHAPES
 
 #: Solid bodies are seen more often than flat ones.
 _OFTEN = ("sphere", "mesh", "mesh", "cube")
@@ -40,7 +41,7 @@ def any_body(chance: Chance, names: list[str] | None = None) -> tuple[Shape, Tra
 
 
 def extent(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of a box around a shape, in its own space; [-1, 1]^3 where nothing says more."""
+    """Corners of a box around a shape, in its own space."""
     fields: Any = shape
     if isinstance(shape, Mesh):
         vertices = np.asarray(shape.vertices, float)
@@ -51,4 +52,17 @@ def extent(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
     if hasattr(shape, "p0"):
         ends = np.array([fields.p0, fields.p1])
         return ends.min(axis=0) - fields.radius, ends.max(axis=0) + fields.radius
-    return -np.ones(3), np.ones(3)
+    boxes = [_box(*part) for part in shape.parts() or ((shape, np.eye(4)),)]
+    return np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]
+
+
+def _box(shape: Shape, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the box of a shape with a formula, without what they leave for rounding."""
+    model = SHAPES[shape.type_name()]
+    assert model.pack is not None and model.bounds is not None
+    low, high = model.bounds(model.pack(shape, matrix))
+    return _rounded(low), _rounded(high)
+
+
+def _rounded(v: np.ndarray) -> np.ndarray:
+    return np.array([float(f"{x:.5g}") for x in v])

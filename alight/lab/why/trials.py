@@ -85,6 +85,9 @@ def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
             except ValueError:
                 # Such as no roulette without a longest path.
                 continue
+            if changed.integrator.wants_guide and not scene.integrator.wants_guide:
+                # Whether training pays depends on how long the render is: no small trial tells.
+                continue
             shown = str(value).lower() if isinstance(value, bool) else value
             found[f"{path}.{name}={shown}"] = changed.from_source(scene.source)
     first = {"light_choice", "sampling"} if _is_by_light(cause) else {"light_sampling", "heuristic"}

@@ -1,0 +1,182 @@
+"""What training paths see: a record of each vertex where a direction was drawn from a density.
+
+A vertex is written down when the path leaves it; how much light came from its direction is only
+known at the path's end: the radiance gathered since, over the throughput. So the log keeps both,
+and `add_records` puts them together. Sums are whole numbers: neither order nor threads change them.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.core.constants import INFINITY
+from alight.core.equal_area import sphere_to_square
+from alight.core.vec import gather_vec3, luminance
+from alight.guiding.lookup import child_of, leaf_at, quadrant
+from alight.guiding.tables import NODE, RECORD
+from lanewise.jit import kernel
+from lanewise.simd import (
+    LANES,
+    any_lane,
+    as_int,
+    bits_float,
+    float_bits,
+    gather,
+    is_finite,
+    lane_index,
+    lanes_u32,
+    local_floats,
+    local_uints,
+    mask_bits,
+    minimum,
+    rint,
+    store_lanes,
+    trailing_zeros,
+    where,
+)
+
+#: A direction that was drawn at the point p: d, its density, those of BSDF and guide alone, and
+#: f cos over the density (RGB).
+Drawn = namedtuple("Drawn", "p d pdf of_bsdf of_guide weight")
+
+#: Shares of the guide among which a leaf chooses.
+SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9)
+
+#: int64 each; cells: second moments of the quadrants, four a node; leaves: of each leaf the number
+#: of its records, and the second moment that each of `SHARES` would have had.
+Totals = namedtuple("Totals", "cells leaves")
+LEAF_SUMS = 1 + len(SHARES)
+
+#: Scratch memory for the widest packet.
+ROOM_OF_RECORD, ROOM_OF_SUMS = 16 * RECORD, 16 * LEAF_SUMS
+
+#: A sum counts units of 2^-20 of the typical value; a value has at most 2^20 of these.
+UNITS = 2.0**20
+MOST = 2.0**40
+
+
+@kernel
+def sample_number(window, sampler):
+    """The number of each lane's sample among those of the tile in this pass."""
+    pixel = (sampler.y - window[1]) * window[2] + (sampler.x - window[0])
+    sample = sampler.index * window[5] + sampler.scramble
+    return pixel * window[4] + sample - window[3]
+
+
+@kernel
+def record_vertices(log, path, drawn, mask):
+    """Append the vertices that paths leave, from the lanes of the mask.
+
+    path: with the throughput and the radiance that it had when it arrived.
+    """
+    values = local_floats(ROOM_OF_RECORD)
+    beta = path.beta * drawn.weight
+    store_lanes(values, 0, drawn.p.x)
+    store_lanes(values, LANES, drawn.p.y)
+    store_lanes(values, 2 * LANES, drawn.p.z)
+    store_lanes(values, 3 * LANES, drawn.d.x)
+    store_lanes(values, 4 * LANES, drawn.d.y)
+    store_lanes(values, 5 * LANES, drawn.d.z)
+    store_lanes(values, 6 * LANES, drawn.pdf)
+    store_lanes(values, 7 * LANES, drawn.of_bsdf)
+    store_lanes(values, 8 * LANES, drawn.of_guide)
+    store_lanes(values, 9 * LANES, luminance(drawn.weight))
+    store_lanes(values, 10 * LANES, luminance(beta))
+    store_lanes(values, 11 * LANES, luminance(path.L))
+    store_lanes(values, 12 * LANES, bits_float(sample_number(log.window, path.sampler)))
+    bits = mask_bits(mask)
+    while bits != 0:
+        lane = trailing_zeros(bits)
+        bits &= bits - 1
+        at = RECORD * log.count[0]
+        if at < log.rows.size:
+            for place in range(RECORD):
+                log.rows[at + place] = values[place * LANES + lane]
+            log.count[0] += 1
+        else:
+            log.count[1] += 1
+
+
+@kernel
+def record_ends(log, path, finished):
+    """Keep the luminance of finished samples."""
+    values, numbers = local_floats(16), local_uints(16)
+    store_lanes(values, 0, luminance(path.L))
+    store_lanes(numbers, 0, sample_number(log.window, path.sampler))
+    bits = mask_bits(finished) if log.ends.size > 0 else 0
+    while bits != 0:
+        lane = trailing_zeros(bits)
+        bits &= bits - 1
+        log.ends[as_int(numbers[lane])] = values[lane]
+
+
+@kernel
+def add_records(guide, log, totals, unit):
+    """Add the vertices of a log, whose samples are all finished, to sums.
+
+    Parameters
+    ----------
+    guide : Guide
+        That the directions were drawn with.
+    log : Log
+    totals : Totals
+    unit : float32
+        Typical gain of a vertex.
+    """
+    values, cells = local_floats(ROOM_OF_SUMS), local_uints(16)
+    leaves = local_uints(16)
+    count = as_int(log.count[0])
+    for start in range(0, count, LANES):
+        index = lane_index() + start
+        active = index < count
+        row = where(active, index, 0) * RECORD
+        p = gather_vec3(log.rows, row)
+        d = gather_vec3(log.rows, row + 3)
+        pdf, of_bsdf = gather(log.rows, row + 6), gather(log.rows, row + 7)
+        of_guide, weight = gather(log.rows, row + 8), gather(log.rows, row + 9)
+        beta, before = gather(log.rows, row + 10), gather(log.rows, row + 11)
+        end = gather(log.ends, float_bits(gather(log.rows, row + 12)))
+        # What the vertex gained from the direction: f cos L_i / p.
+        gained = weight * (end - before) / where(beta == 0.0, 1.0, beta)
+        gained = where(active & is_finite(gained), gained, 0.0)
+        leaf = leaf_at(guide, p)
+        store_lanes(leaves, 0, leaf)
+        store_lanes(cells, 0, cell_at(guide, leaf, d, active))
+        moment = gained * gained * pdf
+        store_lanes(values, 0, in_units(moment, unit * unit))
+        for choice in range(len(SHARES)):
+            share = SHARES[choice]
+            other = of_bsdf + share * (of_guide - of_bsdf)
+            ratio = moment / where(other > 0.0, other, INFINITY)
+            store_lanes(values, (choice + 1) * LANES, in_units(ratio, unit * unit))
+        bits = mask_bits(active)
+        while bits != 0:
+            lane = trailing_zeros(bits)
+            bits &= bits - 1
+            totals.cells[as_int(cells[lane])] += as_int(values[lane])
+            at = as_int(leaves[lane]) * LEAF_SUMS
+            totals.leaves[at] += 1
+            for place in range(1, LEAF_SUMS):
+                totals.leaves[at + place] += as_int(values[place * LANES + lane])
+
+
+@kernel
+def in_units(moment, unit):
+    """A whole number of units; what is too large for them counts as the largest."""
+    return rint(minimum(moment * (UNITS / unit), MOST))
+
+
+@kernel
+def cell_at(guide, leaf, w, active):
+    """Number of the undivided quadrant that holds the unit direction w, four a node."""
+    x, y = sphere_to_square(w)
+    node, cell, more = gather(guide.roots, leaf), lanes_u32(0), active
+    while any_lane(more):
+        left, lower = x < 0.5, y < 0.5
+        place = quadrant(left, lower)
+        cell = where(more, 4 * node + place, cell)
+        child = child_of(gather(guide.nodes, node * NODE + 1), place)
+        more = more & (child != 0)
+        node = where(more, child, node)
+        x, y = where(left, 2.0 * x, 2.0 * x - 1.0), where(lower, 2.0 * y, 2.0 * y - 1.0)
+    return cell

@@ -1,0 +1,166 @@
+r"""Directions of a guide and of the BSDF, as one sample of their mixture.
+
+With the probability :math:`\alpha` of the leaf a direction is drawn from the guide's density
+:math:`p_g`, else from the BSDF's :math:`p_b`; whoever drew it, its density is
+
+.. math:: p = \alpha\, p_g + (1 - \alpha)\, p_b ,
+
+which also stands for the BSDF in the weights of multiple importance sampling. Directions of delta
+lobes remain the BSDF's: they are drawn with the probability :math:`1 - \alpha`, or always where a
+material has nothing else.
+
+Source: Müller, Gross and Novák, Practical path guiding, EGSR 2017.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
+from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
+from alight.core.vec import luminance
+from alight.guiding.lookup import direction_density, draw_direction, leaf_at
+from alight.guiding.records import Drawn, record_vertices
+from alight.guiding.tables import GUIDED, LEAF_ROW
+from alight.integrators.roulette import MAX_SURVIVAL
+from alight.integrators.walk import (
+    BSDF_CHOICE,
+    BSDF_DIRECTION,
+    ROULETTE,
+    to_local,
+    to_world,
+    vertex_dimension,
+)
+from alight.samplers.sampling import get_1d, get_2d
+from lanewise.jit import kernel
+from lanewise.records import replace
+from lanewise.simd import (
+    any_lane,
+    bits_float,
+    gather,
+    gather_row,
+    lanes,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    minimum_u32,
+    to_float,
+    to_uint,
+    where,
+)
+
+#: A path goes on for sure while what it may add is 1 / `WINDOW` of what a sample of its pixel may
+#: be (root mean squares), and with the probability `LEAST` at least.
+WINDOW, LEAST = 6.0, 0.05
+
+#: Place of the choice between guide and BSDF among the numbers of a vertex.
+GUIDE = 8
+
+#: The guide at a vertex: number of the leaf, and the probability of drawing from it; where there is
+#: no guide, `NOWHERE`.
+Here = namedtuple("Here", "leaf share gain")
+NOWHERE = ()
+
+
+def is_guided(program) -> bool:
+    """Whether kernels are given a guide."""
+    return program.option(GUIDED, False)
+
+
+@kernel
+def guide_at(settings, p):
+    """What the guide has for the point p."""
+    leaf = leaf_at(settings.guide, p)
+    share, gain = gather_row(settings.guide.leaves, leaf * LEAF_ROW, 2)
+    return Here(leaf, share, gain)
+
+
+@kernel
+def mixed(share, of_guide, of_bsdf):
+    """Density of the mixture."""
+    return of_bsdf + share * (of_guide - of_bsdf)
+
+
+@kernel
+def mixed_density(settings, here, w, of_bsdf, active):
+    """Density with which a vertex draws the unit direction w, in world space."""
+    asked = active & (here.share > 0.0)
+    of_guide = direction_density(settings.guide, here.leaf, w, asked)
+    return mixed(here.share, of_guide, of_bsdf)
+
+
+def write_guided_scatter(roulette):
+    """``(scene, settings, path, here, surface, wo) -> BsdfSample``, from the mixture.
+
+    It plays roulette, if there is one. Training paths leave a record.
+    """
+
+    @kernel
+    def guided_scatter(scene, settings, path, here, surface, wo):
+        active, guide = path.active, settings.guide
+        dimension = vertex_dimension(path.depth + 1)
+        u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+        u = get_1d(path.sampler, dimension + BSDF_CHOICE)
+        found = sample_bsdf(scene, surface, wo, u, u2, active)
+        delta = (found.flags & DELTA) != 0
+        # A material has delta lobes only, or none, or both, whatever was drawn.
+        only_delta = delta & ~is_mixed(scene, surface)
+        share = where(only_delta, 0.0, here.share)
+
+        survived, survival = active, lanes(1.0)
+        if roulette:
+            survival = survival_of(settings, path, here, only_delta)
+            survived = active & (get_1d(path.sampler, dimension + ROULETTE) < survival)
+            path = replace(path, beta=path.beta * (1.0 / survival))
+
+        led = survived & (get_1d(path.sampler, dimension + GUIDE) < share)
+        smooth = survived & (led | ~delta)
+        w = to_world(surface, found.wi)
+        w, of_guide = draw_direction(guide, here.leaf, led, u2, w, smooth)
+        f_cos, of_bsdf = found.weight * found.pdf, found.pdf
+        if any_lane(led):
+            wi = to_local(surface, w)
+            value = evaluate_bsdf(scene, surface, wo, wi, led)
+            f_cos, of_bsdf = where(led, value.f_cos, f_cos), where(led, value.pdf, of_bsdf)
+            side = where(wo.z * wi.z > 0.0, lanes_u32(REFLECTION), lanes_u32(TRANSMISSION))
+            found = replace(found, wi=where(led, wi, found.wi), flags=where(led, side, found.flags))
+
+        pdf = mixed(share, of_guide, of_bsdf)
+        possible = pdf > 0.0
+        weight = where(possible, f_cos / where(possible, pdf, 1.0), lanes_vec3(0.0))
+        weight = where(smooth, weight, found.weight / (1.0 - share))
+        if settings.log.rows.size > 0:
+            drawn = Drawn(
+                p=surface.p, d=w, pdf=pdf, of_bsdf=of_bsdf, of_guide=of_guide, weight=weight
+            )
+            record_vertices(settings.log, path, drawn, smooth & possible)
+        weight = where(survived, weight / survival, lanes_vec3(0.0))
+        return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf))
+
+    return guided_scatter
+
+
+@kernel
+def survival_of(settings, path, here, only_delta):
+    """Probability with which paths go on from a vertex.
+
+    Those that will add little to their pixel end. Where only delta lobes scatter light, which leave
+    no records, most go on.
+    """
+    left = luminance(path.beta) * here.gain / pixel_luminance(settings.guide, path.sampler)
+    # Without anything learnt, nothing is known to be small.
+    playing = (here.gain > 0.0) & (path.depth > 0)
+    survival = where(playing, minimum(maximum(left * WINDOW, LEAST), 1.0), 1.0)
+    in_glass = where(path.depth >= settings.rr_depth, MAX_SURVIVAL, 1.0)
+    return where(only_delta, in_glass, survival)
+
+
+@kernel
+def pixel_luminance(guide, sampler):
+    """Root mean square of what training saw around the pixel of a sample."""
+    across = bits_float(gather(guide.blocks, lanes_u32(1)))
+    down = bits_float(gather(guide.blocks, lanes_u32(2)))
+    column, row = to_uint(to_float(sampler.x) * across), to_uint(to_float(sampler.y) * down)
+    last = lanes_u32(guide.picture.size - 1)
+    return gather(guide.picture, minimum_u32(row * guide.blocks[0] + column, last))

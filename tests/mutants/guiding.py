@@ -1,0 +1,112 @@
+"""Bugs of guides: densities, weights, training."""
+
+from tests.mutants.mutant import Mutant
+
+TREE = "tests/guiding/test_tree.py"
+RENDERS = "tests/guiding/test_guided_renders.py"
+SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
+
+GUIDING = (
+    Mutant(
+        "a density without the Jacobian of the map",
+        "guiding/lookup.py",
+        (("lanes(1.0), lanes(INV_FOUR_PI)", "lanes(1.0), lanes(4.0 * INV_FOUR_PI)"),),
+        f"{TREE}::test_densities_integrate_to_one",
+    ),
+    Mutant(
+        "a density that is a percent too large",
+        "guiding/lookup.py",
+        (("density * (4.0 * share)", "density * (4.02 * share)"),),
+        f"{TREE}::test_densities_integrate_to_one",
+    ),
+    Mutant(
+        "columns of the other row",
+        "guiding/lookup.py",
+        (
+            (
+                "where(lower, parts >> PART_BITS, parts >> (2 * PART_BITS))",
+                "where(lower, parts >> (2 * PART_BITS), parts >> PART_BITS)",
+            ),
+        ),
+        f"{TREE}::test_directions_have_the_density_that_is_told",
+    ),
+    Mutant(
+        "light sampling does not know the guide",
+        "integrators/guided.py",
+        (("return mixed(here.share, of_guide, of_bsdf)", "return of_bsdf"),),
+        SAME,
+    ),
+    Mutant(
+        "delta lobes where the guide leads",
+        "integrators/guided.py",
+        (
+            (
+                "where(smooth, weight, found.weight / (1.0 - share))",
+                "where(smooth, weight, found.weight)",
+            ),
+        ),
+        SAME,
+    ),
+    Mutant(
+        "a guide for mirrors",
+        "integrators/guided.py",
+        (("share = where(only_delta, 0.0, here.share)", "share = here.share"),),
+        SAME,
+    ),
+    Mutant(
+        "survivors that do not carry the light of the others",
+        "integrators/guided.py",
+        (("where(survived, weight / survival,", "where(survived, weight,"),),
+        SAME,
+    ),
+    Mutant(
+        "records of vertices with delta lobes alone",
+        "integrators/guided.py",
+        (
+            (
+                "record_vertices(settings.log, path, drawn, smooth & possible)",
+                "record_vertices(settings.log, path, drawn, survived)",
+            ),
+        ),
+        f"{RENDERS}::test_vertices_of_mirrors_leave_no_records",
+    ),
+    Mutant(
+        "training that looks up the pixels of the film",
+        "rendering/training.py",
+        (
+            (
+                "frame = _framed(box, picture, self.size)",
+                "frame = _framed(box, picture, self.scene.size)",
+            ),
+        ),
+        f"{RENDERS}::test_a_guide_is_the_same_for_any_threads_and_film_size",
+    ),
+    Mutant(
+        "training with the picture's random numbers of a thread",
+        "rendering/training.py",
+        (
+            (
+                "seed=seed_of_round(seed, TRAINING + number)",
+                "seed=seed_of_round(seed, TRAINING + number + self.threads)",
+            ),
+        ),
+        f"{RENDERS}::test_a_guide_is_the_same_for_any_threads_and_film_size",
+    ),
+    Mutant(
+        "a bound of samples that a guide breaks",
+        "integrators/path.py",
+        (
+            (
+                'if self.light_sampling != "mis" or self.wants_guide:',
+                'if self.light_sampling != "mis":',
+            ),
+        ),
+        f"{RENDERS}::test_bounds_of_samples_are_not_claimed",
+    ),
+    Mutant(
+        "moments without the area of their quadrant",
+        "guiding/tree.py",
+        (("np.sqrt(totals.cells.shaped * area[:, None])", "totals.cells.shaped * area[:, None]"),),
+        f"{TREE}::test_weights_follow_the_root_of_moment_times_area",
+    ),
+)
