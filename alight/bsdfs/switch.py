@@ -264,22 +264,31 @@ def _refracting(program) -> list[BsdfModel]:
 
 
 @specialised
-def concentration(program):
-    """``(scene, surface, wi) -> factor``: eta^2 >= 1 where wi (local frame) leads into glass, or 1.
+def squared_index(program):
+    """``(scene, surface, w) -> eta^2``: where w (local frame) leads into glass, else 1.
 
-    Radiance is concentrated there: the throughput falls by 1 / eta^2, and rises again by eta^2 when
-    the path comes out (PBR4 section 14.1.4). Glass that is a part of a blend counts as 1.
+    eta is the index inside over that outside. Glass that is a part of a blend counts as 1.
     """
     answers = _answers(program, _refracting(program), _inner_index_of)
 
     @kernel
-    def concentration(scene, surface, wi):
-        inside = wi.z < 0.0
+    def squared_index(scene, surface, w):
+        inside = w.z < 0.0
         kind = _kind(scene, surface.bsdf)
         eta = answers(scene, surface, kind, surface.bsdf, inside, lanes(1.0))
-        return where(inside, maximum(eta * eta, 1.0), 1.0)
+        return where(inside, eta * eta, 1.0)
 
-    return concentration
+    return squared_index
+
+
+@kernel
+def concentration(scene, surface, wi):
+    """`squared_index`, at least 1.
+
+    Radiance is concentrated in glass: the throughput falls by 1 / eta^2, and rises again by eta^2
+    when the path comes out (PBR4 section 14.1.4).
+    """
+    return maximum(squared_index(scene, surface, wi), 1.0)
 
 
 def _inner_index_of(model, base_of):

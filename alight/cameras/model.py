@@ -24,6 +24,12 @@ class CameraModel(Record):
         Table of its kernel, from the film's size and the matrix camera to world.
     generate_ray : kernel ``(table, film_x, film_y, u_lens) -> (o, d)``
         Origin and unit direction of the ray through a point of the film.
+    connect : kernel ``(table, p, u_lens) -> Connection``
+        How a point of the scene is seen from a point of the lens; without it light paths cannot
+        reach the camera.
+    connect_far : kernel ``(table, d, u_lens) -> Connection``
+        The same of what lies infinitely far along the unit direction d, where each point of the
+        film sees directions of its own.
     PERSPECTIVE : bool
         Rays through the centre of the lens meet in a point.
     """
@@ -32,6 +38,8 @@ class CameraModel(Record):
     pack: Callable[[Any, tuple[int, int], np.ndarray], np.ndarray]
     generate_ray: Kernel
     PERSPECTIVE: bool
+    connect: Kernel | None = None
+    connect_far: Kernel | None = None
 
 
 #: All cameras, by name.

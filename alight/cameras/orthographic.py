@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.cameras.basis import camera_table
+from alight.cameras.connection import connect_parallel
 from alight.cameras.table import (
     FORWARD,
     METRES_DOWN,
@@ -61,3 +62,9 @@ def generate_ray(table, film_x, film_y, u_lens):
     x, y = film_offset(table, film_x, film_y)
     o = vector(table, ORIGIN) + x * vector(table, METRES_RIGHT) + y * vector(table, METRES_DOWN)
     return o, lanes_vec3(0.0) + vector(table, FORWARD)
+
+
+@kernel
+def connect(table, p, u_lens):
+    """How points p are seen; see `alight.cameras.connection`."""
+    return connect_parallel(table, p)

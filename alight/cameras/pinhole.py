@@ -16,6 +16,7 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.cameras.basis import camera_table, perspective_half_extents
+from alight.cameras.connection import connect_far_point, connect_point
 from alight.cameras.table import DOWN, FORWARD, ORIGIN, RIGHT, film_offset, vector
 from alight.core.spec import Camera, FieldOfView
 from alight.core.vec import normalize
@@ -67,3 +68,15 @@ def generate_ray(table, film_x, film_y, u_lens):
     x, y = film_offset(table, film_x, film_y)
     d = vector(table, FORWARD) + x * vector(table, RIGHT) + y * vector(table, DOWN)
     return lanes_vec3(0.0) + vector(table, ORIGIN), normalize(d)
+
+
+@kernel
+def connect(table, p, u_lens):
+    """How points p are seen; see `alight.cameras.connection`."""
+    return connect_point(table, lanes_vec3(0.0), p)
+
+
+@kernel
+def connect_far(table, d, u_lens):
+    """How what lies infinitely far along unit directions d is seen."""
+    return connect_far_point(table, lanes_vec3(0.0), d)

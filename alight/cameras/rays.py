@@ -44,6 +44,37 @@ def generate_ray(program):
     return generate_moving_ray
 
 
+def sees_far(program) -> bool:
+    """Whether the camera sees directions of its own from each point of its film."""
+    return CAMERAS[program.camera].connect_far is not None
+
+
+@specialised
+def connect_camera(program):
+    """``connect_camera(scene, p, u_lens)``: `alight.cameras.connection.Connection` of points."""
+    connect = CAMERAS[program.camera].connect
+    assert connect is not None
+
+    @kernel
+    def connect_camera(scene, p, u_lens):
+        return connect(scene.camera, p, u_lens)
+
+    return connect_camera
+
+
+@specialised
+def connect_far_camera(program):
+    """``connect_far_camera(scene, d, u_lens)``: the same of what is infinitely far along d."""
+    connect = CAMERAS[program.camera].connect_far
+    assert connect is not None
+
+    @kernel
+    def connect_far_camera(scene, d, u_lens):
+        return connect(scene.camera, d, u_lens)
+
+    return connect_far_camera
+
+
 def project(
     camera: Camera, to_world: ArrayLike, size: tuple[int, int], points: ArrayLike
 ) -> NDArray[np.float64]:

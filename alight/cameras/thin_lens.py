@@ -16,6 +16,7 @@ from __future__ import annotations
 from typing import Literal
 
 from alight.cameras.basis import camera_table, perspective_half_extents
+from alight.cameras.connection import connect_far_point, connect_point
 from alight.cameras.table import (
     DOWN,
     FOCUS,
@@ -91,3 +92,22 @@ def generate_ray(table, film_x, film_y, u_lens):
     lens_x, lens_y = square_to_disk_concentric(u_lens)
     lens = lens_x * vector(table, LENS_X) + lens_y * vector(table, LENS_Y)
     return vector(table, ORIGIN) + lens, normalize(table[FOCUS] * axis - lens)
+
+
+@kernel
+def lens_of(table, u_lens):
+    """A point of the lens, seen from its centre."""
+    x, y = square_to_disk_concentric(u_lens)
+    return x * vector(table, LENS_X) + y * vector(table, LENS_Y)
+
+
+@kernel
+def connect(table, p, u_lens):
+    """How points p are seen; see `alight.cameras.connection`."""
+    return connect_point(table, lens_of(table, u_lens), p)
+
+
+@kernel
+def connect_far(table, d, u_lens):
+    """How what lies infinitely far along unit directions d is seen."""
+    return connect_far_point(table, lens_of(table, u_lens), d)

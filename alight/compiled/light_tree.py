@@ -12,7 +12,7 @@ from alight.compiled.light_gain import even_groups, points_on_surfaces
 from alight.compiled.shapes import CompiledShapes
 from alight.core.constants import PI
 from alight.core.distributions import cumulative
-from alight.core.spec import Triple
+from alight.core.spec import Light, Triple
 from alight.core.vec import luminance
 from alight.lights.tree import LEAVES, OUTER_CDF
 from alight.lights.tree_build import Leaves, build_tree
@@ -54,6 +54,8 @@ class LightRow(NamedTuple):
         While the shutter is open.
     dark : float
         Of a shape that shines: the angle from its normal at which it is dark, radians.
+    light : Light or None
+        Its description, of a light at a point.
     table : (n,) float32 or None
         Further numbers of it, such as a picture: they start where its `LightTables.info` says.
     """
@@ -69,6 +71,7 @@ class LightRow(NamedTuple):
     motion: Motion | None = None
     dark: float = 0.5 * PI
     table: NDArray[np.float32] | None = None
+    light: Light | None = None
 
     @property
     def brightness(self) -> float:

@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from alight.compiled.light_emission import emitting
 from alight.compiled.light_gain import gain_of_tree
 from alight.compiled.light_tree import (
     Choosing,
@@ -20,7 +21,7 @@ from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
-from alight.lights.tables import INFO, STRIDE, TEXTURED, LightTables
+from alight.lights.tables import INFO, STRIDE, TEXTURED, EmittingLights, LightTables
 from alight.lights.tree_build import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
@@ -45,7 +46,7 @@ class CompiledLights(NamedTuple):
 
     Attributes
     ----------
-    tables : LightTables
+    tables : LightTables or EmittingLights
     kinds : tuple of str
         For `Program.lights`: the models in use, then `TEXTURED` where a light has a texture.
     shapes : tuple of str
@@ -58,7 +59,7 @@ class CompiledLights(NamedTuple):
         For `Program.environments`.
     """
 
-    tables: LightTables
+    tables: LightTables | EmittingLights
     kinds: tuple[str, ...]
     shapes: tuple[str, ...]
     is_dark: bool
@@ -78,6 +79,7 @@ def compile_lights(
     selection: Selection = "auto",
     *,
     compensated: bool = False,
+    emits: bool = False,
 ) -> CompiledLights:
     """Make the tables of all lights, and enter area lights into the tables of shapes.
 
@@ -93,10 +95,18 @@ def compile_lights(
     compensated : bool, default False
         Light sampling is combined with BSDF sampling, which finds what the compensated map of an
         environment leaves out.
+    emits : bool, default False
+        Light paths start at the lights: make the tables of `alight.lights.emission_sampling`.
+
+    Raises
+    ------
+    SceneError
+        If they do, and there is a light at which none can start.
     """
     rows, around = _rows(flat, shapes), [_environment(p, compensated) for p in flat.environments]
     rows += [row for row, _ in around]
-    weights = _weights(rows, shapes.radius, selection)
+    powers = _powers(rows, shapes.radius)
+    weights = _weights(rows, powers, selection)
     leaves, gains = None, False
     if selection == "tree" or (selection == "auto" and _are_many(rows)):
         leaves = find_leaves(rows, weights, shapes)
@@ -122,8 +132,9 @@ def compile_lights(
             info[i, 1], info[i, 3] = sum(m.size for m in maps), sum(t.size for t in tables)
             maps.append(made.table)
             tables.append(made.cdf)
+    all_tables = LightTables(View(info), View(data), View(np.concatenate(tables)), _joined(maps))
     return CompiledLights(
-        LightTables(View(info), View(data), View(np.concatenate(tables)), _joined(maps)),
+        emitting(all_tables, rows, powers, shapes) if emits else all_tables,
         _names(rows),
         _shining(rows, shapes),
         not np.any(weights > 0.0),
@@ -208,17 +219,23 @@ def _row(light: Light, to_world: np.ndarray) -> LightRow:
         cone = (axis, *model.cone(light))
     table = model.table(light) if model.table else None
     dark = model.dark_beyond(light)
-    return LightRow(kind, color, numbers, mean, cone=cone, table=table, dark=dark)
+    row = LightRow(kind, color, numbers, mean, cone=cone, table=table, dark=dark)
+    return row._replace(light=light)
 
 
 def _texture_of(light: Light) -> Texture | None:
     return LIGHTS[light.type_name()].texture(light)
 
 
-def _weights(rows: list[LightRow], radius: float, selection: Selection) -> np.ndarray:
-    powers = np.array(
+def _powers(rows: list[LightRow], radius: float) -> np.ndarray:
+    """Of each light, W."""
+    return np.array(
         [LIGHTS[row.kind].power(row.brightness, float(row.areas.sum()), radius) for row in rows]
     )
+
+
+def _weights(rows: list[LightRow], powers: np.ndarray, selection: Selection) -> np.ndarray:
+    """What light sampling chooses the lights by."""
     weights = (powers > 0.0).astype(np.float64) if selection == "uniform" else powers
     windows = np.array([LIGHTS[row.kind].window(row.numbers) for row in rows])
     if windows.any():

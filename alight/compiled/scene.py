@@ -88,6 +88,7 @@ def compile_scene(
     structure: str = "auto",
     builder: str = "sah",
     threads: int = 1,
+    emits: bool = False,
 ) -> CompiledScene:
     """Arrays and program of a scene.
 
@@ -104,6 +105,14 @@ def compile_scene(
         How the tree is divided.
     threads : int
         For building the BVH.
+    emits : bool
+        Make the tables of `alight.lights.emission_sampling`, which integrators that trace light
+        paths have anyway.
+
+    Raises
+    ------
+    SceneError
+        If it does, and there is a light at which no light path can start.
     """
     paths = MotionTable()
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
@@ -121,7 +130,8 @@ def compile_scene(
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights
-    lights = compile_lights(flat, shapes, choice, compensated=flat.integrator.combines)
+    emits = emits or flat.integrator.traces_light_paths
+    lights = compile_lights(flat, shapes, choice, compensated=flat.integrator.combines, emits=emits)
     tables = SceneTables(
         shapes=shapes.tables,
         materials=materials,

@@ -285,6 +285,8 @@ class Integrator(Spec):
     transports : bool
         Its picture is the light of all paths with at most `longest_path` edges: the same as that
         of every other integrator of this kind.
+    splats : bool
+        All its paths start at lights and find their pixels by themselves.
     """
 
     family: ClassVar[str] = "integrators"
@@ -292,6 +294,7 @@ class Integrator(Spec):
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
     transports: ClassVar[bool] = False
+    splats: ClassVar[bool] = False
 
     @property
     def longest_path(self) -> int | None:
@@ -309,6 +312,11 @@ class Integrator(Spec):
         return False
 
     @property
+    def traces_light_paths(self) -> bool:
+        """Whether paths start at lights."""
+        return self.splats
+
+    @property
     def finds_light_by_chance(self) -> bool:
         """Whether no path is led to a light."""
         return False
@@ -323,12 +331,9 @@ class Integrator(Spec):
 
         Parameters
         ----------
-        radiance : float
-            Of the brightest light.
-        weight : float
-            Largest weight f cos / pdf of a sampled direction.
-        start : float
-            Largest weight of a camera ray.
+        radiance, weight, start : float
+            Of the brightest light; largest weight f cos / pdf of a sampled direction; largest one
+            of a camera ray.
         """
         return None
 

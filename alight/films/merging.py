@@ -55,6 +55,14 @@ def merge(films: Sequence[Film], names: Sequence[str] | None = None) -> Film:
     return result
 
 
+def add(film: Film, other: Film) -> None:
+    """Add what `other` holds to a film without layers, as `merge` does, but in place."""
+    with film.lock:
+        merged = merge((film, other))
+        film.sums, film.counts, film.cells = merged.sums, merged.counts, merged.cells
+        film.invalid, film.saturated = merged.invalid, merged.saturated
+
+
 def _planes(result: Film, part: Film) -> list[tuple[np.ndarray, np.ndarray]]:
     named = [(plane, part.aov_sums[name]) for name, plane in result.aov_sums.items()]
     return [(result.sums, part.sums), *named]

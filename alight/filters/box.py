@@ -15,7 +15,7 @@ import numpy as np
 
 from alight.core.spec import Filter, FilterRadius
 from lanewise.jit import kernel
-from lanewise.simd import lanes
+from lanewise.simd import absolute, lanes, where
 
 
 class Box(Filter):
@@ -50,3 +50,15 @@ def sample(table, u2):
     """Offsets dx, dy in [-r, r) and the weight 1."""
     r = table[0]
     return r * (2.0 * u2[0] - 1.0), r * (2.0 * u2[1] - 1.0), lanes(1.0)
+
+
+@kernel
+def profile(table, x):
+    """The filter along one axis, with the integral 1."""
+    return where(absolute(x) <= table[0], 0.5 / table[0], 0.0)
+
+
+@kernel
+def reach(table):
+    """Distance beyond which the profile is 0, pixels."""
+    return table[0]

@@ -8,12 +8,19 @@ Source: PBR4 section 8.8.1.
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar, Literal
 
 import numpy as np
 
+from alight.core.maths import exp
 from alight.core.spec import Filter, FilterRadius
-from alight.filters.inverse_cdf import sample_separable, tabulate
+from alight.filters.inverse_cdf import LENGTH, sample_separable, tabulate
+from lanewise.jit import kernel
+from lanewise.simd import absolute, maximum, where
+
+#: Where, behind the table of `inverse_cdf`, radius, -1 / (2 stddev^2), floor and 1 / integral are.
+NUMBERS = LENGTH
 
 
 class Gaussian(Filter):
@@ -48,8 +55,25 @@ def value(spec, x, y):
 
 
 def pack(spec):
-    """Table of the kernel, see `inverse_cdf`."""
-    return tabulate(lambda x: factor(spec, x), spec.radius)
+    """Table of the kernels, see `inverse_cdf` and `NUMBERS`."""
+    table = tabulate(lambda x: factor(spec, x), spec.radius)
+    floor = np.exp(-0.5 * (spec.radius / spec.stddev) ** 2)
+    bell = np.sqrt(2.0 * np.pi) * spec.stddev * math.erf(spec.radius / spec.stddev / np.sqrt(2.0))
+    whole = bell - 2.0 * spec.radius * floor
+    return np.append(table, [spec.radius, -0.5 / spec.stddev**2, floor, 1.0 / whole])
 
 
 sample = sample_separable
+
+
+@kernel
+def profile(table, x):
+    """The filter along one axis, with the integral 1."""
+    g = (exp(table[NUMBERS + 1] * x * x) - table[NUMBERS + 2]) * table[NUMBERS + 3]
+    return where(absolute(x) <= table[NUMBERS], maximum(g, 0.0), 0.0)
+
+
+@kernel
+def reach(table):
+    """Distance beyond which the profile is 0, pixels."""
+    return table[NUMBERS]

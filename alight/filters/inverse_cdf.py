@@ -22,6 +22,8 @@ from lanewise.simd import absolute, gather, minimum, sqrt, to_float, to_uint, wh
 CELLS = 512
 # The table: |weight| of a sample, distance beyond which g < 0, then the distances.
 _WEIGHT, _SIGN_CHANGE, _DISTANCES = 0, 1, 2
+#: Numbers of a table.
+LENGTH = CELLS + 4
 # Points of the numerical integration.
 _POINTS = 1 << 17
 

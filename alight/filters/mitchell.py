@@ -19,7 +19,12 @@ from typing import Literal
 import numpy as np
 
 from alight.core.spec import Filter, FilterRadius, UnitInterval
-from alight.filters.inverse_cdf import sample_separable, tabulate
+from alight.filters.inverse_cdf import LENGTH, sample_separable, tabulate
+from lanewise.jit import kernel
+from lanewise.simd import absolute, where
+
+#: Where, behind the table of `inverse_cdf`, radius, B and C are.
+NUMBERS = LENGTH
 
 
 class Mitchell(Filter):
@@ -42,7 +47,7 @@ class Mitchell(Filter):
 EXAMPLES = (Mitchell(), Mitchell(b=0.0, c=0.5), Mitchell(b=1.0, c=0.0, radius=3.0))
 
 
-def profile(x, b, c):
+def polynomial(x, b, c):
     """6 m(x) of the formula above, x in half radii."""
     x = np.abs(x)
     inner = ((12 - 9 * b - 6 * c) * x + (-18 + 12 * b + 6 * c)) * x**2 + (6 - 2 * b)
@@ -62,14 +67,33 @@ def sign_change(b, c):
 def value(spec, x, y):
     """The filter, up to a factor."""
     half = 0.5 * spec.radius
-    return profile(x / half, spec.b, spec.c) * profile(y / half, spec.b, spec.c)
+    return polynomial(x / half, spec.b, spec.c) * polynomial(y / half, spec.b, spec.c)
 
 
 def pack(spec):
-    """Table of the kernel, see `inverse_cdf`."""
+    """Table of the kernels, see `inverse_cdf` and `NUMBERS`."""
     half = 0.5 * spec.radius
     change = half * sign_change(spec.b, spec.c)
-    return tabulate(lambda x: profile(x / half, spec.b, spec.c), spec.radius, change)
+    table = tabulate(lambda x: polynomial(x / half, spec.b, spec.c), spec.radius, change)
+    return np.append(table, [spec.radius, spec.b, spec.c])
 
 
 sample = sample_separable
+
+
+@kernel
+def profile(table, x):
+    """The filter along one axis, with the integral 1: 6 m(x) has the integral 6 half radii."""
+    radius, b, c = table[NUMBERS], table[NUMBERS + 1], table[NUMBERS + 2]
+    x = absolute(x) * (2.0 / radius)
+    inner = ((12.0 - 9.0 * b - 6.0 * c) * x + (-18.0 + 12.0 * b + 6.0 * c)) * x * x
+    outer = ((-b - 6.0 * c) * x + (6.0 * b + 30.0 * c)) * x * x
+    outer = outer - (12.0 * b + 48.0 * c) * x + (8.0 * b + 24.0 * c)
+    m = where(x < 1.0, inner + (6.0 - 2.0 * b), where(x < 2.0, outer, 0.0))
+    return m * (1.0 / 3.0) / radius
+
+
+@kernel
+def reach(table):
+    """Distance beyond which the profile is 0, pixels."""
+    return table[NUMBERS]

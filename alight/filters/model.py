@@ -21,6 +21,11 @@ class FilterModel(Record):
         Table of its kernel.
     sample : kernel ``(table, u2) -> (dx, dy, weight)``
         Offset from the pixel's centre, pixels; weights have the mean 1.
+    profile : kernel ``(table, x)``
+        Of a filter f(x, y) = g(x) g(y): g, with the integral 1, pixels. Without it no light path
+        is splatted.
+    reach : kernel ``(table)``
+        g is 0 beyond, pixels; uniform.
     value : (spec, float64, float64) -> float64
         The filter itself at offsets from the centre, pixels, up to a factor.
     """
@@ -28,6 +33,8 @@ class FilterModel(Record):
     pack: Callable[[Any], Sequence[float]]
     sample: Kernel
     value: Callable[[Any, np.ndarray, np.ndarray], np.ndarray]
+    profile: Kernel | None = None
+    reach: Kernel | None = None
 
 
 #: All filters, by name.

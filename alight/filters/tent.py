@@ -13,7 +13,7 @@ import numpy as np
 
 from alight.core.spec import Filter, FilterRadius
 from lanewise.jit import kernel
-from lanewise.simd import lanes, sqrt, where
+from lanewise.simd import absolute, lanes, maximum, sqrt, where
 
 
 class Tent(Filter):
@@ -55,3 +55,15 @@ def _position(u):
     left = u < 0.5
     distance = 1.0 - sqrt(2.0 * where(left, u, 1.0 - u))
     return where(left, -distance, distance)
+
+
+@kernel
+def profile(table, x):
+    """The filter along one axis, with the integral 1."""
+    return maximum(table[0] - absolute(x), 0.0) / (table[0] * table[0])
+
+
+@kernel
+def reach(table):
+    """Distance beyond which the profile is 0, pixels."""
+    return table[0]

@@ -1,6 +1,6 @@
 """Estimators of light transport, one model per file. A new model is one file and one line here."""
 
-from alight.integrators import ambient_occlusion, direct, path, random_walk, volpath
+from alight.integrators import ambient_occlusion, direct, light, path, random_walk, volpath
 
 MODELS = (
     path,
@@ -8,6 +8,7 @@ MODELS = (
     direct,
     ambient_occlusion,
     random_walk,
+    light,
 )
 
 #: Of scenes that name none and hold no media.

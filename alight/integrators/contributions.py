@@ -14,7 +14,7 @@ from __future__ import annotations
 import inspect
 from collections import namedtuple
 
-from alight.core.registry import Models
+from alight.integrators.model import INTEGRATORS
 from alight.integrators.walk import LIGHT_CHOICE, LIGHT_POINT, vertex_dimension
 from alight.lights.choice import choose_light
 from alight.lights.tables import INFO as LIGHT_INFO
@@ -58,13 +58,15 @@ SEEN, BY_BSDF, BY_DELTA, BY_LIGHT = range(4)
 
 def can_record(integrator: str) -> bool:
     """Whether an integrator reports its contributions: the path tracer and what is made of it."""
-    return "record" in inspect.signature(Models("integrators")[integrator].step).parameters
+    step = INTEGRATORS[integrator].step
+    return step is not None and "record" in inspect.signature(step).parameters
 
 
 def step(program):
     """The step of the integrator that the option `RECORDED` names, with a log of what it adds."""
-    integrator = Models("integrators")[program.option(RECORDED)]
-    return integrator.step(program, record=(meet, find, leave, sample))
+    own = INTEGRATORS[program.option(RECORDED)].step
+    assert own is not None
+    return own(program, record=(meet, find, leave, sample))
 
 
 @kernel

@@ -26,12 +26,20 @@ class IntegratorModel(Record):
         (path, hit)`` and ``shade(scene, settings, path, hit) -> path``.
     empty_paths, start_paths : kernel
         Of integrators that keep more than a `PathState`; see `alight.integrators.walk`.
+    begin : (program) -> kernel
+        In the place of `step`, of integrators whose paths start at lights: ``begin(scene, settings,
+        new, sampler) -> (path, splat)``.
+    extend : (program) -> kernel
+        Of the same: ``extend(scene, settings, path) -> (path, splat)``, one more vertex of every
+        path. See `alight.integrators.light`.
     """
 
-    step: Callable[[Any], Kernel]
+    step: Callable[..., Kernel] | None = None
     stages: Callable[[Any], tuple[Kernel, Kernel]] | None = None
     empty_paths: Kernel | None = None
     start_paths: Kernel | None = None
+    begin: Callable[[Any], Kernel] | None = None
+    extend: Callable[[Any], Kernel] | None = None
 
 
 #: All integrators, by name.

@@ -159,7 +159,9 @@ def step(program):
 
     Where things move, it sees the scene at the times of its paths.
     """
-    return _in_time(program, model_of(program).step(program))
+    own = model_of(program).step
+    assert own is not None
+    return _in_time(program, own(program))
 
 
 @specialised

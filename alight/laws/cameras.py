@@ -11,11 +11,15 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from alight.cameras.rays import generate_ray, project, unproject
+from alight.cameras.connection import Connection
+from alight.cameras.model import CAMERAS
+from alight.cameras.rays import connect_camera, generate_ray, project, unproject
 from alight.compiled.cameras import compile_camera
 from alight.compiled.program import Program
 from alight.core.registry import versions
 from alight.core.spec import Camera
+from alight.core.vec import Vec3
+from alight.laws.materials import stacked
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import length_error
 from alight.scene.transform import Matrix, rotate, scale, translate
@@ -47,7 +51,13 @@ class Shots:
         Of `PLACEMENTS`.
     """
 
-    def __init__(self, spec: Camera, name: str, lens: np.ndarray | None = None) -> None:
+    def __init__(
+        self,
+        spec: Camera,
+        name: str,
+        lens: np.ndarray | None = None,
+        step: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
         self.size, self.to_world = PLACEMENTS[name]
         rng = np.random.default_rng(2)
         self.film = (rng.random((2, N)) * np.reshape(self.size, (2, 1))).astype(np.float32)
@@ -55,10 +65,16 @@ class Shots:
         program = Program(camera=spec.type_name(), registered=versions([spec]))
         run = instantiate(generate_ray, program, compiled=False)
         scene = SimpleNamespace(camera=compile_camera(spec, self.to_world, self.size))
-        rays = run(scene, *self.film, tuple(lens))
+        film = self.film + np.reshape(np.float32(step), (2, 1))
+        rays = run(scene, *film, tuple(lens))
         self.o, self.d = (
             np.stack([np.broadcast_to(c, N) for c in (v.x, v.y, v.z)]).astype(float) for v in rays
         )
+
+    @property
+    def rays(self) -> tuple[np.ndarray, np.ndarray]:
+        """Origins and directions."""
+        return self.o, self.d
 
 
 def _lens(seed: int) -> np.ndarray:
@@ -145,9 +161,64 @@ def the_lens_is_sampled_evenly(spec: Camera) -> None:
         )
 
 
+def _connected(spec: Camera, shots: Shots, points: np.ndarray, lens: np.ndarray) -> Connection:
+    program = Program(camera=spec.type_name(), registered=versions([spec]))
+    run = instantiate(connect_camera, program, compiled=False)
+    scene = SimpleNamespace(camera=compile_camera(spec, shots.to_world, shots.size))
+    return run(scene, Vec3(*points.astype(np.float32)), tuple(lens))
+
+
+def connections_undo_the_rays(spec: Camera) -> None:
+    """What lies on a ray is seen along it, from the same point of the lens, in the same pixel."""
+    if CAMERAS[spec.type_name()].connect is None:
+        return
+    for name in PLACEMENTS:
+        lens = _lens(6)
+        shots = Shots(spec, name, lens)
+        for points in _depths(shots):
+            found = _connected(spec, shots, points, lens)
+            demand(found.visible, f"{name}: a point before the camera is not visible")
+            w, o = stacked(found.w, N), stacked(found.o, N)
+            reach = np.linalg.norm(points, axis=0) + np.linalg.norm(shots.o, axis=0)
+            away = np.linalg.norm(points - shots.o, axis=0)
+            margin = 4.0 * ROUNDING * reach / away + 1e-6
+            demand_close(np.linalg.norm(w + shots.d, axis=0), 0.0, f"{name}: w", atol=margin)
+            off = np.linalg.norm(o - shots.o, axis=0)
+            demand_close(off / reach, 0.0, f"{name}: origins", atol=4.0 * ROUNDING)
+            demand_close(found.distance / reach, away / reach, f"{name}: m", atol=4.0 * ROUNDING)
+            pixels = margin * max(shots.size) / np.tan(_narrowest(spec, shots))
+            at = np.stack([found.x, found.y])
+            demand_close(np.abs(at - shots.film), 0.0, f"{name}: pixels", atol=pixels + 1e-3)
+
+
+def _narrowest(spec: Camera, shots: Shots) -> float:
+    """Angle that the film covers at least, radians; of parallel rays that of its metres."""
+    return float(np.arctan(min(CAMERAS[spec.type_name()].half_extents(spec, *shots.size))))
+
+
+def importance_is_pixels_over_area(spec: Camera) -> None:
+    """`importance` is how many pixels show a square metre across the ray."""
+    if CAMERAS[spec.type_name()].connect is None:
+        return
+    for name in PLACEMENTS:
+        lens, shots = _lens(7), Shots(spec, name, _lens(7))
+        points = shots.o + 3.0 * np.linalg.norm(shots.to_world[:3, 2]) * shots.d
+        found = _connected(spec, shots, points, lens)
+        ends = []
+        for step in ((0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5)):
+            o, d = Shots(spec, name, lens, step).rays
+            # Where the ray beside it crosses the plane across the first.
+            t = np.sum((points - o) * shots.d, axis=0) / np.sum(d * shots.d, axis=0)
+            ends.append(o + t * d)
+        area = np.linalg.norm(np.cross(ends[0] - ends[1], ends[2] - ends[3], axis=0), axis=0)
+        demand_close(found.importance * area, 1.0, f"{name}: pixels per pixel", atol=0.03)
+
+
 LAWS = (
     rays_have_unit_directions,
     projection_undoes_the_rays,
     rays_of_a_film_point_meet,
     the_lens_is_sampled_evenly,
+    connections_undo_the_rays,
+    importance_is_pixels_over_area,
 )

@@ -10,6 +10,7 @@ from alight.core.spec import Spec
 from alight.laws import (
     bsdfs,
     cameras,
+    emission,
     filters,
     integrators,
     lights,
@@ -78,7 +79,8 @@ def _check_sampler(examples: Sequence[Spec], compiled: bool) -> Iterator[Result]
 
 def _check_light(examples: Sequence[Spec], compiled: bool) -> Iterator[Result]:
     laws = lights.LAWS[LIGHTS[examples[0].type_name()].spec.placement]
-    yield from _simple(laws, lights.COMPILED_LAWS)(examples, compiled)
+    compiled_laws = (*lights.COMPILED_LAWS, *emission.COMPILED_LAWS)
+    yield from _simple((*laws, *emission.LAWS), compiled_laws)(examples, compiled)
 
 
 def _simple(
@@ -110,7 +112,7 @@ def _short(example: Spec) -> str:
 CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
     "bsdfs": _check_bsdf,
     "samplers": _check_sampler,
-    "shapes": _simple(shapes.LAWS, shapes.COMPILED_LAWS),
+    "shapes": _simple((*shapes.LAWS, *emission.LAWS_OF_SHAPES), shapes.COMPILED_LAWS),
     "phases": _simple(phases.LAWS),
     "media": _simple(media.LAWS),
     "lights": _check_light,

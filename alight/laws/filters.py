@@ -14,6 +14,7 @@ from alight.core.registry import versions
 from alight.core.spec import Filter
 from alight.filters.importance import compile_filter, sample_filter
 from alight.filters.model import FILTERS
+from alight.filters.splatting import choose_pixel
 from alight.laws.report import demand
 from alight.laws.statistics import LARGEST_Z, SIGNIFICANCE, chi_square, z_of_mean
 from lanewise.jit import instantiate
@@ -79,4 +80,31 @@ def samples_are_spread_as_the_filter(spec: Filter) -> None:
     demand((np.sign(here) == np.sign(weight))[clear], "a weight has not the sign of the filter")
 
 
-LAWS = (weights_have_mean_one, pictures_are_not_shifted, samples_are_spread_as_the_filter)
+def splats_get_what_the_filter_gives(spec: Filter) -> None:
+    """A point of the film adds to each pixel, in the mean, what the pixel's filter gives it."""
+    model = FILTERS[spec.type_name()]
+    if model.profile is None:
+        return
+    fine = np.linspace(-17.0, 17.0, 200_001)
+    along = np.asarray(model.value(spec, fine, 0.0), float) * np.ones(fine.size)
+    whole = along.sum() * (fine[1] - fine[0])
+    program = Program(filter=spec.type_name(), registered=versions([spec]))
+    run = instantiate(choose_pixel, program, compiled=False)
+    scene, rng = SimpleNamespace(filter=compile_filter(spec)), np.random.default_rng(4)
+    for x in rng.random(4) + 20.0:
+        pixel, weight = run(scene, np.full(N, x, np.float32), rng.random(N, np.float32))
+        pixel, weight = np.broadcast_to(pixel, N), np.broadcast_to(weight, N).astype(float)
+        for k in range(2, 39):
+            wanted = float(np.asarray(model.value(spec, x - k - 0.5, 0.0), float)) / whole
+            # Of a pixel that is hardly ever chosen no error can be seen.
+            rare = np.sqrt(abs(wanted) / N) + 1e-6
+            z = z_of_mean(np.where(pixel == k, weight, 0.0), wanted, rare)
+            demand(abs(z) < LARGEST_Z, f"pixel {k} gets a wrong share of a splat at {x:.4f}")
+
+
+LAWS = (
+    weights_have_mean_one,
+    pictures_are_not_shifted,
+    samples_are_spread_as_the_filter,
+    splats_get_what_the_filter_gives,
+)

@@ -48,7 +48,7 @@ N = 4096
 CELLS = SphereCells(side=16)
 
 
-def scene_of(spec: Light) -> CompiledScene:
+def described(spec: Light) -> Scene:
     """A scene with this light and a ball: the light's own, or one that is far away."""
     model, turned = LIGHTS[spec.type_name()], rotate("y", 40) @ rotate("x", 25)
     ball = next(s for s in specs_of(Shape).values() if s.closed)()
@@ -62,10 +62,17 @@ def scene_of(spec: Light) -> CompiledScene:
     # A window shows what else is around the scene.
     seen = not model.is_around or model.radiance is not None
     sky = next(m for m in LIGHTS.values() if m.is_around).EXAMPLES[0]
-    scene = Scene(nodes=nodes, camera=camera, environment=None if seen else sky)
-    # Light sampling alone: else a map may leave light to BSDF sampling.
-    scene = scene.replaced(integrator=scene.integrator.replaced(light_sampling="emitter"))
-    return compile_scene(flatten(scene), structure="list")
+    return Scene(nodes=nodes, camera=camera, environment=None if seen else sky)
+
+
+def scene_of(spec: Light) -> CompiledScene:
+    """That scene for light sampling alone: else a map may leave light to BSDF sampling."""
+    return compile_scene(flatten(strategy(described(spec), "emitter")), structure="list")
+
+
+def strategy(scene: Scene, light_sampling: str) -> Scene:
+    """The same scene with a strategy of light sampling."""
+    return scene.replaced(integrator=scene.integrator.replaced(light_sampling=light_sampling))
 
 
 def light_at(spec: Light, points: np.ndarray):
@@ -201,12 +208,12 @@ def samples_bring_the_power(spec: Light) -> None:
     n = len(pdf)
     weight = luminance(Vec3(*stacked(light.radiance, n))).astype(float)
     weight = np.where(pdf > 0.0, weight / np.where(pdf > 0.0, pdf, 1.0), 0.0)
-    declared = model.power(_mean_radiance(spec), 0.0, 1.0) / PI
+    declared = model.power(mean_radiance(spec), 0.0, 1.0) / PI
     z = z_of_mean(weight, declared, ROUNDING * declared)
     demand(abs(z) < LARGEST_Z, f"samples bring {weight.mean():.5g}, by its power {declared:.5g}")
 
 
-def _mean_radiance(spec: Light) -> float:
+def mean_radiance(spec: Light) -> float:
     """Luminance of the mean over all directions."""
     model = LIGHTS[spec.type_name()]
     color = model.mean(spec)

@@ -17,9 +17,10 @@ import numpy as np
 from alight.core.constants import INFINITY, PI
 from alight.core.spec import Color, Light, Triple
 from alight.core.vec import gather_vec3
-from alight.lights.tables import STRIDE, LightSample
+from alight.lights.ball import across_the_ball
+from alight.lights.tables import STRIDE, Emission, LightSample
 from lanewise.jit import kernel
-from lanewise.simd import lanes, lanes_mask, lanes_vec3
+from lanewise.simd import lanes, lanes_mask, lanes_u32, lanes_vec3
 
 
 class Directional(Light):
@@ -68,3 +69,30 @@ def sample(scene, index, p, u, u2):
         cosine=one,
         error=lanes(0.0),
     )
+
+
+@kernel
+def emit(scene, index, u2, v2):
+    """A ray into the scene's ball; see `alight.lights.model.LightModel`."""
+    d = lanes_vec3(0.0) - gather_vec3(scene.lights.data, index * STRIDE + 4)
+    p, area = across_the_ball(scene, d, u2)
+    one = lanes(1.0)
+    return Emission(
+        p=p,
+        n=d,
+        o=p,
+        d=d,
+        flux=lanes_vec3(1.0) * area,
+        light=lanes_u32(0),
+        choice=one,
+        pdf_position=1.0 / area,
+        pdf_direction=one,
+        delta_position=lanes_mask(False),
+        delta_direction=lanes_mask(True),
+    )
+
+
+@kernel
+def emit_pdf(scene, index, d):
+    """1: there is one direction."""
+    return lanes(1.0)

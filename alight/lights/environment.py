@@ -42,6 +42,7 @@ from alight.lights.environment_map import (
     BAND,
     COLUMNS,
     FIRST_BAND,
+    LEFT_OUT,
     ROWS,
     TEXEL,
     EnvironmentMap,
@@ -345,6 +346,12 @@ def pdf(scene, back, p, d):
     weights = channel(texels_of(scene, at, place.column, place.row), 3)
     _, size, _ = band_of(scene, at, place.row)
     return density(scene, at, weights, pmf, place, size)
+
+
+@kernel
+def left_out(scene, back):
+    """Share of its light that `sample` leaves to BSDF sampling."""
+    return scene.lights.map[map_at(scene, back) + LEFT_OUT]
 
 
 @kernel

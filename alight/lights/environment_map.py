@@ -18,6 +18,7 @@ from lanewise.vec3 import Vec3
 
 # The table starts with the rotation from the world to the map, row by row.
 COLUMNS, ROWS = 9, 10  # of cells: rows is one less than the picture's
+LEFT_OUT = 11  # share of the light that the weights leave to BSDF sampling
 FIRST_BAND, BAND = 12, 2  # after the header: numbers of each row of cells
 TEXEL = 4  # finally: red, green, blue and weight, row by row of the picture
 
@@ -58,6 +59,7 @@ def environment_map(
     compensated : bool
         Take the mean off the weights.
     """
+    left_out = 0.0
     if len(pixels) == 1:
         pixels = np.repeat(pixels, 2, axis=0)
     height, width = pixels.shape[:2]
@@ -75,9 +77,10 @@ def environment_map(
         darker = np.maximum(weights - 1.0, 0.0)
         # Of a map of one value nothing would be left.
         if compensated and darker.max() > 1e-3:
+            left_out = 1.0 - float((share * _cell_means(darker)).sum())
             weights = darker
     texels[:, :, 3] = weights
-    header = np.concatenate([np.ravel(to_map), [width, rows, 0.0]])
+    header = np.concatenate([np.ravel(to_map), [width, rows, left_out]])
     table = np.concatenate([header, bands.ravel(), texels.ravel()]).astype(np.float32)
     # Weights as the kernels see them: what rounds to 0 there must not be drawn.
     seen = _cell_means(texels[:, :, 3].astype(float))

@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Strict, model_validator
 
-from alight.core.constants import PI
-from alight.core.maths import arctan2
+from alight.core.constants import INV_TWO_PI, ONE_MINUS_EPSILON, PI
+from alight.core.distributions import cumulative, pmf_discrete, sample_discrete
+from alight.core.maths import arctan2, sincos
 from alight.core.spec import Color, Light, Triple, invalid
-from alight.core.vec import Vec3, dot, gather_vec3
+from alight.core.vec import Vec3, dot, gather_vec3, normalize
+from alight.core.warps import direction_around_z
 from alight.lights.at_point import way_to
 from alight.lights.photometry import (
     HORIZONTAL_STEP,
@@ -30,7 +32,7 @@ from alight.lights.photometry import (
     profile_problem,
     read_profile,
 )
-from alight.lights.tables import INFO, STRIDE, LightSample
+from alight.lights.tables import INFO, STRIDE, LightSample, from_point
 from lanewise.jit import kernel
 from lanewise.simd import (
     gather,
@@ -39,6 +41,7 @@ from lanewise.simd import (
     lanes_vec3,
     maximum,
     minimum,
+    minimum_u32,
     sqrt,
     to_float,
     to_uint,
@@ -227,3 +230,81 @@ def sample(scene, index, p, u, u2):
         cosine=one,
         error=lanes(0.0),
     )
+
+
+# ---------------------------------------------------------------- emission
+
+#: Rows of cells between the angles of the grid, half of them ahead; halves of a row's angle.
+ROWS = round(180.0 / VERTICAL_STEP)
+_HALF_STEP = 0.5 * PI / ROWS
+
+
+def emission_table(spec: Ies) -> NDArray[np.float32]:
+    """Choice of a cell between the angles of the grid, row by row, by the light through it."""
+    values = grid(profile(spec))
+    around = values if values.shape[1] > 1 else np.repeat(values, 2, axis=1)
+    means = 0.25 * (around[1:, 1:] + around[1:, :-1] + around[:-1, 1:] + around[:-1, :-1])
+    edges = np.cos(np.linspace(0.0, np.pi, ROWS + 1))
+    return cumulative((means * -np.diff(edges)[:, None]).ravel())
+
+
+@kernel
+def columns_of(scene, index):
+    """How many cells a row has."""
+    columns = gather(scene.lights.cdf, gather(scene.lights.info, index * INFO + 3))
+    return where(columns > 0.0, to_uint(columns), 1)
+
+
+@kernel
+def heights_of(row):
+    """1 - |cos| at the edge of a row of cells next to the pole, its change across, and mask: ahead.
+
+    From the nearer pole, so that it is precise there.
+    """
+    ahead = row < ROWS // 2
+    steps = to_float(where(ahead, row, ROWS - 1 - row))
+    inner, _ = sincos(steps * _HALF_STEP)
+    outer, _ = sincos((steps + 1.0) * _HALF_STEP)
+    return 2.0 * inner * inner, 2.0 * (outer * outer - inner * inner), ahead
+
+
+@kernel
+def cell_density(scene, index, pmf, height):
+    """Density per steradian in a cell of some probability."""
+    return pmf * to_float(columns_of(scene, index)) * INV_TWO_PI / height
+
+
+@kernel
+def emit(scene, index, u2, v2):
+    """A ray by the light of the cells; see `alight.lights.model.LightModel`."""
+    data, k = scene.lights.data, index * STRIDE
+    columns, start = columns_of(scene, index), gather(scene.lights.starts, index)
+    cell, pmf, _ = sample_discrete(scene.lights.emission, start, columns * ROWS, u2[0])
+    row = cell // columns
+    column = cell - row * columns
+    edge, height, ahead = heights_of(row)
+    turn = minimum((to_float(column) + v2[1]) / to_float(columns), ONE_MINUS_EPSILON)
+    w = direction_around_z(edge + v2[0] * height, turn)
+    w = Vec3(w.x, w.y, where(ahead, w.z, -w.z))
+    x, y, z = gather_vec3(data, k + 7), gather_vec3(data, k + 10), gather_vec3(data, k + 13)
+    density = cell_density(scene, index, pmf, height)
+    drawn = density > 0.0
+    flux = where(drawn, intensity(scene, index, w) / where(drawn, density, 1.0), 0.0)
+    d = normalize(w.x * x + w.y * y + w.z * z)
+    return from_point(gather_vec3(data, k + 4), d, lanes_vec3(1.0) * flux, density)
+
+
+@kernel
+def emit_pdf(scene, index, d):
+    """Density of `emit` per steradian."""
+    data, k = scene.lights.data, index * STRIDE
+    columns, start = columns_of(scene, index), gather(scene.lights.starts, index)
+    x, y = dot(gather_vec3(data, k + 7), d), dot(gather_vec3(data, k + 10), d)
+    theta = arctan2(sqrt(x * x + y * y), dot(gather_vec3(data, k + 13), d))
+    row = minimum_u32(to_uint(theta * (ROWS / PI)), ROWS - 1)
+    turn = arctan2(y, x) * INV_TWO_PI
+    turn = where(turn < 0.0, turn + 1.0, turn)
+    column = minimum_u32(to_uint(turn * to_float(columns)), columns - 1)
+    _, height, _ = heights_of(row)
+    pmf = pmf_discrete(scene.lights.emission, start, row * columns + column)
+    return cell_density(scene, index, pmf, height)

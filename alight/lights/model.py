@@ -66,14 +66,28 @@ class LightModel(Record):
         point has no place in a light tree.
     table : (spec) -> (n,) float32
         Further numbers, in `LightTables.cdf`.
+    emit : kernel ``(scene, index, u2, v2) -> Emission``
+        At a point: a ray of its light, its flux over the light's colour; u2 and v2 are uniform
+        pairs. Without it no light path starts there.
+    emit_pdf : kernel ``(scene, index, d)``
+        At a point: density of `emit` for the unit direction d, per steradian; 1 if there is one.
+    emission_table : (spec) -> (n,) float32
+        At a point: numbers for both, in `EmittingLights.emission`.
     texture : (spec) -> Texture or None
         On a shape: of its radiance, in the place of the colour.
     map_of : (spec, (4, 4) float64, bool) -> EnvironmentMap
         Around the scene: its picture; the last argument leaves light to BSDF sampling.
     beside_the_map : (spec) -> triple
         Mean over all directions of what is not in it.
+    left_out : kernel ``(scene, back)``
+        Around the scene: share of its light that `sample` leaves to BSDF sampling; none by default.
     window : (numbers) -> float
         Area in m^2 of an opening through which the other lights around the scene are sampled.
+    window_point : kernel ``(scene, back, u2)``
+        A point of that opening, uniform by area.
+    window_pdf : kernel ``(scene, back, o, d)``
+        How densely lines along the unit vector d go through such points, per square metre across d:
+        that of the line through o.
     share_all_around : (numbers) -> float
         Share of its samples that such windows may take over.
     """
@@ -88,10 +102,16 @@ class LightModel(Record):
     mean_color: Callable[[Any], Triple] | None = None
     cone: Callable[[Any], tuple[float, float]] | None = None
     table: Callable[[Any], np.ndarray] | None = None
+    emit: Kernel | None = None
+    emit_pdf: Kernel | None = None
+    emission_table: Callable[[Any], np.ndarray] | None = None
     texture: Callable[[Any], Texture | None] = no_texture
     map_of: Callable[[Any, np.ndarray, bool], EnvironmentMap] | None = None
     beside_the_map: Callable[[Any], Triple] = nothing_beside
+    left_out: Kernel | None = None
     window: Callable[[np.ndarray], float] = no_window
+    window_point: Kernel | None = None
+    window_pdf: Kernel | None = None
     share_all_around: Callable[[np.ndarray], float] = all_around
 
     @property

@@ -13,11 +13,12 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.constants import PI
+from alight.core.constants import INV_FOUR_PI, PI
 from alight.core.spec import Color, Light, Triple
 from alight.core.vec import gather_vec3
+from alight.core.warps import square_to_uniform_sphere
 from alight.lights.at_point import way_to
-from alight.lights.tables import STRIDE, LightSample
+from alight.lights.tables import STRIDE, LightSample, from_point
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_mask, lanes_vec3
 
@@ -71,3 +72,17 @@ def sample(scene, index, p, u, u2):
         cosine=one,
         error=lanes(0.0),
     )
+
+
+@kernel
+def emit(scene, index, u2, v2):
+    """A ray in any direction; see `alight.lights.model.LightModel`."""
+    p = gather_vec3(scene.lights.data, index * STRIDE + 4)
+    flux = lanes_vec3(1.0 / INV_FOUR_PI)
+    return from_point(p, square_to_uniform_sphere(v2), flux, lanes(INV_FOUR_PI))
+
+
+@kernel
+def emit_pdf(scene, index, d):
+    """Density of `emit` per steradian."""
+    return lanes(INV_FOUR_PI)

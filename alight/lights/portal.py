@@ -24,7 +24,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.spec import Light, Triple
-from alight.core.vec import dot, length_squared, row_vec3
+from alight.core.vec import cross, dot, length_squared, row_vec3
 from alight.core.warps import (
     spherical_rectangle,
     spherical_rectangle_pdf,
@@ -32,7 +32,7 @@ from alight.core.warps import (
 )
 from alight.lights.tables import from_infinity, row_of
 from lanewise.jit import kernel
-from lanewise.simd import is_finite, lanes_vec3, rsqrt, where
+from lanewise.simd import absolute, is_finite, lanes_vec3, rsqrt, where
 
 #: Numbers of the light's row: a corner and two edges.
 CORNER, EDGE_X, EDGE_Y = 4, 7, 10
@@ -109,3 +109,34 @@ def pdf(scene, back, p, d):
     inside = (x >= seen.x0) & (x <= seen.x1) & (y >= seen.y0) & (y <= seen.y1)
     density = usable(spherical_rectangle_pdf(seen, t * d))
     return where(ahead & inside, density, 0.0)
+
+
+# ---------------------------------------------------------------- emission
+
+
+@kernel
+def edges_of(scene, back):
+    """Corner and two edges, in the world."""
+    data, k, one = scene.lights.data, row_of(scene, back), lanes_vec3(1.0)
+    corner, x = one * row_vec3(data, k + CORNER), one * row_vec3(data, k + EDGE_X)
+    return corner, x, one * row_vec3(data, k + EDGE_Y)
+
+
+@kernel
+def window_point(scene, back, u2):
+    """A point of it, all alike."""
+    corner, x, y = edges_of(scene, back)
+    return corner + u2[0] * x + u2[1] * y
+
+
+@kernel
+def window_pdf(scene, back, o, d):
+    """Density, per square metre across d, of the line through o among those through its points."""
+    corner, x, y = edges_of(scene, back)
+    # o + t d = corner + a x + b y by Cramer's rule: in its plane a square metre is |d . n|.
+    n = dot(cross(x, y), d)
+    crosses = absolute(n) > 0.0
+    per_n, to_o = 1.0 / where(crosses, n, 1.0), o - corner
+    a, b = dot(cross(to_o, y), d) * per_n, dot(cross(x, to_o), d) * per_n
+    inside = crosses & (a >= 0.0) & (a <= 1.0) & (b >= 0.0) & (b <= 1.0)
+    return where(inside, absolute(per_n), 0.0)

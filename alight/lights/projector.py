@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from alight.core.constants import PI
+from alight.core.distributions import cumulative, pmf_discrete, sample_discrete
 from alight.core.maths import arctan2
 from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
-from alight.core.vec import dot, gather_vec3
+from alight.core.vec import Vec3, dot, gather_vec3, length_squared, luminance, normalize
 from alight.lights.at_point import way_to
 from alight.lights.ies import axes_of
-from alight.lights.tables import INFO, STRIDE, LightSample
+from alight.lights.tables import INFO, STRIDE, LightSample, from_point
 from alight.textures.images import Image, Pixels, source_problem
 from lanewise.jit import kernel
 from lanewise.simd import (
@@ -213,6 +214,21 @@ def shown(cdf, start, u, v):
 
 
 @kernel
+def brightness_of(scene, index, z, x, y):
+    """How a picture shows: mask: within its edges; its falloff; what its intensity is divided by.
+
+    z is the direction's cosine with the axis; (x, y) its place in the picture, each in [-1, 1].
+    """
+    cdf, start = scene.lights.cdf, gather(scene.lights.info, index * INFO + 3)
+    there = (x >= -1.0) & (x <= 1.0) & (y >= -1.0) & (y <= 1.0) & (z > 1e-6)
+    theta = arctan2(sqrt(maximum(1.0 - z * z, 0.0)), z)
+    cutoff, fade = gather(cdf, start + CUTOFF), gather(cdf, start + FADE)
+    falloff = minimum(maximum((cutoff - theta) * fade, 0.0), 1.0)
+    spread = where(gather(cdf, start + SCREEN) > 0.0, z * z * z, 1.0)
+    return there, falloff, spread
+
+
+@kernel
 def sample(scene, index, p, u, u2):
     """The one direction to the light; see `alight.lights.area.sample`."""
     data, cdf, k = scene.lights.data, scene.lights.cdf, index * STRIDE
@@ -220,12 +236,8 @@ def sample(scene, index, p, u, u2):
     wi, distance, falling = way_to(gather_vec3(data, k + 4) - p)
     z = maximum(-dot(gather_vec3(data, k + 13), wi), 1e-9)
     x, y = -dot(gather_vec3(data, k + 7), wi) / z, -dot(gather_vec3(data, k + 10), wi) / z
-    there = (x >= -1.0) & (x <= 1.0) & (y >= -1.0) & (y <= 1.0) & (z > 1e-6)
-    theta = arctan2(sqrt(maximum(1.0 - z * z, 0.0)), z)
-    cutoff, fade = gather(cdf, start + CUTOFF), gather(cdf, start + FADE)
-    falloff = minimum(maximum((cutoff - theta) * fade, 0.0), 1.0)
+    there, falloff, spread = brightness_of(scene, index, z, x, y)
     u, v = where(there, 0.5 - 0.5 * x, 0.5), where(there, 0.5 - 0.5 * y, 0.5)
-    spread = where(gather(cdf, start + SCREEN) > 0.0, z * z * z, 1.0)
     bright = where(there, falloff * falling / spread, 0.0)
     one = lanes(1.0)
     return LightSample(
@@ -237,3 +249,77 @@ def sample(scene, index, p, u, u2):
         cosine=one,
         error=lanes(0.0),
     )
+
+
+# ---------------------------------------------------------------- emission
+
+
+def emission_table(spec: Projector) -> NDArray[np.float32]:
+    """Choice of a texel by the light through it, of its neighbours too: they show in it."""
+    texels, (half_x, half_y) = _texels(spec).astype(float), tangents(spec)
+    height, width = texels.shape[:2]
+    bright = np.pad(luminance(Vec3(*np.moveaxis(texels, 2, 0))), 1, mode="edge")
+    mean = sum(bright[i : i + height, j : j + width] for i in range(3) for j in range(3)) / 9.0
+    if spec.evenness == "intensity":
+        x = half_x * (1.0 - 2.0 * (np.arange(width) + 0.5) / width)
+        y = half_y * (1.0 - 2.0 * (np.arange(height) + 0.5) / height)
+        mean = mean * (1.0 + x * x + (y * y)[:, None]) ** -1.5
+    return cumulative(np.ravel(mean))
+
+
+@kernel
+def size_of(scene, index):
+    """Texels across and down the picture."""
+    cdf, start = scene.lights.cdf, gather(scene.lights.info, index * INFO + 3)
+    return to_uint(gather(cdf, start + WIDTH)), to_uint(gather(cdf, start + HEIGHT))
+
+
+@kernel
+def texel_density(scene, index, pmf, z):
+    """Density per steradian in a texel of some probability, z: cosine of the direction."""
+    data, k = scene.lights.data, index * STRIDE
+    width, height = size_of(scene, index)
+    # The picture covers 4 tan tan at distance 1, where areas are solid angles over cos^3.
+    stretch = length_squared(gather_vec3(data, k + 7)) * length_squared(gather_vec3(data, k + 10))
+    return pmf * to_float(width * height) * (0.25 * sqrt(stretch)) / (z * z * z)
+
+
+@kernel
+def emit(scene, index, u2, v2):
+    """A ray by the light of the texels; see `alight.lights.model.LightModel`."""
+    data, k = scene.lights.data, index * STRIDE
+    width, height = size_of(scene, index)
+    start = gather(scene.lights.starts, index)
+    cell, pmf, _ = sample_discrete(scene.lights.emission, start, width * height, u2[0])
+    row = cell // width
+    u = (to_float(cell - row * width) + v2[0]) / to_float(width)
+    v = (to_float(row) + v2[1]) / to_float(height)
+    x, y = 1.0 - 2.0 * u, 1.0 - 2.0 * v
+    across, up = gather_vec3(data, k + 7), gather_vec3(data, k + 10)
+    axis = gather_vec3(data, k + 13)
+    d = axis + (x / length_squared(across)) * across + (y / length_squared(up)) * up
+    d = normalize(lanes_vec3(0.0) + d)
+    z = dot(axis, d)
+    _, falloff, spread = brightness_of(scene, index, z, x, y)
+    density = texel_density(scene, index, pmf, z)
+    drawn = density > 0.0
+    bright = where(drawn, falloff / (spread * where(drawn, density, 1.0)), 0.0)
+    first = gather(scene.lights.info, index * INFO + 3)
+    flux = shown(scene.lights.cdf, first, u, v) * bright
+    return from_point(gather_vec3(data, k + 4), d, flux, density)
+
+
+@kernel
+def emit_pdf(scene, index, d):
+    """Density of `emit` per steradian."""
+    data, k = scene.lights.data, index * STRIDE
+    width, height = size_of(scene, index)
+    z = maximum(dot(gather_vec3(data, k + 13), d), 1e-9)
+    x, y = dot(gather_vec3(data, k + 7), d) / z, dot(gather_vec3(data, k + 10), d) / z
+    there = (x >= -1.0) & (x <= 1.0) & (y >= -1.0) & (y <= 1.0) & (z > 1e-6)
+    u, v = where(there, 0.5 - 0.5 * x, 0.5), where(there, 0.5 - 0.5 * y, 0.5)
+    column = minimum_u32(to_uint(u * to_float(width)), width - 1)
+    row = minimum_u32(to_uint(v * to_float(height)), height - 1)
+    start = gather(scene.lights.starts, index)
+    pmf = pmf_discrete(scene.lights.emission, start, row * width + column)
+    return where(there, texel_density(scene, index, pmf, z), 0.0)

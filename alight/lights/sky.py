@@ -16,6 +16,7 @@ import numpy as np
 from alight.core.spec import Color, Reflectance, Triple
 from alight.lights.daylight import Daylight, picture
 from alight.lights.environment import Environment
+from alight.lights.environment import left_out as left_out
 from alight.lights.environment import map_of as map_of_picture
 from alight.lights.environment import pdf as pdf
 from alight.lights.environment import power as power

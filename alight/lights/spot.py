@@ -30,11 +30,13 @@ import numpy as np
 from pydantic import model_validator
 
 from alight.core.constants import PI
-from alight.core.maths import arctan2
+from alight.core.frame import frame_from_normal, to_world
+from alight.core.maths import arctan2, sincos
 from alight.core.spec import Color, Interval, Light, Triple, invalid
-from alight.core.vec import cross, dot, gather_vec3, length_squared
+from alight.core.vec import cross, dot, gather_vec3, length_squared, normalize
+from alight.core.warps import square_to_uniform_cone, uniform_cone_pdf
 from alight.lights.at_point import way_to
-from alight.lights.tables import STRIDE, LightSample
+from alight.lights.tables import STRIDE, LightSample, from_point
 from lanewise.jit import kernel
 from lanewise.simd import gather, lanes, lanes_mask, lanes_vec3, maximum, minimum, sqrt, where
 
@@ -151,10 +153,8 @@ def cone(spec: Spot) -> tuple[float, float]:
 
 
 @kernel
-def sample(scene, index, p, u, u2):
-    """The one direction to the light; see `alight.lights.area.sample`."""
-    data, k = scene.lights.data, index * STRIDE
-    wi, distance, falling = way_to(gather_vec3(data, k + 4) - p)
+def falloff_of(data, k, wi):
+    """Share of the intensity that goes from the lights with rows at k along -wi."""
     # By its tangent, because the cosine of a small angle does not tell it.
     axis = gather_vec3(data, k + 7)
     theta = arctan2(sqrt(length_squared(cross(axis, wi))), -dot(axis, wi))
@@ -164,7 +164,7 @@ def sample(scene, index, p, u, u2):
     m = where(number == 0.0, theta, 0.5 * length_squared(chord))
     t = minimum(maximum((gather(data, k + 10) - m) * gather(data, k + 11), 0.0), 1.0)
     squared_t = t * t
-    falloff = where(
+    return where(
         number == 0.0,
         t,
         where(
@@ -173,13 +173,50 @@ def sample(scene, index, p, u, u2):
             where(number == 2.0, squared_t, squared_t * squared_t),
         ),
     )
+
+
+@kernel
+def sample(scene, index, p, u, u2):
+    """The one direction to the light; see `alight.lights.area.sample`."""
+    data, k = scene.lights.data, index * STRIDE
+    wi, distance, falling = way_to(gather_vec3(data, k + 4) - p)
     one = lanes(1.0)
     return LightSample(
         wi=wi,
         distance=distance,
-        radiance=lanes_vec3(1.0) * (falloff * falling),
+        radiance=lanes_vec3(1.0) * (falloff_of(data, k, wi) * falling),
         pdf=one,
         delta=lanes_mask(True),
         cosine=one,
         error=lanes(0.0),
     )
+
+
+@kernel
+def opening_of(data, k):
+    """1 - cos of the cutoff, of the lights with rows at k."""
+    edge = gather(data, k + 10)
+    half_sine, _ = sincos(0.5 * edge)
+    return where(gather(data, k + 12) == 0.0, 2.0 * half_sine * half_sine, edge)
+
+
+@kernel
+def emit(scene, index, u2, v2):
+    """A ray within the cutoff, all directions alike; see `alight.lights.model.LightModel`."""
+    data, k = scene.lights.data, index * STRIDE
+    axis, opening = lanes_vec3(0.0) + gather_vec3(data, k + 7), opening_of(data, k)
+    s, t = frame_from_normal(axis)
+    d = normalize(to_world(s, t, axis, square_to_uniform_cone(v2, opening)))
+    density = lanes(0.0) + uniform_cone_pdf(opening)
+    flux = lanes_vec3(1.0) * (falloff_of(data, k, -d) / density)
+    return from_point(gather_vec3(data, k + 4), d, flux, density)
+
+
+@kernel
+def emit_pdf(scene, index, d):
+    """Density of `emit` per steradian."""
+    data, k = scene.lights.data, index * STRIDE
+    opening = opening_of(data, k)
+    chord = d - gather_vec3(data, k + 7)
+    inside = 0.5 * length_squared(chord) <= opening
+    return where(inside, uniform_cone_pdf(opening), 0.0)

@@ -18,6 +18,7 @@ from alight.core.spec import Color, Reflectance, Triple
 from alight.core.vec import luminance
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, picture, solid_angle
 from alight.lights.environment import Environment
+from alight.lights.environment import left_out as left_out_of_sky
 from alight.lights.environment import map_of as map_of_picture
 from alight.lights.environment import pdf as pdf_of_sky
 from alight.lights.environment import power as power
@@ -135,6 +136,13 @@ def pdf(scene, back, p, d):
     """Density of `sample` per solid angle."""
     share = scene.lights.data[row_of(scene, back) + SHARE]
     return share * pdf_of_sun(scene, back, p, d) + (1.0 - share) * pdf_of_sky(scene, back, p, d)
+
+
+@kernel
+def left_out(scene, back):
+    """Share of its light that `sample` leaves to BSDF sampling."""
+    share = scene.lights.data[row_of(scene, back) + SHARE]
+    return (1.0 - share) * left_out_of_sky(scene, back)
 
 
 @kernel

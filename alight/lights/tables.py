@@ -6,7 +6,7 @@ from collections import namedtuple
 
 from alight.core.constants import INFINITY
 from lanewise.jit import kernel
-from lanewise.simd import lanes, lanes_mask
+from lanewise.simd import lanes, lanes_mask, lanes_u32, lanes_vec3
 
 #: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
 #: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that
@@ -14,6 +14,14 @@ from lanewise.simd import lanes, lanes_mask
 #: `alight.lights.environment_map`.
 #: Environments are the last lights.
 LightTables = namedtuple("LightTables", "info data cdf map")
+
+#: The same of scenes whose lights emit paths. emission: middle and radius of the scene's ball, the
+#: choice of a light by its power, then tables of single lights; starts: where those begin, one word
+#: a light.
+EmittingLights = namedtuple("EmittingLights", (*LightTables._fields, "emission", "starts"))
+
+#: Numbers of `EmittingLights.emission`.
+MIDDLE, RADIUS, CHOICE = 0, 3, 4
 
 #: Words of `LightTables.info` a light: kind, shape (of an environment: start of its map), texture
 #: of the radiance + 1 (0: none), start of its table in cdf.
@@ -32,6 +40,37 @@ STRIDE = 16
 #: probability of choosing this light, 0 if nothing can arrive; delta: mask, all light comes from
 #: this one direction; cosine, error: at the light, for `alight.shapes.hit.shadow_length`.
 LightSample = namedtuple("LightSample", "wi distance radiance pdf delta cosine error")
+
+#: A ray of light on its way from a light into the scene. p: where it starts, on light from infinity
+#: behind the whole scene; n: unit outer normal there, d where there is no surface; o: p moved off
+#: the surface; d: unit direction; flux: W, RGB, the light that it carries: radiance times cosine
+#: over all probabilities; light: row of the light; choice: probability of that light, or of all
+#: that is around the scene; pdf_position: per square metre (across d, for light from infinity);
+#: pdf_direction: per steradian; both are 1 where the masks delta_position and delta_direction say
+#: that nothing was chosen.
+Emission = namedtuple(
+    "Emission",
+    "p n o d flux light choice pdf_position pdf_direction delta_position delta_direction",
+)
+
+
+@kernel
+def from_point(p, d, flux, pdf_direction):
+    """The `Emission` of a light at the point p, before the choice of the light."""
+    one, here = lanes(1.0), lanes_vec3(0.0) + p
+    return Emission(
+        p=here,
+        n=d,
+        o=here,
+        d=d,
+        flux=flux,
+        light=lanes_u32(0),
+        choice=one,
+        pdf_position=one,
+        pdf_direction=pdf_direction,
+        delta_position=lanes_mask(True),
+        delta_direction=lanes_mask(False),
+    )
 
 
 @kernel

@@ -13,10 +13,11 @@ import numpy as np
 
 from alight.compiled.scene import CompiledScene
 from alight.core.version import VERSION
-from alight.films import Film
+from alight.films import Film, merging
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
 from alight.rendering.layers import AOVS
+from alight.rendering.light_paths import UNSEEN, check_light_paths, parts_of
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedule import Goal, Schedule, Verdict
@@ -95,6 +96,11 @@ class Job:
     training : Training, optional
         Of the scene's guide.
 
+    Raises
+    ------
+    OptionError
+        If paths start at lights, and cannot make this picture (`alight.rendering.light_paths`).
+
     Attributes
     ----------
     time_limit : float or None
@@ -126,7 +132,11 @@ class Job:
         self.rays = self.samples = 0
         self._earlier = 0.0
         self._begin: float | None = None
-        self.tiles = tiles_of(self.rounds[0].crop)
+        window = self.rounds[0].crop
+        self.splats = scene.integrator.splats
+        if self.splats:
+            check_light_paths(scene, schedule)
+        self.tiles = parts_of(window, threads) if self.splats else tiles_of(window)
         # The pool keeps its threads from pass to pass, and they their memory.
         self.local = threading.local()
         self._lock = threading.Lock()
@@ -145,6 +155,8 @@ class Job:
             version=VERSION,
         )
         film.recorded = depth_cap.unmeasured(scene.integrator)
+        if scene.integrator.splats:
+            film.recorded += (UNSEEN,)
         film.largest_sample = self.largest_sample
         return film
 
@@ -240,7 +252,8 @@ class Job:
     def record_biases(self) -> None:
         """Enter into the picture's ledger what is biased, and measure what can be measured."""
         film = self.film
-        if self.samples:
+        # The pilot looks at single pixels; light paths belong to none.
+        if self.samples and not self.splats:
             seed = seed_of_round(self.seed, PILOT)
             film.recorded = depth_cap.measured(self, seed)
             film.recorded += self.schedule.biases(self.rounds)
@@ -268,6 +281,8 @@ class Job:
         assert self.goal is not None
         film = self.rounds[self.goal.round]
         settings = self.settings._replace(seed=film.seed)
+        # Each light path may add to any pixel: a picture of some of a pass would lack the others.
+        target = film.empty_like() if self.splats else film
 
         def work(tile: Tile) -> None:
             if cancel.is_set():
@@ -281,7 +296,7 @@ class Job:
                 self.kernels, self.scene, settings, tile, mine, self.local.scratch
             )
             samples = int(partial.counts.sum())
-            film.add_tile(partial, self.kernels.add_rows)
+            target.add_tile(partial, self.kernels.add_rows)
             with self._lock:
                 self.rays += rays
                 self.samples += samples
@@ -296,6 +311,8 @@ class Job:
             cancel.set()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+        if self.splats and not cancel.is_set():
+            merging.add(film, target)
 
     def statistics(self, seconds: dict[str, float]) -> dict[str, Any]:
         """Times, rates and memory of this render, of its parts before a checkpoint too."""

@@ -23,6 +23,7 @@ from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.job import Job, Progress
 from alight.rendering.largest_sample import largest_sample
 from alight.rendering.layers import layers_of
+from alight.rendering.light_paths import LEAST_REPLICATES
 from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
@@ -77,6 +78,8 @@ def make_job(
     threads = threads or usable_processors()
     compiled = compile_scene(flat, content_hash(flat), aovs=layers_of(aovs), threads=threads)
     clock.lap("bvh")
+    if compiled.integrator.splats:
+        replicates = replicates or max(flat.film.replicates, LEAST_REPLICATES)
     training = None
     if is_to_be_guided(compiled):
         compiled, training = trained(compiled, seed=seed, threads=threads)

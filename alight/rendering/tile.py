@@ -13,8 +13,10 @@ from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
 from alight.films import PartialFilm
 from alight.films.fixed_point import add_rows
+from alight.films.sample_ranges import cells_of
 from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_bits
 from alight.integrators.walk import Settings
+from alight.rendering.light_tile import render_light_tile
 from alight.rendering.tile_kernel import (
     INVALID,
     RAYS,
@@ -58,6 +60,8 @@ def make_kernels(
     `observe` is for the twin, see `lanewise.jit.instantiate`; what it sees are whole steps.
     """
     picture = render_step_by_step if observe else render_tile_kernel
+    if scene.integrator.splats:
+        picture = render_light_tile
 
     def make(root: Callable, program: Program) -> Callable:
         kernel = instantiate(root, program, compiled=compiled, observe=observe)
@@ -132,6 +136,8 @@ def render_tile(
     int
         Rays traced for the picture.
     """
+    if scene.integrator.splats:
+        return _render_light_paths(kernels, scene, settings, tile, ranges, scratch or Scratch())
     split = "direct" in scene.program.aovs
     film = (scratch or Scratch()).film(settings, tile, split)
     samples = View(np.ascontiguousarray(ranges, np.int64))
@@ -158,6 +164,41 @@ def render_tile(
         saturated=int(tally[SATURATED]),
         ranges=ranges,
         aovs={name: aovs[name] for name in scene.program.aovs},
+    )
+    return partial, int(tally[RAYS])
+
+
+def _render_light_paths(
+    kernels: Kernels,
+    scene: CompiledScene,
+    settings: Settings,
+    tile: Tile,
+    ranges: np.ndarray,
+    scratch: Scratch,
+) -> tuple[PartialFilm, int]:
+    """`render_tile` of an integrator that splats: the sums are those of the whole window."""
+    x, y, width, height = scene.crop or (0, 0, *scene.size)
+    window = Tile(x, y, x + width, y + height)
+    film = scratch.film(settings, window, False)
+    samples = View(np.ascontiguousarray(ranges, np.int64))
+    kernels.beauty(scene.tables, settings, (tile, window), samples, film)
+    rows, columns = cells_of(x, y, width, height)
+    its_rows, its_columns = cells_of(tile.x0, tile.y0, tile.x1 - tile.x0, tile.y1 - tile.y0)
+    held = np.zeros((rows.stop - rows.start, columns.stop - columns.start, 2), np.int64)
+    held[
+        its_rows.start - rows.start : its_rows.stop - rows.start,
+        its_columns.start - columns.start : its_columns.stop - columns.start,
+    ] = ranges
+    tally = film.tally.array
+    partial = PartialFilm(
+        x0=x,
+        y0=y,
+        sums=film.sums.shaped,
+        counts=film.counts.shaped,
+        invalid=int(tally[INVALID]),
+        saturated=int(tally[SATURATED]),
+        ranges=held,
+        aovs={},
     )
     return partial, int(tally[RAYS])
 

@@ -119,12 +119,8 @@ def next_pixel(settings, tile, ranges, cursor):
 
 
 @kernel
-def camera_rays(scene, settings, tile, ranges, cursor):
-    """The next packet of samples, as `CameraRays`; returns the cursor too.
-
-    All lanes start together, on one pixel or its neighbours, so that their first steps look at
-    the same things.
-    """
+def next_samples(settings, tile, ranges, cursor):
+    """The next packet of samples: (cursor, mask of the lanes that have one, `SamplerState`)."""
     _, cells = count_cells(tile)
     taken = local_uints(TAKEN)
     count = 0
@@ -146,12 +142,24 @@ def camera_rays(scene, settings, tile, ranges, cursor):
     sampler = sampler_state(
         x, y, load_lanes(taken, 2 * ROOM), load_lanes(taken, 3 * ROOM), lanes_u32(settings.seed)
     )
+    return cursor, lane_index() < count, sampler
+
+
+@kernel
+def camera_rays(scene, settings, tile, ranges, cursor):
+    """The next packet of samples, as `CameraRays`; returns the cursor too.
+
+    All lanes start together, on one pixel or its neighbours, so that their first steps look at
+    the same things.
+    """
+    cursor, new, sampler = next_samples(settings, tile, ranges, cursor)
+    x, y = sampler.x, sampler.y
     # Filter importance sampling: the sample belongs to this pixel alone, at an offset that has
     # the filter's density (Ernst, Stamminger and Greiner 2006).
     dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
     seen = at_times_of(scene, sampler)
     o, d = generate_ray(seen, to_float(x) + 0.5 + dx, to_float(y) + 0.5 + dy, get_2d(sampler, LENS))
-    return cursor, CameraRays(lane_index() < count, o, d, weight, sampler)
+    return cursor, CameraRays(new, o, d, weight, sampler)
 
 
 @kernel

@@ -88,6 +88,8 @@ def trace(
         For a scene, pixel or number that is wrong.
     """
     scene = scene_of(scene, options)
+    if scene.integrator.splats:
+        raise OptionError(f"no path of {scene.integrator.type_name()} starts at a pixel")
     x, y = _checked_pixel(pixel, scene.film.size)
     sample, seed = options.sample, options.seed
     flat = flatten(scene)

@@ -39,14 +39,22 @@ from alight.core.frame import frame_from_tangent
 from alight.core.maths import arctan2, sincos, sincos_2pi
 from alight.core.spec import Positive, Shape, Vector3, invalid
 from alight.core.vec import Vec3, absolute_vec3, dot, gather_vec3, length_squared, row_vec3
-from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
-from alight.shapes.sphere import column, excess, from_center, times, transposed_times
+from alight.shapes.hit import (
+    INFO,
+    AreaSample,
+    Geometry,
+    ShapeSample,
+    area_to_solid_angle,
+    needs_uv,
+)
+from alight.shapes.quadric import column, excess, from_center, times, transposed_times
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     copysign,
     fma,
     gather,
     lanes,
+    lanes_u32,
     lanes_vec3,
     maximum,
     minimum,
@@ -284,6 +292,17 @@ def pdf(tables, cdf, start, shape, p, hit):
     k = gather(tables.info, shape * INFO + 3)
     q = local_point(data, k, p + hit.distance * hit.wi)
     return area_to_solid_angle(area_density(data, k, q), hit.distance, hit.cosine)
+
+
+@kernel
+def sample_area(tables, cdf, start, shape, u, u2):
+    """Choose the image of a uniform point; see `alight.shapes.rectangle.sample_area`."""
+    data = tables.data
+    k = gather(tables.info, shape * INFO + 3)
+    sine, cosine = sincos_2pi(u2[0])
+    q = Vec3(cosine, sine, u2[1])
+    p = gather_vec3(data, k) + times(data, k + MATRIX, q)
+    return AreaSample(p, lanes(0.0), lanes(0.0), lanes_u32(0), area_density(data, k, q))
 
 
 @kernel

@@ -26,7 +26,7 @@ from alight.shapes.flat import (
     meet_plane,
     pack_flat,
 )
-from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
+from alight.shapes.hit import INFO, AreaSample, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel
 from lanewise.simd import gather, lanes_u32, maximum, sqrt, where
 
@@ -113,6 +113,15 @@ def pdf(tables, cdf, start, shape, p, hit):
     """Density of `sample` per solid angle at a `ShapeHit` seen from p."""
     k = gather(tables.info, shape * INFO + 3)
     return area_to_solid_angle(1.0 / gather(tables.data, k + AREA), hit.distance, hit.cosine)
+
+
+@kernel
+def sample_area(tables, cdf, start, shape, u, u2):
+    """Choose a point uniformly by area; see `alight.shapes.rectangle.sample_area`."""
+    k = gather(tables.info, shape * INFO + 3)
+    x, y = square_to_disk_concentric(u2)
+    p = flat_point(tables.data, k, x, y)
+    return AreaSample(p, x, y, lanes_u32(0), 1.0 / gather(tables.data, k + AREA))
 
 
 @kernel

@@ -48,6 +48,7 @@ from alight.shapes.hit import (
     INSTANCED,
     SMOOTH,
     UVS,
+    AreaSample,
     Geometry,
     ShapeSample,
     area_to_solid_angle,
@@ -351,6 +352,16 @@ def pdf(tables, cdf, start, shape, p, hit):
     _, _, _, _, area, _ = light_triangle(tables, shape, hit.prim)
     pmf = triangle_probability(cdf, where(mine, start, 0), where(mine, hit.prim, 0))
     return area_to_solid_angle(pmf / area, hit.distance, hit.cosine)
+
+
+@kernel
+def sample_area(tables, cdf, start, shape, u, u2):
+    """Choose a point uniformly by area; see `alight.shapes.rectangle.sample_area`."""
+    count = gather(tables.info, shape * INFO + 7)
+    prim, pmf, _ = sample_discrete(cdf, start, count, u)
+    v0, e1, e2, _, area, _ = light_triangle(tables, shape, prim)
+    b1, b2 = square_to_triangle(u2)
+    return AreaSample(v0 + b1 * e1 + b2 * e2, b1, b2, prim, pmf / area)
 
 
 @kernel

@@ -46,6 +46,8 @@ class ShapeModel(Record):
         Density of `sample` per solid angle at a `ShapeHit`.
     coordinates : kernel ``(tables, cdf, start, shape, q, u, u2) -> (u, v, prim)``
         The sampled point q as `intersect` reports it; without it all are 0.
+    sample_area : kernel ``(tables, cdf, start, shape, u, u2) -> AreaSample``
+        A point of a shape that shines, seen from nowhere; without it no light path starts there.
     PROJECTION : float
         Area of its largest shadow over its surface area; the light tree estimates by it how much a
         lamp of this shape sends one way.
@@ -61,6 +63,7 @@ class ShapeModel(Record):
     sample: Kernel | None = None
     pdf: Kernel | None = None
     coordinates: Kernel | None = None
+    sample_area: Kernel | None = None
     PROJECTION: float = 0.25
 
     @property

@@ -30,7 +30,7 @@ from alight.shapes.flat import (
     pack_flat,
     point_on_plane,
 )
-from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
+from alight.shapes.hit import INFO, AreaSample, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel
 from lanewise.simd import absolute, gather, lanes_u32, lanes_vec3, maximum, minimum, rsqrt, where
 
@@ -174,6 +174,25 @@ def pdf(tables, cdf, start, shape, p, hit):
     k = gather(tables.info, shape * INFO + 3)
     seen = seen_from(tables.data, k, p)
     return density_of(tables.data, k, seen, hit.distance * hit.wi, hit.distance, hit.cosine)
+
+
+@kernel
+def sample_area(tables, cdf, start, shape, u, u2):
+    """Choose a point uniformly by area.
+
+    Parameters
+    ----------
+    tables, cdf, start, shape, u, u2
+        As for `sample`.
+
+    Returns
+    -------
+    AreaSample
+    """
+    k = gather(tables.info, shape * INFO + 3)
+    x, y = 2.0 * u2[0] - 1.0, 2.0 * u2[1] - 1.0
+    p = flat_point(tables.data, k, x, y)
+    return AreaSample(p, x, y, lanes_u32(0), 1.0 / gather(tables.data, k + AREA))
 
 
 @kernel

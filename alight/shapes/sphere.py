@@ -63,7 +63,15 @@ from alight.core.vec import (
     row_vec3,
 )
 from alight.core.warps import square_to_uniform_cone, square_to_uniform_sphere, uniform_cone_pdf
-from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle, needs_uv
+from alight.shapes.hit import (
+    INFO,
+    AreaSample,
+    Geometry,
+    ShapeSample,
+    area_to_solid_angle,
+    needs_uv,
+)
+from alight.shapes.quadric import column, excess, from_center, times, transposed_times
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     any_lane,
@@ -71,6 +79,7 @@ from lanewise.simd import (
     fma,
     gather,
     lanes,
+    lanes_u32,
     lanes_vec3,
     maximum,
     minimum,
@@ -179,36 +188,6 @@ def bounds(row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @kernel(strict=True)
-def two_sum(a, b):
-    """a + b as the rounded sum and its exact error."""
-    total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
-
-
-@kernel(strict=True)
-def excess(f, low, radius):
-    """|f + low|^2 - radius^2 with a relative error near 1e-14 of its largest term."""
-    xx, yy, zz, rr = f.x * f.x, f.y * f.y, f.z * f.z, radius * radius
-    s1, e1 = two_sum(xx, -rr)
-    s2, e2 = two_sum(s1, yy)
-    s3, e3 = two_sum(s2, zz)
-    # What the four squares lost to rounding, and the mixed terms with `low`.
-    lost = fma(f.x, f.x, -xx) + fma(f.y, f.y, -yy) + fma(f.z, f.z, -zz)
-    lost = lost - fma(radius, radius, -rr)
-    return s3 + (e1 + e2 + e3 + lost + 2.0 * dot(f, low))
-
-
-@kernel(strict=True)
-def from_center(p, center):
-    """p - center as a rounded difference and its exact error."""
-    x, ex = two_sum(p.x, -center.x)
-    y, ey = two_sum(p.y, -center.y)
-    z, ez = two_sum(p.z, -center.z)
-    return Vec3(x, y, z), Vec3(ex, ey, ez)
-
-
-@kernel(strict=True)
 def intersect(data, k, o, d, t_max):
     """Meet one sphere or ellipsoid with rays; see `alight.shapes.rectangle.intersect`.
 
@@ -235,23 +214,6 @@ def intersect(data, k, o, d, t_max):
 
 
 # ---------------------------------------------------------------- surface
-
-
-@kernel(strict=True)
-def times(data, k, v):
-    """The 3 x 3 matrix at k times v."""
-    return Vec3(
-        dot(gather_vec3(data, k), v),
-        dot(gather_vec3(data, k + 3), v),
-        dot(gather_vec3(data, k + 6), v),
-    )
-
-
-@kernel(strict=True)
-def transposed_times(data, k, v):
-    """The transpose of the 3 x 3 matrix at k times v."""
-    along = v.x * gather_vec3(data, k) + v.y * gather_vec3(data, k + 3)
-    return along + v.z * gather_vec3(data, k + 6)
 
 
 @kernel(strict=True)
@@ -290,12 +252,6 @@ def on_ellipsoid(data, k, o, d, t):
     )
     error = _GAMMA_4 * dot(weight, absolute_vec3(p)) + _GAMMA_12 * dot(weight, reach) + _GAMMA_32
     return p, gradient * (1.0 / size), q, error / size
-
-
-@kernel
-def column(data, k):
-    """A column of the 3 x 3 matrix whose first number is at k."""
-    return Vec3(gather(data, k), gather(data, k + 3), gather(data, k + 6))
 
 
 @specialised
@@ -417,6 +373,19 @@ def pdf(tables, cdf, start, shape, p, hit):
     q = q * (1.0 / sqrt(length_squared(q)))
     by_area = area_to_solid_angle(area_density(data, k, q), hit.distance, hit.cosine)
     return where(by_cone, uniform_cone_pdf(one_minus_cos), by_area)
+
+
+@kernel
+def sample_area(tables, cdf, start, shape, u, u2):
+    """Choose the image of a uniform point; see `alight.shapes.rectangle.sample_area`.
+
+    Uniform by area on true spheres.
+    """
+    data = tables.data
+    k = gather(tables.info, shape * INFO + 3)
+    q = square_to_uniform_sphere(u2)
+    p = gather_vec3(data, k) + times(data, k + MATRIX, q)
+    return AreaSample(p, lanes(0.0), lanes(0.0), lanes_u32(0), area_density(data, k, q))
 
 
 @kernel

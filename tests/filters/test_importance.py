@@ -13,7 +13,7 @@ from alight.filters.box import Box
 from alight.filters.gaussian import Gaussian
 from alight.filters.importance import compile_filter, sample_filter
 from alight.filters.inverse_cdf import tabulate
-from alight.filters.mitchell import Mitchell, profile
+from alight.filters.mitchell import Mitchell, polynomial
 from alight.filters.tent import Tent
 from lanewise.jit import instantiate, kernel
 from lanewise.machine import lanes_of_machine
@@ -137,7 +137,7 @@ def test_mitchell_changes_its_sign_once(b, c):
     from alight.filters.mitchell import sign_change
 
     x = np.linspace(0.0, 2.0, 5001)
-    m, zero = profile(x, b, c), sign_change(b, c)
+    m, zero = polynomial(x, b, c), sign_change(b, c)
     assert (m[x < zero] >= 0.0).all()
     assert (m[x > zero] <= 1e-12).all()
     assert (c > 0.0) == (m.min() < 0.0)

@@ -109,8 +109,8 @@ LAWS = (
         "shapes/disk.py",
         (
             (
-                "x, y = square_to_disk_concentric(u2)",
-                "x, y = square_to_disk_concentric((sqrt(u2[0]), u2[1]))",
+                "x, y = square_to_disk_concentric(u2)\n    to_light",
+                "x, y = square_to_disk_concentric((sqrt(u2[0]), u2[1]))\n    to_light",
             ),
         ),
         f"{LAWS_OF}[shapes-disk]",

@@ -3,6 +3,7 @@
 from tests.mutants.agreement import AGREEMENT
 from tests.mutants.compiler import COMPILER
 from tests.mutants.edges import EDGES
+from tests.mutants.emission import EMISSION
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.guiding import GUIDING
@@ -24,6 +25,7 @@ from tests.mutants.waves import WAVES
 MUTANTS = (
     SCATTERING
     + LIGHT
+    + EMISSION
     + TRANSPORT
     + RAYS
     + FILM

@@ -12,7 +12,7 @@ import alight
 from alight.compiled.scene import compile_scene
 from alight.films import fixed_point
 from alight.films.sample_ranges import CELL_SIZE
-from alight.filters.mitchell import Mitchell, profile
+from alight.filters.mitchell import Mitchell, polynomial
 from alight.formats import loads
 from alight.integrators.walk import CAMERA_DIMENSIONS, VERTEX_DIMENSIONS, make_settings
 from alight.rendering.tile import make_kernels, render_tile
@@ -193,7 +193,7 @@ nodes:
     columns = fixed_point.to_float(film.sums).sum(axis=2).mean(axis=(0, 2)) / 128
     spec = Mitchell(b=0.0, c=1.0)
     x = np.linspace(-spec.radius, spec.radius, 4001)
-    f = profile(np.abs(x) * 2.0 / spec.radius, spec.b, spec.c)
+    f = polynomial(np.abs(x) * 2.0 / spec.radius, spec.b, spec.c)
     expected = [f[x > -offset].sum() / f.sum() for offset in np.arange(8) - 3.5]
     assert min(expected) < -0.02 and max(expected) > 1.02
     # Weights of both signs are noisy; without them the second column would be 0.05, not -0.03.

@@ -18,7 +18,6 @@ LONGER = {
     "alight/lights/tree_build.py": 413,
     "alight/metrics/own_error.py": 408,
     "alight/scene/description.py": 436,
-    "alight/shapes/sphere.py": 430,
     "lanewise/instructions.py": 445,
     "lanewise/lane_types.py": 407,
     "lanewise/wide_instructions.py": 402,

@@ -119,6 +119,9 @@ def any_integrator(
 
 
 def _shows(spec: Integrator, media: bool, found_by_chance: bool, fewest: int) -> bool:
+    if spec.splats:
+        # It does not show what is in mirrors and glass.
+        return False
     if not spec.needs_light:
         return True
     # Without a length to choose, paths may be short ones: direct light only.

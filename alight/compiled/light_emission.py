@@ -1,0 +1,72 @@
+"""Tables of lights that emit light paths: the choice among them, and on each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from alight.compiled.light_tree import LightRow, by_power
+from alight.compiled.shapes import CompiledShapes
+from alight.core.distributions import cumulative
+from alight.core.errors import Issue, SceneError
+from alight.lights.model import LIGHTS
+from alight.lights.tables import EmittingLights, LightTables
+from alight.shapes.model import SHAPES
+from lanewise.view import View
+
+
+def emitting(
+    tables: LightTables, rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes
+) -> EmittingLights:
+    """Tables of lights with what `alight.lights.emission_sampling` needs besides.
+
+    Parameters
+    ----------
+    tables : LightTables
+    rows : list of LightRow
+        One a light.
+    powers : (n,) float64, W
+    shapes : CompiledShapes
+
+    Raises
+    ------
+    SceneError
+        If the scene has a light at which no light path can start.
+    """
+    _check(rows, shapes)
+    choice = by_power(powers) if rows else np.zeros(2, np.float32)
+    parts = [np.array([*shapes.center, shapes.radius], np.float32), choice]
+    starts = np.zeros(max(len(rows), 1), np.uint32)
+    for i, row in enumerate(rows):
+        own = _table(row, shapes)
+        if own is not None:
+            starts[i] = sum(part.size for part in parts)
+            parts.append(own)
+    return EmittingLights(*tables, View(np.concatenate(parts).astype(np.float32)), View(starts))
+
+
+def _table(row: LightRow, shapes: CompiledShapes) -> np.ndarray | None:
+    """What is chosen on one light: a triangle, or by the light's own table."""
+    if row.shape >= 0:
+        formula = SHAPES[shapes.rows[row.shape].kind].has_formula
+        return None if formula else cumulative(row.areas)
+    table = LIGHTS[row.kind].emission_table
+    return table(row.light) if table and row.light is not None else None
+
+
+def _check(rows: list[LightRow], shapes: CompiledShapes) -> None:
+    """Refuse what cannot emit, each kind once."""
+    without = {
+        row.kind for row in rows
+        if LIGHTS[row.kind].spec.placement == "node" and LIGHTS[row.kind].emit is None
+    }  # fmt: skip
+    dark = {
+        kind for row in rows
+        if row.shape >= 0 and SHAPES[kind := shapes.rows[row.shape].kind].sample_area is None
+    }  # fmt: skip
+    issues = [
+        Issue("lights", f"no light path can start at a light of type {name}: it has no {kernel}")
+        for names, kernel in ((without, "kernel emit"), (dark, "kernel sample_area"))
+        for name in sorted(names)
+    ]
+    if issues:
+        raise SceneError(issues)

@@ -1,0 +1,107 @@
+r"""Light that leaves shapes: a point by its area, a direction by its cosine.
+
+.. math:: p_A = 1 / A, \qquad p_\omega = \cos\theta / \pi
+
+Source: PBR4 section 16.1.2.
+"""
+
+from __future__ import annotations
+
+from alight.core.constants import INV_PI, PI
+from alight.core.frame import frame_from_normal, to_world
+from alight.core.vec import dot, normalize
+from alight.core.warps import square_to_cosine_hemisphere
+from alight.lights.hits import radiance_of_shape
+from alight.lights.tables import INFO, Emission
+from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.hit import AreaSample, Hit, spawn_origin
+from alight.shapes.model import SHAPES, ShapeModel
+from alight.shapes.surfaces import surface_from_rest
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_u32, lanes_vec3, maximum, where
+
+
+@kernel
+def _nowhere(tables, cdf, start, shape, u, u2):
+    """An `AreaSample` of zeros in every lane."""
+    zero = lanes(0.0)
+    return AreaSample(lanes_vec3(0.0), zero, zero, lanes_u32(0), zero)
+
+
+def _by_kind(shapes: tuple[ShapeModel, ...]):
+    """A kernel that runs each shape's `sample_area` where it was chosen."""
+    if not shapes:
+        return _nowhere
+    own, number = shapes[0].sample_area, shapes[0].number
+    assert own is not None
+    if len(shapes) == 1:
+        return own
+    others = _by_kind(shapes[1:])
+
+    @kernel
+    def choose(tables, cdf, start, shape, u, u2):
+        result = others(tables, cdf, start, shape, u, u2)
+        mine = gather(tables.info, shape * SHAPE_INFO) == number
+        if any_lane(mine):
+            result = where(mine, own(tables, cdf, start, shape, u, u2), result)
+        return result
+
+    return choose
+
+
+@specialised
+def sample_area(program):
+    """``sample_area(tables, cdf, start, shape, u, u2) -> AreaSample``."""
+    return _by_kind(tuple(SHAPES[name] for name in program.light_shapes))
+
+
+@kernel
+def place_on_shape(scene, index, u, u2):
+    """A point of the lights `index`, which are shapes: (surface, density per square metre)."""
+    shape, start = gather(scene.lights.info, index * INFO + 1), gather(scene.lights.starts, index)
+    shape = lanes_u32(0) + shape
+    s = sample_area(scene.shapes, scene.lights.emission, start, shape, u, u2)
+    # The point is the hit of a ray that ends before it has begun.
+    hit = Hit(lanes(0.0), lanes(0.0) + s.u, lanes(0.0) + s.v, shape, lanes_u32(0) + s.prim)
+    return surface_from_rest(scene, hit, s.p, lanes_vec3(1.0), lanes_mask(True)), s.pdf
+
+
+@kernel
+def emit_from_shape(scene, index, u, u2, v2):
+    """A ray from the lights `index`, which are shapes, as `Emission` before their choice.
+
+    Parameters
+    ----------
+    scene : namedtuple
+    index : uint32
+    u, u2 : float and pair of floats
+        Uniform in [0, 1), choose the point.
+    v2 : pair of floats
+        Uniform in [0, 1), choose the direction.
+    """
+    surface, pdf = place_on_shape(scene, index, u, u2)
+    n = surface.ng
+    a, b = frame_from_normal(n)
+    d = normalize(to_world(a, b, n, square_to_cosine_hemisphere(v2)))
+    drawn = pdf > 0.0
+    # The cosine cancels that of the density.
+    area = where(drawn, PI / where(drawn, pdf, 1.0), 0.0)
+    return Emission(
+        p=surface.p,
+        n=n,
+        o=spawn_origin(surface.p, surface.error, n, d),
+        d=d,
+        flux=radiance_of_shape(scene, index, surface, d) * area,
+        light=lanes_u32(0),
+        choice=lanes(1.0),
+        pdf_position=lanes(0.0) + pdf,
+        pdf_direction=shape_direction_pdf(n, d),
+        delta_position=lanes_mask(False),
+        delta_direction=lanes_mask(False),
+    )
+
+
+@kernel
+def shape_direction_pdf(n, d):
+    """Density of the direction d per steradian, at a point of a shape with the normal n."""
+    return INV_PI * maximum(dot(n, d), 0.0)
