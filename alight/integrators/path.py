@@ -345,7 +345,7 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
             L = where(lit, L + Ld, L)
             L_direct = where(lit & (depth + passed <= 1), L_direct + Ld, L_direct)
             if recorded:
-                sample(scene, path, surface.p, n, depth, passed, lit, Ld)
+                sample(scene, path, surface.p, n, passed, lit, Ld)
         return replace(path, L=L, L_direct=L_direct, rays=rays)
 
     return add_direct_light
