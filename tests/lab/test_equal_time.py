@@ -1,6 +1,7 @@
 """Errors in equal times: between numbers of samples that samplers are made for."""
 
 from itertools import islice, pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from alight.lab.equal_time import (
     natural_counts,
     product,
 )
+from alight.lab.evaluate import Plan
 from alight.lab.statistics import bootstrap_ratio, log_ratio
 from alight.samplers.sobol import Sobol
 from alight.samplers.state import sampler_state
@@ -192,3 +194,14 @@ def test_any_number_of_samples_would_make_equal_arms_differ():
         above, below = _null(seed, natural=False, noise=0.05)
         false += log_ratio(product(above), product(below)).p_value < 0.05
     assert false > 20
+
+
+@pytest.mark.parametrize("times", [(100,), (5, 300)])
+def test_arms_that_are_timed_stop_at_the_same_steps_up_to_their_last(times):
+    arm = SimpleNamespace(spec=SimpleNamespace(options={}))
+    brackets = tuple(Bracket.at(spp) for spp in times)
+    ladder = Plan(arm, "arm", (16, 64), brackets, None, False).ladder
+    last = max(64, *times)
+    assert {2**k for k in range(3, 12) if 2**k <= last} | {16, 64, *times} == set(ladder)
+    assert list(ladder) == sorted(ladder)
+    assert Plan(arm, "arm", (16, 64), (), None, False).ladder == (16, 64)

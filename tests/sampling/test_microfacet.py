@@ -9,6 +9,7 @@ from alight.core.microfacet import (
     BECKMANN,
     GGX,
     Facets,
+    _visible_slope,
     beckmann_density,
     beckmann_visible_area,
     facet_density,
@@ -178,3 +179,20 @@ def test_mixtures_of_both_distributions_take_each_facet_by_its_own():
 
 def as_tuple(value):
     return tuple(stack(value)) if isinstance(value, Vec3) else (value,)
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 60.0, 80.0, 88.0, 89.9])
+@pytest.mark.parametrize("alpha", [0.05, 0.5, 1.0])
+def test_beckmanns_visible_slopes_have_their_quantiles(angle, alpha):
+    """Inverted to 1e-5, at the ends too, where the start must not lie beyond the solution."""
+    z, m = np.cos(np.radians(angle)), alpha * np.sin(np.radians(angle))
+    u = np.concatenate([np.linspace(0.001, 0.999, 999), 1.0 - 10.0 ** -np.arange(3.0, 6.0)])
+    sizes = (np.full(len(u), c, np.float32) for c in (z, m))
+    with np.errstate(all="ignore"):
+        x = np.asarray(_visible_slope(*sizes, u.astype(np.float32)), float)
+
+    def below(x):
+        return z * erfc(-x) + m * np.exp(-x * x) / np.sqrt(np.pi)
+
+    whole = below(z / m) if m > 0.0 else 2.0 * z
+    np.testing.assert_allclose(below(x) / whole, u, atol=2e-5)

@@ -74,6 +74,15 @@ def test_means_and_maxima_are_those_of_the_parts():
         np.testing.assert_allclose(texture.maximum(), most, rtol=1e-6, err_msg=repr(texture))
 
 
+@pytest.mark.parametrize("space", ["world", "uv"])
+def test_a_scaled_noise_is_the_plain_one_at_scaled_places(space):
+    u, v = np.random.default_rng(4).uniform(-3.0, 3.0, (2, 200)).astype(np.float32)
+    found = look_up(Noise(scale=(4.0, 0.5, 1.0), space=space), u, v)
+    expected = look_up(Noise(space=space), 4.0 * u, 0.5 * v)
+    np.testing.assert_array_equal(found, expected)
+    assert expected.std() > 0.05
+
+
 def test_deep_trees_come_off_the_stack_in_order():
     inner = Mix(a=Add(a=A, b=B), b=Multiply(a=B, b=C), weight=Multiply(a=C, b=A))
     outer = Mix(a=0.1, b=B, weight=Multiply(a=0.25, b=inner))
