@@ -40,7 +40,7 @@ _PUBLIC = {
     "why": "alight.lab.why",
     "RenderOptions": "alight.options.render",
     "Progress": "alight.rendering",
-    "Trace": "alight.rendering.trace",
+    "Trace": "alight.rendering.traced_path",
     "trace": "alight.rendering.trace",
     "register": "alight.core.registration",
     "AlightError": "alight.core.errors",
@@ -71,7 +71,8 @@ if TYPE_CHECKING:
     from alight.options.render import RenderOptions
     from alight.rendering import Progress, merge, render, resume
     from alight.rendering.plan import plan
-    from alight.rendering.trace import Trace, trace
+    from alight.rendering.trace import trace
+    from alight.rendering.traced_path import Trace
     from alight.scene import Scene, SceneManager
 
 __all__ = [

@@ -15,10 +15,11 @@ from alight.rendering.tile_kernel import Tile, count_cells
 from alight.scene import Scene, flatten
 
 
-def film_of(scene: CompiledScene, spp: int, seed=0, replicates=4, **settings) -> PartialFilm:
-    """What the samples of all pixels add up to, in one tile."""
-    width, height = scene.size
-    tile = Tile(0, 0, width, height)
+def film_of(
+    scene: CompiledScene, spp: int, seed=0, replicates=4, tile: Tile | None = None, **settings
+) -> PartialFilm:
+    """What the samples of a tile add up to, which is the whole film unless it is given."""
+    tile = tile or Tile(0, 0, *scene.size)
     values = make_settings(scene.integrator, seed=seed, replicates=replicates)._replace(**settings)
     columns, cells = count_cells(tile)
     ranges = np.tile(np.array([0, spp], np.int64), (cells // columns, columns, 1))

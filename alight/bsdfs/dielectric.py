@@ -31,6 +31,7 @@ from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import is_lossless as is_lossless
+from alight.bsdfs.interface import relative_ior as relative_ior
 from alight.bsdfs.tints import Tint
 from alight.core.fresnel import fresnel_dielectric, refract
 from alight.core.parameters import loader, reader, slots_of

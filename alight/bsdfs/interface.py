@@ -64,6 +64,11 @@ def is_lossless(spec: Interface) -> bool:
     return spec.specular_reflectance == spec.specular_transmittance == WHITE
 
 
+def relative_ior(spec: Interface) -> float:
+    """Index inside over that outside."""
+    return spec.int_ior / spec.ext_ior
+
+
 class Params(NamedTuple):
     """A row of the table; those of other models begin with the same fields."""
 
@@ -78,7 +83,7 @@ load = loader(Params)
 
 def pack(spec: Interface, packer) -> None:
     """Fill the slots of `Params`."""
-    packer.numbers("eta", spec.int_ior / spec.ext_ior)
+    packer.numbers("eta", relative_ior(spec))
     packer.color("reflectance", spec.specular_reflectance)
     packer.color("transmittance", spec.specular_transmittance)
 

@@ -80,7 +80,7 @@ class BsdfModel(Record):
     absorption : kernel ``(scene, base, surface) -> Vec3``
         Of models with an inside: absorption coefficients, per metre.
     relative_ior : (spec) -> float
-        Index inside over that outside, where it is not `int_ior` over `ext_ior`.
+        Of models that light passes bent: index of refraction inside over that outside.
     is_lossless, is_reciprocal : (spec) -> bool
         Whether all light that arrives leaves again, and whether f(wo, wi) = f(wi, wo); None leaves
         the latter open.

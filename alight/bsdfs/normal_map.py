@@ -22,8 +22,7 @@ from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, OF_SET, NormalMapRow, packed_modes
 from alight.bsdfs.rough_conductor import RoughConductor
 from alight.core.parameters import slots_of
-from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Truth
-from alight.textures.nesting import uv_set_of
+from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Texture, Truth
 
 
 class NormalMap(Nested):
@@ -79,7 +78,8 @@ def pack(spec: NormalMap, packer) -> None:
 
 def _modes(spec: NormalMap) -> float:
     modes = packed_modes(spec.rims, spec.fading) + FOLLOWS_UV * spec.follow_uv
-    return modes + OF_SET * (uv_set_of(spec.texture) or 0)
+    number = spec.texture.set_of_coordinates() if isinstance(spec.texture, Texture) else None
+    return modes + OF_SET * (number or 0)
 
 
 def features(spec: NormalMap) -> tuple[str, ...]:

@@ -41,6 +41,7 @@ from alight.bsdfs.facets import (
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
+from alight.bsdfs.interface import relative_ior as relative_ior
 from alight.bsdfs.tints import Tint
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area

@@ -75,8 +75,6 @@ def run_and_finish(
 
 def _save_partial(film: Film | None, targets: Targets) -> None:
     """Write an interrupted picture next to its target, which stays as it is."""
-    from alight.rendering.writing import command
-
     if film is None or not film.sample_count.any():
         typer.echo("stopped before the first samples; nothing was written", err=True)
     else:
@@ -87,4 +85,4 @@ def _save_partial(film: Film | None, targets: Targets) -> None:
         except OutputError as error:
             typer.echo(f"stopped at {film.spp:.3g} spp; {error}", err=True)
     if targets.checkpoint is not None and targets.checkpoint.exists():
-        typer.echo(f"to continue: {command('resume', targets.checkpoint)}", err=True)
+        typer.echo(f"to continue: {targets.resuming()}", err=True)

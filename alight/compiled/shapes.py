@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,13 +10,22 @@ from numpy.typing import NDArray
 
 from alight.accel.layout import TRIANGLES
 from alight.accel.primitives import Moving
+from alight.compiled.mesh_tables import (
+    NO_FACES,
+    MeshArrays,
+    MeshRange,
+    joined,
+    joined_if_any,
+    mesh_flags,
+    triangle_areas,
+    unit_normals,
+)
 from alight.compiled.motion import MotionTable
 from alight.compiled.uv_sets import uv_shifts
 from alight.core.errors import Issue, SceneError
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
-from alight.scene.meshes import Geometry
 from alight.scene.motion import Motion
-from alight.shapes.hit import COLORS, FLIP, INFO, INSTANCED, SMOOTH, UVS, ShapeTables
+from alight.shapes.hit import FLIP, INFO, INSTANCED, ShapeTables
 from alight.shapes.model import MOST_NUMBERS, SHAPES
 from lanewise.view import View
 
@@ -105,50 +113,6 @@ class CompiledShapes(NamedTuple):
     motions: list[int]
 
 
-@dataclass
-class _Arrays:
-    """Vertex data of all meshes, put one after the other."""
-
-    vertices: list[np.ndarray] = field(default_factory=list)
-    faces: list[np.ndarray] = field(default_factory=list)
-    normals: list[np.ndarray] = field(default_factory=list)
-    uvs: list[np.ndarray] = field(default_factory=list)
-    colors: list[np.ndarray] = field(default_factory=list)
-    # First vertex of a mesh -> its further sets of texture coordinates.
-    further: dict[int, np.ndarray] = field(default_factory=dict)
-    vertex_count: int = 0
-    face_count: int = 0
-
-    def add(self, vertices: np.ndarray, normals: np.ndarray | None, mesh: Geometry) -> _Range:
-        """Append a mesh; attributes that it lacks are filled up if another mesh has them."""
-        place = _Range(self.face_count, self.vertex_count, len(mesh.faces))
-        self.vertices.append(vertices)
-        self.faces.append(mesh.faces.astype(np.uint32) + np.uint32(self.vertex_count))
-        self.normals.append(_or_zeros(normals, len(vertices), 3))
-        self.uvs.append(_or_zeros(mesh.uvs, len(vertices), 2))
-        self.colors.append(_or_zeros(mesh.colors, len(vertices), 3))
-        if mesh.more_uvs is not None:
-            self.further[self.vertex_count] = mesh.more_uvs
-        self.vertex_count += len(vertices)
-        self.face_count += len(mesh.faces)
-        return place
-
-
-class _Range(NamedTuple):
-    first_face: int
-    first_vertex: int
-    face_count: int
-
-
-NO_FACES = _Range(0, 0, 0)
-
-
-def _or_zeros(table: np.ndarray | None, rows: int, columns: int) -> np.ndarray:
-    if table is not None:
-        return np.ascontiguousarray(table, np.float32)
-    return np.broadcast_to(np.float32(0.0), (rows, columns))
-
-
 def compile_shapes(
     flat: FlatScene, paths: MotionTable | None = None, *, uv_sets: bool = False
 ) -> CompiledShapes:
@@ -198,15 +162,15 @@ class _Compiler:
         self.info: list[list[int]] = []
         self.data: list[np.ndarray] = []
         self.offset = 0
-        self.arrays = _Arrays()
+        self.arrays = MeshArrays()
         self.rows: list[CompiledShape] = []
         self.triangles: list[tuple[np.ndarray, np.ndarray, int]] = []
         self.analytic: list[tuple[str, int, int, np.ndarray, np.ndarray]] = []
         self.unbounded: list[tuple[str, int, int]] = []
         self.instances: list[tuple[int, int, np.ndarray, np.ndarray]] = []
         self.geometries: list[tuple[np.ndarray, np.ndarray]] = []
-        self.ranges: dict[int, tuple[int, _Range]] = {}
-        self.moving_ranges: dict[tuple[int, bytes], tuple[int, _Range, np.ndarray]] = {}
+        self.ranges: dict[int, tuple[int, MeshRange]] = {}
+        self.moving_ranges: dict[tuple[int, bytes], tuple[int, MeshRange, np.ndarray]] = {}
         self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
         self.shared = self._find_shared()
 
@@ -245,7 +209,7 @@ class _Compiler:
         row: np.ndarray,
         flags: int,
         areas: np.ndarray,
-        place: _Range = NO_FACES,
+        place: MeshRange = NO_FACES,
     ) -> int:
         """Append a row to the tables and return its index."""
         index = len(self.rows)
@@ -288,7 +252,7 @@ class _Compiler:
         self._grow(low, high)
         self.moving.append(Moving(kind, index, row, self.paths.number(motion) - 1, low, high))
 
-    def _add_mesh(self, placed: PlacedShape) -> tuple[np.ndarray, _Range]:
+    def _add_mesh(self, placed: PlacedShape) -> tuple[np.ndarray, MeshRange]:
         """Append a mesh where it is placed: its vertices, and where they are."""
         mesh = self.flat.geometries[placed.geometry]
         matrix = placed.to_world[:3, :3]
@@ -302,7 +266,7 @@ class _Compiler:
         return vertices, self.arrays.add(vertices, normals, mesh)
 
     def _enter_mesh(
-        self, source: int, placed: PlacedShape, vertices: np.ndarray, place: _Range
+        self, source: int, placed: PlacedShape, vertices: np.ndarray, place: MeshRange
     ) -> int:
         """Append the row of such a mesh."""
         mesh = self.flat.geometries[placed.geometry]
@@ -373,11 +337,11 @@ class _Compiler:
         tables = ShapeTables(
             info=View(info),
             data=View(data),
-            faces=View(_joined(arrays.faces, 3, np.uint32)),
-            vertices=View(_joined(arrays.vertices, 3, np.float32)),
-            normals=View(_joined_if_any(arrays.normals, 3)),
-            uvs=View(_joined_if_any([*arrays.uvs, *further], 2)),
-            colors=View(_joined_if_any(arrays.colors, 3)),
+            faces=View(joined(arrays.faces, 3, np.uint32)),
+            vertices=View(joined(arrays.vertices, 3, np.float32)),
+            normals=View(joined_if_any(arrays.normals, 3)),
+            uvs=View(joined_if_any([*arrays.uvs, *further], 2)),
+            colors=View(joined_if_any(arrays.colors, 3)),
             uv_shifts=View(shifts),
         )
         kinds = {row.kind for row in self.rows}
@@ -403,8 +367,8 @@ class _Compiler:
         parts = self.triangles
         starts = np.cumsum([0] + [len(vertices) for vertices, _, _ in parts])
         return Triangles(
-            _joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
-            _joined(
+            joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
+            joined(
                 [f + np.int32(start) for (_, f, _), start in zip(parts, starts, strict=False)],
                 3,
                 np.int32,
@@ -419,40 +383,3 @@ class _Compiler:
                 or [np.zeros(0, np.uint32)]
             ),
         )
-
-
-def mesh_flags(mesh: Geometry, flip: bool) -> int:
-    """Flags of a mesh; `flip`: the outer side is not that of the counter-clockwise order."""
-    flags = SMOOTH * (mesh.normals is not None)
-    flags |= UVS * (mesh.uvs is not None) | COLORS * (mesh.colors is not None)
-    return flags | FLIP * flip
-
-
-def unit_normals(mesh: Geometry) -> NDArray[np.float32] | None:
-    """The vertex normals with length 1; zeros stay, and are shaded flat."""
-    if mesh.normals is None:
-        return None
-    lengths = np.linalg.norm(mesh.normals.astype(np.float64), axis=1, keepdims=True)
-    return (mesh.normals / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
-
-
-def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> NDArray[np.float64]:
-    """Area of each triangle, m^2."""
-    corners = vertices.astype(np.float64)[faces]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return 0.5 * np.linalg.norm(across, axis=1)
-
-
-def _joined(parts: list[np.ndarray], columns: int, dtype: type, empty: bool = False) -> np.ndarray:
-    """Tables one below the other; a row of zeros in place of nothing, unless it may be empty."""
-    if not parts:
-        return np.zeros((0 if empty else 1, columns), dtype)
-    if len(parts) == 1:
-        return np.ascontiguousarray(parts[0], dtype)
-    return np.concatenate(parts).astype(dtype, copy=False)
-
-
-def _joined_if_any(parts: list[np.ndarray], columns: int) -> np.ndarray:
-    """The same for an attribute that all meshes may lack; then no memory is spent on it."""
-    lacking = all(0 in part.strides for part in parts)
-    return _joined([] if lacking else parts, columns, np.float32)

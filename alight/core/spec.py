@@ -186,6 +186,10 @@ class Texture(Spec):
         """Mean of each channel over the square of (u, v); above 0 where any value is."""
         return self.maximum()
 
+    def set_of_coordinates(self) -> int | None:
+        """The set of texture coordinates that it is looked up in; None if in none."""
+        return None
+
 
 class Shape(Spec):
     """Base class of shapes; `finite` ones can be lights, `closed` ones have an inside."""

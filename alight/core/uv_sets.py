@@ -27,9 +27,12 @@ NO_SET = 0xFFFFFFFF
 
 UvSet = Annotated[int, Interval(0, MOST_SETS - 1, integer=True)]
 
-#: Where on a triangle a surface point lies: barycentrics b1, b2; i0, i1, i2: its vertices, u32;
-#: set: the set of coordinates, u32, by which derivatives are taken (`alight.shapes.derivatives`).
-Chart = namedtuple("Chart", "b1 b2 i0 i1 i2 set")
+#: Vertices of a triangle, u32.
+Corners = namedtuple("Corners", "i0 i1 i2")
+
+#: Where on a triangle a surface point lies: barycentrics b1, b2; its `Corners`; set: the set of
+#: coordinates, u32, by which derivatives are taken (`alight.shapes.derivatives`).
+Chart = namedtuple("Chart", "b1 b2 corners set")
 
 #: Coordinates of the three vertices of a triangle; further: mask of the lanes that have them, the
 #: others hold those of some row.
@@ -49,12 +52,12 @@ def triangle_uvs(tables, surface, number):
     ----------
     tables : ShapeTables
     """
-    chart = surface.chart
+    corners = surface.chart.corners
     shift = gather(tables.uv_shifts, surface.shape * MOST_SETS + number)
     further = shift != NO_SET
-    i0 = 2 * where(further, chart.i0 + shift, 0)
-    i1 = 2 * where(further, chart.i1 + shift, 0)
-    i2 = 2 * where(further, chart.i2 + shift, 0)
+    i0 = 2 * where(further, corners.i0 + shift, 0)
+    i1 = 2 * where(further, corners.i1 + shift, 0)
+    i2 = 2 * where(further, corners.i2 + shift, 0)
     u0, v0 = gather_row(tables.uvs, i0, 2)
     u1, v1 = gather_row(tables.uvs, i1, 2)
     u2, v2 = gather_row(tables.uvs, i2, 2)

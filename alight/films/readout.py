@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,17 +28,27 @@ BAND = 16
 _LARGE = 2**16
 
 
+class Extent(NamedTuple):
+    """How many pixels a band has, replicates a pixel, and channels a replicate."""
+
+    pixels: int
+    replicates: int
+    channels: int
+
+
 @kernel(strict=True)
-def read_replicates(sums, counts, means, start, plane, pixels, replicates, channels):
-    """Means of the replicates of `pixels` pixels, one plane for each replicate and channel.
+def read_replicates(sums, counts, means, start, plane, extent):
+    """Means of the replicates of a band of pixels, one plane for each replicate and channel.
 
     Parameters
     ----------
     sums, counts : View of int64
         Of these pixels.
+    extent : Extent
     means : View of float32
         ``means[(3 * replicate + channel) * plane + start + pixel]``.
     """
+    pixels, replicates, channels = extent
     for p in range(pixels):
         for r in range(replicates):
             n = max(counts[p * replicates + r], 1)
@@ -49,8 +59,8 @@ def read_replicates(sums, counts, means, start, plane, pixels, replicates, chann
 
 
 @kernel(strict=True)
-def read_image(sums, counts, image, start, pixels, replicates, channels):
-    """Means of `pixels` pixels over all samples, at most `MAX_SAMPLES` each.
+def read_image(sums, counts, image, start, extent):
+    """Means of a band of pixels over all samples, at most `MAX_SAMPLES` each.
 
     Parameters
     ----------
@@ -58,7 +68,9 @@ def read_image(sums, counts, image, start, pixels, replicates, channels):
         Of these pixels.
     image : View of float32
         ``image[3 * (start + pixel) + channel]``.
+    extent : Extent
     """
+    pixels, replicates, channels = extent
     for p in range(pixels):
         n = 0
         for r in range(replicates):
@@ -105,9 +117,9 @@ def image_of(film: Film) -> np.ndarray:
     for y in range(0, h, BAND):
         with film.lock:
             counts = film.counts[y : y + BAND]
-            pixels = counts.shape[0] * w
+            extent = Extent(counts.shape[0] * w, replicates, channels)
             sums = View(film.sums[y : y + BAND])
-            read(sums, View(counts), target, y * w, pixels, replicates, channels)
+            read(sums, View(counts), target, y * w, extent)
     return image
 
 
@@ -126,9 +138,9 @@ def replicates_of(film: Film) -> tuple[np.ndarray, np.ndarray]:
         with film.lock:
             counts = film.counts[y : y + BAND]
             held[y : y + BAND] = counts
-            pixels = counts.shape[0] * w
+            extent = Extent(counts.shape[0] * w, replicates, channels)
             sums = View(film.sums[y : y + BAND])
-            read(sums, View(counts), target, y * w, h * w, pixels, replicates, channels)
+            read(sums, View(counts), target, y * w, h * w, extent)
     return planes.transpose(2, 3, 0, 1), held
 
 

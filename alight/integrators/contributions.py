@@ -42,6 +42,10 @@ PASS, RECORDED = "contributions", "recorded"
 #: window: u32, first column and row of the tile, its columns, samples a pixel, replicates.
 Log = namedtuple("Log", "words values count first window")
 
+#: How one lane's light was found, u32 each: light + 1, length of the path, way (below), number of
+#: the first material + 1.
+Found = namedtuple("Found", "light depth how first")
+
 #: What the words hold: y and x; replicate and depth (16 bits each); light + 1; how the light was
 #: found and number of the first material + 1.
 FIELDS = 4
@@ -100,7 +104,7 @@ def find(scene, path, light, depth, mask, value):
     how = where(depth == 1, lanes_u32(SEEN), how)
     number = sample_number(scene.log, path.sampler, mask)
     first = where(depth == 1, lanes_u32(0), gather(scene.log.first, number))
-    write(scene.log, path, light, depth, how, first, mask, value)
+    write(scene.log, path, Found(light, depth, how, first), mask, value)
 
 
 @kernel
@@ -128,12 +132,13 @@ def as_found(program):
 
 
 @kernel
-def sample(scene, path, p, n, depth, passed, mask, value):
-    """Log light that light sampling found from the vertex at the end of edge number `depth`.
+def sample(scene, path, p, n, passed, mask, value):
+    """Log light that light sampling found from the vertex that the path has just reached.
 
     p, n: place of the vertex, and its normal as `sample_light` was given it; passed (u32): surfaces
     that the shadow ray went through.
     """
+    depth = path.depth + 1
     dimension = vertex_dimension(depth)
     u, u2 = (
         get_1d(path.sampler, dimension + LIGHT_CHOICE),
@@ -142,19 +147,19 @@ def sample(scene, path, p, n, depth, passed, mask, value):
     index = as_found(scene, choose_light(scene, p, n, u, u2, mask).index)
     light = lanes_u32(0) + index + 1
     first = gather(scene.log.first, sample_number(scene.log, path.sampler, mask))
-    end = depth + passed + 1
-    write(scene.log, path, light, end, lanes_u32(BY_LIGHT), first, mask, value)
+    found = Found(light, depth + passed + 1, lanes_u32(BY_LIGHT), first)
+    write(scene.log, path, found, mask, value)
 
 
 @kernel
-def write(log, path, light, depth, how, first, mask, value):
+def write(log, path, found, mask, value):
     """Append what is not black, lane by lane."""
     words, values = local_uints(64), local_floats(48)
     store_lanes(words, 0, (path.sampler.y << HALF) | path.sampler.x)
-    short = minimum_u32(depth, lanes_u32((1 << HALF) - 1))
+    short = minimum_u32(found.depth, lanes_u32((1 << HALF) - 1))
     store_lanes(words, LANES, (path.sampler.scramble << HALF) | short)
-    store_lanes(words, 2 * LANES, light)
-    store_lanes(words, 3 * LANES, (how << HALF) | first)
+    store_lanes(words, 2 * LANES, found.light)
+    store_lanes(words, 3 * LANES, (found.how << HALF) | found.first)
     store_lanes(values, 0, value.x)
     store_lanes(values, LANES, value.y)
     store_lanes(values, 2 * LANES, value.z)

@@ -343,9 +343,9 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
                 w = light_weight(light, pdf)
             Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
             L = where(lit, L + Ld, L)
-            L_direct = where(lit & (depth + passed <= 1), L, L_direct)
+            L_direct = where(lit & (depth + passed <= 1), L_direct + Ld, L_direct)
             if recorded:
-                sample(scene, path, surface.p, n, depth, passed, lit, Ld)
+                sample(scene, path, surface.p, n, passed, lit, Ld)
         return replace(path, L=L, L_direct=L_direct, rays=rays)
 
     return add_direct_light

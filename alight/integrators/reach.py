@@ -26,10 +26,11 @@ def write_reach_environment(bsdf_weight, listeners):
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
             w = bsdf_weight(path, environment_pdf(scene, path.p, d))
-            L = where(missed, L + path.beta * Le * w, L)
-            L_direct = where(missed & (depth <= 2), L, L_direct)
+            found = path.beta * Le * w
+            L = where(missed, L + found, L)
+            L_direct = where(missed & (depth <= 2), L_direct + found, L_direct)
             if recorded:
-                leave(scene, path, depth, missed, path.beta * Le * w)
+                leave(scene, path, depth, missed, found)
         return replace(path, L=L, L_direct=L_direct)
 
     return reach_environment
@@ -51,10 +52,11 @@ def write_reach_lamp(bsdf_weight, holes, listeners):
             Le = emitted(scene, surface, -path.d)
             pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
             w = bsdf_weight(path, pdf)
-            L = where(shining, L + path.beta * Le * w, L)
-            L_direct = where(shining & (depth <= 2), L, L_direct)
+            found = path.beta * Le * w
+            L = where(shining, L + found, L)
+            L_direct = where(shining & (depth <= 2), L_direct + found, L_direct)
             if recorded:
-                find(scene, path, surface.light, depth, shining, path.beta * Le * w)
+                find(scene, path, surface.light, depth, shining, found)
         return replace(path, L=L, L_direct=L_direct)
 
     return reach_lamp

@@ -256,8 +256,9 @@ def _stay_dark(scene, path, t, albedo, scattered):
 def _shine(scene, path, t, albedo, scattered):
     Le = emission(scene, where(scattered, path.medium, 0), path.o + t * path.d)
     absorbed = lanes_vec3(1.0) - albedo
-    L = where(scattered, path.L + path.beta * absorbed * Le * (1.0 / mean(path.ours)), path.L)
-    L_direct = where(scattered & (path.depth <= 1), L, path.L_direct)
+    emitted = path.beta * absorbed * Le * (1.0 / mean(path.ours))
+    L = where(scattered, path.L + emitted, path.L)
+    L_direct = where(scattered & (path.depth <= 1), path.L_direct + emitted, path.L_direct)
     return replace(path, L=L, L_direct=L_direct)
 
 
@@ -339,8 +340,9 @@ def _write_add_direct_light(chosen_weight, by_light):
             crossing, _, rays = come_through(scene, segment, UNLIMITED, lit, rays)
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost
-            L = where(lit, L + path.beta * f_cos * light.radiance * crossing.passed * w, L)
-            L_direct = where(lit & (path.depth == 0), L, L_direct)
+            Ld = path.beta * f_cos * light.radiance * crossing.passed * w
+            L = where(lit, L + Ld, L)
+            L_direct = where(lit & (path.depth == 0), L_direct + Ld, L_direct)
         return replace(path, L=L, L_direct=L_direct, rays=rays)
 
     return add_direct_light

@@ -15,7 +15,8 @@ import numpy as np
 import alight
 from alight.core.errors import OutputError
 from alight.lab.pictures import QUICK_REPLICATES, Session, StudyProgress, run_scene
-from alight.lab.results import SceneResult, StudyResult, TableResult, save
+from alight.lab.result_files import save
+from alight.lab.results import SceneResult, StudyResult, TableResult
 from alight.lab.store import Store
 from alight.lab.study import Study
 from alight.lab.study_file import load_study, ready_names

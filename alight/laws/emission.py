@@ -17,7 +17,7 @@ from alight.compiled.shapes import compile_shapes
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.spec import Light, Shape
 from alight.core.vec import Vec3, luminance
-from alight.laws.lights import NARROW, described, mean_of_row, run, strategy
+from alight.laws.lights import NARROW, described, mean_radiance, run, strategy
 from alight.laws.materials import stacked
 from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.shapes import PLACEMENTS
@@ -95,28 +95,26 @@ def scenes_with(spec: Light) -> list[Scene]:
 # ---------------------------------------------------------------- power
 
 
-def declared_power(scene: Scene) -> tuple[float, float]:
-    """Power in W of all lights of a scene, and how far off the grain of maps leaves it."""
+def declared_power(scene: Scene) -> float:
+    """Power in W of all lights of a scene."""
     flat = flatten(scene)
-    shapes = compile_shapes(flat)
-    total = grain = 0.0
+    shapes, total = compile_shapes(flat), 0.0
     placed = [(s.light, i) for i, s in enumerate(flat.shapes) if s.light is not None]
     placed += [(light.light, -1) for light in (*flat.lights, *flat.environments)]
     for light, source in placed:
-        mean, own = mean_of_row(light)
         area = sum(row.areas.sum() for row in shapes.rows if row.source == source)
-        power = LIGHTS[light.type_name()].power(mean, float(area), shapes.radius)
-        total, grain = total + power, grain + own * power
-    return total, grain
+        model = LIGHTS[light.type_name()]
+        total += model.power(mean_radiance(light), float(area), shapes.radius)
+    return total
 
 
 def emitted_flux_is_the_power(spec: Light) -> None:
     """The mean flux of emitted rays is the declared power."""
     for scene in scenes_with(spec):
-        rays, (declared, grain) = rays_of(compiled(scene)), declared_power(scene)
+        rays, declared = rays_of(compiled(scene)), declared_power(scene)
         demand(np.isfinite(rays.flux) & (rays.flux >= 0.0), "flux is negative or not finite")
         found = luminance(Vec3(*rays.flux)).astype(float)
-        z = z_of_mean(found, declared, 5e-3 * declared + grain)
+        z = z_of_mean(found, declared, 5e-3 * declared)
         demand(abs(z) < LARGEST_Z, f"rays carry {found.mean():.5g} W, by `power` {declared:.5g} W")
 
 

@@ -25,7 +25,7 @@ from alight.rendering.training import is_to_be_guided, trained
 from alight.scene import flatten
 
 SPP, REPLICATES = 8, 4
-#: Samples where means are compared.
+#: Samples of the whole room.
 MANY = 16
 #: Rounds that train a guide.
 ROUNDS = 4
@@ -82,16 +82,16 @@ def picture(
     return to_float(film.sums)
 
 
+@lru_cache(maxsize=8)
+def sums(spec: Integrator, lit: bool = True) -> np.ndarray:
+    """Sums (16, 16, replicates, 3) of the whole room, with the lamp or by the sky alone."""
+    scene = room(spec) if lit else _compiled(spec, DARK_LAMP)
+    return picture(scene, Tile(0, 0, 16, 16), spp=MANY)
+
+
 def samples_are_finite_and_not_negative(spec: Integrator) -> None:
     """Samples are finite and not negative."""
-    demand(picture(room(spec), Tile(0, 0, 16, 16)) >= 0.0, "a sample is negative")
-
-
-@lru_cache(maxsize=8)
-def means(spec: Integrator, lit: bool) -> np.ndarray:
-    """Means (16, 16, replicates, 3) of the room, with the lamp or by the sky alone."""
-    scene = room(spec) if lit else _compiled(spec, DARK_LAMP)
-    return picture(scene, Tile(0, 0, 16, 16), spp=MANY) * (REPLICATES / MANY)
+    demand(sums(spec) >= 0.0, "a sample is negative")
 
 
 def its_picture_is_that_of_all_others(spec: Integrator) -> None:
@@ -104,7 +104,8 @@ def its_picture_is_that_of_all_others(spec: Integrator) -> None:
         shared |= {"max_depth": spec.longest_path, "russian_roulette": "none"}
     # Chance finds a small lamp too rarely for a standard error: a sky is met by every path.
     lit = not spec.finds_light_by_chance
-    mine, other = means(spec, lit), means(tracer.replaced(**shared), lit)
+    others = tracer.replaced(**shared)
+    mine, other = (sums(s, lit) * (REPLICATES / MANY) for s in (spec, others))
     # The same random numbers: what both have in common has no noise.
     difference = mine - other
     variance = (difference.var(axis=2, ddof=1) / REPLICATES).mean(axis=(0, 1)) / (16 * 16)
@@ -118,14 +119,14 @@ def its_picture_is_that_of_all_others(spec: Integrator) -> None:
 
 def tiles_do_not_matter(spec: Integrator) -> None:
     """A tile holds the same bits whatever is rendered with it."""
-    whole = picture(room(spec), Tile(0, 0, 16, 16))
     if spec.splats:
         # Each half adds to the whole picture.
-        halves = [picture(room(spec), tile) for tile in (Tile(0, 0, 16, 8), Tile(0, 8, 16, 16))]
-        demand(halves[0] + halves[1] == whole, "a pixel depends on how the paths are divided")
+        halves = (Tile(0, 0, 16, 8), Tile(0, 8, 16, 16))
+        upper, lower = (picture(room(spec), tile, spp=MANY) for tile in halves)
+        demand(upper + lower == sums(spec), "a pixel depends on how the paths are divided")
         return
-    part = picture(room(spec), Tile(5, 3, 11, 14))
-    demand(part == whole[3:14, 5:11], "a pixel depends on the other pixels of its tile")
+    part = picture(room(spec), Tile(5, 3, 11, 14), spp=MANY)
+    demand(part == sums(spec)[3:14, 5:11], "a pixel depends on the other pixels of its tile")
 
 
 def compiled_picture_is_the_twins(spec: Integrator) -> None:

@@ -131,9 +131,6 @@ class Material:
             ior = _model(leaf.bsdf).relative_ior
             if ior is not None:
                 eta = ior(leaf.bsdf)
-            elif leaf.bsdf.transmissive and hasattr(leaf.bsdf, "int_ior"):
-                fields = dict(leaf.bsdf)
-                eta = fields["int_ior"] / fields["ext_ior"]
         eta = eta if cosine > 0.0 else 1.0 / eta
         return np.where(passes, eta * eta, 1.0)
 

@@ -40,8 +40,8 @@ class Mutant(NamedTuple):
 _PATH = "integrators/path.py"
 _NO_COSINE = """f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
             f_cos = f_cos * (1.0 / where(wi.z > 0.0, wi.z, 1e-6 - wi.z))"""
-_PER_AREA = """density = pdf_of_shape(scene, index, prim, p, wi, distance, cosine)
-        density = density * where(cosine > 0.0, cosine, 0.0) / (distance * distance)"""
+_PER_AREA = """density = pdf_of_shape(scene, index, p, hit)
+        density = density * where(hit.cosine > 0.0, hit.cosine, 0.0) / (distance * distance)"""
 
 MUTANTS = {
     "dropped-cosine": Mutant(
@@ -60,7 +60,7 @@ MUTANTS = {
         (
             (
                 "lights/hits.py",
-                "density = pdf_of_shape(scene, index, prim, p, wi, distance, cosine)",
+                "density = pdf_of_shape(scene, index, p, hit)",
                 _PER_AREA,
             ),
         ),

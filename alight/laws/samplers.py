@@ -13,7 +13,7 @@ from alight.compiled.program import Program
 from alight.core.registry import versions
 from alight.core.spec import Sampler
 from alight.laws.report import demand, demand_close
-from alight.laws.statistics import chi_square_tail, uniform_p_value
+from alight.laws.statistics import SIGNIFICANCE, chi_square_tail, uniform_p_value
 from alight.samplers.model import SAMPLERS
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state
 from lanewise.jit import instantiate, kernel
@@ -23,7 +23,6 @@ from lanewise.view import View
 
 #: A dimension of a long path.
 FAR = 1000
-LEAST_P = 1e-5
 
 
 def program_of(spec: Sampler) -> Program:
@@ -69,7 +68,9 @@ def numbers_lie_in_the_unit_interval(spec: Sampler) -> None:
     many = sequence(1 << 16)
     u = np.stack([*twin(spec)(many, 4), twin(spec, False)(many, 4)])
     demand((u >= 0.0) & (u < 1.0), f"a number is outside [0, 1): {u.max()}")
-    demand(u.min() < 1e-4 and u.max() > 1.0 - 1e-4, f"{u.min():.3g} to {u.max():.3g} only")
+    # P(no number lies below x) = (1 - x)^n, about exp(-n x).
+    edge = -np.log(SIGNIFICANCE) / u.size
+    demand(u.min() < edge and u.max() > 1.0 - edge, f"{u.min():.3g} to {u.max():.3g} only")
 
 
 def each_number_alone_is_uniform(spec: Sampler) -> None:
@@ -84,9 +85,9 @@ def each_number_alone_is_uniform(spec: Sampler) -> None:
             expected = n / counts.size
             statistic = float(((counts - expected) ** 2 / expected).sum())
             p = chi_square_tail(statistic, counts.size - 1)
-            demand(p > LEAST_P, f"sample {index}, dimension {dimension}: p = {p:.2g} of pairs")
+            demand(p > SIGNIFICANCE, f"sample {index}, dimension {dimension}: p = {p:.2g} of pairs")
             p = uniform_p_value(twin(spec, False)(state, dimension), 256)
-            demand(p > LEAST_P, f"sample {index}, dimension {dimension}: p = {p:.2g}")
+            demand(p > SIGNIFICANCE, f"sample {index}, dimension {dimension}: p = {p:.2g}")
 
 
 def extending_changes_nothing(spec: Sampler) -> None:

@@ -26,7 +26,7 @@ from alight.lights.shining import sample_shape, shape_pdf
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import Transform, matrix, rotate, scale, translate
 from alight.shapes.derivatives import uv_derivatives
-from alight.shapes.hit import Hit, spawn_origin
+from alight.shapes.hit import Hit, ShapeHit, spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes, to_float, where
@@ -325,8 +325,8 @@ def samples_are_hits_with_their_density(body: Body) -> None:
         facing = -np.sum(_rows(surface.ng, N) * _rows(sample.wi, N), axis=0)
         demand_close(facing[ok], cosine[ok], "cosine of a sample", atol=2e-3)
         density = body.run(
-            shape_pdf, body.scene.shapes, body.scene.lights.cdf, start, shape, prim, _vec(p),
-            sample.wi, distance, cosine,
+            shape_pdf, body.scene.shapes, body.scene.lights.cdf, start, shape, _vec(p),
+            ShapeHit(prim, sample.wi, distance, cosine),
         )  # fmt: skip
         again = np.broadcast_to(density, N)
         demand_close(again[ok], pdf[ok], "pdf against that of the sample", rtol=5e-3, atol=1e-9)

@@ -109,12 +109,12 @@ def sample(scene, index, p, u, u2):
 
 
 @kernel
-def pdf(scene, index, prim, p, wi, distance, cosine):
-    """Density of `sample` per solid angle at a point of the light; 0 on the dark side."""
+def pdf(scene, index, p, hit):
+    """Density of `sample` per solid angle at a `ShapeHit`; 0 on the dark side."""
     info = scene.lights.info
     shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
-    density = shape_pdf(scene.shapes, scene.lights.cdf, start, shape, prim, p, wi, distance, cosine)
-    return where(cosine > 0.0, density, 0.0)
+    density = shape_pdf(scene.shapes, scene.lights.cdf, start, shape, p, hit)
+    return where(hit.cosine > 0.0, density, 0.0)
 
 
 @kernel

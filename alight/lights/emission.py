@@ -77,15 +77,14 @@ def coordinates(program):
 
     @kernel
     def by_kind(scene, shape, start, q, u, u2):
-        row = shape * SHAPE_INFO
-        kind, k = gather(scene.shapes.info, row), gather(scene.shapes.info, row + 3)
-        return chain(scene, kind, shape, start, k, q, u, u2)
+        kind = gather(scene.shapes.info, shape * SHAPE_INFO)
+        return chain(scene, kind, shape, start, q, u, u2)
 
     return by_kind
 
 
 @kernel
-def _known_by_its_point(scene, kind, shape, start, k, q, u, u2):
+def _known_by_its_point(scene, kind, shape, start, q, u, u2):
     return lanes(0.0), lanes(0.0), lanes_u32(0)
 
 
@@ -97,12 +96,12 @@ def _chain(shapes: list[ShapeModel]):
     assert own is not None
 
     @kernel
-    def choose(scene, kind, shape, start, k, q, u, u2):
-        x, y, prim = others(scene, kind, shape, start, k, q, u, u2)
+    def choose(scene, kind, shape, start, q, u, u2):
+        x, y, prim = others(scene, kind, shape, start, q, u, u2)
         mine = kind == number
         if any_lane(mine):
-            first, row = where(mine, start, 0), where(mine, k, 0)
-            x1, y1, prim1 = own(scene.shapes, scene.lights.cdf, first, shape, row, q, u, u2)
+            first = where(mine, start, 0)
+            x1, y1, prim1 = own(scene.shapes, scene.lights.cdf, first, shape, q, u, u2)
             x, y, prim = where(mine, x1, x), where(mine, y1, y), where(mine, prim1, prim)
         return x, y, prim
 

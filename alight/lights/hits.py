@@ -7,6 +7,7 @@ from alight.lights.choice import chosen_probability, light_index
 from alight.lights.model import LIGHTS, LightModel
 from alight.lights.moving import moving_pdf
 from alight.lights.tables import INFO
+from alight.shapes.hit import ShapeHit
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, lanes, lanes_u32, lanes_vec3, where
 
@@ -56,8 +57,8 @@ def light_pdf(program):
     def with_area_lights(scene, light, p, wi, distance, surface):
         shines = light > 0
         index, prim = light_index(light), where(shines, surface.prim, 0)
-        cosine = -dot(wi, surface.ng)
-        density = pdf_of_shape(scene, index, prim, p, wi, distance, cosine)
+        hit = ShapeHit(prim, wi, distance, cosine=-dot(wi, surface.ng))
+        density = pdf_of_shape(scene, index, p, hit)
         return where(shines, density * chosen_probability(scene, index, prim, p, shines), 0.0)
 
     return with_area_lights
@@ -65,7 +66,7 @@ def light_pdf(program):
 
 @specialised
 def pdf_of_shape(program):
-    """``pdf_of_shape(scene, index, prim, p, wi, distance, cosine)`` of the lights `index`."""
+    """``pdf_of_shape(scene, index, p, hit)``: of the lights `index` at a `ShapeHit`."""
     chain = _pdf_chain(on_shapes(program))
     return moving_pdf(chain) if "lights" in program.motion else chain
 
@@ -79,11 +80,11 @@ def _pdf_chain(models: tuple[LightModel, ...]):
     others = _pdf_chain(models[1:])
 
     @kernel
-    def choose(scene, index, prim, p, wi, distance, cosine):
-        result = others(scene, index, prim, p, wi, distance, cosine)
+    def choose(scene, index, p, hit):
+        result = others(scene, index, p, hit)
         mine = lanes_u32(0) + gather(scene.lights.info, index * INFO) == number
         if any_lane(mine):
-            result = where(mine, own(scene, index, prim, p, wi, distance, cosine), result)
+            result = where(mine, own(scene, index, p, hit), result)
         return result
 
     return choose

@@ -51,8 +51,8 @@ class LightModel(Record):
         See `alight.lights.area.sample`. Lights around the scene get their number from the end in
         the place of the index.
     pdf : kernel
-        Density of `sample` per solid angle. On a shape: ``(scene, index, prim, p, wi, distance,
-        cosine)``; around the scene: ``(scene, back, p, d)``.
+        Density of `sample` per solid angle. On a shape: ``(scene, index, p, hit)`` of a
+        `ShapeHit`; around the scene: ``(scene, back, p, d)``.
     emitted : kernel ``(scene, index, surface, wo)``
         On a shape: radiance on the outer side along the unit vector wo.
     radiance : kernel ``(scene, back, d)``

@@ -18,6 +18,7 @@ from alight.core.motion import (
 from alight.core.vec import normalize
 from alight.lights.tables import LightSample
 from lanewise.jit import kernel
+from lanewise.records import replace
 from lanewise.simd import any_lane, gather, lanes_u32, where
 
 
@@ -53,13 +54,13 @@ def moving_pdf(pdf: Callable) -> Callable:
     """The kernel `pdf` of area lights, of which some move."""
 
     @kernel
-    def pdf_moving(scene, index, prim, p, wi, distance, cosine):
+    def pdf_moving(scene, index, p, hit):
         number = lanes_u32(0) + gather(scene.motions.of_light, index)
         moving = number != 0
         if any_lane(moving):
             w = inverse_rows(matrix_at(scene.motions, where(moving, number - 1, 0), scene.time))
             p = where(moving, point_at_rest(w, p), p)
-            wi = where(moving, direction_at_rest(w, wi), wi)
-        return pdf(scene, index, prim, p, wi, distance, cosine)
+            hit = replace(hit, wi=where(moving, direction_at_rest(w, hit.wi), hit.wi))
+        return pdf(scene, index, p, hit)
 
     return pdf_moving

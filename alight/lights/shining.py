@@ -17,7 +17,7 @@ def no_sample(tables, cdf, start, shape, p, u, u2):
 
 
 @kernel
-def no_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
+def no_pdf(tables, cdf, start, shape, p, hit):
     """Zero in every lane."""
     return lanes(0.0)
 
@@ -54,12 +54,11 @@ def _pdf_by_kind(shapes: tuple[ShapeModel, ...]):
     others = _pdf_by_kind(shapes[1:])
 
     @kernel
-    def choose(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-        result = others(tables, cdf, start, shape, prim, p, wi, distance, cosine)
+    def choose(tables, cdf, start, shape, p, hit):
+        result = others(tables, cdf, start, shape, p, hit)
         mine = gather(tables.info, shape * SHAPE_INFO) == number
         if any_lane(mine):
-            found = own(tables, cdf, start, shape, prim, p, wi, distance, cosine)
-            result = where(mine, found, result)
+            result = where(mine, own(tables, cdf, start, shape, p, hit), result)
         return result
 
     return choose
@@ -73,5 +72,5 @@ def sample_shape(program):
 
 @specialised
 def shape_pdf(program):
-    """``shape_pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine)``, per solid angle."""
+    """``shape_pdf(tables, cdf, start, shape, p, hit)``, per solid angle, of a `ShapeHit`."""
     return _pdf_by_kind(tuple(SHAPES[name] for name in program.light_shapes))

@@ -7,18 +7,8 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from alight.options import scene
-from alight.options.kinds import (
-    Anything,
-    File,
-    Names,
-    Number,
-    Seconds,
-    Share,
-    Switch,
-    Text,
-    Texts,
-    Whole,
-)
+from alight.options.kinds import Anything, File, Names, Switch, Text, Texts
+from alight.options.quantities import Number, Seconds, Share, Whole
 from alight.options.render import MOST_SAMPLES, PromiseOptions, ThreadOptions
 from alight.options.scene import SceneOptions, SizedOptions
 from alight.options.table import PROMISE, SAMPLING, SCENE, Options, option, table

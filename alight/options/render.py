@@ -9,18 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from alight.core.errors import OptionError
 from alight.options import scene
-from alight.options.kinds import (
-    Anything,
-    Choice,
-    File,
-    Files,
-    Names,
-    Seconds,
-    Share,
-    Switch,
-    Text,
-    Whole,
-)
+from alight.options.kinds import Anything, Choice, File, Files, Names, Switch, Text
+from alight.options.quantities import Seconds, Share, Whole
 from alight.options.scene import SizedOptions
 from alight.options.table import PICTURE, PROMISE, SAMPLING, Options, option, table
 

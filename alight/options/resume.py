@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from alight.options.kinds import Anything, File, Files, Seconds, Text, Whole
+from alight.options.kinds import Anything, File, Files, Text
+from alight.options.quantities import Seconds, Whole
 from alight.options.render import EVERY, MOST_SAMPLES, PromiseOptions, check_end
 from alight.options.table import PROMISE, option, table
 

@@ -63,15 +63,16 @@ def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Pr
         For a scene or an option that is wrong.
     """
     targets = Targets(
-        options.output, options.display, options.denoise, options.stats, options.checkpoint
-    )
+        options.output, options.display, options.denoise, options.stats, options.checkpoint,
+        options.plugins,
+    )  # fmt: skip
     targets.check()
     description = scene_of(scene, options)
     useless = targets.useless(options.aovs) if options.output else []
     layers = options.aovs
     if options.denoise:
         layers = tuple(dict.fromkeys([*layers, *FEATURES.values()]))
-    notes = options.notes or targets.notes(options.plugins)
+    notes = options.notes or targets.notes()
     return Prepared(description, options.changed(aovs=layers, notes=notes), targets, useless)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -70,13 +71,14 @@ def prepare_resume(
     """
     saved = path if isinstance(path, Checkpoint) else read_checkpoint(path)
     notes = saved.origin.notes
-    # Only now: what they register decides how the scene is understood.
-    load_plugins([*map(Path, notes.get("plugins", ())), *Files().check(options.plugins)])
+    # Not those of the notes: a file of data names no code that is run (decision 32).
+    plugins = Files().check(options.plugins)
+    load_plugins(plugins)
     noted = Targets.noted(notes)
-    checkpoint = Path(options.checkpoint or saved.path)
     targets = replace(
-        noted, outputs=options.output or noted.outputs, stats=options.stats, checkpoint=checkpoint
-    )
+        noted, outputs=options.output or noted.outputs, stats=options.stats,
+        checkpoint=Path(options.checkpoint or saved.path), plugins=plugins or noted.plugins,
+    )  # fmt: skip
     return PreparedResume(saved, options, targets)
 
 
@@ -178,10 +180,18 @@ def _load_scene(
             raise FilmError(
                 f"cannot resume {saved.path}: its scene cannot be loaded\n{error}\n"
                 "a scene that was moved is found again with --scene, and --root where it has one"
+                + _scripts(saved)
             ) from error
     if content_hash(flatten(scene)) != saved.state.rounds[0].scene_hash:
         raise FilmError(changed_scene(saved.path, saved.origin.content, scene))
     return scene
+
+
+def _scripts(saved: Checkpoint) -> str:
+    """Ask for the scripts that a checkpoint names."""
+    plugins = Targets.noted(saved.origin.notes).plugins
+    asked = " ".join(f"--plugin {shlex.quote(str(path))}" for path in plugins)
+    return f"\na checkpoint runs no scripts; it was rendered with {asked}" if plugins else ""
 
 
 def _loaded(recipe, moved, root) -> Scene:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from alight.rendering.trace import Trace, Vertex
+    from alight.rendering.traced_path import Trace, Vertex
 
 WIDTH = 100
 

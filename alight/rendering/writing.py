@@ -44,6 +44,8 @@ class Targets:
         JSON file.
     checkpoint : Path or None
         File that the render can be resumed from.
+    plugins : sequence of Path
+        Scripts that registered models for it; who resumes it must give them again.
     """
 
     outputs: Sequence[Path]
@@ -51,6 +53,7 @@ class Targets:
     denoise: bool = False
     stats: Path | None = None
     checkpoint: Path | None = None
+    plugins: Sequence[Path] = ()
 
     def check(self) -> None:
         """Refuse files that cannot be written, before any time is spent.
@@ -86,11 +89,11 @@ class Targets:
                           ("aovs", "output")))  # fmt: skip
         return found
 
-    def notes(self, plugins: Sequence[Path]) -> dict[str, Any]:
+    def notes(self) -> dict[str, Any]:
         """What a checkpoint keeps of this; it may be resumed from another folder."""
         return {
             "outputs": [str(path.absolute()) for path in self.outputs],
-            "plugins": [str(path.absolute()) for path in plugins],
+            "plugins": [str(path.absolute()) for path in self.plugins],
             "display": asdict(self.display),
             "denoise": self.denoise,
         }
@@ -100,7 +103,13 @@ class Targets:
         """From what `notes` gave; a checkpoint need not say anything."""
         outputs = [Path(path) for path in notes.get("outputs", ())]
         display = Display(**dict(notes.get("display", {})))
-        return cls(outputs, display, bool(notes.get("denoise", False)))
+        plugins = [Path(path) for path in notes.get("plugins", ())]
+        return cls(outputs, display, bool(notes.get("denoise", False)), plugins=plugins)
+
+    def resuming(self, *words: object) -> str:
+        """The command line that goes on from the checkpoint."""
+        plugins = (word for path in self.plugins for word in ("--plugin", path))
+        return command("resume", self.checkpoint, *words, *plugins)
 
 
 @dataclass(frozen=True)
@@ -205,7 +214,7 @@ def _rescue(film: Film, targets: Targets) -> str:
     """Say where the samples of a picture are that cannot be written; put them there if need be."""
     elsewhere = f"ELSEWHERE{targets.outputs[0].suffix}" if targets.outputs else "ELSEWHERE.exr"
     if targets.checkpoint is not None and not _failure(film):
-        again = command("resume", targets.checkpoint, "-o", elsewhere)
+        again = targets.resuming("-o", elsewhere)
         return f"nothing is lost, all samples are in {targets.checkpoint}; to write them: {again}"
     path = Path(tempfile.gettempdir()) / f"alight-{os.getpid()}.alight"
     try:

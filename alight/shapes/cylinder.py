@@ -286,12 +286,12 @@ def sample(tables, cdf, start, shape, p, u, u2):
 
 
 @kernel
-def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
+def pdf(tables, cdf, start, shape, p, hit):
+    """Density of `sample` per solid angle at a `ShapeHit` seen from p."""
     data = tables.data
     k = gather(tables.info, shape * INFO + 3)
-    q = local_point(data, k, p + distance * wi)
-    return area_to_solid_angle(area_density(data, k, q), distance, cosine)
+    q = local_point(data, k, p + hit.distance * hit.wi)
+    return area_to_solid_angle(area_density(data, k, q), hit.distance, hit.cosine)
 
 
 @kernel

@@ -109,10 +109,10 @@ def sample(tables, cdf, start, shape, p, u, u2):
 
 
 @kernel
-def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
+def pdf(tables, cdf, start, shape, p, hit):
+    """Density of `sample` per solid angle at a `ShapeHit` seen from p."""
     k = gather(tables.info, shape * INFO + 3)
-    return area_to_solid_angle(1.0 / gather(tables.data, k + AREA), distance, cosine)
+    return area_to_solid_angle(1.0 / gather(tables.data, k + AREA), hit.distance, hit.cosine)
 
 
 @kernel
@@ -136,8 +136,9 @@ def derivatives(tables, k, surface):
 
 
 @kernel
-def coordinates(tables, cdf, start, shape, k, q, u, u2):
+def coordinates(tables, cdf, start, shape, q, u, u2):
     """Local coordinates of a sampled point q, as `intersect` reports them."""
+    k = gather(tables.info, shape * INFO + 3)
     x, y = local_coordinates(tables.data, k, q)
     return x, y, lanes_u32(0)
 

@@ -39,6 +39,9 @@ ShapeSample = namedtuple("ShapeSample", "wi distance cosine error pdf")
 #: pdf: per square metre.
 AreaSample = namedtuple("AreaSample", "p u v prim pdf")
 
+#: A point of a shape that a ray from elsewhere has hit: prim as in `Hit`, the rest as a sample's.
+ShapeHit = namedtuple("ShapeHit", "prim wi distance cosine")
+
 #: Arrays of the shapes, see `alight.compiled.shapes`.
 ShapeTables = namedtuple("ShapeTables", "info data faces vertices normals uvs colors uv_shifts")
 

@@ -125,11 +125,11 @@ _GAMMA_6, _GAMMA_16 = gamma(6), gamma(16)
 
 
 @kernel
-def mix(view, mask, i0, i1, i2, b1, b2):
+def mix(view, mask, corners, b1, b2):
     """Rows of three numbers interpolated by barycentric coordinates, where the mask holds."""
-    i0, i1, i2 = rows_if(mask, i0, i1, i2)
-    v0 = gather_vec3(view, 3 * i0)
-    return v0 + b1 * (gather_vec3(view, 3 * i1) - v0) + b2 * (gather_vec3(view, 3 * i2) - v0)
+    rows = rows_if(mask, corners)
+    v0, v1 = gather_vec3(view, 3 * rows.i0), gather_vec3(view, 3 * rows.i1)
+    return v0 + b1 * (v1 - v0) + b2 * (gather_vec3(view, 3 * rows.i2) - v0)
 
 
 @kernel(strict=True)
@@ -191,25 +191,26 @@ def surface(tables, k, hit, o, d):
     """The `Geometry` of hits; k: offsets of the rows of instances, lanes."""
     data = tables.data
     flags = gather(tables.info, hit.shape * INFO + 4)
-    i0, i1, i2 = corners_of(tables, hit.shape, hit.prim)
-    v0, v1 = gather_vec3(tables.vertices, 3 * i0), gather_vec3(tables.vertices, 3 * i1)
-    v2 = gather_vec3(tables.vertices, 3 * i2)
+    corners = corners_of(tables, hit.shape, hit.prim)
+    v0 = gather_vec3(tables.vertices, 3 * corners.i0)
+    v1 = gather_vec3(tables.vertices, 3 * corners.i1)
+    v2 = gather_vec3(tables.vertices, 3 * corners.i2)
     e1, e2 = v1 - v0, v2 - v0
     p = v0 + hit.u * e1 + hit.v * e2
     across = cross(e1, e2)
     n = across * (1.0 / sqrt(maximum(length_squared(across), 1e-37)))
     error = triangle_error(v0, v1, v2, n)
-    tangent, u, v = texture_frame(tables, flags, hit, i0, i1, i2, e1, e2)
+    tangent, u, v = texture_frame(tables, flags, hit, corners, e1, e2)
 
     ns = n
     smooth = (flags & SMOOTH) != 0
     if any_lane(smooth):
-        mixed = mix(tables.normals, smooth, i0, i1, i2, hit.u, hit.v)
+        mixed = mix(tables.normals, smooth, corners, hit.u, hit.v)
         ns = where(smooth & (length_squared(mixed) > 0.0), mixed, n)
     color = lanes_vec3(1.0)
     colored = (flags & COLORS) != 0
     if any_lane(colored):
-        found = mix(tables.colors, colored, i0, i1, i2, hit.u, hit.v)
+        found = mix(tables.colors, colored, corners, hit.u, hit.v)
         color = where(colored, found, color)
 
     instanced = (flags & INSTANCED) != 0
@@ -232,15 +233,15 @@ def surface(tables, k, hit, o, d):
 
 
 @kernel
-def texture_frame(tables, flags, hit, i0, i1, i2, e1, e2):
+def texture_frame(tables, flags, hit, corners, e1, e2):
     """dp/du, u and v: from texture coordinates; e1 and the barycentrics where there are none."""
     tangent, u, v = e1 + lanes_vec3(0.0), hit.u, hit.v
     mapped = (flags & UVS) != 0
     if any_lane(mapped):
-        j0, j1, j2 = rows_if(mapped, i0, i1, i2)
-        u0, v0 = gather_row(tables.uvs, 2 * j0, 2)
-        u1, v1 = gather_row(tables.uvs, 2 * j1, 2)
-        u2, v2 = gather_row(tables.uvs, 2 * j2, 2)
+        rows = rows_if(mapped, corners)
+        u0, v0 = gather_row(tables.uvs, 2 * rows.i0, 2)
+        u1, v1 = gather_row(tables.uvs, 2 * rows.i1, 2)
+        u2, v2 = gather_row(tables.uvs, 2 * rows.i2, 2)
         du1, dv1, du2, dv2 = u1 - u0, v1 - v0, u2 - u0, v2 - v0
         u = where(mapped, u0 + hit.u * du1 + hit.v * du2, u)
         v = where(mapped, v0 + hit.u * dv1 + hit.v * dv2, v)
@@ -258,9 +259,10 @@ def light_triangle(tables, shape, prim):
 
     Meshes that shine are never instanced.
     """
-    i0, i1, i2 = corners_of(tables, shape, prim)
-    v0, v1 = gather_vec3(tables.vertices, 3 * i0), gather_vec3(tables.vertices, 3 * i1)
-    v2 = gather_vec3(tables.vertices, 3 * i2)
+    corners = corners_of(tables, shape, prim)
+    v0 = gather_vec3(tables.vertices, 3 * corners.i0)
+    v1 = gather_vec3(tables.vertices, 3 * corners.i1)
+    v2 = gather_vec3(tables.vertices, 3 * corners.i2)
     e1, e2 = v1 - v0, v2 - v0
     across = cross(e1, e2)
     size = sqrt(maximum(length_squared(across), 1e-37))
@@ -344,12 +346,12 @@ def sample(tables, cdf, start, shape, p, u, u2):
 
 
 @kernel
-def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
-    mine = prim < gather(tables.info, shape * INFO + 7)
-    _, _, _, _, area, _ = light_triangle(tables, shape, prim)
-    pmf = triangle_probability(cdf, where(mine, start, 0), where(mine, prim, 0))
-    return area_to_solid_angle(pmf / area, distance, cosine)
+def pdf(tables, cdf, start, shape, p, hit):
+    """Density of `sample` per solid angle at a `ShapeHit` seen from p."""
+    mine = hit.prim < gather(tables.info, shape * INFO + 7)
+    _, _, _, _, area, _ = light_triangle(tables, shape, hit.prim)
+    pmf = triangle_probability(cdf, where(mine, start, 0), where(mine, hit.prim, 0))
+    return area_to_solid_angle(pmf / area, hit.distance, hit.cosine)
 
 
 @kernel
@@ -363,7 +365,7 @@ def sample_area(tables, cdf, start, shape, u, u2):
 
 
 @kernel
-def coordinates(tables, cdf, start, shape, k, q, u, u2):
+def coordinates(tables, cdf, start, shape, q, u, u2):
     """Barycentrics and triangle of a sampled point: the same numbers choose the same again."""
     count = gather(tables.info, shape * INFO + 7)
     prim, _ = choose_triangle(cdf, start, count, u)

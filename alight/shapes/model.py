@@ -42,9 +42,9 @@ class ShapeModel(Record):
         In the world, metres; without it the tangents of the surface.
     sample : kernel ``(tables, cdf, start, shape, p, u, u2) -> ShapeSample``
         A point of a shape that shines; see `alight.shapes.rectangle.sample`.
-    pdf : kernel ``(tables, cdf, start, shape, prim, p, wi, distance, cosine)``
-        Density of `sample` per solid angle.
-    coordinates : kernel ``(tables, cdf, start, shape, k, q, u, u2) -> (u, v, prim)``
+    pdf : kernel ``(tables, cdf, start, shape, p, hit)``
+        Density of `sample` per solid angle at a `ShapeHit`.
+    coordinates : kernel ``(tables, cdf, start, shape, q, u, u2) -> (u, v, prim)``
         The sampled point q as `intersect` reports it; without it all are 0.
     sample_area : kernel ``(tables, cdf, start, shape, u, u2) -> AreaSample``
         A point of a shape that shines, seen from nowhere; without it no light path starts there.

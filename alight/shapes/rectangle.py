@@ -169,10 +169,11 @@ def sample(tables, cdf, start, shape, p, u, u2):
 
 
 @kernel
-def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
+def pdf(tables, cdf, start, shape, p, hit):
+    """Density of `sample` per solid angle at a `ShapeHit` seen from p."""
     k = gather(tables.info, shape * INFO + 3)
-    return density_of(tables.data, k, seen_from(tables.data, k, p), distance * wi, distance, cosine)
+    seen = seen_from(tables.data, k, p)
+    return density_of(tables.data, k, seen, hit.distance * hit.wi, hit.distance, hit.cosine)
 
 
 @kernel
@@ -210,8 +211,9 @@ def derivatives(tables, k, surface):
 
 
 @kernel
-def coordinates(tables, cdf, start, shape, k, q, u, u2):
+def coordinates(tables, cdf, start, shape, q, u, u2):
     """Local coordinates of a sampled point q, as `intersect` reports them."""
+    k = gather(tables.info, shape * INFO + 3)
     x, y = local_coordinates(tables.data, k, q)
     return x, y, lanes_u32(0)
 

@@ -364,14 +364,14 @@ def sample(tables, cdf, start, shape, p, u, u2):
 
 
 @kernel
-def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
+def pdf(tables, cdf, start, shape, p, hit):
+    """Density of `sample` per solid angle at a `ShapeHit` seen from p."""
     data = tables.data
     k = gather(tables.info, shape * INFO + 3)
     f, _, _, one_minus_cos, by_cone = cone_of(data, k, p)
-    q = times(data, k + INVERSE, distance * wi - f)
+    q = times(data, k + INVERSE, hit.distance * hit.wi - f)
     q = q * (1.0 / sqrt(length_squared(q)))
-    by_area = area_to_solid_angle(area_density(data, k, q), distance, cosine)
+    by_area = area_to_solid_angle(area_density(data, k, q), hit.distance, hit.cosine)
     return where(by_cone, uniform_cone_pdf(one_minus_cos), by_area)
 
 

@@ -103,8 +103,8 @@ def chart_of(program):
 
     @kernel
     def on_triangle(tables, hit):
-        i0, i1, i2 = corners_of(tables, hit.shape, hit.prim)
-        return Chart(hit.u, hit.v, i0, i1, i2, lanes_u32(0))
+        corners = corners_of(tables, hit.shape, hit.prim)
+        return Chart(hit.u, hit.v, corners, lanes_u32(0))
 
     return on_triangle
 

@@ -91,6 +91,10 @@ class Bitmap(Texture):
             raise invalid(problem)
         return self
 
+    def set_of_coordinates(self) -> int:
+        """The one that it names."""
+        return self.uv_set
+
     def maximum(self) -> Triple:
         """Largest value of each channel; 0 as long as the file has not been read."""
         return (0.0, 0.0, 0.0) if self.pixels is None else self.pixels.maximum(self.color_space)

@@ -57,6 +57,10 @@ class Checkerboard(Texture):
         scaled[:, 2] += self.offset
         return scaled
 
+    def set_of_coordinates(self) -> int:
+        """The one that it names."""
+        return self.uv_set
+
     def maximum(self) -> Triple:
         """Largest value of each channel."""
         red, green, blue = (max(pair) for pair in zip(self.color0, self.color1, strict=True))

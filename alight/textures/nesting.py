@@ -53,6 +53,11 @@ class Composed(Texture):
         """What it is made of."""
         return tuple(getattr(self, name) for name in self.fields)
 
+    def set_of_coordinates(self) -> int | None:
+        """That of the first part which has one."""
+        found = (p.set_of_coordinates() for p in self.parts if isinstance(p, Texture))
+        return next((number for number in found if number is not None), None)
+
     @property
     def ordered(self) -> tuple[Value, ...]:
         """The parts in the order in which kernels compute them."""
@@ -82,14 +87,6 @@ def names_in(spec: Texture) -> Iterator[str]:
             yield part
         elif isinstance(part, Texture):
             yield from names_in(part)
-
-
-def uv_set_of(part: object) -> int | None:
-    """The set of texture coordinates of the first picture in a texture; None without one."""
-    if isinstance(part, Composed):
-        found = (uv_set_of(inner) for inner in part.parts)
-        return next((number for number in found if number is not None), None)
-    return getattr(part, "uv_set", None)
 
 
 def count_steps(part: Value, counts: Mapping[str, int] | None = None) -> int:

@@ -89,6 +89,10 @@ class Noise(Texture):
     octaves: Octaves = 4
     gain: UnitInterval = 0.5
 
+    def set_of_coordinates(self) -> int:
+        """The one that it names."""
+        return self.uv_set
+
     def maximum(self) -> Triple:
         """Largest value of each channel."""
         red, green, blue = (max(pair) for pair in zip(self.color0, self.color1, strict=True))

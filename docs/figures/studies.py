@@ -13,7 +13,8 @@ from study_figures import draw, draw_means, draw_samples
 
 from alight.lab.report.numbers import Column, number, p_value
 from alight.lab.report.numbers import fixed as decimals
-from alight.lab.results import ArmResult, Curve, SceneResult, StudyResult, TableResult, load
+from alight.lab.result_files import load
+from alight.lab.results import ArmResult, Curve, SceneResult, StudyResult, TableResult
 from alight.metrics.relmse import Estimate
 
 PAGES = Path(__file__).resolve().parents[1] / "studies"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.accel import batch
+from alight.accel import batch, top_division
 from alight.accel.build import build_bvh
 from alight.accel.cost import BIG, waits_for_memory
 from alight.accel.fill import expected_fill
@@ -73,6 +73,25 @@ def test_the_tree_does_not_depend_on_the_number_of_threads():
         assert np.array_equal(
             tree.blocks.array.view(np.uint32), trees[0].blocks.array.view(np.uint32)
         )
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"SMALLEST_TASK": 10**9}, {"CHUNK": 1000}, {"CHUNK": 1000, "TOGETHER": 1}],
+    ids=["by one thread from the root on", "in small chunks", "a thread for each part"],
+)
+def test_the_tree_does_not_depend_on_who_divides_the_first_levels(changed, monkeypatch):
+    """The same splits by two texts: together in chunks, and by one thread alone (`subtree`)."""
+    vertices, faces = torus(300, 100, 0.15)
+    boxes = []
+    for constants in ({}, changed):
+        for name, value in constants.items():
+            monkeypatch.setattr(top_division, name, value)
+        tree, _ = batch.build(vertices, faces)
+        # Only where a node stands in the table may differ.
+        bounds = tree.nodes.array.reshape(-1, NODE)[:, :CHILD].view(np.uint32)
+        boxes.append(sorted(map(bytes, np.ascontiguousarray(bounds))))
+    assert boxes[0] == boxes[1]
 
 
 def hard_cases():

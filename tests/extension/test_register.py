@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import types
+from pathlib import Path
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -15,7 +16,7 @@ import alight
 from alight.bsdfs.diffuse import Diffuse
 from alight.cli.main import app
 from alight.compiled.shapes import compile_shapes
-from alight.core.errors import SceneError
+from alight.core.errors import FilmError, SceneError
 from alight.core.registration import RegistrationError, _copy, unregister
 from alight.core.registry import (
     FAMILIES,
@@ -29,6 +30,8 @@ from alight.core.registry import (
 from alight.core.spec import Light, Shape
 from alight.formats import loads
 from alight.laws.materials import Material, direction, random_numbers
+from alight.outputs.display import Display
+from alight.rendering.writing import Targets
 from alight.scene import content_hash, flatten
 from alight.shapes.model import MOST_NUMBERS
 from tests.docs.pages import ROOT, blocks
@@ -355,6 +358,34 @@ def test_plugins_of_the_command_line(tmp_path):
     unregister("bsdfs", "lambert")
     done = invoke("trace", scene, "--pixel", "8,5")
     assert done.exit_code == 2 and 'unknown bsdf "lambert"' in done.output
+
+
+def test_a_checkpoint_runs_no_scripts_but_those_that_are_asked_for(tmp_path):
+    """Neither in Python nor on the command line; its message says which ones it needs."""
+    script, scene, film = (tmp_path / name for name in ("my_model.py", "scene.yaml", "a.alight"))
+    ran = tmp_path / "ran"
+    mark = f"import pathlib\npathlib.Path({str(ran)!r}).touch()\n"
+    script.write_text(f"{LAMBERT}\nimport alight\nalight.register(__name__)\n{mark}")
+    scene.write_text(SCENE % "lambert")
+    first = alight.render(scene, spp=1, checkpoint=film, plugins=script)
+    unregister("bsdfs", "lambert")
+    ran.unlink()
+    asked = f"a checkpoint runs no scripts; it was rendered with --plugin {script}"
+    done = invoke("resume", film, "--spp", 2)
+    assert done.exit_code == 2 and asked in done.output
+    with pytest.raises(FilmError, match='unknown bsdf "lambert"') as caught:
+        alight.resume(film, spp=2)
+    assert asked in str(caught.value)
+    assert not ran.exists()
+    again = alight.resume(film, spp=2, plugins=script)
+    assert ran.exists() and again.spp == 2 == 2 * first.spp
+
+
+def test_the_printed_command_asks_for_the_scripts():
+    """What an interrupted render says can be copied and goes on."""
+    targets = Targets([], Display(), checkpoint=Path("a.alight"), plugins=[Path("my model.py")])
+    assert targets.resuming() == "alight resume a.alight --plugin 'my model.py'"
+    assert Targets.noted(targets.notes()).plugins == [Path("my model.py").absolute()]
 
 
 @pytest.mark.parametrize(

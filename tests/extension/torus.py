@@ -279,8 +279,8 @@ def sample(tables, cdf, start, shape, p, u, u2):
 
 
 @kernel
-def pdf(tables, cdf, start, shape, prim, p, wi, distance, cosine):
-    """Density of `sample` per solid angle at the point at `distance` along `wi` from p."""
+def pdf(tables, cdf, start, shape, p, hit):
+    """Density of `sample` per solid angle at a `ShapeHit` seen from p."""
     data, k = tables.data, gather(tables.info, shape * INFO + 3)
-    e, n = at(data, k, p + distance * wi)
-    return area_to_solid_angle(area_density(data, k, e, n), distance, cosine)
+    e, n = at(data, k, p + hit.distance * hit.wi)
+    return area_to_solid_angle(area_density(data, k, e, n), hit.distance, hit.cosine)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from alight.films import Film
 from alight.films.fixed_point import MAX_SAMPLES, to_limbs
 from alight.films.statistics import mean_and_error, pixel_mean, replicate_means
 
@@ -102,3 +103,15 @@ def test_so_many_bright_samples_that_whole_numbers_would_overflow():
     counts[0, 1], sums[0, 1] = [1, 0, 0, 0], 0
     sums[0, 1, 0, :, 0] = 3 * 2**8
     np.testing.assert_allclose(pixel_mean(sums, counts)[0, 1], 3.0)
+
+
+def test_a_fourth_channel_changes_nothing_of_the_picture_and_its_error():
+    films = Film(24, 16), Film(24, 16, channels=("R", "G", "B", "A"))
+    samples = np.random.default_rng(5).lognormal(0.0, 0.3, (2, 16, 24, 4, 3))
+    for film in films:
+        film.sums[..., :3, :], film.counts[...] = sums_of(samples)
+    films[1].sums[..., 3, 0] = 10**9
+    for said in ("image", "standard_error", "error"):
+        np.testing.assert_equal(*(getattr(film, said) for film in films), said)
+    np.testing.assert_equal(*(film.replicate_means() for film in films))
+    np.testing.assert_equal(*(film.interval() for film in films))

@@ -17,11 +17,12 @@ from alight.metrics.comparison import Comparison, PictureStatistics, compare_pic
 HERE = Path(__file__).parent
 NAMES = sorted(path.stem for path in (HERE / "references").glob("*.npz"))
 BUILT_IN = {"cornell-box": (64, 64)}
-#: Compared by every `make test`: a scene for each kind of light, geometry and material. What the
-#: others show besides has closed forms and laws of its own; `make proofs` compares them too.
+#: Compared by every `make test`, together with one of Mitsuba's own files, which shows spots,
+#: environment maps, two-sided and textured surfaces (`tests/formats/mitsuba/test_picture.py`). What
+#: the others show besides has closed forms and laws of its own; `make proofs` compares them too.
 ALWAYS = {
-    "cornell-box", "environment-map", "fog", "many-lights", "mesh-light", "null-surface",
-    "rough-glasses", "rough-metals", "spot-light", "textured-light", "thin-lens", "two-sided",
+    "cornell-box", "fog", "many-lights", "mesh-light", "null-surface", "rough-glasses",
+    "rough-metals", "textured-light", "thin-lens",
 }  # fmt: skip
 CASES = [n if n in ALWAYS else pytest.param(n, marks=pytest.mark.proofs) for n in NAMES]
 

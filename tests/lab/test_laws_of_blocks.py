@@ -221,6 +221,23 @@ def test_differences_of_channels_are_relative_to_the_reference():
             assert channel == pytest.approx((value, value - width, value + width), rel=1e-3)
 
 
+@pytest.mark.parametrize(("counts", "sigmas"), [((3, 20), (0.4, 0.1)), ((20, 3), (0.4, 0.1))])
+def test_intervals_of_channels_are_welchs(counts, sigmas):
+    """Of few and many pictures, of which one kind is noisier."""
+    rng = np.random.default_rng(17)
+    rows = [
+        np.stack([block_row(one) for one in seeds(rng, n, truth(), sigma, shared=False)])
+        for n, sigma in zip(counts, sigmas, strict=True)
+    ]
+    sides = [BlockMoments.of(side, (WIDTH, HEIGHT)).statistics for side in rows]
+    found = compare_with_reference(*sides).test.difference
+    arm, reference = (side[:, :3] for side in rows)
+    interval = stats.ttest_ind(arm, reference, equal_var=False).confidence_interval(0.95)
+    widths = (interval.high - interval.low) / reference.mean(axis=0)
+    # Degrees of freedom are told to two digits.
+    assert [one.high - one.low for one in found] == pytest.approx(widths, rel=0.03)
+
+
 def test_blocks_of_the_arm_may_be_larger_than_the_references():
     rng = np.random.default_rng(8)
     picture = truth()
@@ -305,6 +322,10 @@ def test_the_spread_of_a_reference_is_how_its_noise_moves_every_error(count):
     # The variance of 6000 numbers is right to 2 to 3 %.
     assert found == pytest.approx(left.var(), rel=0.1)
     assert reference_spread(4.0 * sigma**2 / count, count) == pytest.approx(16.0 * found)
+    # Over what a variance that is known exactly would give: 1 + 1 over its degrees of freedom.
+    exact = reference_spread(sigma**2, math.inf)
+    for blocks in (2, 3, 5, 16):
+        assert reference_spread(sigma**2, blocks) / exact == pytest.approx(1.0 + 1.0 / (blocks - 1))
 
 
 # ---------------------------------------------------------------------------- figures

@@ -209,6 +209,8 @@ def test_every_figure_has_its_own_place_and_unit():
     reference = truth.plans[0].reference.image
     assert base.images.error == pytest.approx(base.images.mean - reference)
     assert np.abs(base.images.error).mean() > 0.01
+    assert base.images.count.shape == reference.shape[:2]
+    assert np.all(base.images.count == base.images.example_spp)
     assert (base.invalid, base.replicates, base.expected_slope) == (12, 12, -0.5)
 
 

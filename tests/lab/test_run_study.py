@@ -10,7 +10,8 @@ from alight.formats import load as load_scene
 from alight.lab.integrals import INTEGRANDS, jittered_points, product_error, run_integrals
 from alight.lab.make_reference import make_reference
 from alight.lab.pictures import Session
-from alight.lab.results import DIFFERENT, load
+from alight.lab.result_files import load
+from alight.lab.results import DIFFERENT
 from alight.lab.run import STORE, run_study
 from alight.lab.statistics import holm_adjusted
 from alight.lab.store import Store

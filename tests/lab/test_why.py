@@ -11,10 +11,20 @@ from typer.testing import CliRunner
 
 import alight
 from alight.cli.main import app
+from alight.compiled.program import Program
 from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import carry, to_float
 from alight.formats import loads
-from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, can_record
+from alight.integrators.contributions import (
+    BY_BSDF,
+    BY_DELTA,
+    BY_LIGHT,
+    FIELDS,
+    SEEN,
+    Log,
+    can_record,
+    write,
+)
 from alight.integrators.walk import make_settings
 from alight.lab.statistics import holm_adjusted, log_mean, log_ratio
 from alight.lab.why import trials
@@ -34,6 +44,10 @@ from alight.rendering.contributions import Contributions, Recorder
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
+from lanewise.jit import instantiate
+from lanewise.machine import lanes_of_machine
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 from tests.laws.test_scene_check import SCENE
 
 CAMERA = """alight: 1
@@ -111,6 +125,29 @@ def test_a_log_without_room_is_made_larger(recorded, monkeypatch):
     monkeypatch.setattr("alight.rendering.contributions._ROOM", 0)
     again, _ = Recorder(compiled, 1).run(8, 5, 2)
     assert len(again.pixel) == len(found.pixel)
+
+
+def test_words_hold_all_numbers_up_to_their_limits_and_the_longest_path_beyond():
+    """The last contribution does not fit: it is counted, and written nowhere."""
+    n, rng = lanes_of_machine(), np.random.default_rng(7)
+    room = n - 1
+    x, y, replicate, first = rng.integers(0, 1 << 16, (4, n), np.uint32)
+    depth = np.resize(np.array([1, 2, 65535, 65536, 2**31], np.uint32), n)
+    how, light = (rng.integers(0, high, n, np.uint32) for high in (4, 2**32 - 1))
+    path = SimpleNamespace(sampler=SimpleNamespace(x=x, y=y, scramble=replicate))
+    log = Log(
+        View(np.zeros((room, FIELDS), np.uint32)), View(np.zeros((room, 3), np.float32)),
+        View(np.zeros(1, np.int64)), None, None,
+    )  # fmt: skip
+    run = instantiate(write, Program(), compiled=False)
+    run(log, path, light, depth, how, first, np.ones(n, bool), Vec3(*np.ones((3, n), np.float32)))
+    assert log.count.array[0] == n
+    place, sample, lamp, what = log.words.shaped.T
+    depth = np.minimum(depth, 65535)
+    np.testing.assert_array_equal([place >> 16, place & 65535], [y[:room], x[:room]])
+    np.testing.assert_array_equal([sample >> 16, sample & 65535], [replicate[:room], depth[:room]])
+    np.testing.assert_array_equal(lamp, light[:room])
+    np.testing.assert_array_equal([what >> 16, what & 65535], [how[:room], first[:room]])
 
 
 def test_integrators_that_say_where_their_light_comes_from():

@@ -9,7 +9,7 @@ import pytest
 
 from alight.compiled.scene import compile_scene
 from alight.media.sampling import cross, fly
-from alight.media.tables import Segment, Stream
+from alight.media.tables import CHROMATIC, Segment, Stream
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from lanewise.simd import lanes
@@ -25,12 +25,13 @@ HOMOGENEOUS, GRID = 1, 2
 class Bench:
     """The kernels of a scene, ready for lanes of one ray."""
 
-    def __init__(self):
-        compiled = compile_scene(flatten(bodies(0.5, EXTINCTION)), structure="list")
-        self.scene = compiled.tables
+    def __init__(self, extinction=EXTINCTION, facts=()):
+        compiled = compile_scene(flatten(bodies(0.5, extinction)), structure="list")
+        program = compiled.program
+        program = program._replace(media=tuple(dict.fromkeys((*program.media, *facts))))
+        self.scene, self.media = compiled.tables, program.media
         self.fly, self.cross = (
-            np.errstate(all="ignore")(instantiate(k, compiled.program, compiled=False))
-            for k in (fly, cross)
+            np.errstate(all="ignore")(instantiate(k, program, compiled=False)) for k in (fly, cross)
         )
 
     def arguments(self, medium, origin, direction, length):
@@ -104,6 +105,20 @@ def test_flights_come_through_as_the_transmittance_says(bench, ray):
     for c in range(3):
         own = through & (segment.channel == c)
         assert_mean(own / (segment.channel == c).mean() * light[:, c], 1.0)
+
+
+@pytest.mark.parametrize("ray", RAYS.values(), ids=RAYS)
+def test_grey_media_are_coloured_ones_of_three_equal_channels(ray):
+    """Where no medium of a scene has a colour, shorter kernels give the same numbers."""
+    short, long = Bench((3.0, 3.0, 3.0)), Bench((3.0, 3.0, 3.0), (CHROMATIC,))
+    assert CHROMATIC not in short.media
+    active = np.ones(COUNT, bool)
+    segment, u = short.arguments(*ray)
+    for name, more in (("fly", (u,)), ("cross", ())):
+        mine, other = (getattr(b, name)(b.scene, segment, *more, active) for b in (short, long))
+        for field, a, b in zip(mine._fields, mine, other, strict=True):
+            a, b = (columns(v) if isinstance(v, Vec3) else np.asarray(v) for v in (a, b))
+            np.testing.assert_allclose(a, b, rtol=2e-6, err_msg=f"{name}: {field}")
 
 
 @pytest.mark.parametrize("ray", RAYS.values(), ids=RAYS)

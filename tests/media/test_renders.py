@@ -47,7 +47,7 @@ def test_a_stopped_render_goes_on_to_the_same_bits(scene, whole, tmp_path, monke
 
 def test_machine_code_gives_the_picture_of_the_twin(scene):
     compiled = compile_scene(flatten(scene), structure="list")
-    tile = Tile(0, 8, 96, 24)
+    tile = Tile(0, 8, 96, 16)
     found, expected = (picture(compiled, tile, compiled=c).sum(axis=2) for c in (True, False))
     # A path whose choice hangs on a rounding error goes another way: very few do.
     close = np.isclose(found, expected, rtol=1e-3, atol=1e-4).all(axis=-1)

@@ -71,7 +71,12 @@ def expected(scene):
 
 
 @pytest.mark.parametrize(
-    ("how", "choice"), [("mis", "power"), ("mis", "tree"), ("emitter", "power")]
+    ("how", "choice"),
+    [
+        ("mis", "power"),
+        ("mis", "tree"),
+        pytest.param("emitter", "power", marks=pytest.mark.proofs),
+    ],
 )
 def test_fog_scatters_the_light_of_all_environments(how, choice):
     text = FOG % (how, choice)

@@ -39,6 +39,18 @@ def test_z_is_standard_normal_for_equal_pictures(replicates, spread):
     assert abs(math.sqrt((z**2).mean()) - 1) < 4 / math.sqrt(2 * z.size)
 
 
+@pytest.mark.parametrize("bias", [1.0, 1.05])
+def test_the_figures_beside_a_verdict_are_those_of_its_blocks_and_pictures(bias):
+    a, b = measured(1, spread=1.0), measured(2, scale=bias)
+    a.error[0, 0] = np.nan
+    found = compare_measured(a, b, block=8)
+    assert found.largest == np.nanmax(np.abs(found.z))
+    np.testing.assert_allclose(found.rms, np.sqrt(np.nanmean(found.z**2, axis=(0, 1))))
+    both = np.isfinite(a.error)
+    for side, said in ((a, found.mean_a), (b, found.mean_b)):
+        np.testing.assert_allclose(said, np.mean(side.mean, axis=(0, 1), where=both), rtol=1e-6)
+
+
 def test_false_alarms_are_as_rare_as_promised():
     failed = sum(
         not compare_measured(measured(2 * s + 10), measured(2 * s + 11), block=8).passed

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from alight.metrics import Measured
+from alight.metrics import Measured, block_sums
 from alight.metrics.block_sums import BlockSums
+from alight.metrics.statistics import t_to_z
 
 NAMES = ("pixels", "size", "difference", "squares", "variance", "exchanged", "fourth", "spread")
 
@@ -32,6 +33,17 @@ def test_blocks_of_blocks_are_blocks():
         total = getattr(fine, name).sum(axis=(0, 1))
         np.testing.assert_allclose(getattr(whole, name)[0, 0], total, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(fine.third, coarse.third)
+
+
+@pytest.mark.parametrize("strip", [1, 24, 1000])
+def test_how_many_rows_are_worked_on_at_a_time_does_not_matter(strip, monkeypatch):
+    """Fewer than a block has, too: a block may be as large as the picture."""
+    a, b = noisy(1, (70, 40, 2)), noisy(2, (70, 40, 2), spp=64)
+    expected = BlockSums.of(a, b, 16)
+    monkeypatch.setattr(block_sums, "_STRIP", strip)
+    found = BlockSums.of(a, b, 16)
+    for name in NAMES:
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-9)
 
 
 def test_what_each_picture_says_of_the_other_is_exchanged():
@@ -63,6 +75,19 @@ def test_skewness_falls_with_the_root_of_the_number_of_pixels():
     # Skewness 2 / sqrt(k R) of one pixel; four pixels have half of it.
     assert sums.skewness == pytest.approx(0.5 * 2.0 / math.sqrt(2.0 * 4), rel=0.25)
     assert sums.joined().skewness == pytest.approx(0.5 * sums.skewness, rel=0.1)
+
+
+@pytest.mark.parametrize("shape", [(1, 2, 1), (1, 3, 1), (4, 4, 1)])
+def test_pixels_that_differ_by_more_than_they_say_are_judged_by_their_spread(shape):
+    """The sum over n times the spread of its terms, however small the errors claim to be."""
+    d = np.random.default_rng(11).normal(0.2, 1.0, shape)
+    few = Measured(1.0 + d, np.full(shape, 1e-3), 4)
+    sums = BlockSums.of(few, Measured(np.ones(shape), np.zeros(shape), 4), 4)
+    dof = np.maximum(sums.variance**2 / sums.spread - 2.0, 1.0)
+    expected = d.sum() / math.sqrt(d.size * d.var(ddof=1))
+    np.testing.assert_allclose(sums.z(), t_to_z(np.full((1, 1, 1), expected), dof), rtol=1e-5)
+    # By themselves they would say that it is a thousand times the error.
+    assert abs(sums.z(own=True)).min() > abs(sums.z()).max()
 
 
 def test_a_block_of_unknown_error_is_not_judged_and_others_are():

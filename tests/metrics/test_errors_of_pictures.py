@@ -126,6 +126,16 @@ def test_pixels_of_unknown_error_are_left_out():
     assert half.relmse.value == pytest.approx(whole.relmse.value, rel=0.3)
 
 
+def test_one_replicate_or_one_sample_says_nothing_of_the_error():
+    means, counts = rendered("gaussian", 64, 1)
+    for m, k in ((means[:, :, :1], counts[:, :, :1]), (means, np.where(np.arange(4) < 1, 1, 0))):
+        estimate = estimate_relmse(m, np.broadcast_to(k, m.shape[:3]))
+        assert estimate.known == 0.0
+        for figure in (estimate.relmse, estimate.relmse_literature):
+            assert math.isnan(figure.value)
+            assert math.isnan(figure.high)
+
+
 @pytest.mark.parametrize("replicates", [2, 3, 4, 5, 8, 9])
 def test_every_number_of_replicates_gives_the_same_error(replicates):
     rng = np.random.default_rng(replicates)

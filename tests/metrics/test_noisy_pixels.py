@@ -110,7 +110,30 @@ def test_the_figure_knows_no_units_and_no_order(change):
     assert b.brightness == pytest.approx(a.brightness, rel=1e-2)
 
 
-def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0):
+def test_the_freedom_of_even_pictures_is_their_number_of_pixels():
+    """Pixels alike whose channels go together: each is one term, whatever it is weighted with."""
+    places = np.array([0.0, 1.0, 3.0, 7.0])
+    means = np.ones((16, 24, 4, 3)) + 1e-3 * places[:, None]
+    s = (places[:, None] - places) ** 2
+    halves = [s[0, 1] * s[2, 3], s[0, 2] * s[1, 3], s[0, 3] * s[1, 2]]
+    terms = np.mean(s[np.triu_indices(4, 1)]) ** 2 / np.mean(halves)
+    assert figure_of(means.astype(np.float32)).freedom == pytest.approx(16 * 24 * terms, rel=5e-3)
+
+
+def test_the_doubt_about_noisy_pixels_counts_by_their_share():
+    """Where others have an error that they know, relative doubt shrinks, squared, as the share."""
+    noisy = picture_of_all_kinds()
+    noisy[:, 10:] = 0.5
+    both = noisy.copy()
+    both[:, 10:] += 0.06 * np.array([1.0, -1.0, 1.0, -1.0])[:, None]
+    alone, joined = figure_of(noisy), figure_of(both)
+    share = alone.value / joined.value
+    assert 0.5 < share < 0.95
+    assert joined.brightness == pytest.approx(alone.brightness * share**2, rel=2e-3)
+    assert 1.0 - joined.lowest == pytest.approx((1.0 - alone.lowest) * share, rel=2e-3)
+
+
+def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0, ratio=2.0):
     """Sums of pixels of which B sees rho, with normal noise."""
     rng, n = np.random.default_rng(seed), len(rho)
     one, two = rho * (1.0 + noise * rng.normal(size=(2, n)))
@@ -118,7 +141,7 @@ def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0):
     noisy_pixels.gather(
         sums, np.zeros(n, np.uint8), np.arange(n) % noisy_pixels.GROUPS, r,
         0.5 * (one + two), one * two,
-        np.full(n, floor), np.full(n, 2.0),
+        np.full(n, floor), np.full(n, ratio),
     )  # fmt: skip
     return noisy_pixels.believe(sums, 9, 2, 2, replicates)
 
@@ -161,6 +184,20 @@ def test_without_a_sample_pixels_are_as_bright_as_their_surroundings():
     many = gathered(np.full(9000, 30.0), 4, np.full(9000, 1000.0**2 / 8), noise=0.1)
     assert many.weights[0] == pytest.approx(1.0 / 900.0, rel=0.1)
     assert many.lowest > 0.95 * many.value
+
+
+@pytest.mark.parametrize("rho", [2.0, 3.0, 6.0])
+def test_the_doubt_reaches_from_what_is_believed_to_what_a_saw(rho):
+    """As far as the prior speaks, weight^share of A, and nothing at all where A saw no more."""
+    low, high = (gathered(np.full(9, rho), 4, np.full(9, 2.0), ratio=x) for x in (1e4, 1e6))
+    depth = [-math.log(found.lowest / found.value) for found in (low, high)]
+    share = (depth[1] - depth[0]) / math.log(100.0)
+    assert 0.0 < share < 1.0
+    believed = math.exp(0.5 * (math.log(1e4) - depth[0] / share))
+    assert believed == pytest.approx(rho * (1.0 - share) + share, rel=1e-4)
+    for ratio in (1.0, 0.999 * believed**2):
+        found = gathered(np.full(9, rho), 4, np.full(9, 2.0), ratio=ratio)
+        assert found.lowest == found.value
 
 
 @pytest.mark.parametrize("pixels", [1, 2, 5, 10])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from alight.core.errors import OptionError
 from alight.films import Film
@@ -54,6 +55,19 @@ def test_bars_of_normal_noise_are_no_longer_than_they_must_be(confidence):
         for seed in range(6)
     ]
     assert np.mean(held) == pytest.approx(confidence, abs=0.045)
+
+
+@pytest.mark.parametrize("replicates", [2, 3, 4, 8])
+@pytest.mark.parametrize("confidence", [0.8, 0.95])
+def test_bars_of_an_even_picture_are_students_with_five_more_degrees(replicates, confidence):
+    """Pixels alike say the same as their cells: nothing is left but the quantile."""
+    values = 1.0 + 0.01 * np.random.default_rng(replicates).normal(size=replicates)
+    means = np.tile(values[:, None], (SIZE, SIZE, 1, 3)).astype(np.float32)
+    bars = pixel_bars(means, np.full(means.shape[:3], 4), confidence)
+    error = values.std(ddof=1) / np.sqrt(replicates)
+    half = stats.t.ppf(0.5 + 0.5 * confidence, replicates - 1 + 5) * error
+    np.testing.assert_allclose(0.5 * (bars.high - bars.low), half, rtol=1e-4)
+    np.testing.assert_allclose(0.5 * (bars.high + bars.low), values.mean(), rtol=1e-6)
 
 
 def test_own_replicates_alone_would_be_far_too_sure():

@@ -98,7 +98,9 @@ class Campaign:
         return [test for test in chosen if self.sound.get(test, True)]
 
     def strangeness(self, test: str, file: str) -> int:
-        """0 for a test whose name says a model of the file, 2 for one that says another."""
+        """-1 for a test called like the file, 0 like a model in it, 2 like another one."""
+        if Path(file).stem.partition("_")[0].rstrip("s") in test:
+            return -1
         words = set(re.findall(r"[a-z]{3,}", test.partition("[")[2]))
         if models_of(self.trial.folder, file) & (words | set(test.partition("::")[2].split("_"))):
             return 0

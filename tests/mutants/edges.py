@@ -7,6 +7,18 @@ LIGHTS = "tests/edges/test_lights.py"
 
 EDGES = (
     Mutant(
+        "a checkpoint that chooses what code is run",
+        "rendering/resume.py",
+        (
+            (
+                "load_plugins(plugins)",
+                "load_plugins([*Targets.noted(notes).plugins, *plugins])",
+            ),
+        ),
+        "tests/extension/test_register.py"
+        "::test_a_checkpoint_runs_no_scripts_but_those_that_are_asked_for",
+    ),
+    Mutant(
         "models that read the rows of other models",
         "bsdfs/switch.py",
         (("where(active, row, some) * stride", "row * stride"),),

@@ -67,9 +67,23 @@ FILM = (
         "tests/metrics/test_statistics.py::test_holm_steps_down",
     ),
     Mutant(
+        "a fourth channel among the errors of the picture",
+        "films/film.py",
+        (("(sums, counts)[1][..., :3]", "(sums, counts)[1][..., :4]"),),
+        "tests/film/test_laws_of_errors.py"
+        "::test_a_fourth_channel_changes_nothing_of_the_picture_and_its_error",
+    ),
+    Mutant(
         "a base of Halton's points that is no prime",
         "samplers/halton.py",
         (("109, 113, 127", "109, 115, 127"),),
         "tests/core/test_tables_of_constants.py::test_the_bases_of_halton_are_the_first_primes",
+    ),
+    Mutant(
+        "layers that choose at glass with other random numbers than the picture",
+        "integrators/aov.py",
+        (("vertex_dimension(path.depth + 1)", "vertex_dimension(path.depth + 2)"),),
+        "tests/rendering/test_aovs.py"
+        "::test_the_layers_take_the_way_of_the_picture_sample_by_sample",
     ),
 )

@@ -131,4 +131,39 @@ KNOWN_ERROR = (
         (("(film.counts.max(initial=0)) * replicates <=", "(film.counts.max(initial=0)) <="),),
         "tests/film/test_film.py::test_machine_code_reads_films_as_numpy_does",
     ),
+    Mutant(
+        "one replicate that knows its error",
+        "metrics/own_error.py",
+        (("if replicates > 1:", "if replicates >= 1:"),),
+        "tests/metrics/test_errors_of_pictures.py"
+        "::test_one_replicate_or_one_sample_says_nothing_of_the_error",
+    ),
+    Mutant(
+        "doubt from the brightness, not from its square",
+        "metrics/noisy_pixels.py",
+        (("math.log(max(mean * mean, 1.0))", "math.log(max(mean, 1.0))"),),
+        "tests/metrics/test_noisy_pixels.py"
+        "::test_the_doubt_reaches_from_what_is_believed_to_what_a_saw",
+    ),
+    Mutant(
+        "pixels that know themselves weighed 2 % too heavily for their spread",
+        "metrics/own_error.py",
+        (("np.append(believed.weights, 1.0)", "np.append(believed.weights, 1.02)"),),
+        "tests/metrics/test_noisy_pixels.py"
+        "::test_the_freedom_of_even_pictures_is_their_number_of_pixels",
+    ),
+    Mutant(
+        "a bar of one degree of freedom fewer",
+        "metrics/pixel_bars.py",
+        (("own = np.float32(max(replicates - 1, 1))", "own = np.float32(max(replicates - 2, 1))"),),
+        "tests/metrics/test_pixel_bars.py"
+        "::test_bars_of_an_even_picture_are_students_with_five_more_degrees",
+    ),
+    Mutant(
+        "doubt about some pixels, cubed by their share",
+        "metrics/own_error.py",
+        (("(believed.value / total) ** 2", "(believed.value / total) ** 3"),),
+        "tests/metrics/test_noisy_pixels.py"
+        "::test_the_doubt_about_noisy_pixels_counts_by_their_share",
+    ),
 )

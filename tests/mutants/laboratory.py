@@ -75,4 +75,30 @@ LABORATORY = (
         (("(weight * share if d < depth else 0.0)", "0.0"),),
         f"{BOUNDS}::test_without_roulette_it_is_a_geometric_series",
     ),
+    Mutant(
+        "the longest paths in the words of their replicates",
+        "integrators/contributions.py",
+        (("minimum_u32(depth, lanes_u32((1 << HALF) - 1))", "depth"),),
+        "tests/lab/test_why.py"
+        "::test_words_hold_all_numbers_up_to_their_limits_and_the_longest_path_beyond",
+    ),
+    Mutant(
+        "the spread of a reference as if its variance were known",
+        "lab/decomposition.py",
+        (("1.0 + 1.0 / max(blocks - 1.0, 1.0)", "1.0 + 0.0 / max(blocks - 1.0, 1.0)"),),
+        "tests/lab/test_laws_of_blocks.py"
+        "::test_the_spread_of_a_reference_is_how_its_noise_moves_every_error",
+    ),
+    Mutant(
+        "a bench that looks at one channel of a lamp twice",
+        "laws/lights.py",
+        (("i + 4 * n, s.radiance.x)", "i + 4 * n, s.radiance.y)"),),
+        "tests/laws/test_compiled_benches.py::test_of_lights",
+    ),
+    Mutant(
+        "a bench that forgets a normal's y where nothing is hit",
+        "laws/shapes.py",
+        (("for_misses * g.ng.y", "for_misses"),),
+        "tests/laws/test_compiled_benches.py::test_of_shapes",
+    ),
 )

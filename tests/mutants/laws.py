@@ -160,8 +160,14 @@ LAWS = (
     Mutant(
         "a hit lamp has half the density of its samples",
         "lights/area.py",
-        (("where(cosine > 0.0, density, 0.0)", "where(cosine > 0.0, 0.5 * density, 0.0)"),),
+        (("where(hit.cosine > 0.0, density, 0.0)", "where(hit.cosine > 0.0, 0.5 * density, 0.0)"),),
         f"{LAWS_OF}[lights-area]",
+    ),
+    Mutant(
+        "a map whose mean is a tenth of a percent too high",
+        "lights/environment_map.py",
+        (("mean = [float((share", "mean = [1.001 * float((share"),),
+        f"{LAWS_OF}[lights-environment]",
     ),
     Mutant(
         "the power of a lamp as if it shone straight ahead",

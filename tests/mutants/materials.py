@@ -108,4 +108,21 @@ TEXTURES = (
         (("f * size - 0.5", "f * size"),),
         f"{BITMAPS}::test_bilinear_is_the_formula_over_an_endless_picture[mirror]",
     ),
+    Mutant(
+        "one corner of four of a picture of bytes read elsewhere",
+        "textures/bitmap.py",
+        (("_small(texels, d, table)", "_small(texels, table, d)"),),
+        "tests/textures/test_bitmap.py::test_how_a_picture_is_kept_does_not_change_it",
+    ),
+    Mutant(
+        "rows of the first material for lanes of others",
+        "bsdfs/switch.py",
+        (
+            (
+                "horizontal_max(where(active, to_float(row), 0.0))",
+                "-horizontal_max(-where(active, to_float(row), 0.0))",
+            ),
+        ),
+        "tests/sampling/test_dispatch.py::test_rows_of_other_models_are_not_read",
+    ),
 )

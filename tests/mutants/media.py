@@ -128,4 +128,16 @@ MEDIA = (
         ),
         f"{NUMBERS}::test_no_number_is_used_for_two_purposes[volpath-1]",
     ),
+    Mutant(
+        "what grey media weaken, by 2 % too little",
+        "media/tables.py",
+        (
+            (
+                "def alike(extinction, chosen, distance):\n        return lanes_vec3(1.0)",
+                "def alike(extinction, chosen, distance):\n        return lanes_vec3(1.02)",
+            ),
+        ),
+        "tests/media/test_flights.py"
+        "::test_grey_media_are_coloured_ones_of_three_equal_channels[homogeneous]",
+    ),
 )

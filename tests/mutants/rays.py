@@ -41,4 +41,33 @@ RAYS = (
         (("STRETCH = 1.0 + 2.0**-20", "STRETCH = 1.0 - 2.0**-10"),),
         f"{ORACLES}::test_every_builder_finds_the_same_hits[sah]",
     ),
+    Mutant(
+        "points of shining triangles thought to be exact",
+        "shapes/mesh.py",
+        (
+            (
+                "(wi, distance, cosine, error, density)",
+                "(wi, distance, cosine, 0.0 * error, density)",
+            ),
+        ),
+        "tests/shapes/test_robust_rays.py"
+        "::test_shadow_rays_from_the_air_do_not_meet_their_light[mesh-far]",
+    ),
+    Mutant(
+        "dp/dv of instances left in the space of their mesh",
+        "shapes/charts.py",
+        (
+            (
+                "where(instanced, along_rows(tables.data, k, across), across)",
+                "where(instanced, across, along_rows(tables.data, k, across))",
+            ),
+        ),
+        "tests/shapes/test_surfaces.py::test_instances_look_like_copies",
+    ),
+    Mutant(
+        "threads together give the right part a box of other bins",
+        "accel/top.py",
+        (("first + bins - 1)", "first + bins + 1)"),),
+        "tests/accel/test_build.py::test_the_tree_does_not_depend_on_who_divides_the_first_levels",
+    ),
 )

@@ -75,4 +75,11 @@ SCATTERING = (
         ),
         "tests/shapes/test_surfaces.py::test_normals_go_by_the_inverse_transpose",
     ),
+    Mutant(
+        "a coat of Burley's with 2 % too much density",
+        "bsdfs/burley.py",
+        (("where(right, 0.25 * d * wm.z", "where(right, 0.255 * d * wm.z"),),
+        "tests/physics/test_bsdf_formulas.py"
+        "::test_the_coat_of_burley_is_its_formula_in_value_and_density",
+    ),
 )

@@ -19,6 +19,7 @@ FOLDERS = {
     "accel images",
     "films": "film metrics known_error rendering outputs",
     "filters": "filters cameras film images",
+    "guiding": "guiding estimators rendering media images",
     "integrators": "estimators media rendering lights physics edges motion laws fuzz images",
     "lab": "lab metrics",
     "laws": "laws extension sampling physics edges lights samplers textures media",

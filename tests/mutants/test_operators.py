@@ -15,7 +15,6 @@ from tests.mutants.operators import planted, sites_of
 from tests.mutants.selection import select_tests
 
 PACKAGE = Path(alight.__file__).parent
-SITES = sites_of(PACKAGE)
 
 #: A line of kernel text, and what the operators make of it.
 LINES = (
@@ -53,29 +52,35 @@ def test_operators_write_these_slips(line, expected, tmp_path):
     assert all(lines[6].strip() == line for lines in found)
 
 
-def test_every_slip_can_be_parsed_and_has_a_name_of_its_own():
-    sources = {site.file: (PACKAGE / site.file).read_bytes() for site in SITES}
-    for site in islice(sample(SITES, 7), 300):
+@pytest.fixture(scope="module")
+def sites():
+    """All of the package."""
+    return sites_of(PACKAGE)
+
+
+def test_every_slip_can_be_parsed_and_has_a_name_of_its_own(sites):
+    sources = {site.file: (PACKAGE / site.file).read_bytes() for site in sites}
+    for site in islice(sample(sites, 7), 300):
         ast.parse(planted(sources[site.file], site))
-    assert len({site.name for site in SITES}) == len(SITES)
+    assert len({site.name for site in sites}) == len(sites)
 
 
-def test_every_file_has_tests_that_concern_it():
+def test_every_file_has_tests_that_concern_it(sites):
     root = Path(__file__).parents[2]
-    for file in {site.file for site in SITES}:
+    for file in {site.file for site in sites}:
         near, far = select_tests(root, file)
         assert len(near) + len(far) >= 4, file
 
 
-def test_a_larger_sample_begins_with_the_smaller_one():
-    first = [site.name for site in islice(sample(SITES, 3), 50)]
-    assert [site.name for site in islice(sample(SITES, 3), 80)][:50] == first
-    assert [site.name for site in islice(sample(SITES, 4), 50)] != first
+def test_a_larger_sample_begins_with_the_smaller_one(sites):
+    first = [site.name for site in islice(sample(sites, 3), 50)]
+    assert [site.name for site in islice(sample(sites, 3), 80)][:50] == first
+    assert [site.name for site in islice(sample(sites, 4), 50)] != first
     assert len({name.partition("/")[0] for name in first}) >= 8
 
 
-def test_equivalent_slips_are_still_there_and_have_reasons():
-    names = {site.name for site in SITES}
+def test_equivalent_slips_are_still_there_and_have_reasons(sites):
+    names = {site.name for site in sites}
     gone = [name for name in EQUIVALENT if name not in names]
     assert not gone, f"the text has changed: {gone}"
     assert all(len(reason) > 20 for reason in EQUIVALENT.values())

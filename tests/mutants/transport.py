@@ -76,6 +76,20 @@ TRANSPORT = (
         "::test_surfaces_that_are_not_there_change_no_sample[nothing/nothing-path]",
     ),
     Mutant(
+        "all light so far as direct light, behind a hole too",
+        "integrators/reach.py",
+        (("missed & (depth <= 2), L_direct + found,", "missed & (depth <= 2), L,"),),
+        "tests/rendering/test_in_the_twin.py"
+        "::test_the_direct_layer_is_the_picture_of_two_edges[clear]",
+    ),
+    Mutant(
+        "what a medium emits behind the second edge as direct light",
+        "integrators/volpath.py",
+        (("scattered & (path.depth <= 1)", "scattered & (path.depth <= 2)"),),
+        "tests/rendering/test_in_the_twin.py"
+        "::test_the_direct_layer_is_the_picture_of_two_edges[glow]",
+    ),
+    Mutant(
         "panes taken for holes, which shadow rays do not see",
         "bsdfs/thin_dielectric.py",
         (("lanes_u32(TRANSMISSION | DELTA)", "lanes_u32(TRANSMISSION | DELTA | 8)"),),

@@ -40,7 +40,7 @@ TURNED = (
     Mutant(
         "density of a moving light asked with the world's direction",
         "lights/moving.py",
-        (("            wi = where(moving, direction_at_rest(w, wi), wi)\n", ""),),
+        (("direction_at_rest(w, hit.wi)", "hit.wi"),),
         f"{AT_REST}::test_lights_and_their_densities_are_those_of_what_rests_there[power]",
     ),
     Mutant(

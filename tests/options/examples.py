@@ -7,16 +7,13 @@ from alight.options.kinds import (
     File,
     Files,
     Names,
-    Number,
-    Seconds,
-    Share,
     Size,
     Switch,
     Text,
     Texts,
-    Whole,
     listed,
 )
+from alight.options.quantities import Number, Seconds, Share, Whole
 
 
 def example(option):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from alight.bsdfs.burley import Burley
 from alight.bsdfs.conductor import METALS, Conductor
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.phong import SHARPEST, Phong
@@ -95,3 +96,34 @@ def test_metals_reflect_by_fresnel(metal, cosine):
     p = (index * cosine - cos_t) / (index * cosine + cos_t)
     exact = 0.5 * (np.abs(s) ** 2 + np.abs(p) ** 2)
     np.testing.assert_allclose(weight[:, 0], exact, atol=3e-6)
+
+
+@pytest.mark.parametrize("gloss", [0.0, 0.4, 0.8])
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+def test_the_coat_of_burley_is_its_formula_in_value_and_density(gloss, metallic):
+    """GTR with gamma = 1; the lobe's share is so small that no chi-squared test sees a few %."""
+    alpha2, matte = (0.1 + gloss * (0.001 - 0.1)) ** 2, 1.0 - metallic
+    rng = np.random.default_rng(8)
+    # Half vectors of the coat's own density, so that it matters.
+    cosine = np.sqrt((1.0 - alpha2 ** rng.random(4000)) / (1.0 - alpha2))
+    phi, sine = 2.0 * np.pi * rng.random(4000), np.sqrt(1.0 - cosine**2)
+    h = np.array([sine * np.cos(phi), sine * np.sin(phi), cosine]).astype(np.float32)
+    wo = np.broadcast_to(direction(0.8), h.shape).astype(float)
+    wi = 2.0 * (wo * h).sum(axis=0) * h - wo
+    h, wo, wi = (w[:, wi[2] > 0.02].astype(np.float32) for w in (h, wo, wi))
+    found = []
+    for clearcoat in (1.0, 0.0):
+        spec = Burley(metallic=metallic, roughness=0.9, clearcoat=clearcoat, clearcoat_gloss=gloss)
+        f_cos, pdf = Material(spec).evaluate(wo, wi)
+        found.append((f_cos.astype(float), pdf * (1.0 + 0.25 * clearcoat + matte)))
+    value, density = (a - b for a, b in zip(*found, strict=True))
+    wo, wi = wo.astype(float), wi.astype(float)
+    h = (wo + wi) / np.linalg.norm(wo + wi, axis=0)
+    to_h = (wo * h).sum(axis=0)
+    d = (alpha2 - 1.0) / (np.pi * np.log(alpha2) * (1.0 + (alpha2 - 1.0) * h[2] ** 2))
+    schlick = 0.04 + 0.96 * (1.0 - to_h) ** 5
+    g = [2.0 / (1.0 + np.sqrt(1.0 + (0.25 / w[2]) ** 2 * (1.0 - w[2] ** 2))) for w in (wo, wi)]
+    np.testing.assert_allclose(4.0 * density, d * h[2] / (4.0 * to_h), rtol=5e-3, atol=1e-4)
+    np.testing.assert_allclose(
+        value, np.tile(0.25 * schlick * d * g[0] * g[1] * wi[2], (3, 1)), rtol=5e-3, atol=1e-4
+    )

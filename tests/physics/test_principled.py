@@ -188,6 +188,22 @@ def test_film_is_the_sum_of_all_wavelengths():
             np.testing.assert_allclose([found.x, found.y, found.z], airy, atol=0.03)
 
 
+@pytest.mark.parametrize("cosine", [1.0, 0.5, 0.1])
+@pytest.mark.parametrize("film", [1.33, 2.0])
+def test_of_a_thick_film_intensities_add_up_channel_by_channel(cosine, film):
+    """Its fringes are finer than the eye's response: the geometric series of a glass plate."""
+    from alight.bsdfs.thin_film import film_fresnel
+
+    f0 = np.array([0.9, 0.5, 0.04])
+    found = film_fresnel(*np.float32((cosine, film, 2e5)), Vec3(*f0.astype(np.float32)))
+    base = (1.0 + np.sqrt(f0)) / (1.0 - np.sqrt(f0))
+    cos2 = np.sqrt(1.0 - (1.0 - cosine**2) / film**2)
+    r12, r0 = _unpolarised(cosine, cos2, film), ((base - film) / (base + film)) ** 2
+    r23 = r0 + (1.0 - r0) * (1.0 - cos2) ** 5
+    expected = r12 + (1.0 - r12) ** 2 * r23 / (1.0 - r12 * r23)
+    np.testing.assert_allclose([found.x, found.y, found.z], expected, rtol=1e-4)
+
+
 def _airy(cosine, film, base, thickness):
     """Linear sRGB of the unpolarised Airy reflectance."""
     k = np.linspace(1.0e6, 3.2e6, 4000)  # wave numbers, 1/m

@@ -81,17 +81,46 @@ nodes:
 """
 )
 
+#: A pane over water, between walls that shine in their colours and hardly reflect.
+PANE = (
+    HEAD.replace(
+        "ambient_occlusion",
+        "{type: path, light_sampling: bsdf, max_depth: 9, russian_roulette: none}",
+    )
+    + """
+  dark red: {type: diffuse, reflectance: [8.e-6, 2.e-6, 1.e-6]}
+  dark blue: {type: diffuse, reflectance: [1.e-6, 2.e-6, 9.e-6]}
+nodes:
+  pane: {shape: plane, bsdf: {type: dielectric, int_ior: 2, ext_ior: 1}}
+  water:
+    shape: plane
+    bsdf: {type: dielectric, int_ior: 2, ext_ior: 1}
+    transform: {translate: [0, 0, -1]}
+  ground:
+    shape: rectangle
+    bsdf: dark red
+    light: {type: area, radiance: [0.8, 0.2, 0.1]}
+    transform: [{scale: 50}, {translate: [0, 0, -3]}]
+  ceiling:
+    shape: rectangle
+    bsdf: dark blue
+    light: {type: area, radiance: [0.1, 0.2, 0.9]}
+    transform: [{scale: 50}, {rotate: {axis: x, angle: 180}}, {translate: [0, 0, 9]}]
+"""
+)
+
 
 def layers(text, *names, spp=4, compiled=False):
-    """Means (8, 8, channels) of layers by the NumPy twin."""
-    scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list", aovs=names)
+    """Means (8, 8, channels) of layers by the NumPy twin; "" is the picture."""
+    aovs = tuple(filter(None, names))
+    scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list", aovs=aovs)
     settings = make_settings(scene.integrator, seed=1, replicates=4)
     kernels = make_kernels(scene, compiled=compiled)
     ranges = np.array([[[0, spp]]], np.int64)
     film, _ = render_tile(kernels, scene, settings, Tile(0, 0, 8, 8), ranges)
     found = []
     for name in names:
-        sums = film.aovs[name].copy()
+        sums = film.aovs[name].copy() if name else film.sums.sum(axis=2)
         fixed_point.carry(sums)
         found.append(fixed_point.to_float(sums) / spp)
     return found
@@ -121,6 +150,14 @@ def test_glass_shows_fresnels_blend_of_what_it_reflects_and_refracts():
     assert np.abs(z).max() < 4.0
     share = 0.5 * (1.0 - normal.mean(axis=(0, 1))[2])
     assert abs(share - fresnel) < 4.0 * deviation
+
+
+def test_the_layers_take_the_way_of_the_picture_sample_by_sample():
+    """A denoiser is told of what is seen: by the same random numbers at each glass."""
+    picture, albedo = layers(PANE, "", "albedo_through", spp=1)
+    ways = np.unique(picture.round(3).reshape(-1, 3), axis=0)
+    assert len(ways) == 2
+    np.testing.assert_allclose(picture, 1e5 * albedo, rtol=1e-3)
 
 
 def test_mirrors_without_end_stop_after_the_stated_number_of_bounces():

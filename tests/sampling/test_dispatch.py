@@ -8,7 +8,7 @@ from alight.bsdfs.blend import Blend
 from alight.bsdfs.conductor import Conductor
 from alight.bsdfs.diffuse import UNIFORM, Diffuse
 from alight.bsdfs.mask import Mask
-from alight.bsdfs.model import STRIDE, stride_of
+from alight.bsdfs.model import BSDFS, STRIDE, stride_of
 from alight.bsdfs.phong import Phong
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.principled import Principled
@@ -17,6 +17,7 @@ from alight.bsdfs.switch import SAME_BACK
 from alight.bsdfs.two_sided import TwoSided
 from alight.compiled.materials import Packer, compile_materials
 from alight.compiled.program import Program
+from alight.core.registry import type_name_of
 from alight.laws.compiled import N, scatter
 from alight.shapes.hit import COLORS, INFO
 from alight.textures import vertex_color
@@ -60,13 +61,27 @@ def test_no_result_is_left_out_or_stands_for_another():
     assert len(np.unique(results, axis=0)) == len(results)
 
 
+TYPES = list(dict.fromkeys(spec.type_name() for spec in MIXED))
+#: Three models each: twice as many take more than twice as long to compile.
+PROGRAMS = {
+    ", ".join(names): tuple(spec for spec in MIXED if spec.type_name() in names)
+    for names in (TYPES[i : i + 3] for i in range(0, len(TYPES), 3))
+} | {
+    "one class": (Diffuse(),),
+    "one class, two-sided and uniform": (
+        TwoSided(bsdf=Diffuse(reflectance=0.2)),
+        Diffuse(sampling="uniform"),
+    ),
+}
+
+
 @pytest.mark.parametrize(
     "specs",
-    [MIXED, (Diffuse(),), (TwoSided(bsdf=Diffuse(reflectance=0.2)), Diffuse(sampling="uniform"))],
-    ids=["all models", "one class", "one class, two-sided and uniform"],
+    [*PROGRAMS.values(), pytest.param(MIXED, marks=pytest.mark.proofs)],
+    ids=[*PROGRAMS, "all models"],
 )
 def test_compiled_code_equals_the_twin(specs):
-    ids = (mixed_ids() % len(specs)).astype(np.uint32)
+    ids = mixed_ids(specs)
     compiled, twin = scatter(specs, ids, True), scatter(specs, ids, False)
     assert np.all(np.isfinite(compiled))
     # Of directions; near the horizon the cosine is the root of a small difference. Where a sample
@@ -96,6 +111,28 @@ def test_a_mixture_gives_what_each_material_gives_alone():
             together[7:11, mine], alone[7:11], rtol=2e-4, atol=2e-5, err_msg=str(spec)
         )
         assert np.isfinite(together[:, mine]).all()
+
+
+@pytest.mark.parametrize("first", [True, False], ids=["before", "after"])
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: type_name_of(model))
+def test_rows_of_other_models_are_not_read(model, first):
+    """What is a colour to one model would be the start of a table to another, beyond all tables."""
+    spec = model.EXAMPLES[-1]
+    used = Material(spec).program.bsdfs
+    other = next(s for s in (Diffuse(), Phong(), Plastic()) if s.type_name() not in used)
+    specs = (other, spec) if first else (spec, other)
+    material, found = Material(*specs), []
+    ids = np.random.default_rng(6).integers(0, 2, 256).astype(np.uint32)
+    mine = ids == specs.index(spec)
+    tables, stride = material.scene.materials, stride_of(material.program.bsdfs)
+    kinds = tables.info.array.reshape(-1, 2)[:, 0]
+    (row,) = np.flatnonzero(kinds == BSDFS[other.type_name()].number)
+    for number in (0.5, 1e9):
+        tables.data.array.reshape(-1, stride)[row] = number
+        wo, u = unit_vectors(256, 9), random_numbers(256, 10)
+        results = *material.sample(wo, u, ids), *material.evaluate(wo, unit_vectors(256, 11), ids)
+        found.append(np.vstack([np.asarray(r, float).reshape(-1, 256) for r in results])[:, mine])
+    np.testing.assert_array_equal(*found)
 
 
 def rounds_differently(spec):

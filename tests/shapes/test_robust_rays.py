@@ -10,7 +10,7 @@ from alight.lights.sampling import sample_light, shadow_ray
 from alight.scene.transform import scale, translate
 from alight.shapes.cylinder import Cylinder
 from alight.shapes.disk import Disk
-from alight.shapes.hit import Hit, spawn_origin
+from alight.shapes.hit import Hit, shadow_length, spawn_origin
 from alight.shapes.mesh import Mesh
 from alight.shapes.plane import Plane
 from alight.shapes.rectangle import Rectangle
@@ -194,6 +194,30 @@ def test_shadow_rays_do_not_meet_their_light(name, placement):
     short = (light.distance - t_max)[steep]
     assert np.all(short <= (np.broadcast_to(band, lit.shape) / light.cosine)[steep])
     assert np.median(short) < 1e-4
+
+
+@pytest.mark.parametrize("middle", [(0.0, 0.0, 0.0), (2000.0, -1000.0, 500.0)], ids=["here", "far"])
+@pytest.mark.parametrize("name", FINITE)
+def test_shadow_rays_from_the_air_do_not_meet_their_light(name, middle):
+    """In fog nothing but the light has an error, which is what counts just in front of it."""
+    rng = np.random.default_rng(9)
+    sample = instantiate(sample_light, PROGRAM, compiled=False)
+    for placement in PLACEMENTS.values():
+        place = translate(*middle).matrix @ placement
+        world = World((FINITE[name], place, Area()))
+        p = place[:3, :3] @ local_points(FINITE[name], 20_000, rng) + place[:3, 3:]
+        p += rng.normal(size=p.shape) * 10.0 ** rng.uniform(-3, 1, 20_000)
+        p, u = vec(p.astype(np.float32)), rng.random((3, 20_000), np.float32)
+        with np.errstate(all="ignore"):
+            light = sample(world.scene, p, vec(np.zeros((3, 20_000))), u[0], (u[1], u[2]), True)
+            length = shadow_length(light.distance, light.cosine, light.error, 0.0)
+        # Edge-on half of the way is searched in any case.
+        lit = (light.pdf > 0.0) & (length > 0.5 * light.distance)
+        assert lit.sum() > 2000
+        hit = world.trace(rows(p), rows(light.wi), np.where(lit, length, 1.0))
+        assert not np.isfinite(hit.t[lit]).any()
+        short = (light.distance - length)[lit & (light.cosine > 0.1)]
+        assert np.median(short) < 1e-4 + 4e-6 * np.abs(middle).max()
 
 
 @pytest.mark.parametrize("name", [name for name in FINITE if name != "cylinder"])

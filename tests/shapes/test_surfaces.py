@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from alight.core.constants import INFINITY
+from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.disk import Disk
 from alight.shapes.mesh import Mesh
 from alight.shapes.plane import Plane
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.sphere import Sphere
-from tests.shapes.tracing import PLACEMENTS, World, bounce, directions, rows, unit
+from lanewise.jit import instantiate
+from tests.shapes.tracing import PLACEMENTS, PROGRAM, World, bounce, directions, rows, unit
 
 N = 8000
 QUAD = Mesh(
@@ -164,6 +166,7 @@ def test_instances_look_like_copies():
         uvs=v[:, :2],
         colors=np.abs(v) / 10,
     )
+    derivatives = instantiate(uv_derivatives, PROGRAM, compiled=False)
     places = [PLACEMENTS[name] for name in ("sheared", "mirrored")]
     shared = World(*((mesh, place) for place in places))
     assert len(shared.shapes.instances) == 2 and len(shared.shapes.geometries) == 1
@@ -181,6 +184,11 @@ def test_instances_look_like_copies():
                 )
         ratio = got.error[found] / expected.error[found]
         assert np.all((ratio > 0.5) & (ratio < 20.0))
+        pairs = zip(derivatives(shared.scene, got), derivatives(copy.scene, expected), strict=True)
+        for mine, other in pairs:
+            mine, other = rows(mine)[:, found], rows(other)[:, found]
+            size = np.linalg.norm(other, axis=0)
+            assert np.all(np.linalg.norm(mine - other, axis=0) < 1e-4 * (1.0 + size))
 
 
 def test_compiled_surfaces_are_those_of_numpy():

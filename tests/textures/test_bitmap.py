@@ -68,6 +68,24 @@ def test_centres_show_their_texels_exactly(wrap, interpolation):
     np.testing.assert_array_equal(found, pixels.reshape(-1, 3))
 
 
+@pytest.mark.parametrize("color_space", ["linear", "srgb"])
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("whole", [np.uint8, np.uint16])
+def test_how_a_picture_is_kept_does_not_change_it(whole, channels, color_space):
+    """Bytes by a table, 16 bits and floats by themselves: the same colours, between texels too."""
+    rng = np.random.default_rng(3)
+    most = np.iinfo(whole).max
+    pixels = rng.integers(0, most, (5, 7, channels), whole, endpoint=True)
+    decoded = pixels / most if color_space == "linear" else decode_srgb(pixels / most)
+    u, v = rng.uniform(-1.0, 2.0, (2, 500))
+    for way in WAYS:
+        kept, floats = (
+            look_up(Bitmap(pixels=texels, color_space=space, interpolation=way), u, v)
+            for texels, space in ((pixels, color_space), (decoded.astype(np.float32), "linear"))
+        )
+        np.testing.assert_allclose(kept, floats, atol=2e-6)
+
+
 def wrapped(index, n, wrap):
     """Whole numbers -> columns, by the definition of each way to wrap."""
     if wrap == "repeat":

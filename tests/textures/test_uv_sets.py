@@ -199,14 +199,19 @@ def test_a_bump_map_rises_with_its_set():
     assert np.abs(found - expected).mean() < 1e-3
 
 
-def test_machine_code_agrees():
-    """All of it in one program: colours, normals and heights from three sets, with copies."""
-    noise = {"type": "noise", "space": "uv", "scale": 3, "uv_set": 1}
-    bent = {"type": "normal_map", "texture": SLOPES | {"uv_set": 2}, "bsdf": diffuse(noise)}
-    high = {"type": "bump_map", "texture": GREYS | {"uv_set": 1}, "scale": 0.1,
-            "bsdf": diffuse(COLOURS | {"uv_set": 2})}  # fmt: skip
-    both = {"type": "blend", "bsdfs": [bent, high]}
-    scene = scene_of(grid(FIRST, SECOND, GRID), both, copies=True, sun=True)
+@pytest.mark.parametrize(
+    ("relief", "texture", "colour"),
+    [
+        ({"type": "normal_map"}, SLOPES, {"type": "noise", "space": "uv", "scale": 3}),
+        ({"type": "bump_map", "scale": 0.1}, GREYS, COLOURS),
+    ],
+    ids=["normals", "heights"],
+)
+def test_machine_code_agrees(relief, texture, colour):
+    """Normals, or heights, from one set and colours from another, with copies."""
+    bsdf = diffuse(colour | {"uv_set": 1})
+    bent = relief | {"texture": texture | {"uv_set": 2}, "bsdf": bsdf}
+    scene = scene_of(grid(FIRST, SECOND, GRID), bent, copies=True, sun=True)
     film = alight.render(scene, spp=4, seed=1, threads=1, replicates=1)
     # Along edges a ray may meet the one triangle or the other.
     difference = np.abs(film.mean - picture(scene))

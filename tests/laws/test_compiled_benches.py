@@ -1,0 +1,76 @@
+"""What compares machine code with the Python text looks at all of it, number by number.
+
+A bench that forgets a channel forgets it on both sides, and every law that uses it still holds.
+"""
+
+import numpy as np
+
+from alight.bsdfs.burley import Burley
+from alight.laws.compiled import RESULTS, N, scatter
+from alight.laws.lights import light_of_points, scene_of
+from alight.laws.materials import Material, random_numbers
+from alight.laws.shapes import RESULTS as SHAPE_RESULTS
+from alight.laws.shapes import body_of, look_all
+from alight.laws.statistics import unit_vectors
+from alight.lights.sampling import sample_light
+from alight.lights.spot import Spot
+from alight.shapes.sphere import Sphere
+from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
+from lanewise.view import View
+
+
+def rows_of(*values, n):
+    """Numbers and vectors of n lanes as rows."""
+    parts = [c for v in values for c in ((v.x, v.y, v.z) if isinstance(v, Vec3) else (v,))]
+    return np.stack([np.broadcast_to(part, n).astype(float) for part in parts])
+
+
+def same(found, expected):
+    """Row by row, none of which is another one."""
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-7)
+    alike = np.array([[np.allclose(a, b) for a in expected] for b in expected])
+    np.testing.assert_array_equal(alike, np.eye(len(expected), dtype=bool))
+
+
+def test_of_materials():
+    spec = Burley(base_color=(0.6, 0.3, 0.2), roughness=0.4, metallic=0.3)
+    out = scatter([spec], np.zeros(N, np.uint32), False)
+    assert len(out) == RESULTS
+    material, wo, other = Material(spec), unit_vectors(N, 3), unit_vectors(N, 4)
+    wi, weight, pdf, flags = material.sample(wo, random_numbers(N, 1))
+    f_cos, density = material.evaluate(wo, other)
+    same(out[:11], rows_of(*wi, *weight, pdf, *f_cos, density, n=N))
+    np.testing.assert_allclose(out[11:14], np.tile([[0.6], [0.3], [0.2]], N), rtol=1e-6)
+    np.testing.assert_array_equal(out[14], flags)
+
+
+def test_of_shapes():
+    body, n = body_of(Sphere(), "turned"), 2048
+    o, d = (np.ascontiguousarray(v[:, :n]) for v in body.lines(7))
+    out = View(np.zeros((SHAPE_RESULTS, n), np.float32))
+    body.run(look_all, body.scene, View(o), View(d), out, n)
+    hit, g = body.hit(o, d, np.ones(n, bool))
+    found = np.isfinite(hit.t)
+    assert 0.2 < found.mean() < 1.0
+    seen = rows_of(hit.t, g.p, g.ng, g.s.x, g.s.y, g.u, g.v, n=n)[:, found]
+    same(out.shaped[:11, found], seen)
+    np.testing.assert_array_equal(out.shaped[11], np.where(found, 0.0, -1.0))
+    np.testing.assert_array_equal(out.shaped[0, ~found], -1.0)
+    np.testing.assert_array_equal(out.shaped[1:11, ~found], 0.0)
+
+
+def test_of_lights():
+    scene, n = scene_of(Spot(intensity=(3.0, 2.0, 1.0))), 2048
+    points = np.ascontiguousarray(5.0 * unit_vectors(n, 5), np.float32)
+    u, out = np.random.default_rng(2).random((3, n), np.float32), View(np.zeros((8, n), np.float32))
+    kernels = (
+        instantiate(k, scene.program, compiled=False) for k in (light_of_points, sample_light)
+    )
+    with np.errstate(all="ignore"):
+        bench, sample = kernels
+        bench(scene.tables, View(points), View(u), out, n)
+        p = Vec3(*points)
+        s = sample(scene.tables, p, p, u[0], (u[1], u[2]), np.ones(n, bool))
+    same(out.shaped[:7], rows_of(s.wi, s.distance, s.radiance, n=n))
+    np.testing.assert_array_equal(out.shaped[7], np.broadcast_to(s.pdf, n))
