@@ -106,8 +106,8 @@ def compile_scene(
     threads : int
         For building the BVH.
     emits : bool
-        Make the tables of `alight.lights.emission_sampling`, which integrators that trace light
-        paths have anyway.
+        Make the tables of `alight.lights.emission_sampling`, which integrators that splat have
+        anyway.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def compile_scene(
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights
-    emits = emits or flat.integrator.traces_light_paths
+    emits = emits or flat.integrator.splats
     lights = compile_lights(flat, shapes, choice, compensated=flat.integrator.combines, emits=emits)
     tables = SceneTables(
         shapes=shapes.tables,

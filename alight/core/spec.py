@@ -312,11 +312,6 @@ class Integrator(Spec):
         return False
 
     @property
-    def traces_light_paths(self) -> bool:
-        """Whether paths start at lights."""
-        return self.splats
-
-    @property
     def finds_light_by_chance(self) -> bool:
         """Whether no path is led to a light."""
         return False

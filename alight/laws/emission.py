@@ -98,14 +98,13 @@ def scenes_with(spec: Light) -> list[Scene]:
 def declared_power(scene: Scene) -> float:
     """Power in W of all lights of a scene."""
     flat = flatten(scene)
-    shapes = compile_shapes(flat)
-    total = 0.0
+    shapes, total = compile_shapes(flat), 0.0
     placed = [(s.light, i) for i, s in enumerate(flat.shapes) if s.light is not None]
     placed += [(light.light, -1) for light in (*flat.lights, *flat.environments)]
     for light, source in placed:
         area = sum(row.areas.sum() for row in shapes.rows if row.source == source)
-        power = LIGHTS[light.type_name()].power
-        total += power(mean_radiance(light), float(area), shapes.radius)
+        model = LIGHTS[light.type_name()]
+        total += model.power(mean_radiance(light), float(area), shapes.radius)
     return total
 
 

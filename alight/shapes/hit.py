@@ -35,12 +35,12 @@ Geometry = namedtuple("Geometry", "p error ng ns s t u v color")
 #: the angle between -wi and the outer normal; error: as in `Surface`; pdf: per solid angle.
 ShapeSample = namedtuple("ShapeSample", "wi distance cosine error pdf")
 
-#: A point of a shape that a ray from elsewhere has hit: prim as in `Hit`, the rest as a sample's.
-ShapeHit = namedtuple("ShapeHit", "prim wi distance cosine")
-
 #: A point chosen on a shape by its area. p: before what moves has moved; u, v, prim: as in `Hit`;
 #: pdf: per square metre.
 AreaSample = namedtuple("AreaSample", "p u v prim pdf")
+
+#: A point of a shape that a ray from elsewhere has hit: prim as in `Hit`, the rest as a sample's.
+ShapeHit = namedtuple("ShapeHit", "prim wi distance cosine")
 
 #: Arrays of the shapes, see `alight.compiled.shapes`.
 ShapeTables = namedtuple("ShapeTables", "info data faces vertices normals uvs colors uv_shifts")

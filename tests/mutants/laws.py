@@ -62,8 +62,8 @@ LAWS = (
         "filters/mitchell.py",
         (
             (
-                "profile(x / half, spec.b, spec.c), spec.radius, change)",
-                "profile(x / half, spec.b, spec.c), spec.radius)",
+                "polynomial(x / half, spec.b, spec.c), spec.radius, change)",
+                "polynomial(x / half, spec.b, spec.c), spec.radius)",
             ),
         ),
         f"{LAWS_OF}[filters-mitchell]",
