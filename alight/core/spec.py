@@ -283,10 +283,9 @@ class Integrator(Spec):
     sees_media : bool
         Media play their part; those that follow light must say so.
     transports : bool
-        Its picture is the light of all paths with at most `longest_path` edges: the same as that
-        of every other integrator of this kind.
+        Its picture is the light of all paths of at most `longest_path` edges, as of all its kind.
     splats : bool
-        All its paths start at lights and find their pixels by themselves.
+        All its paths start at lights and find their own pixels.
     """
 
     family: ClassVar[str] = "integrators"
@@ -324,11 +323,8 @@ class Integrator(Spec):
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.
 
-        Parameters
-        ----------
-        radiance, weight, start : float
-            Of the brightest light; largest weight f cos / pdf of a sampled direction; largest one
-            of a camera ray.
+        `radiance` is that of the brightest light, `weight` the largest weight f cos / pdf of a
+        sampled direction, `start` that of a camera ray.
         """
         return None
 
