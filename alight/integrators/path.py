@@ -55,7 +55,7 @@ from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, tran
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
-from alight.core.vec import max_component
+from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.guided import (
     NOWHERE,
     guide_at,
@@ -266,7 +266,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         arrived = replace(path, active=active)
         wi, weight, pdf, flags = next_direction(scene, settings, arrived, here, surface, wo)
         beta = path.beta * weight
-        brightness = max_component(beta)
+        # Filters with negative lobes weigh some paths negatively.
+        brightness = max_component(absolute_vec3(beta))
         # Not "brightness > 0": a NaN must live on and be counted by the film.
         active = active & ~(brightness <= 0.0)
         d = to_world(surface, wi)

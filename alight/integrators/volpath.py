@@ -22,7 +22,7 @@ from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
-from alight.core.vec import max_component
+from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.options import PathTracing
 from alight.integrators.path import (
     BY_BSDF,
@@ -168,8 +168,10 @@ def step(program):
             passing, active = passing | hole, active & ~hole
         turn = turn_in_medium(scene, path, u2, active & scattered, turn)
         beta = path.beta * turn.weight
+        # Filters with negative lobes weigh some paths negatively.
+        largest = max_component(absolute_vec3(beta))
         # Not "largest > 0": a NaN must live on and be counted by the film.
-        active = active & ~(max_component(beta) <= 0.0)
+        active = active & ~(largest <= 0.0)
         d = where(passing, path.d, turn.d)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         medium = medium_beyond(scene, surface, d, path.medium)
@@ -183,7 +185,7 @@ def step(program):
         )  # fmt: skip
         if roulette:
             # The weight of a channel alone may be large.
-            brightness = max_component(beta) / mean(path.ours)
+            brightness = largest / mean(path.ours)
             if refracting:
                 # A path in glass is not dim: it regains on the way out what it lost on the way in.
                 gathered = concentration(scene, surface, wi)
