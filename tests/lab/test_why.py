@@ -140,7 +140,8 @@ def test_words_hold_all_numbers_up_to_their_limits_and_the_longest_path_beyond()
         View(np.zeros(1, np.int64)), None, None,
     )  # fmt: skip
     run = instantiate(write, Program(), compiled=False)
-    run(log, path, light, depth, how, first, np.ones(n, bool), Vec3(*np.ones((3, n), np.float32)))
+    found = SimpleNamespace(light=light, depth=depth, how=how, first=first)
+    run(log, path, found, np.ones(n, bool), Vec3(*np.ones((3, n), np.float32)))
     assert log.count.array[0] == n
     place, sample, lamp, what = log.words.shaped.T
     depth = np.minimum(depth, 65535)

@@ -77,11 +77,4 @@ AGREEMENT = (
         "tests/metrics/test_agreement.py"
         "::test_the_figures_beside_a_verdict_are_those_of_its_blocks_and_pictures",
     ),
-    Mutant(
-        "no rows at a time where a block has more",
-        "metrics/block_sums.py",
-        (("max(1, _STRIP // block)", "min(1, _STRIP // block)"),),
-        "tests/metrics/test_block_sums.py"
-        "::test_how_many_rows_are_worked_on_at_a_time_does_not_matter",
-    ),
 )

@@ -78,7 +78,7 @@ LABORATORY = (
     Mutant(
         "the longest paths in the words of their replicates",
         "integrators/contributions.py",
-        (("minimum_u32(depth, lanes_u32((1 << HALF) - 1))", "depth"),),
+        (("minimum_u32(found.depth, lanes_u32((1 << HALF) - 1))", "found.depth"),),
         "tests/lab/test_why.py"
         "::test_words_hold_all_numbers_up_to_their_limits_and_the_longest_path_beyond",
     ),

@@ -114,15 +114,4 @@ TEXTURES = (
         (("_small(texels, d, table)", "_small(texels, table, d)"),),
         "tests/textures/test_bitmap.py::test_how_a_picture_is_kept_does_not_change_it",
     ),
-    Mutant(
-        "rows of the first material for lanes of others",
-        "bsdfs/switch.py",
-        (
-            (
-                "horizontal_max(where(active, to_float(row), 0.0))",
-                "-horizontal_max(-where(active, to_float(row), 0.0))",
-            ),
-        ),
-        "tests/sampling/test_dispatch.py::test_rows_of_other_models_are_not_read",
-    ),
 )
