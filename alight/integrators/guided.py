@@ -149,7 +149,9 @@ def survival_of(settings, path, here, only_delta):
     Those that will add little to their pixel end. Where only delta lobes scatter light, which leave
     no records, most go on.
     """
-    left = absolute(luminance(path.beta)) * here.gain / pixel_luminance(settings.guide, path.sampler)
+    left = (
+        absolute(luminance(path.beta)) * here.gain / pixel_luminance(settings.guide, path.sampler)
+    )
     # Without anything learnt, nothing is known to be small.
     playing = (here.gain > 0.0) & (path.depth > 0)
     survival = where(playing, minimum(maximum(left * WINDOW, LEAST), 1.0), 1.0)

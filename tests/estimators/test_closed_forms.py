@@ -54,10 +54,14 @@ nodes:
     )
 
 
-@pytest.mark.parametrize("integrator", ["{type: path}", "{type: volpath}", '{type: path, guiding: "on"}'])
+@pytest.mark.parametrize(
+    "integrator", ["{type: path}", "{type: volpath}", '{type: path, guiding: "on"}']
+)
 def test_filters_with_negative_lobes_keep_the_radiance_of_a_furnace(tmp_path, integrator):
     """Paths of negative weight go on like all others; without their light it would be too much."""
-    text = furnace(integrator).replace("film: {size: [24, 24]}", "film: {size: [24, 24], filter: mitchell}")
+    text = furnace(integrator).replace(
+        "film: {size: [24, 24]}", "film: {size: [24, 24], filter: mitchell}"
+    )
     assert_mean(render(tmp_path, text, spp=1024), np.array([1, 2, 3]) / (1 - 0.5))
 
 

@@ -95,4 +95,11 @@ TRANSPORT = (
         (("lanes_u32(TRANSMISSION | DELTA)", "lanes_u32(TRANSMISSION | DELTA | 8)"),),
         "tests/sampling/test_holes_of_materials.py",
     ),
+    Mutant(
+        "paths that a filter weighs negatively end",
+        "integrators/path.py",
+        (("max_component(absolute_vec3(beta))", "max_component(beta)"),),
+        "tests/estimators/test_closed_forms.py"
+        "::test_filters_with_negative_lobes_keep_the_radiance_of_a_furnace",
+    ),
 )
