@@ -74,6 +74,7 @@ from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
     count_lanes,
+    gather_light,
     to_local,
     to_world,
     vertex_dimension,
@@ -313,7 +314,7 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
 
     @kernel
     def add_direct_light(scene, settings, path, surface, wo, active, here):
-        L, L_direct, rays, depth = path.L, path.L_direct, path.rays, path.depth + 1
+        rays, depth = path.rays, path.depth + 1
         dimension = vertex_dimension(depth)
         n = lit_normal(surface.ns, wo)
         light = sample_light(
@@ -343,11 +344,10 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
                 lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
                 w = light_weight(light, pdf)
             Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
-            L = where(lit, L + Ld, L)
-            L_direct = where(lit & (depth + passed <= 1), L_direct + Ld, L_direct)
+            path = gather_light(path, Ld, lit, depth + passed <= 1)
             if recorded:
                 sample(scene, path, surface.p, n, passed, lit, Ld)
-        return replace(path, L=L, L_direct=L_direct, rays=rays)
+        return replace(path, rays=rays)
 
     return add_direct_light
 

@@ -7,10 +7,10 @@ In multiple importance sampling this is the technique of the BSDF; the factories
 from __future__ import annotations
 
 from alight.core.vec import length
+from alight.integrators.walk import gather_light
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.misses import environment_pdf, environment_radiance
 from lanewise.jit import kernel
-from lanewise.records import replace
 from lanewise.simd import any_lane, where
 
 
@@ -20,18 +20,17 @@ def write_reach_environment(bsdf_weight, listeners):
 
     @kernel
     def reach_environment(scene, path, missed):
-        L, L_direct, depth = path.L, path.L_direct, path.depth + 1
+        depth = path.depth + 1
         if any_lane(missed):
             # Idle lanes all read the same texel, which costs no memory traffic.
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
             w = bsdf_weight(path, environment_pdf(scene, path.p, d))
             found = path.beta * Le * w
-            L = where(missed, L + found, L)
-            L_direct = where(missed & (depth <= 2), L_direct + found, L_direct)
+            path = gather_light(path, found, missed, depth <= 2)
             if recorded:
                 leave(scene, path, depth, missed, found)
-        return replace(path, L=L, L_direct=L_direct)
+        return path
 
     return reach_environment
 
@@ -42,7 +41,7 @@ def write_reach_lamp(bsdf_weight, holes, listeners):
 
     @kernel
     def reach_lamp(scene, path, hit, surface, active):
-        L, L_direct, depth = path.L, path.L_direct, path.depth + 1
+        depth = path.depth + 1
         shining = active & (surface.light != 0)
         if any_lane(shining):
             distance = hit.t
@@ -53,10 +52,9 @@ def write_reach_lamp(bsdf_weight, holes, listeners):
             pdf = light_pdf(scene, surface.light, path.p, path.d, distance, surface)
             w = bsdf_weight(path, pdf)
             found = path.beta * Le * w
-            L = where(shining, L + found, L)
-            L_direct = where(shining & (depth <= 2), L_direct + found, L_direct)
+            path = gather_light(path, found, shining, depth <= 2)
             if recorded:
                 find(scene, path, surface.light, depth, shining, found)
-        return replace(path, L=L, L_direct=L_direct)
+        return path
 
     return reach_lamp

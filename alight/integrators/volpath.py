@@ -48,6 +48,7 @@ from alight.integrators.walk import (
     LIGHT_POINT,
     UNLIMITED,
     count_lanes,
+    gather_light,
     to_local,
     to_world,
     vertex_dimension,
@@ -259,9 +260,7 @@ def _shine(scene, path, t, albedo, scattered):
     Le = emission(scene, where(scattered, path.medium, 0), path.o + t * path.d)
     absorbed = lanes_vec3(1.0) - albedo
     emitted = path.beta * absorbed * Le * (1.0 / mean(path.ours))
-    L = where(scattered, path.L + emitted, path.L)
-    L_direct = where(scattered & (path.depth <= 1), path.L_direct + emitted, path.L_direct)
-    return replace(path, L=L, L_direct=L_direct)
+    return gather_light(path, emitted, scattered, path.depth <= 1)
 
 
 @specialised
@@ -315,7 +314,7 @@ def _write_add_direct_light(chosen_weight, by_light):
 
     @kernel
     def add_direct_light(scene, path, surface, wo, p, scattered, active):
-        L, L_direct, rays = path.L, path.L_direct, path.rays
+        rays = path.rays
         dimension = vertex_dimension(path.steps)
         # Media have no normal.
         n = where(scattered, lanes_vec3(0.0), lit_normal(surface.ns, wo))
@@ -343,9 +342,8 @@ def _write_add_direct_light(chosen_weight, by_light):
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost
             Ld = path.beta * f_cos * light.radiance * crossing.passed * w
-            L = where(lit, L + Ld, L)
-            L_direct = where(lit & (path.depth == 0), L_direct + Ld, L_direct)
-        return replace(path, L=L, L_direct=L_direct, rays=rays)
+            path = gather_light(path, Ld, lit, path.depth == 0)
+        return replace(path, rays=rays)
 
     return add_direct_light
 

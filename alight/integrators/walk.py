@@ -129,6 +129,20 @@ def start_paths(program):
     return model_of(program).start_paths or begin_paths
 
 
+@kernel(strict=True)
+def gather_light(path, found, mask, direct):
+    """Add what paths have found in the lanes of the mask; `direct`: their paths have two edges.
+
+    Strict, so that the sum is not fused with the last product of `found`: the compiler would decide
+    that by how often it is used, and a picture would have other bits with the layer "direct".
+    """
+    return replace(
+        path,
+        L=where(mask, path.L + found, path.L),
+        L_direct=where(mask & direct, path.L_direct + found, path.L_direct),
+    )
+
+
 @kernel
 def count_lanes(mask):
     """In how many lanes the mask holds."""

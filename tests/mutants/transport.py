@@ -41,7 +41,7 @@ TRANSPORT = (
     Mutant(
         "direct light ends one edge too early",
         "integrators/reach.py",
-        (("shining & (depth <= 2)", "shining & (depth <= 1)"),),
+        (("found, shining, depth <= 2)", "found, shining, depth <= 1)"),),
         f"{TWIN}::test_the_direct_layer_is_the_picture_of_two_edges",
     ),
     Mutant(
@@ -77,15 +77,15 @@ TRANSPORT = (
     ),
     Mutant(
         "all light so far as direct light, behind a hole too",
-        "integrators/reach.py",
-        (("missed & (depth <= 2), L_direct + found,", "missed & (depth <= 2), L,"),),
+        "integrators/walk.py",
+        (("path.L_direct + found, path.L_direct", "path.L + found, path.L_direct"),),
         "tests/rendering/test_in_the_twin.py"
         "::test_the_direct_layer_is_the_picture_of_two_edges[clear]",
     ),
     Mutant(
         "what a medium emits behind the second edge as direct light",
         "integrators/volpath.py",
-        (("scattered & (path.depth <= 1)", "scattered & (path.depth <= 2)"),),
+        (("scattered, path.depth <= 1)", "scattered, path.depth <= 2)"),),
         "tests/rendering/test_in_the_twin.py"
         "::test_the_direct_layer_is_the_picture_of_two_edges[glow]",
     ),
