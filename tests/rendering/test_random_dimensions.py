@@ -13,9 +13,21 @@ import numpy as np
 import pytest
 
 from alight.core.registry import modules
+from alight.integrators.guided import GUIDE
+from alight.integrators.light import LENS_POINT, PIXEL
 from alight.integrators.moments import TIME
-from alight.integrators.volume_walk import CHANNEL
-from alight.integrators.walk import CAMERA_DIMENSIONS, FILTER, LENS
+from alight.integrators.volume_walk import CHANNEL, FREE_FLIGHT
+from alight.integrators.walk import (
+    BSDF_CHOICE,
+    BSDF_DIRECTION,
+    CAMERA_DIMENSIONS,
+    FILTER,
+    LENS,
+    LIGHT_CHOICE,
+    LIGHT_POINT,
+    ROULETTE,
+    VERTEX_DIMENSIONS,
+)
 from alight.media import tables
 from alight.samplers import independent
 from tests.rendering.many_paths import compiled, followed
@@ -72,6 +84,8 @@ EXAMPLES = {
     f"{type(spec).type_name()}-{i}": spec
     for model in modules("integrators")
     for i, spec in enumerate(model.EXAMPLES)
+    # Paths from lights do not start at pixels; see the last test.
+    if not spec.splats
 }
 
 
@@ -170,3 +184,12 @@ def test_dimensions_of_the_camera_lie_before_those_of_vertices():
     places = [FILTER, FILTER + 1, LENS, LENS + 1, TIME, CHANNEL]
     assert len(set(places)) == len(places)
     assert max(places) < CAMERA_DIMENSIONS
+
+
+@pytest.mark.parametrize("own", [{PIXEL: 2, LENS_POINT: 2}, {GUIDE: 1}, {FREE_FLIGHT: 1}])
+def test_numbers_of_a_vertex_have_places_of_their_own(own):
+    """Those of light tracing, of guides and of media, beside those that all paths have."""
+    widths = {LIGHT_CHOICE: 1, LIGHT_POINT: 2, BSDF_CHOICE: 1, BSDF_DIRECTION: 2, ROULETTE: 1}
+    taken = [place + k for place, n in (*widths.items(), *own.items()) for k in range(n)]
+    assert len(set(taken)) == len(taken) == sum(widths.values()) + sum(own.values())
+    assert max(taken) < VERTEX_DIMENSIONS
