@@ -119,7 +119,7 @@ def trained(
     film = _framed(guide.box.array, guide.picture.shaped, scene.size)
     guide = guide._replace(blocks=View(film.blocks))
     took = Training(
-        cpu_seconds=trainer.cpu_seconds,
+        cpu_seconds=sum(trainer.seconds),
         paths=trainer.paths,
         vertices=trainer.vertices,
         leaves=guide.roots.size,
@@ -152,7 +152,9 @@ class _Trainer:
         self.add = instantiate(add_records)
         self.local = threading.local()
         self.unit = 0.0
-        self.cpu_seconds, self.paths, self.vertices = 0.0, 0, 0
+        # Threads append, which loses nothing.
+        self.seconds: list[float] = []
+        self.paths = self.vertices = 0
 
     def train(self, seed: int, rounds: int) -> Guide:
         """Run all rounds."""
@@ -176,7 +178,7 @@ class _Trainer:
                 tree.learn(found.totals, self.unit, asked=number > 0)
                 if number + 1 < rounds:
                     tree = tree.grown(found.totals.leaves.shaped[:, 0], MOST_NODES)
-        self.cpu_seconds += time.thread_time() - began
+        self.seconds.append(time.thread_time() - began)
         return tree.guide(frame)
 
     def _round(
@@ -224,7 +226,7 @@ class _Trainer:
             self.local.scratch = Scratch()
         film = self.local.scratch.film(settings, tile, False)
         self.kernel(self.tables, settings._replace(log=log), tile, ranges, film)
-        self.cpu_seconds += time.thread_time() - began
+        self.seconds.append(time.thread_time() - began)
         return log._replace(rows=View(log.rows.shaped[: int(log.count.array[0])].copy()))
 
     def _sums(self, guide: Guide, tree: Tree, logs: Sequence[Log]) -> Totals:
@@ -233,7 +235,7 @@ class _Trainer:
         for log in logs:
             if log.rows.size:
                 self.add(guide, log, totals, np.float32(self.unit))
-        self.cpu_seconds += time.thread_time() - began
+        self.seconds.append(time.thread_time() - began)
         return totals
 
 
