@@ -23,8 +23,11 @@ from lanewise.jit import instantiate
 
 FAMILIES = ("bsdfs", "lights", "integrators", "media", "phases", "textures", "cameras", "filters")
 
-#: Fields whose claim is tested by pictures: tests/lights and `alight.laws.integrators`.
-BY_PICTURES = {"light_sampling", "light_choice", "heuristic", "russian_roulette", "rr_depth"}
+#: Fields whose claim is tested by pictures: tests/lights, tests/guiding and
+#: `alight.laws.integrators`.
+BY_PICTURES = {
+    "light_sampling", "light_choice", "heuristic", "russian_roulette", "rr_depth", "guiding"
+}  # fmt: skip
 
 N = 512
 

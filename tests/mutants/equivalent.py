@@ -52,7 +52,7 @@ EQUIVALENT: dict[str, str] = {
     "lights/environment.py sample: turn - 1.0 -> ((turn) + (1.0))": (
         "sine and cosine of whole turns more or less are the same"
     ),
-    "lights/projector.py sample: 1e-6 -> 1.02e-06": (
+    "lights/projector.py brightness_of: 1e-6 -> 1.02e-06": (
         "points within a millionth of the projector's own plane, which its picture never reaches"
     ),
     "media/tables.py pick.the_first: v.x -> v.y": ("chosen where all three channels are alike"),
