@@ -16,7 +16,6 @@ FRAME = Frame(
     picture=np.ones((1, 1), np.float32),
     blocks=np.zeros(3, np.uint32),
 )
-ALL = np.ones(1, bool)
 
 
 def random_tree(seed: int, rounds: int = 4) -> Tree:
@@ -32,12 +31,6 @@ def random_tree(seed: int, rounds: int = 4) -> Tree:
         tree.learn(Totals(View(cells.astype(np.int64)), View(leaves)), 1.0, asked=number > 0)
         tree = tree.grown(counts, 1 << 14)
     return tree
-
-
-def directions(rng: np.random.Generator, n: int) -> Vec3:
-    """Unit vectors, uniform on the sphere."""
-    w = rng.standard_normal((3, n))
-    return Vec3(*(w / np.linalg.norm(w, axis=0)).astype(np.float32))
 
 
 def test_the_map_of_directions_has_an_inverse_and_equal_areas():
@@ -140,17 +133,29 @@ def test_directions_have_the_density_that_is_told(seed, leaves):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_densities_integrate_to_one(seed):
-    """By uniform directions, over all leaves together."""
+def test_densities_are_the_weights_of_quadrants(seed):
+    """In the middle of each undivided quadrant; with their areas they sum to one."""
     tree = random_tree(seed)
     guide = tree.guide(FRAME)
-    rng = np.random.default_rng(seed)
-    n = 400_000
-    leaves = rng.integers(0, len(tree.roots), n).astype(np.uint32)
-    density = 4.0 * np.pi * direction_density(guide, leaves, directions(rng, n), np.ones(n, bool))
-    error = density.std() / np.sqrt(n)
-    assert abs(density.mean() - 1.0) < 4.5 * error
-    assert error < 0.02
+    for leaf in range(0, len(tree.roots), 7):
+        quadrants, waiting = [], [(int(tree.roots[leaf]), 0.0, 0.0, 0.5)]
+        while waiting:
+            node, x, y, size = waiting.pop()
+            for place in range(4):
+                corner = x + size * (place % 2), y + size * (place // 2)
+                child = int(tree.children[node, place])
+                if child:
+                    waiting.append((child, *corner, size / 2))
+                else:
+                    quadrants.append((*corner, size, tree.weight[node, place]))
+        x, y, size, weight = np.array(quadrants).T
+        w = square_to_sphere(*((v + size / 2).astype(np.float32) for v in (x, y)))
+        n = len(size)
+        density = direction_density(guide, np.full(n, leaf, np.uint32), w, np.ones(n, bool))
+        share = 4.0 * np.pi * density * size**2
+        assert share.sum() == pytest.approx(1.0, abs=1e-4)
+        # Ten bits for each half of each level.
+        assert np.abs(share - weight / weight.sum()).max() < 5e-3
 
 
 def test_weights_follow_the_root_of_moment_times_area():

@@ -11,13 +11,13 @@ GUIDING = (
         "a density without the Jacobian of the map",
         "guiding/lookup.py",
         (("lanes(1.0), lanes(INV_FOUR_PI)", "lanes(1.0), lanes(4.0 * INV_FOUR_PI)"),),
-        f"{TREE}::test_densities_integrate_to_one",
+        f"{TREE}::test_densities_are_the_weights_of_quadrants",
     ),
     Mutant(
         "a density that is a percent too large",
         "guiding/lookup.py",
         (("density * (4.0 * share)", "density * (4.02 * share)"),),
-        f"{TREE}::test_densities_integrate_to_one",
+        f"{TREE}::test_densities_are_the_weights_of_quadrants",
     ),
     Mutant(
         "columns of the other row",
@@ -28,13 +28,13 @@ GUIDING = (
                 "where(lower, parts >> (2 * PART_BITS), parts >> PART_BITS)",
             ),
         ),
-        f"{TREE}::test_directions_have_the_density_that_is_told",
+        f"{TREE}::test_densities_are_the_weights_of_quadrants",
     ),
     Mutant(
         "light sampling does not know the guide",
         "integrators/guided.py",
         (("return mixed(here.share, of_guide, of_bsdf)", "return of_bsdf"),),
-        SAME,
+        f"{RENDERS}::test_light_sampling_knows_the_guide",
     ),
     Mutant(
         "delta lobes where the guide leads",
@@ -45,12 +45,6 @@ GUIDING = (
                 "where(smooth, weight, found.weight)",
             ),
         ),
-        SAME,
-    ),
-    Mutant(
-        "a guide for mirrors",
-        "integrators/guided.py",
-        (("share = where(only_delta, 0.0, here.share)", "share = here.share"),),
         SAME,
     ),
     Mutant(
