@@ -1,1 +1,1 @@
-"""Path guiding: where light comes from, learnt while rendering, as densities to sample."""
+"""Path guiding: where light comes from, learnt before the picture is rendered."""

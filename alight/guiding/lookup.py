@@ -45,16 +45,10 @@ def leaf_at(guide, p):
 @kernel
 def child_of(word, place):
     """The node that divides a quadrant further, or 0; word: the second one of its node."""
-    divided = word & (word_of_one(QUADRANTS) - 1)
-    before = divided & (word_of_one(place) - 1)
+    divided = word & ((1 << QUADRANTS) - 1)
+    before = divided & ((lanes_u32(1) << place) - 1)
     count = (before & 1) + ((before >> 1) & 1) + ((before >> 2) & 1)
     return where(((divided >> place) & 1) != 0, (word >> QUADRANTS) + count, 0)
-
-
-@kernel
-def word_of_one(shift):
-    """1 shifted to the left."""
-    return lanes_u32(1) << shift
 
 
 @kernel

@@ -99,11 +99,11 @@ def record_vertices(log, path, drawn, mask):
 
 @kernel
 def record_ends(log, path, finished):
-    """Keep the luminance of finished samples."""
+    """Keep the luminance of finished samples, in training."""
     values, numbers = local_floats(16), local_uints(16)
     store_lanes(values, 0, luminance(path.L))
     store_lanes(numbers, 0, sample_number(log.window, path.sampler))
-    bits = mask_bits(finished) if log.ends.size > 0 else 0
+    bits = mask_bits(finished)
     while bits != 0:
         lane = trailing_zeros(bits)
         bits &= bits - 1

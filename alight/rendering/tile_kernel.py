@@ -224,7 +224,7 @@ def finish(program):
         finished = before & ~path.active
         if any_lane(finished):
             add_finished(settings, tile, film, path, finished)
-            if guided:
+            if guided and settings.log.ends.size > 0:
                 record_ends(settings.log, path, finished)
 
     return finish
