@@ -45,7 +45,7 @@ from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
 from lanewise.jit import instantiate
-from lanewise.machine import lanes_of_machine
+from lanewise.simd import LANES
 from lanewise.vec3 import Vec3
 from lanewise.view import View
 from tests.laws.test_scene_check import SCENE
@@ -129,7 +129,7 @@ def test_a_log_without_room_is_made_larger(recorded, monkeypatch):
 
 def test_words_hold_all_numbers_up_to_their_limits_and_the_longest_path_beyond():
     """The last contribution does not fit: it is counted, and written nowhere."""
-    n, rng = lanes_of_machine(), np.random.default_rng(7)
+    n, rng = int(LANES), np.random.default_rng(7)
     room = n - 1
     x, y, replicate, first = rng.integers(0, 1 << 16, (4, n), np.uint32)
     depth = np.resize(np.array([1, 2, 65535, 65536, 2**31], np.uint32), n)
