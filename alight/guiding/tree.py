@@ -150,7 +150,7 @@ class Tree:
 
     def _area(self) -> NDArray[np.float64]:
         """(nodes, 1): of each of a node's quadrants."""
-        return 0.25 ** (self.level + 1.0)[:, None]
+        return np.power(0.25, self.level + 1.0)[:, None]
 
     def empty_totals(self) -> Totals:
         """Room for the sums of a round."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.core.equal_area import sphere_to_square, square_to_sphere
-from alight.core.vec import Vec3
+from alight.core.vec import Vec3, length
 from alight.guiding.lookup import Place, direction_density, draw_direction, leaf_at, place_at
 from alight.guiding.parallax import NEAR, Focus, from_middle, from_point
 from alight.guiding.records import CHOICES, UNITS, Totals
@@ -248,7 +248,7 @@ def test_directions_are_moved_to_the_middle_of_a_leaf_and_back():
         focus = Focus(o, np.ones(n, np.float32))
         seen, spread = from_middle(focus, w)
         back, again = from_point(focus, seen)
-        assert np.abs(np.array(back) - np.array(w)).max() < 2e-6
+        assert length(back - w).max() < 2e-6
         assert np.abs(again / spread - 1.0).max() < 1e-5
         # Uniform directions have the density 1 / spread there: its mean over the sphere is one.
         _, spread = from_point(focus, w)
