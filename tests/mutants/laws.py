@@ -146,6 +146,24 @@ LAWS = (
         f"{LAWS_OF}[lights-point]",
     ),
     Mutant(
+        "light at a point softened near it",
+        "lights/at_point.py",
+        (("where(apart, 1.0 / squared, 0.0)", "where(apart, 1.0 / (squared + 4e-4), 0.0)"),),
+        f"{LAWS_OF}[lights-point]",
+    ),
+    Mutant(
+        "the mean of a spot 0.3 % too high",
+        "lights/spot.py",
+        (("0.5 * (1.0 - slope)", "0.5015 * (1.0 - slope)"),),
+        f"{LAWS_OF}[lights-spot]",
+    ),
+    Mutant(
+        "rays of a point light carry 0.4 % too much",
+        "lights/point.py",
+        (("lanes_vec3(1.0 / INV_FOUR_PI)", "lanes_vec3(1.004 / INV_FOUR_PI)"),),
+        f"{LAWS_OF}[lights-point]",
+    ),
+    Mutant(
         "directions to a uniform sky crowd at its top",
         "lights/constant.py",
         (("square_to_uniform_sphere(u2)", "square_to_uniform_sphere((u2[0] * u2[0], u2[1]))"),),
