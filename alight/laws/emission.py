@@ -17,10 +17,10 @@ from alight.compiled.shapes import compile_shapes
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.spec import Light, Shape
 from alight.core.vec import Vec3, luminance
+from alight.laws.bodies import PLACEMENTS
 from alight.laws.lights import NARROW, described, mean_radiance, run, strategy
 from alight.laws.materials import stacked
 from alight.laws.report import BrokenLawError, demand, demand_close
-from alight.laws.shapes import PLACEMENTS
 from alight.laws.statistics import (
     LARGEST_Z,
     ROUNDING,

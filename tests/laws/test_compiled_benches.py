@@ -6,11 +6,12 @@ A bench that forgets a channel forgets it on both sides, and every law that uses
 import numpy as np
 
 from alight.bsdfs.burley import Burley
+from alight.laws.bodies import body_of
 from alight.laws.compiled import RESULTS, N, scatter
 from alight.laws.lights import light_of_points, scene_of
 from alight.laws.materials import Material, random_numbers
 from alight.laws.shapes import RESULTS as SHAPE_RESULTS
-from alight.laws.shapes import body_of, look_all
+from alight.laws.shapes import look_all
 from alight.laws.statistics import unit_vectors
 from alight.lights.sampling import sample_light
 from alight.lights.spot import Spot

@@ -9,8 +9,9 @@ import pytest
 
 import alight
 from alight.core.registry import FAMILIES, modules, type_name_of
+from alight.laws.bodies import PLACEMENTS, Body
 from alight.laws.check import CHECKS
-from alight.laws.shapes import PLACEMENTS, Body, demand_same_surfaces
+from alight.laws.shapes import demand_same_surfaces
 from alight.scene import Node, rotate, translate
 from tests.static.sources import FAMILIES as FAMILIES_OF_THE_PACKAGE
 
