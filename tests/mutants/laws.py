@@ -128,6 +128,29 @@ LAWS = (
         f"{LAWS_OF}[shapes-sphere]",
     ),
     Mutant(
+        "dp/du of a sphere 2 % too long",
+        "shapes/sphere.py",
+        (("Vec3(-TWO_PI * sine * s, TWO_PI * sine * c", "Vec3(-6.4 * sine * s, 6.4 * sine * c"),),
+        f"{LAWS_OF}[shapes-sphere]",
+    ),
+    Mutant(
+        "a hit disk has 0.3 % less density than its samples",
+        "shapes/disk.py",
+        (("(1.0 / gather(tables.data, k + AREA)", "(0.997 / gather(tables.data, k + AREA)"),),
+        f"{LAWS_OF}[shapes-disk]",
+    ),
+    Mutant(
+        "the normal of a disk's samples 0.05 % too short",
+        "shapes/disk.py",
+        (
+            (
+                "cosine = -dot(wi, gather_vec3(data, k))",
+                "cosine = -0.9995 * dot(wi, gather_vec3(data, k))",
+            ),
+        ),
+        f"{LAWS_OF}[shapes-disk]",
+    ),
+    Mutant(
         "a point light that BSDF sampling is thought to find",
         "lights/point.py",
         (("lanes_mask(True)", "lanes_mask(False)"),),
