@@ -5,7 +5,8 @@ Each law is a function of an example and raises `BrokenLawError`.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+from collections import namedtuple
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,12 +14,23 @@ from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
 from alight.core.registry import versions
 from alight.core.spec import Texture
-from alight.laws.plane import plane_surface
+from alight.laws.plane import plane_point, plane_surface
 from alight.laws.report import demand
 from alight.laws.statistics import LARGEST_Z, z_of_mean
+from alight.laws.twins import demand_same_by_machine
 from alight.shapes.hit import INFO
 from alight.textures.fetch import texture_value
-from lanewise.jit import instantiate
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import (
+    LANES,
+    gather,
+    lane_index,
+    lanes,
+    lanes_u32,
+    lanes_vec3,
+    load_lanes,
+    store_lanes,
+)
 from lanewise.vec3 import Vec3
 from lanewise.view import View
 
@@ -29,19 +41,28 @@ N = 60_000
 SPREAD = 16.0
 
 
+#: What textures see of a scene; numbers: of a law's examples.
+_Scene = namedtuple("_Scene", "materials shapes numbers")
+_Materials = namedtuple("_Materials", "texture_info texture_data texels")
+_Shapes = namedtuple("_Shapes", "info")
+
+
+def compile_textures(specs: Sequence[Texture]) -> tuple[_Scene, Program]:
+    """A scene of textures alone, and its program."""
+    table = TextureTable()
+    numbers = np.array([table.number(spec) for spec in specs], np.uint32)
+    compiled = table.compiled()
+    materials = _Materials(compiled.info, compiled.data, compiled.texels)
+    scene = _Scene(materials, _Shapes(View(np.zeros(INFO, np.uint32))), View(numbers))
+    return scene, Program(textures=compiled.names, registered=versions(specs))
+
+
 def values_at(spec: Texture, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Values (3, n) at texture coordinates, on a surface without colours of its own."""
     n = u.size
-    table = TextureTable()
     # What does not vary is seen by its number alone, as materials see it.
-    number = table.number(spec)
-    compiled = table.compiled()
-    program = Program(textures=compiled.names, registered=versions([spec]))
-    materials = SimpleNamespace(
-        texture_info=compiled.info, texture_data=compiled.data, texels=compiled.texels
-    )
-    shapes = SimpleNamespace(info=View(np.zeros(INFO, np.uint32)))
-    scene = SimpleNamespace(materials=materials, shapes=shapes)
+    scene, program = compile_textures([spec])
+    number = scene.numbers.array[0]
     zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
     surface, start = plane_surface(u, v), (0.0, 0.0, 0.0) if spec.varies else spec.maximum()
     value = Vec3(*(zero + np.float32(c) for c in start))
@@ -76,4 +97,35 @@ def the_mean_is_the_declared_one(spec: Texture) -> None:
             demand(abs(z) < LARGEST_Z, text)
 
 
+# ---------------------------------------------------------------- machine code
+
+
+@kernel
+def look_up_all(scene, uv, out, n):
+    """Values of all textures by turns, at n points of the plane."""
+    for i in range(0, n, LANES):
+        u, v = load_lanes(uv, i), load_lanes(uv, i + n)
+        number = gather(scene.numbers, (lane_index() + i) % scene.numbers.size)
+        color = Vec3(0.25, 0.5, 0.75) * u
+        surface = plane_point(Vec3(u, v, lanes(0.0)), u, v, lanes_u32(0), color)
+        value = texture_value(scene, number, surface, lanes_vec3(0.0))
+        store_lanes(out, i, value.x)
+        store_lanes(out, i + n, value.y)
+        store_lanes(out, i + 2 * n, value.z)
+
+
+def demand_same_textures(specs: Sequence[Texture]) -> None:
+    """Compare the values of several textures by machine code and by the Python text."""
+    scene, program = compile_textures(specs)
+    n = 1024 * len(specs)
+    uv = np.random.default_rng(6).uniform(-2.0, 4.0, (2, n)).astype(np.float32)
+    demand_same_by_machine(look_up_all, program, scene, uv, 3)
+
+
+def compiled_values_are_the_twins(spec: Texture) -> None:
+    """Machine code sees the values of the Python text."""
+    demand_same_textures([spec])
+
+
 LAWS = (values_lie_below_the_maximum, the_mean_is_the_declared_one)
+COMPILED_LAWS = (compiled_values_are_the_twins,)
