@@ -81,6 +81,32 @@ LAWS = (
         f"{LAWS_OF}[textures-add]",
     ),
     Mutant(
+        "machine code that rounds towards zero for down",
+        "instructions.py",
+        (('(simd.floor, 1, "floor")', '(simd.floor, 1, "trunc")'),),
+        "tests/laws/test_every_model.py"
+        "::test_machine_code_sees_every_texture_as_the_python_text_does",
+        package="lanewise",
+    ),
+    Mutant(
+        "a bench that looks at one offset of a filter twice",
+        "laws/filters.py",
+        (("store_lanes(out, i + n, dy)", "store_lanes(out, i + n, dx)"),),
+        "tests/laws/test_compiled_benches.py::test_of_filters",
+    ),
+    Mutant(
+        "a bench that looks at one channel of a texture twice",
+        "laws/textures.py",
+        (("store_lanes(out, i + n, value.y)", "store_lanes(out, i + n, value.x)"),),
+        "tests/laws/test_compiled_benches.py::test_of_textures",
+    ),
+    Mutant(
+        "a bench of cameras without the lens",
+        "laws/cameras.py",
+        (("load_lanes(u, i + 2 * n), load_lanes(u, i + 3 * n)", "0.5, 0.5"),),
+        "tests/laws/test_compiled_benches.py::test_of_cameras",
+    ),
+    Mutant(
         "the box of a disk 10 % too small",
         "shapes/disk.py",
         (("half = np.hypot(", "half = 0.9 * np.hypot("),),
