@@ -26,7 +26,8 @@ from alight.lights.tree import (
     plain_probability,
 )
 from alight.lights.tree_bounds import ALIKE, AXIS, CONE, FLAT, REACH, STRENGTH, Groups
-from alight.lights.tree_build import Leaves, binary_tree
+from alight.lights.tree_build import binary_tree
+from alight.lights.tree_split import Leaves
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
 from alight.shapes.rectangle import Rectangle
