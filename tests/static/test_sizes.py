@@ -22,9 +22,6 @@ LONGER = {
     "tests/formats/gltf/test_written_materials.py": 437,
     "tests/formats/pbrt/test_objects.py": 404,
     "tests/images/mitsuba_scenes.py": 470,
-    "tests/lights/test_light_sampling.py": 451,
-    "tests/lights/test_light_tree.py": 416,
-    "tests/rendering/test_checkpoints.py": 410,
 }
 
 
