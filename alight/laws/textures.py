@@ -1,4 +1,4 @@
-"""Laws of textures: values lie in the range that they declare, with the mean that they declare.
+"""Laws of textures: values have the declared range and mean, and the slopes that bump maps see.
 
 Each law is a function of an example and raises `BrokenLawError`.
 """
@@ -10,13 +10,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from alight.bsdfs.relief import HEIGHTS, STEP, BumpMapRow, bent_normal
 from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
 from alight.core.registry import versions
 from alight.core.spec import Texture
+from alight.core.vec import luminance
 from alight.laws.plane import plane_point, plane_surface
-from alight.laws.report import demand
-from alight.laws.statistics import LARGEST_Z, z_of_mean
+from alight.laws.report import demand, demand_close
+from alight.laws.statistics import LARGEST_Z, UNIT, z_of_mean
 from alight.laws.twins import demand_same_by_machine
 from alight.shapes.hit import INFO
 from alight.textures.fetch import texture_value
@@ -45,6 +47,7 @@ SPREAD = 16.0
 _Scene = namedtuple("_Scene", "materials shapes numbers")
 _Materials = namedtuple("_Materials", "texture_info texture_data texels")
 _Shapes = namedtuple("_Shapes", "info")
+_Bumps = namedtuple("_Bumps", (*_Materials._fields, "data", "texture"))
 
 
 def compile_textures(specs: Sequence[Texture]) -> tuple[_Scene, Program]:
@@ -97,6 +100,57 @@ def the_mean_is_the_declared_one(spec: Texture) -> None:
             demand(abs(z) < LARGEST_Z, text)
 
 
+# ---------------------------------------------------------------- slopes
+
+#: Of the heights in a law: slopes of 100 are 1.
+FLAT = 0.01
+
+
+def _slopes(spec: Texture, uv: np.ndarray) -> np.ndarray:
+    """Slopes (2, n) that a bump map of this height, in m, gives the plane along u and v."""
+    scene, program = compile_textures([spec])
+    data = np.array(BumpMapRow(scale=FLAT, modes=0.0, texture=0.0), np.float32)
+    textures = np.array(BumpMapRow(scale=0, modes=0, texture=scene.numbers.array[0]), np.uint32)
+    # The row of a bump map alone.
+    bumps = scene._replace(materials=_Bumps(*scene.materials, View(data), View(textures)))
+    program = program._replace(bsdfs=(HEIGHTS,))
+    n, base = uv.shape[1], np.zeros(uv.shape[1], np.uint32)
+    run = instantiate(bent_normal, program, compiled=False)
+    with np.errstate(all="ignore"):
+        normal = run(bumps, base, plane_surface(*uv), np.ones(n, bool), base > 0)
+    x, y, z = (np.broadcast_to(c, n).astype(float) for c in (normal.x, normal.y, normal.z))
+    return -np.stack([x, y]) / (FLAT * z)
+
+
+def bump_maps_see_its_slopes(spec: Texture) -> None:
+    """A bump map has the slopes of the texture's luminance, by differences over longer steps.
+
+    Over twice, four and eight times the step the difference quotients of a smooth height are off by
+    K, 5 K and 21 K; where an edge lies between, they are not.
+    """
+    if not spec.varies:
+        return
+    # Multiples of 2^-16: coordinates and their differences are exact.
+    u, v = (np.random.default_rng(7).integers(2**14, 2**16, (2, 4000)) / 2.0**16).astype(np.float32)
+    rounding = 16 * UNIT * float(luminance(Vec3(*spec.maximum()))) / STEP
+    for axis, slope in enumerate(_slopes(spec, np.stack([u, v]))):
+        quotients = []
+        for times in (2, 4, 8):
+            ends = []
+            for side in (1, -1):
+                at = [u.astype(float), v.astype(float)]
+                at[axis] = at[axis] + 0.5 * STEP * (1 + side * times)
+                ends.append(luminance(Vec3(*values_at(spec, *np.asarray(at, np.float32)))))
+            quotients.append((ends[0] - ends[1]) / (times * STEP))
+        two, four, eight = quotients
+        smooth = np.abs(four - two) <= 0.5 * np.abs(eight - four) + rounding
+        if smooth.mean() < 0.5:
+            # It is finer than a step.
+            return
+        atol = np.abs(four - two) + 4.0 * rounding
+        demand_close(slope[smooth], two[smooth], f"slope along {'uv'[axis]}", atol=atol[smooth])
+
+
 # ---------------------------------------------------------------- machine code
 
 
@@ -127,5 +181,9 @@ def compiled_values_are_the_twins(spec: Texture) -> None:
     demand_same_textures([spec])
 
 
-LAWS = (values_lie_below_the_maximum, the_mean_is_the_declared_one)
+LAWS = (
+    values_lie_below_the_maximum,
+    the_mean_is_the_declared_one,
+    bump_maps_see_its_slopes,
+)
 COMPILED_LAWS = (compiled_values_are_the_twins,)

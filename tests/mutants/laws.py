@@ -107,6 +107,12 @@ LAWS = (
         "tests/laws/test_compiled_benches.py::test_of_cameras",
     ),
     Mutant(
+        "bump maps that see heights beside a point by the point's own place",
+        "bsdfs/relief.py",
+        (("p=surface.p + shift", "p=surface.p + 0.0 * shift"),),
+        f"{LAWS_OF}[textures-noise]",
+    ),
+    Mutant(
         "the box of a disk 10 % too small",
         "shapes/disk.py",
         (("half = np.hypot(", "half = 0.9 * np.hypot("),),
