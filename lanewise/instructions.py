@@ -31,11 +31,11 @@ from lanewise.lane_types import (
     convert,
     emit,
     f32,
-    pointer_of,
     suffix,
     widest,
 )
 from lanewise.numba_adapter import cgutils
+from lanewise.view_types import pointer_of
 
 PRIMITIVES: dict = {}
 

@@ -29,12 +29,12 @@ from lanewise.lane_types import (
     f32,
     is_number,
     make_vec3,
-    pointer_of,
     splat,
     widest,
 )
 from lanewise.numba_adapter import AbstractTemplate, TypingError, cgutils, infer_global
-from lanewise.wide_instructions import permute
+from lanewise.permutation import permute
+from lanewise.view_types import pointer_of
 
 # ---------------------------------------------------------------- where
 

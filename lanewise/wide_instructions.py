@@ -23,10 +23,11 @@ from lanewise.lane_types import (
     call,
     convert,
     f32,
-    pointer_of,
     suffix,
 )
 from lanewise.numba_adapter import cgutils
+from lanewise.permutation import permute, shuffle
+from lanewise.view_types import pointer_of
 
 
 def _stands_for(primitive):
@@ -65,7 +66,7 @@ def _packing(typing, mask):
             call(builder, "llvm.ctpop.i32", I32, [bits]),
             ir.Constant(I32, 0),
         )
-        count = _shuffle(builder, count, count, [0] * n)
+        count = shuffle(builder, count, count, [0] * n)
         behind = builder.and_(builder.sub(numbers, count), ir.Constant(kind.vector, [n - 1] * n))
         moved = permute(builder, builder.bitcast(outside, floats), behind, n)
         first = builder.icmp_unsigned("<", numbers, count)
@@ -184,16 +185,12 @@ def _lane(typing, x, i):
     return x.scalar(x, i), codegen
 
 
-def _shuffle(builder, a, b, order):
-    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(I32, len(order)), order))
-
-
 def _half(primitive, first):
     @intrinsic
     def stand_in(typing, x):
         m = x.n // 2
         order = [i + first * m for i in range(m)]
-        return type(x)(m)(x), lambda context, builder, sig, args: _shuffle(
+        return type(x)(m)(x), lambda context, builder, sig, args: shuffle(
             builder, args[0], args[0], order
         )
 
@@ -209,7 +206,7 @@ _half(wide.high_half, 1)
 def _join(typing, a, b):
     if not isinstance(a, LaneType) or a != b:
         return None
-    return type(a)(2 * a.n)(a, b), lambda context, builder, sig, args: _shuffle(
+    return type(a)(2 * a.n)(a, b), lambda context, builder, sig, args: shuffle(
         builder, args[0], args[1], list(range(2 * a.n))
     )
 
@@ -220,7 +217,7 @@ def _shuffled(typing, x, order):
     if not all(isinstance(k, types.IntegerLiteral) for k in order):
         return None
     constants = [k.literal_value for k in order]
-    return type(x)(len(constants))(x, order), lambda context, builder, sig, args: _shuffle(
+    return type(x)(len(constants))(x, order), lambda context, builder, sig, args: shuffle(
         builder, args[0], args[0], constants
     )
 
@@ -238,7 +235,7 @@ def _gather_near(typing, table, k, index):
             _pointer(context, builder, sig.args[0], args[0], args[1], sig.args[1], four)
         )
         load.align = 4
-        repeated = _shuffle(builder, load, load, [i % 4 for i in range(index.n)])
+        repeated = shuffle(builder, load, load, [i % 4 for i in range(index.n)])
         return permute(builder, repeated, args[2], index.n)
 
     return result(table, k, index), codegen
@@ -318,7 +315,7 @@ def _columns(builder, rows, count):
 def _in_fours(builder, a, b, order):
     """The same shuffle of every four lanes of two vectors."""
     n = a.type.count
-    return _shuffle(builder, a, b, [i + k for i in range(0, n, 4) for k in order])
+    return shuffle(builder, a, b, [i + k for i in range(0, n, 4) for k in order])
 
 
 def _joined(builder, vectors):
@@ -326,50 +323,10 @@ def _joined(builder, vectors):
     while len(vectors) > 1:
         m = 2 * vectors[0].type.count
         vectors = [
-            _shuffle(builder, a, b, list(range(m)))
+            shuffle(builder, a, b, list(range(m)))
             for a, b in zip(vectors[::2], vectors[1::2], strict=True)
         ]
     return vectors[0]
-
-
-def permute(builder, x, order, n):
-    """``x[order]`` for n floats."""
-    name = {16: "llvm.x86.avx512.permvar.sf.512", 8: "llvm.x86.avx2.permps"}.get(n)
-    if name is not None and _HAS_PERMUTATION[n]:
-        return call(builder, name, x.type, [x, order])
-    if n == 16 and _HAS_PERMUTATION[8]:
-        return _permute_halves(builder, x, order)
-    out = ir.Constant(x.type, ir.Undefined)
-    for i in range(n):
-        lane = builder.extract_element(order, ir.Constant(I32, i))
-        one = builder.extract_element(x, lane)
-        out = builder.insert_element(out, one, ir.Constant(I32, i))
-    return out
-
-
-def _permute_halves(builder, x, order):
-    """``x[order]`` for 16 floats, from permutations of 8."""
-    low, high = list(range(8)), list(range(8, 16))
-    first, second = _shuffle(builder, x, x, low), _shuffle(builder, x, x, high)
-    parts = []
-    for half in (low, high):
-        k = _shuffle(builder, order, order, half)
-        bit = builder.and_(k, ir.Constant(k.type, [8] * 8))
-        in_second = builder.icmp_unsigned("!=", bit, ir.Constant(k.type, [0] * 8))
-        a, b = permute(builder, first, k, 8), permute(builder, second, k, 8)
-        parts.append(builder.select(in_second, b, a))
-    return _shuffle(builder, parts[0], parts[1], low + high)
-
-
-def _permutation_features() -> dict[int, bool]:
-    """Widths at which the processor permutes floats by a vector of indices."""
-    import llvmlite.binding as llvm
-
-    features = llvm.get_host_cpu_features()
-    return {16: bool(features.get("avx512f")), 8: bool(features.get("avx2"))}
-
-
-_HAS_PERMUTATION = _permutation_features()
 
 
 @_stands_for(wide.prefetch)

@@ -157,7 +157,7 @@ class _Builder:
 
     def _build_subtrees(self, tasks: list[int]) -> np.ndarray:
         """Build all tasks, given as records; (tasks, 3) int64: rows, blocks, leaves of each."""
-        top, totals = self.top, View(np.zeros(3 * len(tasks), np.int64))
+        top, totals = self.top, np.zeros((len(tasks), 3), np.int64)
         # Most trees have far fewer rows than the worst, so each thread has room for that and what
         # is used is kept.
         room = 2 * max(top.size(record) for record in tasks)
@@ -168,15 +168,15 @@ class _Builder:
             if not hasattr(local, "rows"):
                 local.rows = View(aligned_zeros(room, ROW))
             self.compiled.subtree(
-                top.work, local.rows, top.records, top.ranges, tasks[k], k,
-                self.rules, self.source, totals,
+                top.work, local.rows, top.records, tasks[k],
+                self.rules, self.source, View(totals[k]),
             )  # fmt: skip
-            count = int(totals.array[3 * k])
+            count = int(totals[k, 0])
             self.compiled.costs(local.rows, count, self.scale)
             self.built[k] = local.rows.array.reshape(-1, ROW)[:count].copy()
 
         self.pool.run(build_one, sorted(range(len(tasks)), key=lambda k: -top.size(tasks[k])))
-        return totals.array.reshape(-1, 3)
+        return totals
 
     def _join(self, sets, parts, tasks, totals) -> tuple[View, list[int]]:
         """The whole binary tree, and where the rows of each task start."""
@@ -227,7 +227,7 @@ class _Builder:
         missing[:, :UPPER], missing[:, UPPER:CHILD] = np.inf, -np.inf
 
         def pack_rows(first: int, end: int, block: int) -> None:
-            self.compiled.pack(order, rows, first, end, bvh.nodes, bvh.blocks, block, self.source)
+            self.compiled.pack(order, rows, first, end, bvh, block, self.source)
 
         ends = [start + int(n) for start, n in zip(starts, totals[:, 0], strict=True)]
         self.pool.run(lambda k: pack_rows(starts[k], ends[k], int(block_at[k])), range(len(starts)))

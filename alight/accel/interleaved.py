@@ -30,7 +30,7 @@ from lanewise.simd import (
 
 
 @kernel(strict=True)
-def trace_interleaved(tree, data, packet, bits, nearest, others):
+def trace_interleaved(search, packet, bits, others):
     """Take the rays in `bits` to their ends, from what waits for them on; see `trace_packet`."""
     hits, stacks, tests = packet.hits, packet.stacks, packet.tests
     sizes, codes = local_uints(MOST), local_uints(MOST)
@@ -40,14 +40,14 @@ def trace_interleaved(tree, data, packet, bits, nearest, others):
     while True:
         size, t = load_lanes(sizes, 0), load_lanes(hits.t, 0)
         going = going & (size > bottom)
-        if not nearest:
+        if not search.nearest:
             going = going & (t > 0.0)
         if mask_bits(going) == 0:
             break
         size = where(going, size - 1, bottom)
         code = gather(stacks.codes, size)
         near = going
-        if nearest:
+        if search.nearest:
             near = near & (gather(stacks.entries, size) * SHRINK <= t)
         store_lanes(sizes, 0, size)
         store_lanes(codes, 0, code)
@@ -58,10 +58,10 @@ def trace_interleaved(tree, data, packet, bits, nearest, others):
             opening &= opening - 1
             ray, size_of_ray = box_ray_of(packet.rays, i), as_int(sizes[i])
             # Where rays wait for memory a node costs more than a wrong guess.
+            in_order = search.tree.waits != 0
             size_of_ray = open_node(
-                tree, as_int(codes[i]), ray, hits.t[i], stacks, size_of_ray, tree.waits != 0,
-                nearest,
-            )  # fmt: skip
+                search, as_int(codes[i]), ray, hits.t[i], stacks, size_of_ray, in_order
+            )
             sizes[i] = as_uint(size_of_ray)
         testing, block = mask_bits(leaf), 0
         while testing != 0:
@@ -72,6 +72,6 @@ def trace_interleaved(tree, data, packet, bits, nearest, others):
                 tests.rays[count] = i
                 tests.places[count] = BLOCK * (((as_int(codes[i]) & (LEAF - 1)) >> 4) + block)
                 count += 1
-            run_leaf_tests(tree, data, packet, count, nearest, others)
+            run_leaf_tests(search, packet, count, others)
             block += 1
             testing = mask_bits(leaf & ((code & 15) > block))

@@ -43,6 +43,10 @@ LeafTests = namedtuple("LeafTests", "rays places bits numbers")
 RECORD = 3 * WIDTH
 _RECORDS = RECORD * MOST
 
+#: What a leaf test found in the block at `at`. bits: the triangles that are hit, or
+#: `SOMETHING_ELSE`; numbers[k : k + RECORD]: t, u and v of all.
+BlockHits = namedtuple("BlockHits", "at bits numbers k")
+
 #: In the place of the triangles that are hit: the block holds something else.
 SOMETHING_ELSE = 1 << WIDTH
 
@@ -56,11 +60,12 @@ def new_leaf_tests():
 
 
 @kernel(strict=True)
-def meet_block(blocks, at, ray, t, numbers, k, nearest):
+def meet_block(search, at, ray, t, numbers, k):
     """The triangles (bits) of the block at `at` that a ray hits up to t: all tested at once.
 
     Written to numbers[k : k + RECORD]: t of each triangle and, where the nearest is wanted, u, v.
     """
+    blocks = search.tree.blocks
     x = load_wide(WIDTH, blocks, at + ray.row_x) - ray.o.x
     y = load_wide(WIDTH, blocks, at + ray.row_y) - ray.o.y
     z = load_wide(WIDTH, blocks, at + ray.row_z) - ray.o.z
@@ -75,19 +80,20 @@ def meet_block(blocks, at, ray, t, numbers, k, nearest):
     )
     found, u, v = where_met(w, az, bz - az, cz - az, ray.shear)
     store_wide(numbers, k, found)
-    if nearest:
+    if search.nearest:
         store_wide(numbers, k + WIDTH, u)
         store_wide(numbers, k + 2 * WIDTH, v)
     return mask_bits(inside & (found > 0.0) & (found <= t))
 
 
 @kernel(strict=True)
-def take_hit(blocks, at, numbers, k, bits, best, nearest):
-    """`best` after a leaf test: the closer hit wins, ties go to the lower index.
+def take_hit(search, hits, best):
+    """`best` after a leaf test with hits: the closer one wins, ties go to the lower index.
 
-    bits: what was hit, not nothing. Where any hit will do the search is over.
+    Where any hit will do the search is over.
     """
-    if not nearest:
+    blocks, at, bits, numbers, k = search.tree.blocks, hits.at, hits.bits, hits.numbers, hits.k
+    if not search.nearest:
         return SingleHit(as_float(-1), 0, best.face, best.u, best.v)
     while bits != 0:
         i = trailing_zeros(bits)
@@ -101,46 +107,41 @@ def take_hit(blocks, at, numbers, k, bits, best, nearest):
 
 
 @kernel(strict=True)
-def run_leaf_tests(tree, data, packet, count, nearest, others):
+def run_leaf_tests(search, packet, count, others):
     """Run the first `count` of a packet's leaf tests, and note what the rays found.
 
     Parameters
     ----------
-    tree : Bvh
-    data : View
-        Rows of analytic shapes, or `moving.AtTimes`.
+    search : Search
     packet : Packet
     count : int
-    nearest : bool
-        False where any hit will do: then only t is kept, -1 for a ray that hits something.
-    others : kernel (tree, data, at, numbers, k, bits, ray, best, nearest) -> SingleHit, or None
+    others : kernel (search, hits, ray, best) -> SingleHit, or None
         In the place of `take_hit` where there are blocks of something else than triangles
         (`other_leaves`).
     """
-    rays, hits, tests = packet.rays, packet.hits, packet.tests
+    blocks, rays, hits, tests = search.tree.blocks, packet.rays, packet.hits, packet.tests
     found = 0
     for k in range(count):
         i, at = tests.rays[k], tests.places[k]
-        bits = meet_block(
-            tree.blocks, at, triangle_ray_of(rays, i), hits.t[i],
-            tests.numbers, RECORD * found, nearest,
-        )  # fmt: skip
+        ray = triangle_ray_of(rays, i)
+        bits = meet_block(search, at, ray, hits.t[i], tests.numbers, RECORD * found)
         if others is not None:
-            last_corners = as_int(float_bits(tree.blocks[at + IDS - 1]))
+            last_corners = as_int(float_bits(blocks[at + IDS - 1]))
             bits = where(last_corners == OTHER, SOMETHING_ELSE, bits)
         tests.rays[found], tests.places[found], tests.bits[found] = i, at, bits
         found += where(bits != 0, 1, 0)
     for k in range(found):
-        i, at, bits = tests.rays[k], tests.places[k], tests.bits[k]
+        i = tests.rays[k]
+        block_hits = BlockHits(tests.places[k], tests.bits[k], tests.numbers, RECORD * k)
         best = SingleHit(
             hits.t[i], as_int(hits.index[i]), as_int(hits.face[i]), hits.u[i], hits.v[i]
         )
         if others is None:
-            best = take_hit(tree.blocks, at, tests.numbers, RECORD * k, bits, best, nearest)
+            best = take_hit(search, block_hits, best)
         else:
             ray = Ray(vector_of(rays, ORIGIN, i), vector_of(rays, DIRECTION, i), best.t, i)
-            best = others(tree, data, at, tests.numbers, RECORD * k, bits, ray, best, nearest)
+            best = others(search, block_hits, ray, best)
         hits.t[i] = best.t
-        if nearest:
+        if search.nearest:
             hits.u[i], hits.v[i] = best.u, best.v
             hits.index[i], hits.face[i] = as_uint(best.index), as_uint(best.face)

@@ -144,19 +144,25 @@ def with_times_in_memory(search_tree: Callable) -> Callable:
 
 
 @kernel(strict=True)
-def _ray_at_rest(tree, data, at, ray):
+def _ray_at_rest(search, at, ray):
     """A ray as the block at `at` sees it at rest."""
-    number = as_int(float_bits(tree.blocks[at + 2]))
+    data, number = search.data, as_int(float_bits(search.tree.blocks[at + 2]))
     w = inverse_rows(matrix_at(data.motions, number, data.time[ray.lane]))
     return replace(ray, o=point_at_rest(w, ray.o), d=direction_at_rest(w, ray.d))
+
+
+@kernel(strict=True)
+def _without_times(search):
+    """A search as what is at rest knows it."""
+    return replace(search, data=search.data.data)
 
 
 def _unmoved(meet: Callable) -> Callable:
     """How a ray meets what rests, in a scene in which other things move."""
 
     @kernel(strict=True)
-    def meet_resting(tree, data, at, ray, nearest):
-        return meet(tree, data.data, at, ray, nearest)
+    def meet_resting(search, at, ray):
+        return meet(_without_times(search), at, ray)
 
     return meet_resting
 
@@ -165,8 +171,8 @@ def _moved(meet: Callable) -> Callable:
     """A chain of kinds at rest, with the ray taken there first."""
 
     @kernel(strict=True)
-    def meet_moving(tree, data, at, ray, nearest):
-        return meet(tree, data.data, at, _ray_at_rest(tree, data, at, ray), nearest)
+    def meet_moving(search, at, ray):
+        return meet(_without_times(search), at, _ray_at_rest(search, at, ray))
 
     return meet_moving
 

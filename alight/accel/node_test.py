@@ -73,16 +73,17 @@ def meet_children(nodes, at, ray, t):
 
 
 @kernel(strict=True)
-def meet_box(bounds, k, step, o, r, t):
-    """All rays of a packet and one box: (entries, which meet it before t).
+def meet_box(bounds, k, step, rays):
+    """All rays of a packet (`BoxRays`) and one box: (entries, which meet it before t).
 
-    The bounds lower x, y, z, upper x, y, z are `step` words apart, from word k on. r: reciprocals
-    of the directions; their signs, and so which bound comes first, differ from lane to lane.
+    The bounds lower x, y, z, upper x, y, z are `step` words apart, from word k on. The signs of the
+    directions, and so which bound comes first, differ from lane to lane.
     """
+    o, r = rays.o, rays.r
     # This way round the bound is an operand from memory.
     x0, x1 = (o.x - bounds[k]) * -r.x, (o.x - bounds[k + 3 * step]) * -r.x
     y0, y1 = (o.y - bounds[k + step]) * -r.y, (o.y - bounds[k + 4 * step]) * -r.y
     z0, z1 = (o.z - bounds[k + 2 * step]) * -r.z, (o.z - bounds[k + 5 * step]) * -r.z
     near = Vec3(minimum(x0, x1), minimum(y0, y1), minimum(z0, z1))
     far = Vec3(maximum(x0, x1), maximum(y0, y1), maximum(z0, z1))
-    return meet_slabs(near, far, t)
+    return meet_slabs(near, far, rays.t)

@@ -45,42 +45,43 @@ def to_object(blocks, at, v, w):
 
 @kernel(strict=True)
 def word_of(tree, at):
-    """A whole number in the blocks."""
+    """A whole number in the blocks of a tree."""
     return as_int(float_bits(tree.blocks[at]))
 
 
 def _write_meet_shape(intersect: Callable) -> Callable:
     @kernel(strict=True)
-    def meet_shape(tree, data, at, ray, nearest):
+    def meet_shape(search, at, ray):
         """The hit of one ray on the analytic shape of the block at `at`; index NONE if none."""
         o, d = ray.o, ray.d
         origin = Vec3(lanes(o.x), lanes(o.y), lanes(o.z))
         direction = Vec3(lanes(d.x), lanes(d.y), lanes(d.z))
-        t, u, v, hit = intersect(data, word_of(tree, at + 1), origin, direction, lanes(ray.t))
-        found = word_of(tree, at + IDS) if mask_bits(hit) != 0 else NONE
+        row = word_of(search.tree, at + 1)
+        t, u, v, hit = intersect(search.data, row, origin, direction, lanes(ray.t))
+        found = word_of(search.tree, at + IDS) if mask_bits(hit) != 0 else NONE
         return SingleHit(lane(t, 0), found, 0, lane(u, 0), lane(v, 0))
 
     return meet_shape
 
 
 @kernel(strict=True)
-def meet_mesh(tree, data, at, ray, nearest):
+def meet_mesh(search, at, ray):
     """The hit of one ray, in the space of the mesh, on the mesh of the block at `at`."""
-    hit = trace_single_ray(tree, word_of(tree, at + 1), ray, nearest)
-    found = word_of(tree, at + IDS) if hit.index != NONE else NONE
+    hit = trace_single_ray(search, word_of(search.tree, at + 1), ray)
+    found = word_of(search.tree, at + IDS) if hit.index != NONE else NONE
     return SingleHit(hit.t, found, hit.index, hit.u, hit.v)
 
 
 @kernel(strict=True)
-def meet_instance(tree, data, at, ray, nearest):
+def meet_instance(search, at, ray):
     """The hit of one ray on the instance of the block at `at`."""
-    origin = to_object(tree.blocks, at + 2, ray.o, 1.0)
-    direction = to_object(tree.blocks, at + 2, ray.d, 0.0)
-    return meet_mesh(tree, data, at, replace(ray, o=origin, d=direction), nearest)
+    origin = to_object(search.tree.blocks, at + 2, ray.o, 1.0)
+    direction = to_object(search.tree.blocks, at + 2, ray.d, 0.0)
+    return meet_mesh(search, at, replace(ray, o=origin, d=direction))
 
 
 @kernel(strict=True)
-def meet_nothing(tree, data, at, ray, nearest):
+def meet_nothing(search, at, ray):
     """End of the chain of kinds."""
     return SingleHit(ray.t, NONE, 0, 0.0 * ray.t, 0.0 * ray.t)
 
@@ -105,11 +106,11 @@ def write_chain(meets: Iterable[tuple[int, Callable]], otherwise: Callable = mee
 
 def _write_branch(number: int, meet: Callable, otherwise: Callable) -> Callable:
     @kernel(strict=True)
-    def branch(tree, data, at, ray, nearest):
+    def branch(search, at, ray):
         """Meet what a block holds if it is of this kind, or leave it to the others."""
-        if word_of(tree, at) == number:
-            return meet(tree, data, at, ray, nearest)
-        return otherwise(tree, data, at, ray, nearest)
+        if word_of(search.tree, at) == number:
+            return meet(search, at, ray)
+        return otherwise(search, at, ray)
 
     return branch
 
@@ -123,18 +124,18 @@ def take_hit_by(meet: Callable) -> Callable:
     """As `leaf_test.take_hit`, in a tree where blocks may hold what a chain of kinds knows."""
 
     @kernel(strict=True)
-    def take_any_hit(tree, data, at, numbers, k, bits, ray, best, nearest):
-        if bits == SOMETHING_ELSE:
-            found = meet(tree, data, at, ray, nearest)
+    def take_any_hit(search, hits, ray, best):
+        if hits.bits == SOMETHING_ELSE:
+            found = meet(search, hits.at, ray)
         else:
             found = SingleHit(best.t, NONE, 0, best.u, best.v)
-            found = take_hit(tree.blocks, at, numbers, k, bits, found, nearest)
+            found = take_hit(search, hits, found)
         if found.index == NONE:
             return best
-        if not nearest:
+        if not search.nearest:
             return replace(best, t=as_float(-1))
         ties = found.t == best.t
-        if (found.t < best.t) | (ties & comes_first(tree.ids, found.index, best.index)):
+        if (found.t < best.t) | (ties & comes_first(search.tree.ids, found.index, best.index)):
             return found
         return best
 

@@ -17,7 +17,15 @@ from collections import namedtuple
 from alight.accel.layout import BLOCK, CHILD, CHILDREN, LEAF, MAX_DEPTH, NODE, STACK
 from alight.accel.leaf_test import new_leaf_tests, run_leaf_tests
 from alight.accel.node_test import SHRINK, meet_box
-from alight.accel.rays import MOST, RECIPROCAL, new_hits, new_rays, write_no_hits, write_rays
+from alight.accel.rays import (
+    MOST,
+    RECIPROCAL,
+    BoxRays,
+    new_hits,
+    new_rays,
+    write_no_hits,
+    write_rays,
+)
 from alight.accel.stack import ROOM, Stacks, fetch_ahead
 from alight.core.vec import Vec3
 from lanewise.jit import kernel
@@ -81,17 +89,17 @@ def write_packet(packet, o, d, t_max):
 
 
 @kernel(strict=True)
-def meet_node(nodes, at, o, r, t, bits, place, stack, nearest):
+def meet_node(search, at, rays, bits, place, stack):
     """The rays in `bits` and all children of a node: which children are met by any.
 
     Written for child i at ``place + i``: the rays that meet it and, if order matters, their
     entries.
     """
-    met_by_any = 0
+    nodes, met_by_any = search.tree.nodes, 0
     there = float_bits(load_wide(CHILDREN, nodes, at + CHILD)) != 0
     for child in range(count_bits(mask_bits(there))):
-        enter, met = meet_box(nodes, at + child, CHILDREN, o, r, t)
-        if nearest:
+        enter, met = meet_box(nodes, at + child, CHILDREN, rays)
+        if search.nearest:
             store_lanes(stack.entries, MOST * (place + child), enter)
         inside = mask_bits(met) & bits
         stack.masks[place + child] = inside
@@ -100,12 +108,12 @@ def meet_node(nodes, at, o, r, t, bits, place, stack, nearest):
 
 
 @kernel(strict=True)
-def push_children(tree, at, place, children, stack, size, nearest):
+def push_children(search, at, place, children, stack, size):
     """Put the children in the bits `children` on the packet's stack, the nearest on top.
 
     The first ray that meets a child determines its distance. Returns the new size.
     """
-    base, keys = size, stack.keys
+    tree, base, keys = search.tree, size, stack.keys
     while children != 0:
         child = trailing_zeros(children)
         children &= children - 1
@@ -113,7 +121,7 @@ def push_children(tree, at, place, children, stack, size, nearest):
         stack.codes[k] = as_int(float_bits(tree.nodes[at + CHILD + child]))
         fetch_ahead(tree, stack.codes[k])
         key, j = k, size
-        if nearest:
+        if search.nearest:
             first = stack.entries[MOST * k + trailing_zeros(stack.masks[k])]
             key = (as_int(float_bits(first)) << 32) | k
             while j > base:
@@ -141,7 +149,7 @@ def leave_to_single_rays(code, bits, entries, k, packet, nearest):
 
 
 @kernel(strict=True)
-def meet_leaf(tree, data, code, bits, packet, nearest, others):
+def meet_leaf(search, code, bits, packet, others):
     """The leaf tests of the rays in `bits`, one block of the leaf after the other."""
     first = (code & (LEAF - 1)) >> 4
     for block in range(first, first + (code & 15)):
@@ -151,18 +159,16 @@ def meet_leaf(tree, data, code, bits, packet, nearest, others):
             packet.tests.places[count] = BLOCK * block
             left &= left - 1
             count += 1
-        run_leaf_tests(tree, data, packet, count, nearest, others)
+        run_leaf_tests(search, packet, count, others)
 
 
 @kernel(strict=True)
-def trace_packet(tree, data, o, packet, bits, nearest, others):
+def trace_packet(search, o, packet, bits, others):
     """Descend together, and leave to single rays what few of the packet enter.
 
     Parameters
     ----------
-    tree : Bvh
-    data, nearest, others
-        As of `leaf_test.run_leaf_tests`.
+    search : Search
     o : Vec3
         Origins, metres.
     packet : Packet
@@ -170,8 +176,10 @@ def trace_packet(tree, data, o, packet, bits, nearest, others):
         nearest is on top.
     bits : int
         The lanes that are wanted; their rays are finite and have a direction.
+    others
+        As of `leaf_test.run_leaf_tests`.
     """
-    hits, rays = packet.hits, packet.rays.numbers
+    nearest, hits, rays = search.nearest, packet.hits, packet.rays.numbers
     stack = PacketStack(
         local_longs(STACK), local_longs(_PLACES), local_longs(_PLACES), local_floats(_ENTRIES)
     )
@@ -191,13 +199,13 @@ def trace_packet(tree, data, o, packet, bits, nearest, others):
             waiting += 1
             leave_to_single_rays(code, bits, entries, MOST * place, packet, nearest)
         elif code >= LEAF:
-            meet_leaf(tree, data, code, bits, packet, nearest, others)
+            meet_leaf(search, code, bits, packet, others)
             t = load_lanes(hits.t, 0)
         else:
             at = NODE * code
             place = CHILDREN * (place // CHILDREN + 1)
-            met = meet_node(tree.nodes, at, o, r, t, bits, place, stack, nearest)
-            size = push_children(tree, at, place, met, stack, size, nearest)
+            met = meet_node(search, at, BoxRays(o, r, t), bits, place, stack)
+            size = push_children(search, at, place, met, stack, size)
         bits = 0
         while (size > 0) & (bits == 0):
             size -= 1

@@ -22,7 +22,7 @@ from alight.accel.moving import (
 from alight.accel.node_test import is_traceable, meet_box, reciprocal_of
 from alight.accel.other_leaves import write_others
 from alight.accel.packet import new_packet, trace_packet, write_packet
-from alight.accel.rays import NONE
+from alight.accel.rays import NONE, BoxRays, Search
 from alight.core.constants import INFINITY
 from alight.shapes.hit import Hit
 from alight.shapes.model import SHAPES, ShapeModel
@@ -90,20 +90,22 @@ def search_tree(accel, data, o, d, best, nearest, others):
     Parameters
     ----------
     accel : Accelerator
-    data, nearest, others
-        As of `leaf_test.run_leaf_tests`.
+    data, nearest
+        As of `Search`.
     o, d : Vec3 of lanes
     best : Hit
         What the lists hold (`lists.write_lists`); what is returned, too.
+    others
+        As of `leaf_test.run_leaf_tests`.
     """
-    _, enters = meet_box(accel.box, 0, 1, o, reciprocal_of(d), best.t)
+    _, enters = meet_box(accel.box, 0, 1, BoxRays(o, reciprocal_of(d), best.t))
     bits = mask_bits(enters)
     if bits == 0:
         return best
-    packet = new_packet()
+    search, packet = Search(accel.tree, data, nearest), new_packet()
     write_packet(packet, o, d, best.t)
-    trace_packet(accel.tree, data, o, packet, bits, nearest, others)
-    trace_interleaved(accel.tree, data, packet, bits, nearest, others)
+    trace_packet(search, o, packet, bits, others)
+    trace_interleaved(search, packet, bits, others)
     hits = packet.hits
     t = load_lanes(hits.t, 0)
     if not nearest:

@@ -20,6 +20,11 @@ from lanewise.simd import (
 )
 from lanewise.wide import wide
 
+#: What rays search and for what. tree: `Bvh`; data: rows of analytic shapes, or `moving.AtTimes`;
+#: nearest: a constant, False where any hit will do. Then no order matters, and only t of a hit is
+#: kept, which is -1.
+Search = namedtuple("Search", "tree data nearest")
+
 #: One ray: origin, direction, largest t that counts; lane: its number in the packet.
 Ray = namedtuple("Ray", "o d t lane")
 
@@ -34,6 +39,9 @@ NONE = 0x7FFFFFFF
 #: What the node test needs: origin and reciprocal direction in every lane, and for each axis the
 #: row of the bound that the ray meets first (lower or upper).
 BoxRay = namedtuple("BoxRay", "o r near_x near_y near_z")
+
+#: What the node test needs of a whole packet: origins, reciprocal directions, largest t that count.
+BoxRays = namedtuple("BoxRays", "o r t")
 
 #: What the leaf test needs: the origin in every lane, in the order of the shear's axes, and the row
 #: of each of these axes.

@@ -8,6 +8,8 @@ their order counts.
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 from alight.core.constants import INFINITY
 from lanewise.jit import kernel
 from lanewise.simd import (
@@ -16,6 +18,8 @@ from lanewise.simd import (
     as_int,
     as_uint,
     bits_float,
+    local_floats,
+    local_longs,
     maximum,
     minimum,
     to_uint,
@@ -37,9 +41,14 @@ from lanewise.wide import (
 #: Most bins an axis.
 BINS = 16
 
-#: The bins of all axes: floats of their boxes, behind them the bounds of the centroids of both
-#: sides of a split; whole numbers of what they hold.
+#: The bins of all axes. boxes: `TABLE` floats, the box of each bin and then room for the bounds of
+#: the centroids of both sides of a split; counts: `COUNTS` whole numbers, the references of each.
+Bins = namedtuple("Bins", "boxes counts")
 TABLE, COUNTS = 8 * (3 * BINS + 2), 3 * BINS
+
+#: A border of bins that divides references. centers: bounds of their centroids, 8 floats; per_axis:
+#: bins; axis; last: the last bin on the left.
+Border = namedtuple("Border", "centers per_axis axis last")
 
 #: Boxes are enlarged by this much of the primitive's size, and by as much of the coordinate: the
 #: intersection test itself errs by a few units of 2^-24 of either.
@@ -115,10 +124,10 @@ def largest_edge(box):
 
 
 @kernel(strict=True)
-def bin_scale(centers, bins):
+def bin_scale(centers, per_axis):
     """Number of bins over the extent of the centroids, by axis; 0 where they do not differ."""
     extent = -(low_half(centers) + high_half(centers))
-    return where(extent > 1e-36, as_float(bins) * 0.99999 / extent, 0.0)
+    return where(extent > 1e-36, as_float(per_axis) * 0.99999 / extent, 0.0)
 
 
 @kernel(strict=True)
@@ -129,59 +138,64 @@ def bin_of(reference, base, scale, last):
 
 
 @kernel(strict=True)
-def put_into_bin(table, counts, b, reference):
+def put_into_bin(bins, b, reference):
     """Count a reference in bin b and enlarge the bin's box."""
-    store_wide(table, 8 * b, smaller(load_wide(8, table, 8 * b), reference))
-    counts[b] += 1
+    store_wide(bins.boxes, 8 * b, smaller(load_wide(8, bins.boxes, 8 * b), reference))
+    bins.counts[b] += 1
 
 
 @kernel(strict=True)
-def fill_bins(references, begin, end, centers, bins, table, counts):
+def new_bins():
+    """Room for bins; `fill_bins` fills it (see `lanewise.simd.local_floats`)."""
+    return Bins(local_floats(TABLE), local_longs(COUNTS))
+
+
+@kernel(strict=True)
+def fill_bins(references, begin, end, centers, per_axis, bins):
     """Sort references into bins on all three axes.
 
     Parameters
     ----------
     centers : 8 floats
         Bounds of the centroids.
-    bins : int
+    per_axis : int
         Bins an axis.
-    table : floats, 3 * BINS * 8
-        Box of each bin, written.
-    counts : int64, 3 * BINS
-        References of each bin, written.
+    bins : Bins
+        Written.
     """
     for axis in range(3):
-        for b in range(axis * BINS, axis * BINS + bins):
-            store_wide(table, 8 * b, wide(8, INFINITY))
-            counts[b] = 0
-    base, scale, last = low_half(centers), bin_scale(centers, bins), as_float(bins - 1)
+        for b in range(axis * BINS, axis * BINS + per_axis):
+            store_wide(bins.boxes, 8 * b, wide(8, INFINITY))
+            bins.counts[b] = 0
+    base, scale, last = low_half(centers), bin_scale(centers, per_axis), as_float(per_axis - 1)
     # Two at a time: the next reference is on its way while a bin waits for the one before.
     for i in range(begin, end - 1, 2):
         first, second = load_wide(8, references, 8 * i), load_wide(8, references, 8 * i + 8)
         k, m = bin_of(first, base, scale, last), bin_of(second, base, scale, last)
         for axis in range(3):
-            put_into_bin(table, counts, axis * BINS + as_int(lane(k, axis)), first)
-            put_into_bin(table, counts, axis * BINS + as_int(lane(m, axis)), second)
+            put_into_bin(bins, axis * BINS + as_int(lane(k, axis)), first)
+            put_into_bin(bins, axis * BINS + as_int(lane(m, axis)), second)
     if (end - begin) & 1 != 0:
         single = load_wide(8, references, 8 * end - 8)
         k = bin_of(single, base, scale, last)
         for axis in range(3):
-            put_into_bin(table, counts, axis * BINS + as_int(lane(k, axis)), single)
+            put_into_bin(bins, axis * BINS + as_int(lane(k, axis)), single)
 
 
 @kernel(strict=True)
-def partition(source, target, begin, end, left, right, centers, bins, axis, split, boxes, at):
-    """Copy references to the left or right part, bounding the centroids of either.
+def partition(source, target, begin, end, left, right, border):
+    """Copy references begin to end from `source` to the left or right part in `target`.
 
-    Left are those in bins 0 to `split` of `axis`. They go to places from `left` on, the others to
-    places from `right` on. The bounds are written to boxes[at : at + 8] and [at + 8 : at + 16].
+    Those on the left of the `Border` go to places from `left` on, the others to places from `right`
+    on. Returns the bounds of the centroids of either part.
     """
-    base, scale, last = low_half(centers), bin_scale(centers, bins), as_float(bins - 1)
+    base, scale = low_half(border.centers), bin_scale(border.centers, border.per_axis)
+    last = as_float(border.per_axis - 1)
     nothing = wide(8, INFINITY)
     left_centers, right_centers = nothing, nothing
     for i in range(begin, end):
         reference = load_wide(8, source, 8 * i)
-        goes_left = as_int(lane(bin_of(reference, base, scale, last), axis)) <= split
+        goes_left = as_int(lane(bin_of(reference, base, scale, last), border.axis)) <= border.last
         store_wide(target, 8 * where(goes_left, left, right), reference)
         step = where(goes_left, 1, 0)
         left += step
@@ -189,5 +203,4 @@ def partition(source, target, begin, end, left, right, centers, bins, axis, spli
         c = centroid(reference)
         left_centers = smaller(left_centers, where(goes_left, c, nothing))
         right_centers = smaller(right_centers, where(goes_left, nothing, c))
-    store_wide(boxes, at, left_centers)
-    store_wide(boxes, at + 8, right_centers)
+    return left_centers, right_centers

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from alight.accel.layout import BLOCK, CHILDREN, LEAF
-from alight.accel.leaf_test import RECORD, meet_block, take_hit
+from alight.accel.leaf_test import RECORD, BlockHits, meet_block, take_hit
 from alight.accel.node_test import SHRINK, is_traceable
 from alight.accel.rays import NONE, SingleHit, box_ray, triangle_ray
 from alight.accel.stack import ROOM, Stacks, open_node
@@ -12,18 +12,16 @@ from lanewise.simd import as_float, as_int, as_uint, local_floats, local_uints
 
 
 @kernel(strict=True)
-def trace_single_ray(tree, root, ray, nearest):
+def trace_single_ray(search, root, ray):
     """What one ray meets in a tree of triangles only.
 
     Parameters
     ----------
-    tree : Bvh
+    search : Search
     root : int
         Number of the node to start from.
     ray : Ray
         Scalars; origin in metres, the direction's length is the unit of t.
-    nearest : bool
-        False where any hit will do.
 
     Returns
     -------
@@ -39,16 +37,16 @@ def trace_single_ray(tree, root, ray, nearest):
         while (size > 0) & (best.t > 0.0):
             size -= 1
             code = as_int(stacks.codes[size])
-            if nearest and stacks.entries[size] * SHRINK > best.t:
+            if search.nearest and stacks.entries[size] * SHRINK > best.t:
                 continue
             if code < LEAF:
                 # The next step waits for what is on top, so a guess of it is worth having.
-                size = open_node(tree, code, boxes, best.t, stacks, size, True, nearest)
+                size = open_node(search, code, boxes, best.t, stacks, size, True)
                 continue
             at = BLOCK * ((code & (LEAF - 1)) >> 4)
             for _ in range(code & 15):
-                bits = meet_block(tree.blocks, at, triangles, best.t, numbers, 0, nearest)
+                bits = meet_block(search, at, triangles, best.t, numbers, 0)
                 if bits != 0:
-                    best = take_hit(tree.blocks, at, numbers, 0, bits, best, nearest)
+                    best = take_hit(search, BlockHits(at, bits, numbers, 0), best)
                 at += BLOCK
     return best

@@ -40,16 +40,16 @@ def fetch_ahead(tree, code):
 
 
 @kernel(strict=True)
-def push_in_order(tree, stacks, size, at, bits, nearest):
+def push_in_order(search, stacks, size, at, bits):
     """Put the children in `bits` of the node at `at` on a stack, and ask memory for them."""
-    base, entries = size, stacks.children
+    tree, base, entries = search.tree, size, stacks.children
     while bits != 0:
         i = trailing_zeros(bits)
         bits &= bits - 1
         child = tree.nodes[at + CHILD + i]
         fetch_ahead(tree, as_int(float_bits(child)))
         j = size
-        if nearest:
+        if search.nearest:
             while j > base:
                 if stacks.entries[j - 1] >= entries[i]:
                     break
@@ -63,12 +63,12 @@ def push_in_order(tree, stacks, size, at, bits, nearest):
 
 
 @kernel(strict=True)
-def open_node(tree, code, ray, t, stacks, size, in_order, nearest):
+def open_node(search, code, ray, t, stacks, size, in_order):
     """Put the children of a node that a ray meets before t on its stack, the nearest on top.
 
     Parameters
     ----------
-    tree : Bvh
+    search : Search
     code : int
         Number of the node.
     ray : BoxRay
@@ -78,21 +78,20 @@ def open_node(tree, code, ray, t, stacks, size, in_order, nearest):
         Of the ray's stack, where it starts in `stacks` included.
     in_order : bool
         Whether the other children are in order, too, which takes branches, or in that of the node.
-    nearest : bool
-        False where any hit will do: then no order matters.
+        Where any hit will do, no order matters.
 
     Returns
     -------
     int
         The new size.
     """
-    at = NODE * code
+    tree, nearest, at = search.tree, search.nearest, NODE * code
     enter, met = meet_children(tree.nodes, at, ray, t)
     bits = mask_bits(met)
     if in_order:
         if nearest:
             store_wide(stacks.children, 0, enter)
-        return push_in_order(tree, stacks, size, at, bits, nearest)
+        return push_in_order(search, stacks, size, at, bits)
     count = count_bits(bits)
     below, least, first = met, t, 0
     if nearest:

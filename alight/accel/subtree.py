@@ -35,8 +35,8 @@ from alight.accel.layout import (
     UPPER,
     WIDTH,
 )
-from alight.accel.references import COUNTS, TABLE
-from alight.accel.splitting import Rules, divide
+from alight.accel.references import new_bins
+from alight.accel.splitting import Records, Rules, divide
 from lanewise.jit import kernel
 from lanewise.simd import (
     as_int,
@@ -56,26 +56,27 @@ Source = namedtuple("Source", "vertices faces triangles others")
 
 #: Records that wait while the left parts before them are divided, and their numbers.
 _WAITING = SAH_LEVELS + HALVED_LEVELS + 2
-_RECORDS = 16 * _WAITING
+_BOXES = 16 * _WAITING
 _RANGES = 3 * _WAITING
 
 
 @kernel(strict=True)
-def copy_record(records, ranges, i, target, target_ranges, j):
+def copy_record(records, i, target, j):
     """Record i of one list becomes record j of another."""
-    store_wide(target, 16 * j, load_wide(8, records, 16 * i))
-    store_wide(target, 16 * j + 8, load_wide(8, records, 16 * i + 8))
+    for k in range(0, 16, 8):
+        store_wide(target.boxes, 16 * j + k, load_wide(8, records.boxes, 16 * i + k))
     for k in range(3):
-        target_ranges[3 * j + k] = ranges[3 * i + k]
+        target.ranges[3 * j + k] = records.ranges[3 * i + k]
 
 
 @kernel(strict=True)
-def exchange_records(records, ranges, i, j):
+def exchange_records(records, i, j):
     """Records i and j change places."""
+    boxes, ranges = records.boxes, records.ranges
     for k in range(0, 16, 8):
-        first, second = load_wide(8, records, 16 * i + k), load_wide(8, records, 16 * j + k)
-        store_wide(records, 16 * i + k, second)
-        store_wide(records, 16 * j + k, first)
+        first, second = load_wide(8, boxes, 16 * i + k), load_wide(8, boxes, 16 * j + k)
+        store_wide(boxes, 16 * i + k, second)
+        store_wide(boxes, 16 * j + k, first)
     for k in range(3):
         ranges[3 * i + k], ranges[3 * j + k] = ranges[3 * j + k], ranges[3 * i + k]
 
@@ -123,11 +124,12 @@ def write_block(order, first, count, packed, at, source):
 
 
 @kernel(strict=True)
-def list_primitives(work, ranges, i, source):
+def list_primitives(work, records, i, source):
     """Write the primitives of record i to their places in `order`, triangles first.
 
     Returns how many blocks the triangles fill, and the others: each has one for itself.
     """
+    ranges = records.ranges
     references = work.a if ranges[3 * i + 2] == 0 else work.b
     begin, end = ranges[3 * i], ranges[3 * i + 1]
     front, back = begin, end - 1
@@ -148,7 +150,7 @@ def list_primitives(work, ranges, i, source):
 
 
 @kernel(strict=True)
-def build_subtree(work, rows, task_records, task_ranges, record, task, rules, source, totals):
+def build_subtree(work, rows, tasks, record, rules, source, totals):
     """Build the binary tree over one record.
 
     Parameters
@@ -156,18 +158,18 @@ def build_subtree(work, rows, task_records, task_ranges, record, task, rules, so
     work : Workspace
     rows : View of float32
         Room for 2 n rows if there are n primitives; written, but for costs (`collapse`).
-    task_records, task_ranges : Views
-        Records (float32) and their ranges (int64); `record` is the one to build.
+    tasks : Records
+        `record` is the one to build.
     rules : Rules
     source : Source
     totals : View of int64
-        Written at 3 `task`: rows, blocks, leaves.
+        Written: rows, blocks, leaves.
     """
-    records, ranges = local_floats(_RECORDS), local_longs(_RANGES)
+    records = Records(local_floats(_BOXES), local_longs(_RANGES))
+    ranges = records.ranges
     parents, levels = local_longs(_WAITING), local_longs(_WAITING)
-    table, counts = local_floats(TABLE), local_longs(COUNTS)
-    row, blocks, leaves = 0, 0, 0
-    copy_record(task_records, task_ranges, record, records, ranges, 0)
+    bins, row, blocks, leaves = new_bins(), 0, 0, 0
+    copy_record(tasks, record, records, 0)
     parents[0], levels[0] = -1, 0
     size = 1
     while size > 0:
@@ -175,23 +177,23 @@ def build_subtree(work, rows, task_records, task_ranges, record, task, rules, so
         level = levels[i]
         if parents[i] >= 0:
             set_word(rows, parents[i], RIGHT, row)
-        store_wide(rows, ROW * row, load_wide(8, records, 16 * i))
+        store_wide(rows, ROW * row, load_wide(8, records.boxes, 16 * i))
         count = ranges[3 * i + 1] - ranges[3 * i]
         by_count = level >= SAH_LEVELS
         flat, others = 0, 0
         inner = count > rules.fill
         if inner:
-            inner = divide(work, records, ranges, i, size, table, counts, rules, by_count)
+            inner = divide(work, records, i, size, bins, rules, by_count)
         if not inner:
-            flat, others = list_primitives(work, ranges, i, source)
+            flat, others = list_primitives(work, records, i, source)
             if (flat > 1) | (others > OTHERS_IN_LEAF):
                 # Triangles were expected to fit one block, and the others are too many.
                 n = flat + others
                 less = Rules(rules.method, (count + n - 1) // n)
-                inner = divide(work, records, ranges, i, size, table, counts, less, by_count)
+                inner = divide(work, records, i, size, bins, less, by_count)
         if inner:
             # The left part is taken up next.
-            exchange_records(records, ranges, i, size)
+            exchange_records(records, i, size)
             parents[i], parents[size] = row, -1
             levels[i], levels[size] = level + 1, level + 1
             size += 1
@@ -205,7 +207,7 @@ def build_subtree(work, rows, task_records, task_ranges, record, task, rules, so
             leaves += 1
             size -= 1
         row += 1
-    totals[3 * task], totals[3 * task + 1], totals[3 * task + 2] = row, blocks, leaves
+    totals[0], totals[1], totals[2] = row, blocks, leaves
 
 
 @kernel(strict=True)
@@ -232,7 +234,7 @@ def write_leaf(order, first, n, blocks, block, source):
 
 
 @kernel(strict=True)
-def pack(order, rows, first, end, nodes, blocks, block, source):
+def pack(order, rows, first, end, tree, block, source):
     """Write what has become of rows `first` to `end`: children of nodes, and blocks.
 
     Parameters
@@ -241,10 +243,11 @@ def pack(order, rows, first, end, nodes, blocks, block, source):
         Primitives in the order of the leaves.
     rows : View of float32
         A whole tree with its columns (`collapse.assign_columns`).
-    nodes, blocks : Views of float32
-        Written; blocks from number `block` on.
+    tree : Bvh
+        Its nodes and blocks are written; blocks from number `block` on.
     source : Source
     """
+    nodes, blocks = tree.nodes, tree.blocks
     for row in range(first, end):
         column = word_of(rows, row, COLUMN)
         if column == NOT_A_COLUMN:

@@ -12,8 +12,9 @@ import numpy as np
 
 from alight.accel.layout import TOP_LEVELS, aligned_zeros
 from alight.accel.references import COUNTS, MARGIN, ROUNDING, TABLE
-from alight.accel.splitting import Rules, Workspace
+from alight.accel.splitting import Records, Rules, Workspace
 from alight.accel.subtree import Source
+from alight.accel.top import Chunk, Shared
 from lanewise.view import View
 
 #: Primitives that one thread takes at a time while all work on the same set.
@@ -41,7 +42,7 @@ class TopDivision:
     Attributes
     ----------
     work : Workspace
-    records, ranges : View
+    records : Records
     """
 
     def __init__(self, compiled: Any, pool: Any, rules: Rules, source: Source, boxes: np.ndarray):
@@ -54,12 +55,13 @@ class TopDivision:
         )
         # A set at the top has more than n / TASKS primitives, so a level has fewer than TASKS.
         room = TASKS * (TOP_LEVELS + 1) + 1
-        self.records = View(aligned_zeros(room, 16))
-        self.ranges = View(np.zeros(3 * room, np.int64))
+        self.records = Records(View(aligned_zeros(room, 16)), View(np.zeros(3 * room, np.int64)))
         rows = -(-n // CHUNK) + 1
-        self.tables = View(aligned_zeros(rows, TABLE))
-        self.counts = View(np.zeros(rows * COUNTS, np.int64))
-        self.result = View(np.zeros(rows + 2, np.int64))
+        self.shared = Shared(
+            View(aligned_zeros(rows, TABLE)),
+            View(np.zeros(rows * COUNTS, np.int64)),
+            View(np.zeros(rows + 2, np.int64)),
+        )
         self._refer(source, boxes)
 
     def _refer(self, source: Source, boxes: np.ndarray) -> None:
@@ -83,16 +85,16 @@ class TopDivision:
         centers = references[:, :4] - references[:, 4:]
         others = np.hstack([references, centers, -centers])
         rows = np.concatenate([bounds.array.reshape(-1, 16)[: len(starts)], others])
-        self.records.array[:16] = rows.min(axis=0)
-        self.ranges.array[:3] = 0, self.n, 0
+        self.records.boxes.array[:16] = rows.min(axis=0)
+        self.records.ranges.array[:3] = 0, self.n, 0
 
     def box(self, record: int) -> np.ndarray:
         """A copy, as the record will be that of a part: (8,) float32, as that of a reference."""
-        return self.records.array[16 * record : 16 * record + 8].copy()
+        return self.records.boxes.array[16 * record : 16 * record + 8].copy()
 
     def size(self, record: int) -> int:
         """Primitives in a record."""
-        begin, end = self.ranges.array[3 * record : 3 * record + 2]
+        begin, end = self.records.ranges.array[3 * record : 3 * record + 2]
         return int(end - begin)
 
     def largest_edge(self) -> float:
@@ -129,59 +131,33 @@ class TopDivision:
         small = [pair for pair in pairs if pair not in big]
         for pair in big:
             self._divide(*pair)
-        work, records, ranges, rules = self.work, self.records, self.ranges, self.rules
-        self.pool.run(lambda pair: self.compiled.divide(work, records, ranges, *pair, rules), small)
+        work, records, rules = self.work, self.records, self.rules
+        self.pool.run(lambda pair: self.compiled.divide(work, records, *pair, rules), small)
 
     def _divide(self, i: int, j: int) -> None:
         """Divide record i into i and j, all threads together."""
-        first, end = (int(k) for k in self.ranges.array[3 * i : 3 * i + 2])
+        work, records, shared = self.work, self.records, self.shared
+        first, end = (int(k) for k in records.ranges.array[3 * i : 3 * i + 2])
         starts = range(first, end, CHUNK)
         rows = len(starts)
-
-        def bin_one(begin: int) -> None:
-            self.compiled.bin(
-                self.work,
-                self.records,
-                self.ranges,
-                i,
-                begin,
-                min(begin + CHUNK, end),
-                (begin - first) // CHUNK + 1,
-                self.tables,
-                self.counts,
-            )
-
-        self.pool.run(bin_one, starts)
-        self.compiled.choose(
-            self.records, self.ranges, i, rows, self.tables, self.counts, self.rules, self.result
-        )
-        if self.result.array[0] < 0:
-            self.compiled.halve(self.work, self.records, self.ranges, i, j)
+        chunks = [
+            Chunk(begin, min(begin + CHUNK, end), row) for row, begin in enumerate(starts, start=1)
+        ]
+        self.pool.run(lambda chunk: self.compiled.bin(work, records, i, chunk, shared), chunks)
+        self.compiled.choose(records, i, rows, shared, self.rules)
+        if shared.result.array[0] < 0:
+            self.compiled.halve(work, records, i, j)
             return
-        lefts = np.concatenate([[0], np.cumsum(self.result.array[2 : 2 + rows])])
+        lefts = np.concatenate([[0], np.cumsum(shared.result.array[2 : 2 + rows])])
         middle = first + int(lefts[-1])
 
-        def partition_one(begin: int) -> None:
-            row = (begin - first) // CHUNK
-            left = int(lefts[row])
-            self.compiled.partition(
-                self.work,
-                self.records,
-                self.ranges,
-                i,
-                begin,
-                min(begin + CHUNK, end),
-                first + left,
-                middle + (begin - first - left),
-                self.result,
-                row + 1,
-                self.tables,
-            )
+        def partition_one(chunk: Chunk) -> None:
+            left = int(lefts[chunk.row - 1])
+            right = middle + (chunk.begin - first - left)
+            self.compiled.partition(work, records, i, chunk, first + left, right, shared)
 
-        self.pool.run(partition_one, starts)
-        self.compiled.conclude(
-            self.records, self.ranges, i, j, rows, self.tables, self.result, middle
-        )
+        self.pool.run(partition_one, chunks)
+        self.compiled.conclude(records, i, j, rows, shared, middle)
 
 
 def references_of_boxes(boxes: np.ndarray, first: int) -> np.ndarray:

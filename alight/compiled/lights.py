@@ -22,7 +22,7 @@ from alight.core.spec import Light, Texture
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
 from alight.lights.tables import INFO, STRIDE, TEXTURED, EmittingLights, LightTables
-from alight.lights.tree_build import Leaves
+from alight.lights.tree_split import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.model import SHAPES

@@ -10,10 +10,11 @@ from itertools import islice
 import numpy as np
 
 from alight.lab.agreement import MOST_VOTERS, Vote, vote
-from alight.lab.arms import Arm, seed_of
+from alight.lab.arm_plan import Plan
+from alight.lab.arms import seed_of
 from alight.lab.blocks import LEVEL, BlockMoments, RawTest, compare_with_reference, judge
 from alight.lab.decomposition import Moments, Parts, decompose, reference_spread
-from alight.lab.equal_time import AtTime, Bracket, compared, powers_of_two, product
+from alight.lab.equal_time import AtTime, Bracket, compared, product
 from alight.lab.references import Reference, demand_quiet
 from alight.lab.results import UNKNOWN, ArmImages, ArmResult, BiasTest, Point, Speedup
 from alight.lab.statistics import (
@@ -25,70 +26,9 @@ from alight.lab.statistics import (
     mean_interval,
     positive_interval,
 )
-from alight.lab.steering import is_biased, is_steered
 from alight.lab.store import Replicate, Store
-from alight.lab.study import SCHEDULE, Study, StudyError
+from alight.lab.study import Study, StudyError
 from alight.metrics.relmse import Estimate
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What one arm renders in one scene.
-
-    Attributes
-    ----------
-    arm : Arm
-    key : str
-        Of its replicates in the store.
-    samples : tuple of int
-        Samples per pixel at which arms are compared.
-    times : tuple of Bracket
-        Where the arm takes the time that the baseline takes at each of them; may be empty.
-    reference : Reference
-    own_reference : bool
-    """
-
-    arm: Arm
-    key: str
-    samples: tuple[int, ...]
-    times: tuple[Bracket, ...]
-    reference: Reference
-    own_reference: bool
-
-    @property
-    def ladder(self) -> tuple[int, ...]:
-        """All steps, rising."""
-        around = {spp for step in self.times for spp in (step.low, step.high)}
-        steps = {*self.samples, *around}
-        if self.times and not is_steered(self.arm.spec.options.get(SCHEDULE)):
-            # Each stop costs some time: with these all arms make about the same.
-            steps |= powers_of_two(min(self.samples) // 2, max(steps))
-        return tuple(sorted(steps))
-
-    @property
-    def tops(self) -> tuple[int, ...]:
-        """The steps whose pictures are added up."""
-        return tuple(sorted({self.samples[-1], self.shown}))
-
-    @property
-    def judged(self) -> Bracket:
-        """Where arms are compared: the last step of equal time, if there is one."""
-        return self.times[-1] if self.times else Bracket.at(self.samples[-1])
-
-    @property
-    def shown(self) -> int:
-        """The step nearest to where arms are compared: whose pictures are shown."""
-        return self.judged.shown
-
-    @property
-    def votes(self) -> bool:
-        """Whether the arm means to compute what the others do."""
-        return not (self.arm.spec.declares_different or self.decides_by_kept_samples)
-
-    @property
-    def decides_by_kept_samples(self) -> bool:
-        """Whether it is biased by its rule."""
-        return is_biased(self.arm.spec.options.get(SCHEDULE))
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from alight.lab.arm_plan import Plan
 from alight.lab.arms import Arm, compile_arm, digest, load_arms, seed_of
 from alight.lab.blocks import block_row
 from alight.lab.equal_time import Bracket, bracket, is_natural
-from alight.lab.evaluate import Plan, evaluate_arms, no_noise
+from alight.lab.evaluate import evaluate_arms, no_noise
 from alight.lab.figures import Figures
 from alight.lab.references import (
     SEEDS,

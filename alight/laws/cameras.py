@@ -6,8 +6,8 @@ on a wide film and on a high one.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Iterator
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -22,10 +22,15 @@ from alight.core.vec import Vec3
 from alight.laws.materials import stacked
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import length_error
+from alight.laws.twins import demand_same_by_machine
 from alight.scene.transform import Matrix, rotate, scale, translate
-from lanewise.jit import instantiate
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, load_lanes, store_lanes
 
 N = 10_000
+
+#: What cameras see of a scene.
+_Scene = namedtuple("_Scene", "camera")
 
 #: Width and height of the film, and the matrix camera to world: at rest; moved and turned; larger
 #: and mirrored.
@@ -64,7 +69,7 @@ class Shots:
         lens = np.full((2, N), 0.5, np.float32) if lens is None else lens
         program = Program(camera=spec.type_name(), registered=versions([spec]))
         run = instantiate(generate_ray, program, compiled=False)
-        scene = SimpleNamespace(camera=compile_camera(spec, self.to_world, self.size))
+        scene = _Scene(compile_camera(spec, self.to_world, self.size))
         film = self.film + np.reshape(np.float32(step), (2, 1))
         rays = run(scene, *film, tuple(lens))
         self.o, self.d = (
@@ -164,7 +169,7 @@ def the_lens_is_sampled_evenly(spec: Camera) -> None:
 def _connected(spec: Camera, shots: Shots, points: np.ndarray, lens: np.ndarray) -> Connection:
     program = Program(camera=spec.type_name(), registered=versions([spec]))
     run = instantiate(connect_camera, program, compiled=False)
-    scene = SimpleNamespace(camera=compile_camera(spec, shots.to_world, shots.size))
+    scene = _Scene(compile_camera(spec, shots.to_world, shots.size))
     return run(scene, Vec3(*points.astype(np.float32)), tuple(lens))
 
 
@@ -214,6 +219,33 @@ def importance_is_pixels_over_area(spec: Camera) -> None:
         demand_close(found.importance * area, 1.0, f"{name}: pixels per pixel", atol=0.03)
 
 
+# ---------------------------------------------------------------- machine code
+
+
+@kernel
+def generate_all(scene, u, out, n):
+    """Rays through n points of the film and of the lens."""
+    for i in range(0, n, LANES):
+        u_lens = load_lanes(u, i + 2 * n), load_lanes(u, i + 3 * n)
+        o, d = generate_ray(scene, load_lanes(u, i), load_lanes(u, i + n), u_lens)
+        store_lanes(out, i, o.x)
+        store_lanes(out, i + n, o.y)
+        store_lanes(out, i + 2 * n, o.z)
+        store_lanes(out, i + 3 * n, d.x)
+        store_lanes(out, i + 4 * n, d.y)
+        store_lanes(out, i + 5 * n, d.z)
+
+
+def compiled_rays_are_the_twins(spec: Camera) -> None:
+    """Machine code generates the rays of the Python text."""
+    size, to_world = PLACEMENTS["turned"]
+    scene = _Scene(compile_camera(spec, to_world, size))
+    program = Program(camera=spec.type_name(), registered=versions([spec]))
+    u = np.random.default_rng(8).uniform(1e-3, 1.0 - 1e-3, (4, 4096))
+    u[:2] *= np.reshape(size, (2, 1))
+    demand_same_by_machine(generate_all, program, scene, u.astype(np.float32), 6)
+
+
 LAWS = (
     rays_have_unit_directions,
     projection_undoes_the_rays,
@@ -222,3 +254,4 @@ LAWS = (
     connections_undo_the_rays,
     importance_is_pixels_over_area,
 )
+COMPILED_LAWS = (compiled_rays_are_the_twins,)

@@ -117,7 +117,7 @@ CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
     "media": _simple(media.LAWS),
     "lights": _check_light,
     "integrators": _simple(integrators.LAWS, integrators.COMPILED_LAWS),
-    "textures": _simple(textures.LAWS),
-    "filters": _simple(filters.LAWS),
-    "cameras": _simple(cameras.LAWS),
+    "textures": _simple(textures.LAWS, textures.COMPILED_LAWS),
+    "filters": _simple(filters.LAWS, filters.COMPILED_LAWS),
+    "cameras": _simple(cameras.LAWS, cameras.COMPILED_LAWS),
 }

@@ -9,11 +9,11 @@ import numpy as np
 from alight.bsdfs.dispatch import albedo_bsdf, evaluate_bsdf, sample_bsdf
 from alight.core.spec import Bsdf
 from alight.laws.materials import Material, random_numbers
+from alight.laws.plane import plane_point
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import unit_vectors
-from alight.shapes.hit import Surface
 from lanewise.jit import instantiate, kernel
-from lanewise.simd import LANES, lanes, lanes_u32, lanes_vec3, load_lanes, store_lanes, to_float
+from lanewise.simd import LANES, lanes_vec3, load_lanes, store_lanes, to_float
 from lanewise.vec3 import Vec3
 from lanewise.view import View
 
@@ -38,27 +38,10 @@ def store_vec3(view, row, i, v):
 @kernel
 def scatter_all(scene, bsdf, wo, other, u, uv, out):
     """Sample and evaluate the materials `bsdf` at N points of the plane z = 0."""
-    zero, none, black = lanes(0.0), lanes_u32(0), lanes_vec3(0.0)
-    x, y, z = lanes(1.0), lanes(0.0), lanes(1.0)
-    up, s, t = Vec3(zero, zero, z), Vec3(x, zero, zero), Vec3(y, x, zero)
     for i in range(0, N, LANES):
-        material = load_lanes(bsdf, i)
         color = Vec3(0.25, 0.5, 0.75) * load_lanes(uv, i)
-        surface = Surface(
-            p=black,
-            error=zero,
-            ng=up,
-            ns=up,
-            s=s,
-            t=t,
-            u=load_lanes(uv, i),
-            v=load_lanes(uv, i + N),
-            shape=none,
-            prim=none,
-            bsdf=material,
-            light=none,
-            color=color,
-            chart=(),
+        surface = plane_point(
+            lanes_vec3(0.0), load_lanes(uv, i), load_lanes(uv, i + N), load_lanes(bsdf, i), color
         )
         w, v = load_vec3(wo, i), load_vec3(other, i)
         u2 = load_lanes(u, i + N), load_lanes(u, i + 2 * N)

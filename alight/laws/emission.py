@@ -17,12 +17,13 @@ from alight.compiled.shapes import compile_shapes
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.spec import Light, Shape
 from alight.core.vec import Vec3, luminance
+from alight.laws.bodies import PLACEMENTS
 from alight.laws.lights import NARROW, described, mean_radiance, run, strategy
 from alight.laws.materials import stacked
 from alight.laws.report import BrokenLawError, demand, demand_close
-from alight.laws.shapes import PLACEMENTS
 from alight.laws.statistics import (
     LARGEST_Z,
+    ROUNDING,
     SIGNIFICANCE,
     SphereCells,
     chi_square,
@@ -114,7 +115,7 @@ def emitted_flux_is_the_power(spec: Light) -> None:
         rays, declared = rays_of(compiled(scene)), declared_power(scene)
         demand(np.isfinite(rays.flux) & (rays.flux >= 0.0), "flux is negative or not finite")
         found = luminance(Vec3(*rays.flux)).astype(float)
-        z = z_of_mean(found, declared, 5e-3 * declared)
+        z = z_of_mean(found, declared, ROUNDING * declared)
         demand(abs(z) < LARGEST_Z, f"rays carry {found.mean():.5g} W, by `power` {declared:.5g} W")
 
 
@@ -184,7 +185,7 @@ def _areas_are_covered(rays: Rays, scene: Scene) -> None:
         off = off - np.sum(off * rays.d, axis=0) * rays.d
         per_ray = np.where(np.linalg.norm(off, axis=0) <= radius * (1.0 + 1e-4), per_ray, 0.0)
         area = np.pi * radius * radius
-    z = z_of_mean(per_ray, area, 1e-4 * area)
+    z = z_of_mean(per_ray, area, ROUNDING * area)
     demand(abs(z) < LARGEST_Z, f"positions cover {per_ray.mean():.5g} m^2 of {area:.5g}")
 
 
@@ -265,7 +266,7 @@ def _compare(rays: Rays, free: np.ndarray, scene: CompiledScene, disk: tuple) ->
     error = np.hypot(*(v.std(ddof=1) / np.sqrt(N) for v in (emitted, sampled)))
     a, b = emitted.mean(), sampled.mean()
     demand(
-        abs(a - b) <= LARGEST_Z * error + 2e-3 * b,
+        abs(a - b) <= LARGEST_Z * error + ROUNDING * b,
         f"a disk receives {a:.5g} W/m^2 of rays, {b:.5g} of samples",
     )
 

@@ -5,7 +5,7 @@ Each law is a function of an example and raises `BrokenLawError`.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+from collections import namedtuple
 
 import numpy as np
 
@@ -17,9 +17,14 @@ from alight.filters.model import FILTERS
 from alight.filters.splatting import choose_pixel
 from alight.laws.report import demand
 from alight.laws.statistics import LARGEST_Z, SIGNIFICANCE, chi_square, z_of_mean
-from lanewise.jit import instantiate
+from alight.laws.twins import demand_same_by_machine
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, lanes, load_lanes, store_lanes
 
 N = 60_000
+
+#: What filters see of a scene.
+_Scene = namedtuple("_Scene", "filter")
 
 #: Cells of the filter's square along each axis, and points of each.
 CELLS, POINTS = 16, 64
@@ -30,7 +35,7 @@ def samples(spec: Filter) -> np.ndarray:
     program = Program(filter=spec.type_name(), registered=versions([spec]))
     run = instantiate(sample_filter, program, compiled=False)
     u2 = tuple(np.random.default_rng(1).random((2, N), np.float32))
-    found = run(SimpleNamespace(filter=compile_filter(spec)), u2)
+    found = run(_Scene(compile_filter(spec)), u2)
     return np.stack([np.broadcast_to(part, N) for part in found]).astype(float)
 
 
@@ -90,7 +95,7 @@ def splats_get_what_the_filter_gives(spec: Filter) -> None:
     whole = along.sum() * (fine[1] - fine[0])
     program = Program(filter=spec.type_name(), registered=versions([spec]))
     run = instantiate(choose_pixel, program, compiled=False)
-    scene, rng = SimpleNamespace(filter=compile_filter(spec)), np.random.default_rng(4)
+    scene, rng = _Scene(compile_filter(spec)), np.random.default_rng(4)
     for x in rng.random(4) + 20.0:
         pixel, weight = run(scene, np.full(N, x, np.float32), rng.random(N, np.float32))
         pixel, weight = np.broadcast_to(pixel, N), np.broadcast_to(weight, N).astype(float)
@@ -102,9 +107,32 @@ def splats_get_what_the_filter_gives(spec: Filter) -> None:
             demand(abs(z) < LARGEST_Z, f"pixel {k} gets a wrong share of a splat at {x:.4f}")
 
 
+# ---------------------------------------------------------------- machine code
+
+
+@kernel
+def sample_all(scene, u, out, n):
+    """Offsets and weights for n pairs of random numbers."""
+    for i in range(0, n, LANES):
+        u2 = load_lanes(u, i), load_lanes(u, i + n)
+        dx, dy, weight = sample_filter(scene, u2)
+        store_lanes(out, i, dx)
+        store_lanes(out, i + n, dy)
+        store_lanes(out, i + 2 * n, lanes(0.0) + weight)
+
+
+def compiled_samples_are_the_twins(spec: Filter) -> None:
+    """Machine code draws the samples of the Python text."""
+    program = Program(filter=spec.type_name(), registered=versions([spec]))
+    # Not next to 0 and 1, where input that is rounded otherwise is none.
+    u = np.random.default_rng(3).uniform(1e-3, 1.0 - 1e-3, (2, 4096)).astype(np.float32)
+    demand_same_by_machine(sample_all, program, _Scene(compile_filter(spec)), u, 3)
+
+
 LAWS = (
     weights_have_mean_one,
     pictures_are_not_shifted,
     samples_are_spread_as_the_filter,
     splats_get_what_the_filter_gives,
 )
+COMPILED_LAWS = (compiled_samples_are_the_twins,)

@@ -14,9 +14,9 @@ import numpy as np
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.registry import default_of, specs_of
 from alight.core.spec import Bsdf, Camera, Integrator, Medium, Shape
+from alight.laws.bodies import scene_of
 from alight.laws.integrators import picture
 from alight.laws.report import demand
-from alight.laws.shapes import scene_of
 from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
 from alight.media.coefficients import Coefficients, extinction
 from alight.media.model import MEDIA

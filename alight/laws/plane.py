@@ -6,7 +6,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.shapes.hit import Surface
+from lanewise.jit import kernel
+from lanewise.simd import lanes, lanes_u32
 from lanewise.vec3 import Vec3
+
+
+@kernel
+def plane_point(p, u, v, bsdf, color):
+    """The `Surface` at a point of the plane, in kernels."""
+    zero, one, none = lanes(0.0), lanes(1.0), lanes_u32(0)
+    up = Vec3(zero, zero, one)
+    return Surface(
+        p=p,
+        error=zero,
+        ng=up,
+        ns=up,
+        s=Vec3(one, zero, zero),
+        t=Vec3(zero, one, zero),
+        u=u,
+        v=v,
+        shape=none,
+        prim=none,
+        bsdf=bsdf,
+        light=none,
+        color=color,
+        chart=(),
+    )
 
 
 def plane_surface(

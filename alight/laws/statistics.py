@@ -10,11 +10,15 @@ from statistics import NormalDist
 
 import numpy as np
 
-from alight.metrics.statistics import chi_square_tail, upper_gamma
+from alight.laws.report import demand
+from alight.metrics.statistics import chi_square_tail, student_t_quantile, upper_gamma
 
 FAMILY = 0.01
 TESTS = 2000
 SIGNIFICANCE = 1.0 - (1.0 - FAMILY) ** (1.0 / TESTS)
+#: Rounding of one operation of float32, and of 64 in a row that all err to one side.
+UNIT = 2.0**-24
+ROUNDING = 64 * UNIT
 #: Two-sided bound of a standard normal number.
 LARGEST_Z = -NormalDist().inv_cdf(SIGNIFICANCE / 2.0)
 
@@ -65,6 +69,18 @@ def z_of_mean(values, expected, known_error=0.0):
     return (values.mean() - expected) / max(error, 1e-12)
 
 
+def demand_mean(values, expected, message, known_error=0.0):
+    """Raise `BrokenLawError` unless the mean of a few replicates is `expected`, by Student's t.
+
+    known_error: what arithmetic may add.
+    """
+    values = np.asarray(values, float)
+    t = student_t_quantile(1.0 - 0.5 * SIGNIFICANCE, len(values) - 1)
+    bound = t * values.std(ddof=1) / np.sqrt(len(values)) + known_error
+    found = values.mean()
+    demand(abs(found - expected) <= bound, f"{message}: {found:.7g} against {expected:.7g}")
+
+
 class SphereCells:
     """The sphere cut along meridians and parallels, each cell with a grid of points.
 
@@ -104,6 +120,12 @@ def unit_vectors(n, seed):
     """(3, n) float32 unit vectors, uniform on the sphere."""
     v = np.random.default_rng(seed).normal(size=(3, n))
     return (v / np.linalg.norm(v, axis=0)).astype(np.float32)
+
+
+def turns(n, seed):
+    """(n, 3, 3) orthogonal matrices, uniformly distributed."""
+    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(n, 3, 3)))
+    return q * np.sign(np.diagonal(r, axis1=1, axis2=2))[:, None, :]
 
 
 def length_error(v):

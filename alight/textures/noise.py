@@ -109,6 +109,7 @@ EXAMPLES = (
     Noise(color0=(0.2, 0.1, 0.0), color1=(0.9, 0.8, 0.1), space="uv", octaves=1),
     Noise(pattern="turbulence", space="uv", scale=(3.0, -1.5, 1.0), offset=(7.0, 0.25, -3.0)),
     Noise(octaves=16, gain=1.0, color0=0.75, color1=0.25),
+    Noise(scale=2.0),
 )
 
 

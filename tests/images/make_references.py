@@ -24,11 +24,12 @@ from pathlib import Path
 from typing import Any
 
 import mitsuba_facets  # noqa: F401  (this and those below: their scenes enter themselves
-import mitsuba_layers  # noqa: F401  (into `mitsuba_scenes.SCENES`)
+import mitsuba_layers  # noqa: F401  (into `mitsuba_parts.SCENES`)
 import mitsuba_lights  # noqa: F401
 import mitsuba_media  # noqa: F401
 import mitsuba_models
-import mitsuba_scenes
+import mitsuba_parts
+import mitsuba_scenes  # noqa: F401
 import mitsuba_textures  # noqa: F401
 import numpy as np
 
@@ -47,7 +48,7 @@ def block_luminance(image: np.ndarray) -> np.ndarray:
 
 def measure(mi: Any, name: str, seeds: int, spp: int) -> dict[str, Any]:
     """Render one scene `seeds` times and reduce it to what the test needs."""
-    scene = mi.load_dict(mitsuba_scenes.SCENES[name](mi))
+    scene = mi.load_dict(mitsuba_parts.SCENES[name](mi))
     images = []
     for seed in range(seeds):
         image = np.array(mi.render(scene, spp=spp, seed=seed), np.float64)[..., :3]
@@ -74,11 +75,11 @@ def write_meshes() -> None:
     """Write the two small meshes that the scenes of both renderers read."""
     import trimesh
 
-    mitsuba_scenes.MESHES.mkdir(exist_ok=True)
+    mitsuba_parts.MESHES.mkdir(exist_ok=True)
     icosahedron = trimesh.creation.icosahedron()
-    icosahedron.export(mitsuba_scenes.MESHES / "icosahedron.ply", vertex_normal=False)
+    icosahedron.export(mitsuba_parts.MESHES / "icosahedron.ply", vertex_normal=False)
     torus = trimesh.creation.torus(0.7, 0.3, major_sections=48, minor_sections=24)
-    torus.export(mitsuba_scenes.MESHES / "torus.ply", vertex_normal=True)
+    torus.export(mitsuba_parts.MESHES / "torus.ply", vertex_normal=True)
 
 
 def main() -> None:
@@ -100,7 +101,7 @@ def main() -> None:
     mitsuba_models.register(mitsuba)
     write_meshes()
     arguments.output.mkdir(exist_ok=True)
-    for name in arguments.scenes or mitsuba_scenes.SCENES:
+    for name in arguments.scenes or mitsuba_parts.SCENES:
         start = time.perf_counter()
         result = measure(mitsuba, name, arguments.seeds, arguments.spp)
         np.savez_compressed(arguments.output / f"{name}.npz", **result)

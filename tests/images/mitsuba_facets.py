@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from mitsuba_scenes import SceneDict, ball, ceiling_light, rgb, room, scene
+from mitsuba_parts import SceneDict, ball, ceiling_light, rgb, room, scene
 
 ALPHAS = (0.06, 0.2, 0.6)
 # Indices of refraction by the three primaries: real and imaginary part.

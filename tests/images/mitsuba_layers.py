@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from mitsuba_scenes import SceneDict, ball, ceiling_light, diffuse, rgb, room, scene
+from mitsuba_parts import SceneDict, ball, ceiling_light, diffuse, rgb, room, scene
 
 
 @scene

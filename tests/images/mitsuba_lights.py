@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from mitsuba_scenes import (
+from mitsuba_parts import (
     AXIS,
     MESHES,
     WIDE,

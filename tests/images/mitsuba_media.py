@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from mitsuba_scenes import (
+from mitsuba_parts import (
     SceneDict,
     ball,
     camera,

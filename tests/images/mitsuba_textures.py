@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from mitsuba_scenes import SceneDict, ball, ceiling_light, rgb, room, scene
+from mitsuba_parts import SceneDict, ball, ceiling_light, rgb, room, scene
 
 # 8 bits a channel, lower row first: Mitsuba's v runs down the rows.
 COLORS = (

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 from alight.core.registry import Models
+from alight.lab.arm_plan import Plan
 from alight.lab.equal_time import (
     AtTime,
     Bracket,
@@ -17,7 +18,6 @@ from alight.lab.equal_time import (
     natural_counts,
     product,
 )
-from alight.lab.evaluate import Plan
 from alight.lab.statistics import bootstrap_ratio, log_ratio
 from alight.samplers.sobol import Sobol
 from alight.samplers.state import sampler_state

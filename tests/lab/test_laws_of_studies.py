@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from alight.lab.arm_plan import Plan
 from alight.lab.blocks import block_row, exact_statistics
 from alight.lab.decomposition import Moments
-from alight.lab.evaluate import Plan, evaluate_arms
+from alight.lab.evaluate import evaluate_arms
 from alight.lab.references import Reference
 from alight.lab.results import DIFFERENT, ReferenceInfo
 from alight.lab.run import relmse_gains, variance_ratios

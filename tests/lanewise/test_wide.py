@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lanewise import wide_instructions
+from lanewise import permutation
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import float_bits, permuted
 from lanewise.view import View
@@ -30,12 +30,12 @@ WAYS = {1: {16: True, 8: True}, 2: {16: False, 8: True}, 3: {16: False, 8: False
 
 @pytest.mark.parametrize("way", [0, *WAYS])
 def test_any_order_of_sixteen_numbers(way, monkeypatch):
-    features = wide_instructions._permutation_features()
+    features = permutation._permutation_features()
     wanted = WAYS.get(way, {})
     if any(wanted[n] and not features[n] for n in wanted):
         pytest.skip("this processor has no such instruction")
     if way:
-        monkeypatch.setattr(wide_instructions, "_HAS_PERMUTATION", wanted)
+        monkeypatch.setattr(permutation, "_HAS_PERMUTATION", wanted)
     rng = np.random.default_rng(1)
     numbers = rng.normal(size=(N, 16)).astype(np.float32)
     orders = rng.integers(0, 16, (N, 16)).astype(np.uint32)

@@ -3,21 +3,35 @@
 A bench that forgets a channel forgets it on both sides, and every law that uses it still holds.
 """
 
+from collections import namedtuple
+
 import numpy as np
 
 from alight.bsdfs.burley import Burley
+from alight.cameras.rays import generate_ray
+from alight.cameras.thin_lens import ThinLens
+from alight.compiled.cameras import compile_camera
+from alight.compiled.program import Program
+from alight.filters.importance import compile_filter, sample_filter
+from alight.filters.tent import Tent
+from alight.laws import cameras, filters, textures
+from alight.laws.bodies import body_of
 from alight.laws.compiled import RESULTS, N, scatter
 from alight.laws.lights import light_of_points, scene_of
 from alight.laws.materials import Material, random_numbers
 from alight.laws.shapes import RESULTS as SHAPE_RESULTS
-from alight.laws.shapes import body_of, look_all
+from alight.laws.shapes import look_all
 from alight.laws.statistics import unit_vectors
 from alight.lights.sampling import sample_light
 from alight.lights.spot import Spot
 from alight.shapes.sphere import Sphere
+from alight.textures.add import Add
+from alight.textures.checkerboard import Checkerboard
 from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
 from lanewise.view import View
+
+Small = namedtuple("Small", "filter camera")
 
 
 def rows_of(*values, n):
@@ -74,3 +88,32 @@ def test_of_lights():
         s = sample(scene.tables, p, p, u[0], (u[1], u[2]), np.ones(n, bool))
     same(out.shaped[:7], rows_of(s.wi, s.distance, s.radiance, n=n))
     np.testing.assert_array_equal(out.shaped[7], np.broadcast_to(s.pdf, n))
+
+
+def test_of_textures():
+    spec, n = Add(a=Checkerboard(scale=4.0), b=(0.1, 0.5, 0.0)), 64
+    scene, program = textures.compile_textures([spec])
+    uv, out = (
+        np.random.default_rng(6).random((2, n), np.float32),
+        View(np.zeros((3, n), np.float32)),
+    )
+    instantiate(textures.look_up_all, program, compiled=False)(scene, View(uv), out, n)
+    same(out.shaped, textures.values_at(spec, *uv))
+
+
+def test_of_filters():
+    scene, n = Small(filter=compile_filter(Tent()), camera=None), 64
+    u, out = np.random.default_rng(6).random((2, n), np.float32), View(np.zeros((3, n), np.float32))
+    program = Program(filter="tent")
+    instantiate(filters.sample_all, program, compiled=False)(scene, View(u), out, n)
+    dx, dy, weight = instantiate(sample_filter, program, compiled=False)(scene, tuple(u))
+    np.testing.assert_array_equal(out.shaped, rows_of(dx, dy, weight, n=n))
+
+
+def test_of_cameras():
+    camera, n = compile_camera(ThinLens(aperture_radius=0.3), np.eye(4), (64, 48)), 64
+    scene, program = Small(filter=None, camera=camera), Program(camera="thin_lens")
+    u, out = np.random.default_rng(6).random((4, n), np.float32), View(np.zeros((6, n), np.float32))
+    instantiate(cameras.generate_all, program, compiled=False)(scene, View(u), out, n)
+    run = instantiate(generate_ray, program, compiled=False)
+    same(out.shaped, rows_of(*run(scene, u[0], u[1], (u[2], u[3])), n=n))

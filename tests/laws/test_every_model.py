@@ -9,8 +9,11 @@ import pytest
 
 import alight
 from alight.core.registry import FAMILIES, modules, type_name_of
+from alight.laws import cameras, filters
+from alight.laws.bodies import PLACEMENTS, Body
 from alight.laws.check import CHECKS
-from alight.laws.shapes import PLACEMENTS, Body, demand_same_surfaces
+from alight.laws.shapes import demand_same_surfaces
+from alight.laws.textures import demand_same_textures
 from alight.scene import Node, rotate, translate
 from tests.static.sources import FAMILIES as FAMILIES_OF_THE_PACKAGE
 
@@ -43,6 +46,21 @@ def test_machine_code_sees_every_shape_as_the_python_text_does():
     hit, _ = body.hit(*body.lines(7), np.ones(20_000, bool))
     assert set(hit.shape[np.isfinite(hit.t)]) == set(range(len(body.shapes.motions)))
     demand_same_surfaces(body)
+
+
+def test_machine_code_sees_every_texture_as_the_python_text_does():
+    demand_same_textures([spec for model in modules("textures") for spec in model.EXAMPLES])
+
+
+#: Families whose kernels are small enough to be compiled one model at a time.
+SMALL = {"cameras": cameras.COMPILED_LAWS, "filters": filters.COMPILED_LAWS}
+
+
+@pytest.mark.parametrize("family", SMALL)
+def test_machine_code_of_cameras_and_filters_is_the_python_text(family):
+    for model in modules(family):
+        for law in SMALL[family]:
+            law(model.EXAMPLES[-1])
 
 
 @pytest.mark.parametrize("module", MODELS)

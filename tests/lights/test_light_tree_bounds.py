@@ -8,7 +8,8 @@ from alight.compiled.materials import compile_materials
 from alight.core.registry import modules, type_name_of
 from alight.lights.tree import BEHIND, least_cosine
 from alight.lights.tree_bounds import NEVER, Bounds, bounds_of_row, guess, pack, unpack
-from alight.lights.tree_build import Leaves, _groups
+from alight.lights.tree_build import _groups
+from alight.lights.tree_split import Leaves
 from lanewise.jit import instantiate
 from lanewise.view import View
 from tests.lights.test_light_tree import TREE, run

@@ -81,6 +81,38 @@ LAWS = (
         f"{LAWS_OF}[textures-add]",
     ),
     Mutant(
+        "machine code that rounds towards zero for down",
+        "instructions.py",
+        (('(simd.floor, 1, "floor")', '(simd.floor, 1, "trunc")'),),
+        "tests/laws/test_every_model.py"
+        "::test_machine_code_sees_every_texture_as_the_python_text_does",
+        package="lanewise",
+    ),
+    Mutant(
+        "a bench that looks at one offset of a filter twice",
+        "laws/filters.py",
+        (("store_lanes(out, i + n, dy)", "store_lanes(out, i + n, dx)"),),
+        "tests/laws/test_compiled_benches.py::test_of_filters",
+    ),
+    Mutant(
+        "a bench that looks at one channel of a texture twice",
+        "laws/textures.py",
+        (("store_lanes(out, i + n, value.y)", "store_lanes(out, i + n, value.x)"),),
+        "tests/laws/test_compiled_benches.py::test_of_textures",
+    ),
+    Mutant(
+        "a bench of cameras without the lens",
+        "laws/cameras.py",
+        (("load_lanes(u, i + 2 * n), load_lanes(u, i + 3 * n)", "0.5, 0.5"),),
+        "tests/laws/test_compiled_benches.py::test_of_cameras",
+    ),
+    Mutant(
+        "bump maps that see heights beside a point by the point's own place",
+        "bsdfs/relief.py",
+        (("p=surface.p + shift", "p=surface.p + 0.0 * shift"),),
+        f"{LAWS_OF}[textures-noise]",
+    ),
+    Mutant(
         "the box of a disk 10 % too small",
         "shapes/disk.py",
         (("half = np.hypot(", "half = 0.9 * np.hypot("),),
@@ -128,6 +160,29 @@ LAWS = (
         f"{LAWS_OF}[shapes-sphere]",
     ),
     Mutant(
+        "dp/du of a sphere 2 % too long",
+        "shapes/sphere.py",
+        (("Vec3(-TWO_PI * sine * s, TWO_PI * sine * c", "Vec3(-6.4 * sine * s, 6.4 * sine * c"),),
+        f"{LAWS_OF}[shapes-sphere]",
+    ),
+    Mutant(
+        "a hit disk has 0.3 % less density than its samples",
+        "shapes/disk.py",
+        (("(1.0 / gather(tables.data, k + AREA)", "(0.997 / gather(tables.data, k + AREA)"),),
+        f"{LAWS_OF}[shapes-disk]",
+    ),
+    Mutant(
+        "the normal of a disk's samples 0.05 % too short",
+        "shapes/disk.py",
+        (
+            (
+                "cosine = -dot(wi, gather_vec3(data, k))",
+                "cosine = -0.9995 * dot(wi, gather_vec3(data, k))",
+            ),
+        ),
+        f"{LAWS_OF}[shapes-disk]",
+    ),
+    Mutant(
         "a point light that BSDF sampling is thought to find",
         "lights/point.py",
         (("lanes_mask(True)", "lanes_mask(False)"),),
@@ -143,6 +198,24 @@ LAWS = (
         "the power of a point light over half of the sphere",
         "lights/point.py",
         (("return 4.0 * PI * luminance", "return 2.0 * PI * luminance"),),
+        f"{LAWS_OF}[lights-point]",
+    ),
+    Mutant(
+        "light at a point softened near it",
+        "lights/at_point.py",
+        (("where(apart, 1.0 / squared, 0.0)", "where(apart, 1.0 / (squared + 4e-4), 0.0)"),),
+        f"{LAWS_OF}[lights-point]",
+    ),
+    Mutant(
+        "the mean of a spot 0.3 % too high",
+        "lights/spot.py",
+        (("0.5 * (1.0 - slope)", "0.5015 * (1.0 - slope)"),),
+        f"{LAWS_OF}[lights-spot]",
+    ),
+    Mutant(
+        "rays of a point light carry 0.4 % too much",
+        "lights/point.py",
+        (("lanes_vec3(1.0 / INV_FOUR_PI)", "lanes_vec3(1.004 / INV_FOUR_PI)"),),
         f"{LAWS_OF}[lights-point]",
     ),
     Mutant(

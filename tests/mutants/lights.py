@@ -7,6 +7,7 @@ MAPS = "tests/lights/test_environment.py"
 STRATEGIES = "tests/lights/test_environment_strategies.py"
 LAMPS = "tests/lights/test_spot_and_textured.py"
 TREE = "tests/lights/test_light_tree.py"
+SOLID_ANGLES = "tests/lights/test_solid_angles.py"
 DAYLIGHT = "tests/lights/test_daylight.py"
 POWER = (
     "tests/formats/usd/test_light_power.py"
@@ -23,7 +24,7 @@ LIGHT = (
                 "pdf_area + 0.0 * distance",
             ),
         ),
-        f"{LIGHTS}::test_solid_angle_of_a_disk_on_its_axis",
+        f"{SOLID_ANGLES}::test_solid_angle_of_a_disk_on_its_axis",
     ),
     Mutant(
         "probability of the light's choice forgotten",

@@ -27,6 +27,7 @@ STATISTICS = (
     "rendering/stopping.py",
     "rendering/unseen.py",
     "lab/agreement.py",
+    "lab/arm_plan.py",
     "lab/blocks.py",
     "lab/decomposition.py",
     "lab/equal_time.py",

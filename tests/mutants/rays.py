@@ -67,7 +67,7 @@ RAYS = (
     Mutant(
         "threads together give the right part a box of other bins",
         "accel/top.py",
-        (("first + bins - 1)", "first + bins + 1)"),),
+        (("first + per_axis - 1)", "first + per_axis + 1)"),),
         "tests/accel/test_build.py::test_the_tree_does_not_depend_on_who_divides_the_first_levels",
     ),
 )

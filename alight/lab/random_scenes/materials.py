@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.interface import Interface
 from alight.bsdfs.nesting import find_transmissive, leaves
 from alight.core.registry import Models as Registry
 from alight.core.spec import Bsdf, Interval
@@ -46,12 +47,9 @@ def wall(chance: Chance) -> Bsdf:
 
 
 def clear(chance: Chance) -> Bsdf:
-    """A material that light passes, of a model that takes an index of refraction."""
-    models = [
-        module
-        for module in Registry("bsdfs").values()
-        if hasattr(module.EXAMPLES[0], "int_ior") and _passes(module.EXAMPLES[0])
-    ]
+    """A boundary between two clear media."""
+    bsdfs = Registry("bsdfs").values()
+    models = [module for module in bsdfs if isinstance(module.EXAMPLES[0], Interface)]
     found = of_model(chance, chance.choose(models))
     ratio = found.int_ior / found.ext_ior
     # The same index on both sides would be nothing to be seen.
@@ -79,10 +77,6 @@ def textured(chance: Chance) -> Bsdf:
 def _color_field(spec: Any) -> str:
     """The field that holds most of a model's colour; empty where none does by itself."""
     return next((name for name in _COLORS if name in dict(spec)), "")
-
-
-def _passes(spec: Any) -> bool:
-    return find_transmissive(spec, {}) is not None
 
 
 def _bent(chance: Chance, spec: Any) -> Any:
