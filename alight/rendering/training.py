@@ -72,8 +72,8 @@ class Training(NamedTuple):
     ----------
     cpu_seconds : float
         Of all threads.
-    paths, vertices : int
-        That the rounds followed and learnt from.
+    paths, vertices, arrivals : int
+        Paths from the camera, the vertices that they taught, and those of light paths.
     leaves, nodes, bytes : int
         Of the guide.
     hash : str
@@ -83,6 +83,7 @@ class Training(NamedTuple):
     cpu_seconds: float
     paths: int
     vertices: int
+    arrivals: int
     leaves: int
     nodes: int
     bytes: int
@@ -138,6 +139,7 @@ def trained(
         cpu_seconds=sum(trainer.seconds),
         paths=trainer.paths,
         vertices=trainer.vertices,
+        arrivals=trainer.arrivals,
         leaves=guide.roots.size,
         nodes=len(guide.nodes.shaped),
         bytes=sum(array.nbytes for array in arrays),
@@ -302,7 +304,7 @@ class _Trainer:
         totals = tree.empty_totals()
         for log in logs:
             if log.rows.size:
-                self.add(guide, densities, log, totals, np.float32(self.unit))
+                self.add(guide, densities, log, totals, np.float32(self.unit or 1.0))
         self.seconds.append(time.thread_time() - began)
         return totals
 
