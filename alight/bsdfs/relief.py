@@ -37,6 +37,7 @@ from alight.shapes.charts import moved_chart
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import BENT as BENT
 from alight.textures.fetch import (
+    PlainColor,
     Scalar,
     TexturedColor,
     TexturedScalar,
@@ -47,6 +48,8 @@ from lanewise.simd import any_lane, floor, lanes, maximum, minimum, sqrt, to_uin
 
 #: What programs call it that a material has one of both maps.
 NORMALS, HEIGHTS = "bent:normals", "bent:heights"
+#: That the picture of a normal map is looked up turned or mirrored.
+TURNED = "bent:turned"
 #: Bits of the `modes` of both maps.
 IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0
 #: Times the set of texture coordinates that orients a normal map; only in programs with sets.
@@ -56,11 +59,12 @@ MARGIN = 0.1
 
 
 class NormalMapRow(NamedTuple):
-    """A normal map in the table."""
+    """A normal map in the table; `turn` as `axes_of_map` reads it."""
 
     scale: Scalar
     modes: Scalar
     texture: TexturedColor
+    turn: PlainColor
 
 
 class BumpMapRow(NamedTuple):
@@ -72,6 +76,7 @@ class BumpMapRow(NamedTuple):
 
 
 _normal_map, _bump_map = loader(NormalMapRow), loader(BumpMapRow)
+_turn_at = reader(NormalMapRow, "turn")
 _modes_at, _height_at = reader(BumpMapRow, "modes"), reader(BumpMapRow, "texture")
 
 #: Distance of two heights whose difference is a slope, in texture coordinates.
@@ -100,7 +105,7 @@ def bent_normal(program):
 
 @kernel
 def _from_normals(scene, base, surface, height, follows):
-    scale, _, texel = _normal_map(scene, base, surface)
+    scale, _, texel, _ = _normal_map(scene, base, surface)
     along, across, s, t = axes_of_map(scene, base, surface)
     # The second axis of the picture, on charts that are mirrored too.
     turned = dot(cross(surface.ns, s), across) * dot(s, along) < 0.0
@@ -111,7 +116,30 @@ def _from_normals(scene, base, surface, height, follows):
 
 @specialised
 def axes_of_map(program):
-    """``(scene, base, surface) -> (dp/du, dp/dv, s, t)``: of the set that a map's picture uses."""
+    """``(scene, base, surface) -> (dp/du, dp/dv, s, t)``: of what a map's picture is looked up by.
+
+    These are the coordinates of its set after its `to_uv`, whose inverse takes the unit vector of
+    u to (x, y) times a length. A row's `turn` is (x, y) and the sign of the determinant; with the
+    sign, dp/dv is that of a conformal map, which lies on the same side of dp/du.
+    """
+    axes = axes_of_set(program)
+    if TURNED not in program.bsdfs:
+        return axes
+
+    @kernel
+    def of_turned_picture(scene, base, surface):
+        along, across, _, _ = axes(scene, base, surface)
+        turn = _turn_at(scene, base, surface)
+        right = turn.x * along + turn.y * across
+        above = turn.z * (turn.x * across - turn.y * along)
+        s, t = frame_from_tangent(surface.ns, right)
+        return right, above, s, t
+
+    return of_turned_picture
+
+
+def axes_of_set(program):
+    """The same of the set alone."""
     if UV_SETS not in program.textures:
         return _own_axes
 
@@ -146,7 +174,7 @@ def _charted(surface, number):
 @specialised
 def in_own_axes(program):
     """``(surface, s, t, n)``: n of the frame (s, t, ns) in the surface's own frame."""
-    if UV_SETS not in program.textures:
+    if UV_SETS not in program.textures and TURNED not in program.bsdfs:
         return _as_it_is
 
     @kernel

@@ -186,6 +186,10 @@ class Texture(Spec):
         """The set of texture coordinates that it is looked up in; None if in none."""
         return None
 
+    def lookup(self) -> np.ndarray | None:
+        """From (u, v) of its set to where it is looked up, (2, 3) float64; None if in none."""
+        return None
+
 
 class Shape(Spec):
     """Base class of shapes; `finite` ones can be lights, `closed` ones have an inside."""
