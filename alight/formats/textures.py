@@ -5,6 +5,7 @@ A value is a number, a colour (a list of three numbers) or the description of a 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from alight.core.spec import invalid
@@ -95,6 +96,37 @@ def shifted(texture: Data, bias: float | list[float]) -> Data:
     """A texture plus a number or colour."""
     is_zero = set(bias) == {0.0} if isinstance(bias, list) else bias == 0.0
     return texture if is_zero else {"type": "add", "a": texture, "b": bias}
+
+
+def stretched(texture: Data, low: Sequence[float], high: Sequence[float]) -> Data:
+    """A texture whose channels run from `low`, where they are 0, to `high`, where they are 1."""
+    rises = [above - below for below, above in zip(low, high, strict=True)]
+    if min(rises) >= 0.0:
+        return shifted(multiplied(rises, texture), list(low))
+    # No factor may be negative, but a mixture may fall.
+    parts = [
+        multiplied([float(i == k) for i in range(3)], between(low[k], high[k], channel(texture, c)))
+        for k, c in enumerate("rgb")
+    ]
+    return {"type": "add", "a": {"type": "add", "a": parts[0], "b": parts[1]}, "b": parts[2]}
+
+
+def normal_color(normal: Sequence[float]) -> list[float]:
+    """The colour by which a normal map bends everywhere to a normal of any length."""
+    size = max(1.0, *(abs(part) for part in normal))
+    return [0.5 * (part / size + 1.0) for part in normal]
+
+
+def normals(texture: Data, factor: Sequence[float], bias: Sequence[float]) -> Data:
+    """The colours by which a normal map bends as `factor` times a texture plus `bias` points.
+
+    A map takes 2 t - 1 for a normal of any length; so what it is given is (n / m + 1) / 2, with the
+    largest size m of any part of n, which keeps it in [0, 1].
+    """
+    ends = [(b, f + b) for f, b in zip(factor, bias, strict=True)]
+    size = max(1.0, *(abs(end) for pair in ends for end in pair))
+    low, high = ([0.5 * (end / size + 1.0) for end in part] for part in zip(*ends, strict=True))
+    return stretched(texture, low, high)
 
 
 def product(color: Any, share: float | Data) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 from alight.core.errors import quote
 from alight.formats.report import did_you_mean
 from alight.formats.surfaces import LARGEST_IOR, Surface, reflection
-from alight.formats.textures import cut
+from alight.formats.textures import cut, normal_color
 from alight.formats.usd.modules import UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import Textures
@@ -126,12 +126,16 @@ class _Preview:
         """The wrapper that bends normals, without what it wraps."""
         source = self.textures.source_of(self.shader, "normal")
         if source is None:
+            plain = tuple(float(c) for c in self._plain("normal"))
+            if plain == INPUTS["normal"]:
+                return None
+            return {"type": "normal_map", "texture": normal_color(plain)}
+        identifier = str(source[0].GetIdAttr().Get())
+        if identifier != "UsdUVTexture":
+            self._approximate(f'normal comes from a "{identifier}", which is left out')
             return None
-        picture = self.textures.bitmap(source[0], is_color=False)
-        if picture is None:
-            return None
-        # The usual 2 x - 1, which the wrapper applies itself.
-        return {"type": "normal_map", "texture": picture}
+        picture = self.textures.normals(source[0])
+        return None if picture is None else {"type": "normal_map", "texture": picture}
 
     def _opacity(self) -> Any:
         opacity = self._number("opacity")

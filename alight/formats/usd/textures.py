@@ -19,6 +19,7 @@ from alight.formats.textures import (
     bitmap,
     channel,
     multiplied,
+    normals,
     packed_picture,
     shifted,
     wrapped,
@@ -98,6 +99,22 @@ class Textures:
             data["uv_set"] = number
         return data
 
+    def normals(self, shader: Any) -> Data | None:
+        """The picture of a UsdUVTexture as a normal map takes it."""
+        picture = self.bitmap(shader, is_color=False)
+        if picture is None:
+            return None
+        scale, bias = self._range(shader)
+        if min(bias[:2]) >= 0.0 <= min(scale[:2]):
+            text = "without a bias of -1 its normals lean to +x and +y everywhere, as the file says"
+            self._approximate(shader, text)
+        return normals(picture, scale[:3], bias[:3])
+
+    def _range(self, shader: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """What the four channels of a picture are multiplied by, and what is added."""
+        scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
+        return scale, tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
+
     def _sampled(self, shader: Any, output: str, is_color: bool) -> Any:
         picture = self.bitmap(shader, is_color=is_color)
         if picture is None:
@@ -105,8 +122,7 @@ class Textures:
             if self._input(shader, "fallback") is None:
                 return None
             return [float(c) for c in found][:3] if is_color else float(found[0])
-        scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
-        bias = tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
+        scale, bias = self._range(shader)
         if output in _CHANNELS:
             index = _CHANNELS.index(output)
             return shifted(multiplied(scale[index], channel(picture, output)), bias[index])
