@@ -19,7 +19,8 @@ from alight.formats.usd.inherited import children_of, constants_of, handed_down,
 from alight.formats.usd.lights import is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
 from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
-from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade
+from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade, UsdSkel
+from alight.formats.usd.skins import Pose, poses_of
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
@@ -29,7 +30,10 @@ from alight.shapes.mesh import Mesh
 
 Matrix = np.ndarray
 #: Schemas that say nothing about what is seen.
-_SILENT = ("Scope", "Xform", "", "Material", "Shader", "NodeGraph", "GeomSubset", "RenderSettings")
+_SILENT = (
+    "Scope", "Xform", "", "Material", "Shader", "NodeGraph", "GeomSubset", "RenderSettings",
+    "SkelRoot", "Skeleton", "SkelAnimation", "BlendShape",
+)  # fmt: skip
 _HIDDEN = (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy)
 _MOST_DEEP = 200
 _SMALL = f"of at most {LARGEST:g} in size"
@@ -50,6 +54,7 @@ class Graph(ModelScene):
         self.stage = stage
         self.root = root
         self._domes: list[Data] = []
+        self._poses: dict[str, Pose] = {}
         self._materials: dict[Hashable, tuple[str, Surface]] = {}
         self._prototype_names: dict[Hashable, str] = {}
         self._prototype_bounds: dict[str, Bounds] = {}
@@ -104,6 +109,8 @@ class Graph(ModelScene):
             return None
         if (local != np.eye(4)).any():
             data["transform"] = {"matrix": local.tolist()}
+        if prim.IsA(UsdSkel.Root):
+            self._poses |= poses_of(self.stage, prim)
         own = self._own(prim, to_world, path)
         if prim.IsInstance() and not own:
             data["instance"] = self._prototype(prim, to_world)
@@ -187,7 +194,8 @@ class Graph(ModelScene):
         if len({int(face) for part in indices for face in part}) < faces:
             bound.append(prim)
         sets = {name for part in bound for name in self._sets_of(part, prim)}
-        triangles = read_mesh(self.stage, prim, sorted(sets))
+        pose = self._poses.get(str(prim.GetPath()))
+        triangles = read_mesh(self.stage, prim, sorted(sets), pose)
         if triangles is None:
             return None
         self.bounds.add(triangles.vertices, to_world)

@@ -14,7 +14,8 @@ from typing import Any
 from alight.formats.usd.modules import Usd, UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 
-_COLLECTION = "material:binding:collection"
+#: Whether a prim belongs to a collection, and how a skeleton moves it, depends on where it stands.
+_BY_PLACE = ("material:binding:collection", "skel:skeleton", "skel:animationSource")
 
 
 def handed_down(stage: Stage, prim: Any) -> Hashable:
@@ -51,11 +52,10 @@ def _bindings(prim: Any) -> tuple[Hashable, ...]:
     above = prim
     while above and not above.IsPseudoRoot():
         for name in above.GetAuthoredPropertyNames():
-            if not name.startswith("material:binding"):
+            if not name.startswith(("material:binding", *_BY_PLACE)):
                 continue
             relation = above.GetRelationship(name)
-            if name.startswith(_COLLECTION):
-                # Whether a prim belongs to a collection depends on where it stands.
+            if name.startswith(_BY_PLACE):
                 found.append(str(prim.GetPath()))
             targets = [prim.GetStage().GetPrimAtPath(path) for path in relation.GetTargets()]
             strength = UsdShade.MaterialBindingAPI.GetMaterialBindingStrength(relation)
