@@ -55,6 +55,7 @@ class Graph(ModelScene):
         self.root = root
         self._domes: list[Data] = []
         self._poses: dict[str, Pose] = {}
+        self._balls: list[tuple[str, Matrix, float]] = []
         self._materials: dict[Hashable, tuple[str, Surface]] = {}
         self._prototype_names: dict[Hashable, str] = {}
         self._prototype_bounds: dict[str, Bounds] = {}
@@ -71,6 +72,24 @@ class Graph(ModelScene):
         for around in self._domes:
             # They stand in the world, not where their prims do.
             self.nodes[free_name("dome", self.nodes, "dome")] = {"light": around}
+
+        self._say_what_is_inside_of_balls()
+
+    def _say_what_is_inside_of_balls(self) -> None:
+        """Tell why it is dark there."""
+        eye = [] if self.view is None else [self.view[:3, 3]]
+        corners = list(itertools.product(*np.stack([self.bounds.low, self.bounds.high]).T))
+        for path, to_world, radius in self._balls:
+            if is_singular(to_world):
+                continue
+            inside = [
+                (np.linalg.norm(_to_local(to_world, points), axis=1) < radius).all()
+                for points in (corners, eye)
+                if len(points) and np.isfinite(points).all()
+            ]
+            if any(inside):
+                text = "it shines outwards only, as UsdLux has it: inside of it is no light"
+                self.stage.report.approximate(f"{path}: {text}; a DomeLight shines from all around")
 
     def _children(self, parent: Any, to_world: Matrix, path: str) -> dict[str, Data]:
         nodes: dict[str, Data] = {}
@@ -165,6 +184,8 @@ class Graph(ModelScene):
         self.stage.report.count("lights")
         placed = read_light(self.stage, prim, to_world)
         self.is_lit = True
+        if placed.radius > 0.0:
+            self._balls.append((str(prim.GetPath()), to_world, placed.radius))
         if placed.environment is not None and self.environment is None:
             self.environment = placed.environment
         elif placed.environment is not None:
@@ -350,6 +371,11 @@ class Graph(ModelScene):
         # The transform of the prototype's root is part of each instance's.
         own, children = self._own(prim, to_world, path), self._children(prim, to_world, path)
         return ({free_name("itself", children, "itself"): own} if own else {}) | children
+
+
+def _to_local(to_world: Matrix, points: Any) -> Matrix:
+    """World points (n, 3) as a prim has them."""
+    return np.linalg.solve(to_world[:3, :3], (np.asarray(points) - to_world[:3, 3]).T).T
 
 
 def _is_placement(matrix: Matrix) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+Ar: Any = import_module("pxr.Ar")
 Sdf: Any = import_module("pxr.Sdf")
 Tf: Any = import_module("pxr.Tf")
 Usd: Any = import_module("pxr.Usd")

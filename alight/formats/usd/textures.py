@@ -24,7 +24,7 @@ from alight.formats.textures import (
     shifted,
     wrapped,
 )
-from alight.formats.usd.modules import UsdGeom, UsdShade
+from alight.formats.usd.modules import Ar, UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.textures.images import Image
 
@@ -210,7 +210,7 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     OutOfReachError
         If it is missing, broken, or lies elsewhere.
     """
-    resolved = asset.resolvedPath
+    resolved = asset.resolvedPath or _member(stage, asset.path)
     path = stage.picture(asset.path, resolved.partition("[")[0])
     if "[" not in resolved:
         return stage.reach.name_of(path)
@@ -221,6 +221,17 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         text = " ".join(str(error).split())[:200]
     raise OutOfReachError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
+
+
+def _member(stage: Stage, authored: str) -> str:
+    """Where in a package a picture lies whose path has backslashes, which OpenUSD does not know."""
+    if "\\" in authored:
+        plain, resolver = authored.replace("\\", "/"), Ar.GetResolver()
+        for layer in stage.stage.GetUsedLayers():
+            path = layer.ComputeAbsolutePath(plain)
+            if "[" in path and resolver.Resolve(path):
+                return path
+    return ""
 
 
 def _packed(resolved: str) -> Image:

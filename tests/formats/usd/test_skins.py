@@ -108,7 +108,7 @@ def test_an_animation_is_shown_at_its_first_time(load):
     scene = load(character())
     turned = STILL.copy()
     turned[2:] = STILL[2:] * [-1, -1, 1] + [0, 0, 5]
-    same_points(scene, turned + [10, 0, 0])
+    same_points(scene, np.add(turned, [10, 0, 0]))
     (node,) = shapes(scene).values()
     is_above = node.shape.vertices[:, 2] > 0.0
     np.testing.assert_allclose(node.shape.normals[:, 0], np.where(is_above, -1, 1), atol=1e-6)
@@ -124,7 +124,7 @@ def test_meshes_are_where_openusd_itself_bakes_them(load, tmp_path, start):
     # It bakes at samples, between which points move straight.
     UsdSkel.BakeSkinning(UsdSkel.Root(stage.GetPrimAtPath("/r")), Gf.Interval(0, 10))
     baked = UsdGeom.Mesh(stage.GetPrimAtPath("/r/m")).GetPointsAttr().Get(start)
-    same_points(scene, np.array(baked) + [10, 0, 3])
+    same_points(scene, np.add(baked, [10, 0, 3]))
 
 
 def test_instances_of_a_character_stand_in_its_pose(load):
@@ -154,5 +154,5 @@ def "b" (
 
 def test_joints_that_are_not_there_are_said(load):
     scene = load(character().replace("[0, 0, 1, 1]", "[0, 0, 1, 2]"))
-    same_points(scene, STILL + [10, 0, 3])
+    same_points(scene, np.add(STILL, [10, 0, 3]))
     assert "/r/m: shown as it is bound to its skeleton" in scene.warnings
