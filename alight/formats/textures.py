@@ -84,12 +84,17 @@ def cut(value: float | Data, cutoff: float) -> Any:
     return {"type": "threshold", "texture": value, "cutoff": cutoff}
 
 
-def multiplied(factor: float | list[float], texture: Data | None) -> Any:
+def multiplied(factor: Any, texture: Data | None) -> Any:
     """A number or colour times a texture; the factor itself where there is no texture."""
     if texture is None:
         return factor
     is_one = set(factor) == {1.0} if isinstance(factor, list) else factor == 1.0
     return texture if is_one else {"type": "multiply", "a": factor, "b": texture}
+
+
+def by_vertices(color: Any) -> Data:
+    """A colour or texture times the colours of the vertices, where there are any."""
+    return multiplied(color, {"type": "vertex_color", "fallback": 1.0})
 
 
 def shifted(texture: Data, bias: float | list[float]) -> Data:
@@ -98,14 +103,21 @@ def shifted(texture: Data, bias: float | list[float]) -> Data:
     return texture if is_zero else {"type": "add", "a": texture, "b": bias}
 
 
+def ranging(texture: Data, low: float, high: float) -> Data:
+    """A grey texture from `low`, where it is 0, to `high`, where it is 1."""
+    if high < low:
+        # No factor may be negative, but a mixture may fall.
+        return between(low, high, texture)
+    return shifted(multiplied(high - low, texture), low)
+
+
 def stretched(texture: Data, low: Sequence[float], high: Sequence[float]) -> Data:
     """A texture whose channels run from `low`, where they are 0, to `high`, where they are 1."""
     rises = [above - below for below, above in zip(low, high, strict=True)]
     if min(rises) >= 0.0:
         return shifted(multiplied(rises, texture), list(low))
-    # No factor may be negative, but a mixture may fall.
     parts = [
-        multiplied([float(i == k) for i in range(3)], between(low[k], high[k], channel(texture, c)))
+        multiplied([float(i == k) for i in range(3)], ranging(channel(texture, c), low[k], high[k]))
         for k, c in enumerate("rgb")
     ]
     return {"type": "add", "a": {"type": "add", "a": parts[0], "b": parts[1]}, "b": parts[2]}

@@ -103,7 +103,7 @@ def read(data: bytes) -> MeshArrays:
             tables[element.name], position = _read_ascii(words, position, element)
     if "vertex" not in tables:
         raise broken("has no element vertex")
-    return _assemble(tables["vertex"], tables.get("face", {}))
+    return _assemble(tables["vertex"], tables.get("face", {}), tables.get("tristrips", {}))
 
 
 def parse_header(data: bytes) -> tuple[str, list[Element], int]:
@@ -301,13 +301,11 @@ def _truncated(element: Element, found: int) -> Exception:
     )
 
 
-def _assemble(vertex: Table, face: Table) -> MeshArrays:
+def _assemble(vertex: Table, face: Table, strips: Table) -> MeshArrays:
     vertices = _columns(vertex, ("x", "y", "z"))
     if vertices is None:
         raise broken("element vertex has no x, y, z")
-    indices = next((face[n] for n in ("vertex_indices", "vertex_index") if n in face), None)
-    if indices is not None and not isinstance(indices, Ragged):
-        raise broken("vertex_indices must be a list")
+    indices, in_strips = _lists(face), _lists(strips)
     faces = np.zeros((0, 3), np.int32)
     if indices is not None:
         corners, _ = fan(indices.sizes)
@@ -317,6 +315,8 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
             known = np.clip(indices.values, 0, len(vertices) - 1).astype(np.int64)
             corners, _ = cut_polygons(vertices[known], indices.sizes)
             faces = _to_indices(indices.values[corners], len(vertices))
+    if in_strips is not None:
+        faces = np.concatenate([faces, _to_indices(_triangles_of(in_strips), len(vertices))])
     found = {
         name: next((c for c in (_columns(vertex, n) for n in names) if c is not None), None)
         for name, names in NAMES.items()
@@ -326,6 +326,31 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
         colors = srgb_to_linear(colors / np.float32(255.0))
     more = None if found["uvs"] is None else _more_uvs(vertex)
     return MeshArrays(vertices, faces, found["normals"], found["uvs"], colors, more)
+
+
+def _lists(table: Table) -> Ragged | None:
+    """The vertices of faces or strips."""
+    indices = next((table[n] for n in ("vertex_indices", "vertex_index") if n in table), None)
+    if indices is not None and not isinstance(indices, Ragged):
+        raise broken("vertex_indices must be a list")
+    return indices
+
+
+def _triangles_of(strips: Ragged) -> NDArray[Any]:
+    """The triangles (m, 3) of strips, which also end where an index is -1.
+
+    Each vertex makes one with the two before it; every other one is turned around.
+    """
+    ends = np.cumsum(strips.sizes)
+    kind = strips.values.dtype if strips.values.dtype.kind == "f" else np.int64
+    row = np.insert(strips.values.astype(kind), ends, -1)
+    places = np.arange(len(row))
+    begun = np.maximum.accumulate(np.where(row == -1, places, -1))
+    corners = np.stack([row[:-2], row[1:-1], row[2:]], axis=1)
+    turned = (places[:-2] - begun[:-2]) % 2 == 0
+    corners[turned, :2] = corners[turned, 1::-1]
+    a, b, c = corners.T
+    return corners[(corners != -1).all(axis=1) & (a != b) & (b != c) & (c != a)]
 
 
 def _more_uvs(vertex: Table) -> NDArray[np.float32] | None:

@@ -18,10 +18,10 @@ from alight.formats.reach import OutOfReachError
 from alight.formats.textures import (
     bitmap,
     channel,
-    multiplied,
     normals,
     packed_picture,
-    shifted,
+    ranging,
+    stretched,
     wrapped,
 )
 from alight.formats.usd.modules import Ar, UsdGeom, UsdShade
@@ -69,11 +69,13 @@ class Textures:
                 return UsdShade.Shader(attribute.GetPrim()), attribute.GetBaseName()
         return None
 
-    def value(self, shader: Any, output: str, *, is_color: bool, fallback: Any) -> Any:
-        """Texture or number of an output; None where there is nothing to read."""
+    def value(
+        self, shader: Any, output: str, *, is_color: bool, fallback: Any, high: float = 1.0
+    ) -> Any:
+        """Texture or number of an output, at most `high`; None where there is nothing to read."""
         identifier = str(shader.GetIdAttr().Get())
         if identifier == "UsdUVTexture":
-            return self._sampled(shader, output, is_color)
+            return self._sampled(shader, output, is_color, high)
         if identifier.startswith("UsdPrimvarReader"):
             return self._primvar(shader, is_color, fallback)
         self._approximate(shader, f'shader "{identifier}" is not covered; a plain value is taken')
@@ -115,7 +117,7 @@ class Textures:
         scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
         return scale, tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
 
-    def _sampled(self, shader: Any, output: str, is_color: bool) -> Any:
+    def _sampled(self, shader: Any, output: str, is_color: bool, high: float) -> Any:
         picture = self.bitmap(shader, is_color=is_color)
         if picture is None:
             found = self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
@@ -123,12 +125,24 @@ class Textures:
                 return None
             return [float(c) for c in found][:3] if is_color else float(found[0])
         scale, bias = self._range(shader)
-        if output in _CHANNELS:
-            index = _CHANNELS.index(output)
-            return shifted(multiplied(scale[index], channel(picture, output)), bias[index])
-        if not is_color:
-            return shifted(multiplied(scale[0], channel(picture, "r")), bias[0])
-        return shifted(multiplied(list(scale[:3]), picture), list(bias[:3]))
+        which = slice(3)
+        if output in _CHANNELS or not is_color:
+            name = output if output in _CHANNELS else "r"
+            index = _CHANNELS.index(name)
+            picture, which = channel(picture, name), slice(index, index + 1)
+        ends = [(b, b + s) for s, b in zip(scale[which], bias[which], strict=True)]
+        least, most = min(map(min, ends)), max(map(max, ends))
+        if least < 0.0:
+            self._approximate(shader, f"its values begin at {least:g}: they are moved up to 0")
+        starts, stops = ([max(end, 0.0) for end in part] for part in zip(*ends, strict=True))
+        if len(ends) == 1:
+            found = ranging(picture, starts[0], stops[0])
+        else:
+            found = stretched(picture, starts, stops)
+        if most > high:
+            self._approximate(shader, f"its values may reach {most:g}: they are cut at {high:g}")
+            found = {"type": "clamp", "texture": found}
+        return found
 
     def _primvar(self, shader: Any, is_color: bool, fallback: Any) -> Any:
         name = self._varname(shader)
