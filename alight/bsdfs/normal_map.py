@@ -21,12 +21,12 @@ from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.relief import (
-    BENT,
     FOLLOWS_UV,
     NORMALS,
     OF_SET,
     TURNED,
     NormalMapRow,
+    map_features,
     packed_modes,
 )
 from alight.bsdfs.rough_conductor import RoughConductor
@@ -89,7 +89,7 @@ def pack(spec: NormalMap, packer) -> None:
 
 
 def _modes(spec: NormalMap) -> float:
-    modes = packed_modes(spec.rims, spec.fading) + FOLLOWS_UV * spec.follow_uv
+    modes = packed_modes(spec) + FOLLOWS_UV * spec.follow_uv
     number = spec.texture.set_of_coordinates() if isinstance(spec.texture, Texture) else None
     return modes + OF_SET * (number or 0)
 
@@ -109,6 +109,6 @@ def _turn(spec: NormalMap) -> tuple[float, float, float]:
 
 
 def features(spec: NormalMap) -> tuple[str, ...]:
-    """What must be compiled for this map; its frame is that of the shape's tangents."""
+    """What must be compiled for this map."""
     turned = (TURNED,) if _turn(spec) != UNTURNED else ()
-    return (BENT, NORMALS, "anisotropic", *turned)
+    return (NORMALS, *map_features(spec), *turned)

@@ -85,6 +85,8 @@ class Bsdf(Spec):
         it. What is made of other materials leaves that to them.
     unseen : bool
         Light passes it as if nothing was there.
+    matte : bool
+        What it reflects about the mirrored direction is next to nothing, or little beside the rest.
     """
 
     family: ClassVar[str] = "bsdfs"
@@ -93,6 +95,7 @@ class Bsdf(Spec):
     shares: ClassVar[tuple[str, ...]] = ()
     one_sided: ClassVar[bool] = False
     unseen: ClassVar[bool] = False
+    matte: ClassVar[bool] = False
 
     def largest_weight(self) -> float | None:
         """Bound of f cos / pdf of sampled directions; None if none is known."""
