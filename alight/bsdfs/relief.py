@@ -247,19 +247,21 @@ def _lit(n, wo):
 
 
 @specialised
-def raised(program):
-    """``(n, wo, matte) -> n`` of lit rims."""
-    return _raised_by_kind if ON_MATTE in program.bsdfs else _raised
+def not_hidden(program):
+    """``(n, wo, lit, folded) -> n``: what becomes of normals that turn away from the viewer."""
+    return _not_hidden_by_kind if ON_MATTE in program.bsdfs else _not_hidden
 
 
 @kernel
-def _raised(n, wo, matte):
-    return _lit(n, wo)
+def _not_hidden(n, wo, lit, folded):
+    folded = folded & (dot(n, wo) * wo.z <= 0.0)
+    return where(folded, Vec3(-n.x, -n.y, n.z), where(lit, _lit(n, wo), n))
 
 
 @kernel
-def _raised_by_kind(n, wo, matte):
-    return where(matte, _seen(n, wo), _lit(n, wo))
+def _not_hidden_by_kind(n, wo, lit, folded):
+    matte = lit & folded
+    return where(matte, _seen(n, wo), _not_hidden(n, wo, lit & ~matte, folded & ~matte))
 
 
 @kernel
@@ -322,9 +324,7 @@ def _frame(scene, surface, relief, stride, wo):
     code = where(has, _modes_at(scene, base, surface), 0.0)
     height, follows, fades, lit, folded = _modes(code)
     n = bent_normal(scene, base, surface, height, follows)
-    matte = folded & lit
-    folded = folded & ~lit & (dot(n, wo) * wo.z <= 0.0)
-    n = where(folded, Vec3(-n.x, -n.y, n.z), where(lit, raised(n, wo, matte), n))
+    n = not_hidden(n, wo, lit, folded)
     n = where(has, n, Vec3(0.0, 0.0, 1.0))
     s, t = frame_from_tangent(n, Vec3(lanes(1.0), 0.0 * n.x, 0.0 * n.x))
     return s, t, n, fades
