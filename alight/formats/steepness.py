@@ -47,7 +47,8 @@ def steep_share(surface: Surface, files: Files) -> float:
         return 0.0
     rows, columns = (-(-size // _MOST) for size in image.texels.shape[:2])
     space = bent["texture"].get("color_space", "auto")
-    x, y, z = np.moveaxis(2.0 * Image(image.texels[::rows, ::columns]).linear(space) - 1.0, 2, 0)
+    texels = np.ascontiguousarray(image.texels[::rows, ::columns])
+    x, y, z = np.moveaxis(2.0 * Image(texels).linear(space) - 1.0, 2, 0)
     return float((np.hypot(x, y) * abs(bent.get("scale", 1.0)) > np.maximum(z, 0.0)).mean())
 
 
