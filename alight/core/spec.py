@@ -15,14 +15,7 @@ from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_valid
 
 from alight.core.errors import SceneError
 from alight.core.field_errors import translate
-from alight.core.fields import (
-    Interval,
-    Model,
-    Models,
-    NumberOrTexture,
-    Numbers,
-    invalid,
-)
+from alight.core.fields import Interval, Model, Models, NumberOrTexture, Numbers, invalid
 
 Truth = Annotated[bool, Strict()]
 

@@ -39,7 +39,9 @@ def steep_share(surface: Surface, files: Files) -> float:
         In [0, 1]; 0 where the material is matte, or its picture is none that can be looked at.
     """
     bent, core = surface.bent, surface.core
-    if bent is None or bent["type"] != "normal_map" or bent["texture"]["type"] != "bitmap":
+    if bent is None or bent["type"] != "normal_map" or not isinstance(bent["texture"], dict):
+        return 0.0
+    if bent["texture"]["type"] != "bitmap":
         return 0.0
     mirrors = [core.get(key, 0.0) != 0.0 for key in ("metallic", "transmission", "iridescence")]
     image = _image(bent["texture"], files) if any(mirrors) else None

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from alight.core.errors import quote, unknown_name
 from alight.core.uv_sets import MOST_SETS
 from alight.meshes.concave import cut_polygons
+from alight.meshes.strips import triangles_of
 from alight.meshes.triangles import MeshArrays, broken, fan, srgb_to_linear
 
 TYPES = {
@@ -305,8 +306,7 @@ def _assemble(vertex: Table, face: Table, strips: Table) -> MeshArrays:
     vertices = _columns(vertex, ("x", "y", "z"))
     if vertices is None:
         raise broken("element vertex has no x, y, z")
-    indices, in_strips = _lists(face), _lists(strips)
-    faces = np.zeros((0, 3), np.int32)
+    indices, in_strips, faces = _lists(face), _lists(strips), np.zeros((0, 3), np.int32)
     if indices is not None:
         corners, _ = fan(indices.sizes)
         faces = _to_indices(indices.values[corners], len(vertices))
@@ -316,7 +316,8 @@ def _assemble(vertex: Table, face: Table, strips: Table) -> MeshArrays:
             corners, _ = cut_polygons(vertices[known], indices.sizes)
             faces = _to_indices(indices.values[corners], len(vertices))
     if in_strips is not None:
-        faces = np.concatenate([faces, _to_indices(_triangles_of(in_strips), len(vertices))])
+        more = triangles_of(in_strips.values, in_strips.sizes)
+        faces = np.concatenate([faces, _to_indices(more, len(vertices))])
     found = {
         name: next((c for c in (_columns(vertex, n) for n in names) if c is not None), None)
         for name, names in NAMES.items()
@@ -336,23 +337,6 @@ def _lists(table: Table) -> Ragged | None:
     return indices
 
 
-def _triangles_of(strips: Ragged) -> NDArray[Any]:
-    """The triangles (m, 3) of strips, which also end where an index is -1.
-
-    Each vertex makes one with the two before it; every other one is turned around.
-    """
-    ends = np.cumsum(strips.sizes)
-    kind = strips.values.dtype if strips.values.dtype.kind == "f" else np.int64
-    row = np.insert(strips.values.astype(kind), ends, -1)
-    places = np.arange(len(row))
-    begun = np.maximum.accumulate(np.where(row == -1, places, -1))
-    corners = np.stack([row[:-2], row[1:-1], row[2:]], axis=1)
-    turned = (places[:-2] - begun[:-2]) % 2 == 0
-    corners[turned, :2] = corners[turned, 1::-1]
-    a, b, c = corners.T
-    return corners[(corners != -1).all(axis=1) & (a != b) & (b != c) & (c != a)]
-
-
 def _more_uvs(vertex: Table) -> NDArray[np.float32] | None:
     found: list[NDArray[np.float32]] = []
     for names in MORE_UVS:
@@ -364,8 +348,7 @@ def _more_uvs(vertex: Table) -> NDArray[np.float32] | None:
 
 
 def _columns(table: Table, names: tuple[str, ...]) -> NDArray[np.float32] | None:
-    found = [table.get(name) for name in names]
-    columns = [column for column in found if isinstance(column, np.ndarray)]
+    columns = [column for column in map(table.get, names) if isinstance(column, np.ndarray)]
     if len(columns) < len(names):
         return None
     # float64 values beyond float32 become infinite here and are reported with their row.
@@ -413,5 +396,5 @@ def save(path: str | Path, mesh: MeshArrays) -> None:
     rows = np.concatenate([table for _, table in parts], axis=1).astype("<f4")
     faces = np.zeros(len(mesh.faces), np.dtype([("n", "u1"), ("i", "<i4", (3,))]))
     faces["n"], faces["i"] = 3, mesh.faces
-    text = "\n".join([*header, "end_header", ""])
-    Path(path).write_bytes(text.encode() + rows.tobytes() + faces.tobytes())
+    text = "\n".join([*header, "end_header", ""]).encode()
+    Path(path).write_bytes(text + rows.tobytes() + faces.tobytes())

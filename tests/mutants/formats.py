@@ -36,7 +36,7 @@ FORMATS = (
     ),
     Mutant(
         "triangles of strips all one way round",
-        "meshes/ply.py",
+        "meshes/strips.py",
         (("    corners[turned, :2] = corners[turned, 1::-1]\n", ""),),
         "tests/meshes/test_mesh_files.py::test_ply_strips_turn_every_other_triangle_around",
     ),

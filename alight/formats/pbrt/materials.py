@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from alight.core.constants import LUMINANCE
 from alight.core.errors import join_path, unknown_name
 from alight.formats.pbrt.colors import INDICES
 from alight.formats.pbrt.context import Context, Data
@@ -408,7 +407,7 @@ def _interface(m: Making) -> Data:
 
 
 def _mix(m: Making) -> Data:
-    amount = _share(m, "amount")
+    amount = m.share("amount")
     if m.context.old or m.p.has("namedmaterial1"):
         parameters = [m.p.values(f"namedmaterial{i}", "string", count=1) for i in (2, 1)]
         names = [(str(p.values[0]), p) for p in parameters if p is not None]
@@ -427,20 +426,6 @@ def _mix(m: Making) -> Data:
         "weight": amount,
         "bsdfs": [m.nested(name, parameter) for name, parameter in names],
     }
-
-
-def _share(m: Making, name: str) -> float | str:
-    """A number or texture; pbrt 3 also has colours, of which alight takes one share for all."""
-    given = m.p.named.get(name)
-    if not m.context.old or given is None or given.kind in ("float", "integer", "texture"):
-        amount = m.number(name, 0.5)
-        return 0.5 if amount is None else amount
-    color = m.color(name, [0.5] * 3)
-    if not isinstance(color, list):
-        return 0.5
-    if min(color) != max(color):
-        m.warn("mixes each colour by a share of its own: their luminance is taken for all")
-    return sum(part * weight for part, weight in zip(color, LUMINANCE, strict=True))
 
 
 def _subsurface(m: Making) -> Data:
