@@ -18,7 +18,7 @@ from typing import Annotated, ClassVar, Literal
 
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
-from alight.bsdfs.relief import BENT, HEIGHTS, IS_HEIGHT, BumpMapRow, packed_modes
+from alight.bsdfs.relief import HEIGHTS, IS_HEIGHT, BumpMapRow, map_features, packed_modes
 from alight.core.parameters import slots_of
 from alight.core.spec import Interval, NestedBsdf, NumberOrTexture, Texture, Truth
 from alight.textures import VARYING
@@ -71,9 +71,9 @@ def pack(spec: BumpMap, packer) -> None:
     """Fill the row of the map."""
     packer.scalar("texture", spec.texture)
     packer.numbers("scale", spec.scale)
-    packer.numbers("modes", packed_modes(spec.rims, spec.fading) + IS_HEIGHT)
+    packer.numbers("modes", packed_modes(spec) + IS_HEIGHT)
 
 
 def features(spec: BumpMap) -> tuple[str, ...]:
-    """What must be compiled for this map; its frame is that of the shape's tangents."""
-    return (BENT, HEIGHTS, "anisotropic")
+    """What must be compiled for this map."""
+    return (HEIGHTS, *map_features(spec))

@@ -45,6 +45,7 @@ class Diffuse(Bsdf):
     """
 
     one_sided: ClassVar[bool] = True
+    matte: ClassVar[bool] = True
     type: Literal["diffuse"] = "diffuse"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
     sampling: Annotated[Literal["cosine", "uniform"], NoiseOnly()] = "cosine"

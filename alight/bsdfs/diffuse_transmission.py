@@ -42,6 +42,7 @@ class DiffuseTransmission(Bsdf):
     """
 
     transmissive: ClassVar[bool] = True
+    matte: ClassVar[bool] = True
     type: Literal["diffuse_transmission"] = "diffuse_transmission"
     reflectance: ColorTexture = (0.25, 0.25, 0.25)
     transmittance: ColorTexture = (0.25, 0.25, 0.25)

@@ -50,6 +50,7 @@ class Eon(Bsdf):
     """
 
     one_sided: ClassVar[bool] = True
+    matte: ClassVar[bool] = True
     type: Literal["eon"] = "eon"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
     roughness: UnitTexture = 0.5

@@ -112,6 +112,11 @@ def leaves(spec: Bsdf) -> Iterator[Leaf]:
             yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, relief)
 
 
+def is_matte(spec: Bsdf) -> bool:
+    """Whether all models of a material are matte."""
+    return all(leaf.bsdf.matte for leaf in leaves(spec))
+
+
 def names_in(spec: Bsdf) -> Iterator[str]:
     """Names of materials that a description mentions, at any depth."""
     for part in spec.parts if isinstance(spec, Nested) else ():

@@ -3,10 +3,10 @@ r"""Normal map: replaces the surface's normals by those of a picture.
 .. math:: n \propto (c\,(2 r - 1),\; c\,(2 g - 1),\; 2 b - 1)
 
 with the picture's channels r, g, b (read as they are, without a decoding of colours) and the scale
-c. x runs along growing u, y along growing v (of the picture's `uv_set`), z along the surface's
-normal, on charts that are mirrored too; with `follow_uv` off, y is always z times x, as Mitsuba has
-it. See `alight.bsdfs.relief` for the rims. Of several maps on one material the innermost one
-counts.
+c. x runs along growing u, y along growing v of the picture (of its `uv_set`, after its `to_uv`), z
+along the surface's normal, on charts that are mirrored too; with `follow_uv` off, x runs along the
+surface's own u, and y is always z times x, as Mitsuba has it. See `alight.bsdfs.relief` for the
+rims. Of several maps on one material the innermost one counts.
 
 Source: Blinn 1978, Simulation of wrinkled surfaces; glTF 2.0, section 3.9.3, for the scale; the
 plug-in ``normalmap`` of Mitsuba 3.
@@ -14,12 +14,21 @@ plug-in ``normalmap`` of Mitsuba 3.
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar, Literal
 
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.relief import BENT, FOLLOWS_UV, NORMALS, OF_SET, NormalMapRow, packed_modes
+from alight.bsdfs.relief import (
+    FOLLOWS_UV,
+    NORMALS,
+    OF_SET,
+    TURNED,
+    NormalMapRow,
+    map_features,
+    packed_modes,
+)
 from alight.bsdfs.rough_conductor import RoughConductor
 from alight.core.parameters import slots_of
 from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Texture, Truth
@@ -39,7 +48,7 @@ class NormalMap(Nested):
     fading : bool, default True
         Whether light fades out towards the line where the true surface turns away from it.
     follow_uv : bool, default True
-        Whether y runs along growing v; else it is at right angles to x by the right hand.
+        Whether x and y run along the picture's sides; else x along the surface's u, y to its left.
     bsdf : Bsdf or str, default Diffuse()
         The material, or its name.
     """
@@ -67,6 +76,8 @@ EXAMPLES = (
 )
 
 SLOTS = slots_of(NormalMapRow)
+#: Of a picture that lies along (u, v), however large.
+UNTURNED = (1.0, 0.0, 1.0)
 
 
 def pack(spec: NormalMap, packer) -> None:
@@ -74,14 +85,30 @@ def pack(spec: NormalMap, packer) -> None:
     packer.color("texture", spec.texture)
     packer.numbers("scale", spec.scale)
     packer.numbers("modes", _modes(spec))
+    packer.numbers("turn", *_turn(spec))
 
 
 def _modes(spec: NormalMap) -> float:
-    modes = packed_modes(spec.rims, spec.fading) + FOLLOWS_UV * spec.follow_uv
+    modes = packed_modes(spec) + FOLLOWS_UV * spec.follow_uv
     number = spec.texture.set_of_coordinates() if isinstance(spec.texture, Texture) else None
     return modes + OF_SET * (number or 0)
 
 
+def _turn(spec: NormalMap) -> tuple[float, float, float]:
+    """How the picture lies in (u, v), as `alight.bsdfs.relief.axes_of_map` reads it."""
+    found = spec.texture.lookup() if isinstance(spec.texture, Texture) else None
+    if not spec.follow_uv or found is None:
+        return UNTURNED
+    (a, b), (c, d) = found[:, :2]
+    determinant, length = a * d - b * c, math.hypot(c, d)
+    if determinant == 0.0 or length == 0.0:
+        return UNTURNED
+    # The first column of the inverse.
+    side = math.copysign(1.0, determinant)
+    return side * d / length, -side * c / length, side
+
+
 def features(spec: NormalMap) -> tuple[str, ...]:
-    """What must be compiled for this map; its frame is that of the shape's tangents."""
-    return (BENT, NORMALS, "anisotropic")
+    """What must be compiled for this map."""
+    turned = (TURNED,) if _turn(spec) != UNTURNED else ()
+    return (NORMALS, *map_features(spec), *turned)

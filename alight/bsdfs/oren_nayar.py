@@ -44,6 +44,7 @@ class OrenNayar(Bsdf):
     """
 
     one_sided: ClassVar[bool] = True
+    matte: ClassVar[bool] = True
     type: Literal["oren_nayar"] = "oren_nayar"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
     sigma: Annotated[float, Interval(0.0, 90.0)] = 20.0

@@ -59,6 +59,12 @@ class Coated(Bsdf):
     specular_reflectance: ColorTexture = (1.0, 1.0, 1.0)
     nonlinear: Truth = False
 
+    @property
+    def matte(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Whether its coat reflects less than 1/9 straight on, and its base is not black."""
+        black = self.diffuse_reflectance == (0.0, 0.0, 0.0)
+        return 0.5 <= self.int_ior / self.ext_ior <= 2.0 and not black
+
 
 class Plastic(Coated):
     """Polished plastic, glazed ceramics, varnished wood.

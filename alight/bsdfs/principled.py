@@ -153,6 +153,13 @@ class Principled(Absorbing):
         """Whether it has two sides already: glass and thin sheets."""
         return self.thin or not is_zero(self.transmission)
 
+    @property
+    def matte(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Whether it is plastic that reflects less than 1/9 straight on, and is not black."""
+        lacks = (self.metallic, self.transmission, self.iridescence)
+        is_plastic = all(is_zero(share) for share in lacks) and not self.thin
+        return is_plastic and self.ior <= 2.0 and not is_zero(self.base_color)
+
 
 def is_zero(value: object) -> bool:
     """Whether a parameter is 0 everywhere; what is not known yet is not."""

@@ -6,9 +6,11 @@ light is cut off in a hard line where the true surface turns away from it.
 
 Rims that are ``lit``: n is moved towards the surface's normal z until the mirrored direction of the
 viewer w is above the surface. For n + k z that is a quadratic equation,
-:math:`w_z k^2 + 2 (n \cdot w)\, k + 2 (n \cdot w)\, n_z - (1 + \epsilon)\, w_z = 0`. Rims that
-are ``folded``: where n turns away from the viewer, its slope is taken the other way round. Those
-that are ``black``: nothing is done.
+:math:`w_z k^2 + 2 (n \cdot w)\, k + 2 (n \cdot w)\, n_z - (1 + \epsilon)\, w_z = 0`. Of what is
+matte (`alight.core.spec.Bsdf.matte`) nobody misses what it mirrors: n is moved only until the
+viewer is above the bent surface, :math:`n \cdot w + k w_z = \epsilon w_z`, so that it is as bright
+as its normals are turned to the light. Rims that are ``folded``: where n turns away from the
+viewer, its slope is taken the other way round. Those that are ``black``: nothing is done.
 
 With ``fading``, light is faded out before the line by Smith's masking function of GGX,
 :math:`G = 2 / (1 + \sqrt{1 + \alpha^2 \tan^2\theta_i})` with
@@ -25,10 +27,11 @@ Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing, for the fol
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from alight.bsdfs.flags import DELTA
 from alight.bsdfs.model import BsdfValue
+from alight.bsdfs.nesting import is_matte
 from alight.core.frame import frame_from_tangent, to_local, to_world
 from alight.core.parameters import loader, reader
 from alight.core.uv_sets import UV_SETS
@@ -37,6 +40,7 @@ from alight.shapes.charts import moved_chart
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import BENT as BENT
 from alight.textures.fetch import (
+    PlainColor,
     Scalar,
     TexturedColor,
     TexturedScalar,
@@ -47,20 +51,31 @@ from lanewise.simd import any_lane, floor, lanes, maximum, minimum, sqrt, to_uin
 
 #: What programs call it that a material has one of both maps.
 NORMALS, HEIGHTS = "bent:normals", "bent:heights"
+#: That the picture of a normal map is looked up turned or mirrored.
+TURNED = "bent:turned"
+#: That a map with lit rims is on something matte.
+ON_MATTE = "bent:matte"
 #: Bits of the `modes` of both maps.
 IS_HEIGHT, FOLLOWS_UV, FADES, IS_LIT, IS_FOLDED = 1.0, 2.0, 4.0, 8.0, 16.0
 #: Times the set of texture coordinates that orients a normal map; only in programs with sets.
 OF_SET = 32.0
-#: The mirrored viewer stays this part of his height above the surface, over |n + k z|^2.
+#: Both at once: rims of what is matte are lit.
+IS_LIT_MATTE = IS_LIT + IS_FOLDED
+#: The mirrored viewer stays this part of his height above the surface, over |n + k z|^2; above the
+#: bent surface of what is matte, over |n + k z|, the viewer himself.
 MARGIN = 0.1
 
 
+_RIMS = {"black": 0.0, "lit": IS_LIT, "folded": IS_FOLDED}
+
+
 class NormalMapRow(NamedTuple):
-    """A normal map in the table."""
+    """A normal map in the table; `turn` as `axes_of_map` reads it."""
 
     scale: Scalar
     modes: Scalar
     texture: TexturedColor
+    turn: PlainColor
 
 
 class BumpMapRow(NamedTuple):
@@ -72,6 +87,7 @@ class BumpMapRow(NamedTuple):
 
 
 _normal_map, _bump_map = loader(NormalMapRow), loader(BumpMapRow)
+_turn_at = reader(NormalMapRow, "turn")
 _modes_at, _height_at = reader(BumpMapRow, "modes"), reader(BumpMapRow, "texture")
 
 #: Distance of two heights whose difference is a slope, in texture coordinates.
@@ -100,7 +116,7 @@ def bent_normal(program):
 
 @kernel
 def _from_normals(scene, base, surface, height, follows):
-    scale, _, texel = _normal_map(scene, base, surface)
+    scale, _, texel, _ = _normal_map(scene, base, surface)
     along, across, s, t = axes_of_map(scene, base, surface)
     # The second axis of the picture, on charts that are mirrored too.
     turned = dot(cross(surface.ns, s), across) * dot(s, along) < 0.0
@@ -111,7 +127,30 @@ def _from_normals(scene, base, surface, height, follows):
 
 @specialised
 def axes_of_map(program):
-    """``(scene, base, surface) -> (dp/du, dp/dv, s, t)``: of the set that a map's picture uses."""
+    """``(scene, base, surface) -> (dp/du, dp/dv, s, t)``: of what a map's picture is looked up by.
+
+    These are the coordinates of its set after its `to_uv`, whose inverse takes the unit vector of
+    u to (x, y) times a length. A row's `turn` is (x, y) and the sign of the determinant; with the
+    sign, dp/dv is that of a conformal map, which lies on the same side of dp/du.
+    """
+    axes = axes_of_set(program)
+    if TURNED not in program.bsdfs:
+        return axes
+
+    @kernel
+    def of_turned_picture(scene, base, surface):
+        along, across, _, _ = axes(scene, base, surface)
+        turn = _turn_at(scene, base, surface)
+        right = turn.x * along + turn.y * across
+        above = turn.z * (turn.x * across - turn.y * along)
+        s, t = frame_from_tangent(surface.ns, right)
+        return right, above, s, t
+
+    return of_turned_picture
+
+
+def axes_of_set(program):
+    """The same of the set alone."""
     if UV_SETS not in program.textures:
         return _own_axes
 
@@ -146,7 +185,7 @@ def _charted(surface, number):
 @specialised
 def in_own_axes(program):
     """``(surface, s, t, n)``: n of the frame (s, t, ns) in the surface's own frame."""
-    if UV_SETS not in program.textures:
+    if UV_SETS not in program.textures and TURNED not in program.bsdfs:
         return _as_it_is
 
     @kernel
@@ -207,6 +246,32 @@ def _lit(n, wo):
     return where((c < 0.0) | (along <= 0.0), moved, n)
 
 
+@specialised
+def not_hidden(program):
+    """``(n, wo, lit, folded) -> n``: what becomes of normals that turn away from the viewer."""
+    return _not_hidden_by_kind if ON_MATTE in program.bsdfs else _not_hidden
+
+
+@kernel
+def _not_hidden(n, wo, lit, folded):
+    folded = folded & (dot(n, wo) * wo.z <= 0.0)
+    return where(folded, Vec3(-n.x, -n.y, n.z), where(lit, _lit(n, wo), n))
+
+
+@kernel
+def _not_hidden_by_kind(n, wo, lit, folded):
+    matte = lit & folded
+    return where(matte, _seen(n, wo), _not_hidden(n, wo, lit & ~matte, folded & ~matte))
+
+
+@kernel
+def _seen(n, wo):
+    """n moved towards z until the viewer is above the surface that it bends."""
+    w = where(wo.z < 0.0, -wo, wo)
+    k = MARGIN - dot(n, w) / maximum(w.z, 1e-6)
+    return where(k > 0.0, normalize(Vec3(n.x, n.y, n.z + maximum(k, 0.0))), n)
+
+
 @kernel
 def _fading(n, fades, wi):
     """G of Estevez et al., or 1."""
@@ -259,16 +324,26 @@ def _frame(scene, surface, relief, stride, wo):
     code = where(has, _modes_at(scene, base, surface), 0.0)
     height, follows, fades, lit, folded = _modes(code)
     n = bent_normal(scene, base, surface, height, follows)
-    folded = folded & (dot(n, wo) * wo.z <= 0.0)
-    n = where(folded, Vec3(-n.x, -n.y, n.z), where(lit, _lit(n, wo), n))
+    n = not_hidden(n, wo, lit, folded)
     n = where(has, n, Vec3(0.0, 0.0, 1.0))
     s, t = frame_from_tangent(n, Vec3(lanes(1.0), 0.0 * n.x, 0.0 * n.x))
     return s, t, n, fades
 
 
-def packed_modes(rims: str, fading: bool) -> float:
+def packed_modes(spec: Any) -> float:
     """The bits that both maps have."""
-    return FADES * fading + {"black": 0.0, "lit": IS_LIT, "folded": IS_FOLDED}[rims]
+    rims = IS_LIT_MATTE if is_lit_matte(spec) else _RIMS[spec.rims]
+    return FADES * spec.fading + rims
+
+
+def is_lit_matte(spec: Any) -> bool:
+    """Whether a map with lit rims is on something matte; the name of its material is resolved."""
+    return spec.rims == "lit" and is_matte(spec.bsdf)
+
+
+def map_features(spec: Any) -> tuple[str, ...]:
+    """What must be compiled for either map; their frames are those of the shapes' tangents."""
+    return (BENT, "anisotropic", *([ON_MATTE] if is_lit_matte(spec) else []))
 
 
 def bent_evaluate(one_sided, stride, relief_of):

@@ -13,7 +13,7 @@ Source: reciprocity as in Veach, Robust Monte Carlo Methods (1997), section 3.6.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_TWO_PI
@@ -34,6 +34,7 @@ class UniformScatter(Bsdf):
         Albedo, each channel in [0, 1].
     """
 
+    matte: ClassVar[bool] = True
     type: Literal["uniform_scatter"] = "uniform_scatter"
     reflectance: ColorTexture = (0.5, 0.5, 0.5)
 

@@ -15,14 +15,7 @@ from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_valid
 
 from alight.core.errors import SceneError
 from alight.core.field_errors import translate
-from alight.core.fields import (
-    Interval,
-    Model,
-    Models,
-    NumberOrTexture,
-    Numbers,
-    invalid,
-)
+from alight.core.fields import Interval, Model, Models, NumberOrTexture, Numbers, invalid
 
 Truth = Annotated[bool, Strict()]
 
@@ -85,6 +78,8 @@ class Bsdf(Spec):
         it. What is made of other materials leaves that to them.
     unseen : bool
         Light passes it as if nothing was there.
+    matte : bool
+        What it reflects about the mirrored direction is next to nothing, or little beside the rest.
     """
 
     family: ClassVar[str] = "bsdfs"
@@ -93,6 +88,7 @@ class Bsdf(Spec):
     shares: ClassVar[tuple[str, ...]] = ()
     one_sided: ClassVar[bool] = False
     unseen: ClassVar[bool] = False
+    matte: ClassVar[bool] = False
 
     def largest_weight(self) -> float | None:
         """Bound of f cos / pdf of sampled directions; None if none is known."""
@@ -184,6 +180,10 @@ class Texture(Spec):
 
     def set_of_coordinates(self) -> int | None:
         """The set of texture coordinates that it is looked up in; None if in none."""
+        return None
+
+    def lookup(self) -> np.ndarray | None:
+        """From (u, v) of its set to where it is looked up, (2, 3) float64; None if in none."""
         return None
 
 

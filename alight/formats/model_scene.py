@@ -6,11 +6,13 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import Any
 
+from alight.core.errors import quote
 from alight.formats.glow import Glow
 from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
+from alight.formats.steepness import told
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import (
     Bounds,
@@ -89,6 +91,9 @@ class ModelScene:
         if key not in self._names:
             name = self._names[key] = free_name(wanted, self.bsdfs, "material")
             self.bsdfs[name] = surface.bsdf
+            steep = told(surface, self.reach.files)
+            if steep:
+                self.report.approximate(f"material {quote(wanted)}: {steep}")
             if place:
                 self.places[f"bsdfs.{name}"] = place
         return self._names[key]

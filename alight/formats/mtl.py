@@ -215,6 +215,10 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
             return None
         scaled = {"type": "multiply", "a": gain, "b": made.data}
         made.data = {"type": "add", "a": base, "b": scaled}
+        if base + gain > 1.0 and key not in ("map_ke", "map_bump", "bump"):
+            text = f"-mm of {key} may reach {base + gain:g}: it is cut at 1"
+            report.approximate(f"{place}: {text}")
+            made.data = {"type": "clamp", "texture": made.data}
     return made
 
 

@@ -21,7 +21,7 @@ from alight.formats.packed import content_of
 from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
-from alight.formats.surfaces import Surface, plain_surface
+from alight.formats.surfaces import Surface, plain_surface, tinted
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
 from alight.scene.meshes import mesh_of
@@ -77,6 +77,10 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         content = obj.parse(data)
     except SceneError as error:
         raise SceneError([_with_line(issue.message, name) for issue in error.issues]) from None
+    for kind, (text, line) in content.absent.items():
+        report.approximate(f"{name}:{line}:1: {text}: its faces have no {kind}")
+    if content.colors is not None and np.isnan(content.colors).any():
+        report.approximate(f"{name}: only some vertices have colours: the others are white")
     materials: dict[str, Surface] = {}
     parts = _parts(content, name, reach, report, materials)
     if report.issues:
@@ -93,6 +97,9 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         if surface is None:
             has_colors = mesh.colors is not None
             surface, wanted, key = plain_surface(has_colors), "grey", f"grey {has_colors}"
+        elif mesh.colors is not None and mesh.colors.min() < 1.0:
+            report.approximate(f"{name}: the colours of its vertices tint its materials")
+            surface, key = tinted(surface), f"tinted {wanted}"
         model.shine(mesh, surface, np.eye(4))
         bsdf = model.name_of(key, surface, wanted, surface.place)
         group = free_name(part.group, model.nodes, "mesh")

@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+from alight.formats.textures import by_vertices
 
 Data = dict[str, Any]
 #: The largest index of refraction of `principled`, and its reflectance straight on.
@@ -59,6 +61,15 @@ def reflection(color: Sequence[float]) -> Reflection:
     strength = min(max(*color, _DARKEST), BRIGHTEST)
     tint = [channel / strength for channel in color]
     return Reflection(strength, index_of(strength), tint, max(color) > strength)
+
+
+def is_metal(diffuse: Any, specular: Sequence[float]) -> bool:
+    """Whether a matte and a shiny colour are a metal's: black, and too strong for any index.
+
+    `metallic` then has the shiny colour exactly, as its own.
+    """
+    is_black = isinstance(diffuse, list) and max(diffuse) == 0.0
+    return is_black and max(specular) > BRIGHTEST
 
 
 def two_sided(bsdf: Data) -> Data:
@@ -112,6 +123,12 @@ class Surface:
         if self.emission is None:
             return {}
         return {"light": {"type": "area", "radiance": self.emission}}
+
+
+def tinted(surface: Surface) -> Surface:
+    """The surface with the colours of its vertices over its own."""
+    color = by_vertices(surface.core["base_color"])
+    return replace(surface, core={**surface.core, "base_color": color})
 
 
 def plain_surface(has_colors: bool) -> Surface:

@@ -5,6 +5,7 @@ A value is a number, a colour (a list of three numbers) or the description of a 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from alight.core.spec import invalid
@@ -83,7 +84,7 @@ def cut(value: float | Data, cutoff: float) -> Any:
     return {"type": "threshold", "texture": value, "cutoff": cutoff}
 
 
-def multiplied(factor: float | list[float], texture: Data | None) -> Any:
+def multiplied(factor: Any, texture: Data | None) -> Any:
     """A number or colour times a texture; the factor itself where there is no texture."""
     if texture is None:
         return factor
@@ -91,10 +92,53 @@ def multiplied(factor: float | list[float], texture: Data | None) -> Any:
     return texture if is_one else {"type": "multiply", "a": factor, "b": texture}
 
 
+def by_vertices(color: Any) -> Data:
+    """A colour or texture times the colours of the vertices, where there are any."""
+    return multiplied(color, {"type": "vertex_color", "fallback": 1.0})
+
+
 def shifted(texture: Data, bias: float | list[float]) -> Data:
     """A texture plus a number or colour."""
     is_zero = set(bias) == {0.0} if isinstance(bias, list) else bias == 0.0
     return texture if is_zero else {"type": "add", "a": texture, "b": bias}
+
+
+def ranging(texture: Data, low: float, high: float) -> Data:
+    """A grey texture from `low`, where it is 0, to `high`, where it is 1."""
+    if high < low:
+        # No factor may be negative, but a mixture may fall.
+        return between(low, high, texture)
+    return shifted(multiplied(high - low, texture), low)
+
+
+def stretched(texture: Data, low: Sequence[float], high: Sequence[float]) -> Data:
+    """A texture whose channels run from `low`, where they are 0, to `high`, where they are 1."""
+    rises = [above - below for below, above in zip(low, high, strict=True)]
+    if min(rises) >= 0.0:
+        return shifted(multiplied(rises, texture), list(low))
+    parts = [
+        multiplied([float(i == k) for i in range(3)], ranging(channel(texture, c), low[k], high[k]))
+        for k, c in enumerate("rgb")
+    ]
+    return {"type": "add", "a": {"type": "add", "a": parts[0], "b": parts[1]}, "b": parts[2]}
+
+
+def normal_color(normal: Sequence[float]) -> list[float]:
+    """The colour by which a normal map bends everywhere to a normal of any length."""
+    size = max(1.0, *(abs(part) for part in normal))
+    return [0.5 * (part / size + 1.0) for part in normal]
+
+
+def normals(texture: Data, factor: Sequence[float], bias: Sequence[float]) -> Data:
+    """The colours by which a normal map bends as `factor` times a texture plus `bias` points.
+
+    A map takes 2 t - 1 for a normal of any length; so what it is given is (n / m + 1) / 2, with the
+    largest size m of any part of n, which keeps it in [0, 1].
+    """
+    ends = [(b, f + b) for f, b in zip(factor, bias, strict=True)]
+    size = max(1.0, *(abs(end) for pair in ends for end in pair))
+    low, high = ([0.5 * (end / size + 1.0) for end in part] for part in zip(*ends, strict=True))
+    return stretched(texture, low, high)
 
 
 def product(color: Any, share: float | Data) -> Any:

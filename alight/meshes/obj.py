@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import codecs
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from alight.meshes.concave import cut_polygons
 from alight.meshes.triangles import MeshArrays, broken, srgb_to_linear
 
 LARGEST_INDEX = 2**31 - 1
+_KINDS = ("points", "texture coordinates", "normals")
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
@@ -44,7 +45,10 @@ def read(data: bytes) -> MeshArrays:
     SceneError
         If the file is broken; messages name the line.
     """
-    return parse(data).mesh()
+    content = parse(data)
+    for index, line in content.absent.values():
+        raise broken(f"line {line}: {index}")
+    return content.mesh()
 
 
 class Statement(NamedTuple):
@@ -64,13 +68,16 @@ class Content:
     tables : dict
         Of ``v``, ``vt`` and ``vn``: (n, 3), (n, 2) and (n, 3) float32.
     colors : (n, 3) float32 or None
-        Linear, of the rows of ``v``, if all have one.
+        Linear, of the rows of ``v``, if any has one; NaN for those that have none.
     corners : (c, 3) int64
         Rows of the three tables, of all faces one after the other; -1 where there is none.
     sizes : (f,) int64
         Corners of each face.
     statements : list of Statement
         The rest, in order.
+    absent : dict of str to (str, int)
+        "texture coordinates" or "normals" -> what first names a row of a table without rows, and
+        its line; such corners have none.
     """
 
     tables: dict[bytes, NDArray[np.float32]]
@@ -78,6 +85,7 @@ class Content:
     corners: NDArray[np.int64]
     sizes: NDArray[np.int64]
     statements: list[Statement]
+    absent: dict[str, tuple[str, int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Sum up the sizes, to find the corners of a face."""
@@ -86,7 +94,7 @@ class Content:
     def partly(self, faces: list[tuple[int, int]]) -> list[str]:
         """What only some corners of these faces have."""
         keys = np.concatenate([self.corners[self._starts[a] : self._starts[b]] for a, b in faces])
-        lacks = {"texture coordinates": keys[:, 1] < 0, "normals": keys[:, 2] < 0}
+        lacks = {_KINDS[i]: keys[:, i] < 0 for i in (1, 2)}
         return [name for name, corners in lacks.items() if corners.any() and not corners.all()]
 
     def mesh(self, faces: list[tuple[int, int]] | None = None) -> MeshArrays:
@@ -119,7 +127,7 @@ class Content:
             inverse[triangles].astype(np.int32).reshape(-1, 3),
             tables[2][columns[2]] if use_normals else None,
             tables[1][columns[1]] if use_uvs else None,
-            self.colors[columns[0]] if self.colors is not None else None,
+            None if self.colors is None else _filled(self.colors[columns[0]]),
         )
 
 
@@ -166,8 +174,10 @@ def parse(data: bytes) -> Content:
         else:
             statements.append(Statement(words, number, len(sizes)))
     colors = None
-    if tables[b"v"] and all(len(row) >= 6 for row in tables[b"v"]):
-        colors = srgb_to_linear(np.clip(_table([row[3:] for row in tables[b"v"]], 3), 0, 1))
+    if any(len(row) >= 6 for row in tables[b"v"]):
+        lacking = [np.nan] * 3
+        rows = [row[3:] if len(row) >= 6 else lacking for row in tables[b"v"]]
+        colors = srgb_to_linear(np.clip(_table(rows, 3), 0, 1))
     content = Content(
         {kind: _table(rows, 2 if kind == b"vt" else 3) for kind, rows in tables.items()},
         colors,
@@ -255,14 +265,23 @@ def _distinct(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.in
 
 
 def _check_indices(content: Content, lines: list[int]) -> None:
-    """Refuse faces that use rows that are nowhere in the file."""
+    """Refuse faces that use rows that are nowhere in the file; note tables without any."""
     for column, (kind, table) in enumerate(content.tables.items()):
         outside = np.flatnonzero(content.corners[:, column] >= len(table))
         if len(outside):
             face = int(np.searchsorted(np.cumsum(content.sizes), outside[0], side="right"))
             index = content.corners[outside[0], column] + 1
             text = f"a face uses {kind.decode()} number {index}, the file holds {len(table)}"
-            raise broken(f"line {lines[face]}: {text}")
+            if kind == b"v" or len(table):
+                raise broken(f"line {lines[face]}: {text}")
+            content.absent[_KINDS[column]] = text, lines[face]
+            content.corners[outside, column] = -1
+
+
+def _filled(colors: NDArray[np.float32]) -> NDArray[np.float32] | None:
+    """Colours with white where there is none; None if there are none at all."""
+    lacks = np.isnan(colors)
+    return None if lacks.all() else np.where(lacks, np.float32(1.0), colors)
 
 
 def _table(rows: list[list[float]], columns: int) -> NDArray[np.float32]:

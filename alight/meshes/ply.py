@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from alight.core.errors import quote, unknown_name
 from alight.core.uv_sets import MOST_SETS
 from alight.meshes.concave import cut_polygons
+from alight.meshes.strips import triangles_of
 from alight.meshes.triangles import MeshArrays, broken, fan, srgb_to_linear
 
 TYPES = {
@@ -103,7 +104,7 @@ def read(data: bytes) -> MeshArrays:
             tables[element.name], position = _read_ascii(words, position, element)
     if "vertex" not in tables:
         raise broken("has no element vertex")
-    return _assemble(tables["vertex"], tables.get("face", {}))
+    return _assemble(tables["vertex"], tables.get("face", {}), tables.get("tristrips", {}))
 
 
 def parse_header(data: bytes) -> tuple[str, list[Element], int]:
@@ -301,14 +302,11 @@ def _truncated(element: Element, found: int) -> Exception:
     )
 
 
-def _assemble(vertex: Table, face: Table) -> MeshArrays:
+def _assemble(vertex: Table, face: Table, strips: Table) -> MeshArrays:
     vertices = _columns(vertex, ("x", "y", "z"))
     if vertices is None:
         raise broken("element vertex has no x, y, z")
-    indices = next((face[n] for n in ("vertex_indices", "vertex_index") if n in face), None)
-    if indices is not None and not isinstance(indices, Ragged):
-        raise broken("vertex_indices must be a list")
-    faces = np.zeros((0, 3), np.int32)
+    indices, in_strips, faces = _lists(face), _lists(strips), np.zeros((0, 3), np.int32)
     if indices is not None:
         corners, _ = fan(indices.sizes)
         faces = _to_indices(indices.values[corners], len(vertices))
@@ -317,6 +315,9 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
             known = np.clip(indices.values, 0, len(vertices) - 1).astype(np.int64)
             corners, _ = cut_polygons(vertices[known], indices.sizes)
             faces = _to_indices(indices.values[corners], len(vertices))
+    if in_strips is not None:
+        more = triangles_of(in_strips.values, in_strips.sizes)
+        faces = np.concatenate([faces, _to_indices(more, len(vertices))])
     found = {
         name: next((c for c in (_columns(vertex, n) for n in names) if c is not None), None)
         for name, names in NAMES.items()
@@ -326,6 +327,14 @@ def _assemble(vertex: Table, face: Table) -> MeshArrays:
         colors = srgb_to_linear(colors / np.float32(255.0))
     more = None if found["uvs"] is None else _more_uvs(vertex)
     return MeshArrays(vertices, faces, found["normals"], found["uvs"], colors, more)
+
+
+def _lists(table: Table) -> Ragged | None:
+    """The vertices of faces or strips."""
+    indices = next((table[n] for n in ("vertex_indices", "vertex_index") if n in table), None)
+    if indices is not None and not isinstance(indices, Ragged):
+        raise broken("vertex_indices must be a list")
+    return indices
 
 
 def _more_uvs(vertex: Table) -> NDArray[np.float32] | None:
@@ -339,8 +348,7 @@ def _more_uvs(vertex: Table) -> NDArray[np.float32] | None:
 
 
 def _columns(table: Table, names: tuple[str, ...]) -> NDArray[np.float32] | None:
-    found = [table.get(name) for name in names]
-    columns = [column for column in found if isinstance(column, np.ndarray)]
+    columns = [column for column in map(table.get, names) if isinstance(column, np.ndarray)]
     if len(columns) < len(names):
         return None
     # float64 values beyond float32 become infinite here and are reported with their row.
@@ -388,5 +396,5 @@ def save(path: str | Path, mesh: MeshArrays) -> None:
     rows = np.concatenate([table for _, table in parts], axis=1).astype("<f4")
     faces = np.zeros(len(mesh.faces), np.dtype([("n", "u1"), ("i", "<i4", (3,))]))
     faces["n"], faces["i"] = 3, mesh.faces
-    text = "\n".join([*header, "end_header", ""])
-    Path(path).write_bytes(text.encode() + rows.tobytes() + faces.tobytes())
+    text = "\n".join([*header, "end_header", ""]).encode()
+    Path(path).write_bytes(text + rows.tobytes() + faces.tobytes())

@@ -147,6 +147,8 @@ def _pixels_of(image: Any, again: Callable[[], Any]) -> np.ndarray:
     if image.mode.startswith("I"):
         return np.asarray(image).astype(np.uint16)
     wide = [tile for tile in image.tile if str(tile[3]).endswith((";16B", "; 16B"))]
+    if wide and str(wide[0][3]).startswith("LA"):
+        return _grey_of_sixteen_bits(again)
     if wide and image.mode in ("RGB", "RGBA"):
         return _sixteen_bits(image, again)
     if image.mode in ("1", "L"):
@@ -181,6 +183,15 @@ def _sixteen_bits(image: Any, again: Callable[[], Any]) -> np.ndarray:
         swapped.tile = [t._replace(args=str(t[3]).replace("16B", "16L")) for t in swapped.tile]
         halves.append(np.asarray(swapped, np.uint16))
     return halves[0] << 8 | halves[1]
+
+
+def _grey_of_sixteen_bits(again: Callable[[], Any]) -> np.ndarray:
+    """Grey and alpha: four bytes a pixel, which Pillow takes for those of four channels."""
+    from PIL import Image
+
+    with Image.open(again(), formats=("PNG",)) as image:
+        image.tile = [tile._replace(args="RGBA") for tile in image.tile]
+        return np.ascontiguousarray(image).view(">u2").astype(np.uint16)
 
 
 def _read_exr(path: Path, check_size: SizeCheck) -> np.ndarray:

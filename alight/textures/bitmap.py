@@ -95,6 +95,10 @@ class Bitmap(Texture):
         """The one that it names."""
         return self.uv_set
 
+    def lookup(self) -> np.ndarray:
+        """The matrix of `to_uv`."""
+        return self.to_uv.matrix
+
     def maximum(self) -> Triple:
         """Largest value of each channel; 0 as long as the file has not been read."""
         return (0.0, 0.0, 0.0) if self.pixels is None else self.pixels.maximum(self.color_space)

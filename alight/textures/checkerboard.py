@@ -61,6 +61,10 @@ class Checkerboard(Texture):
         """The one that it names."""
         return self.uv_set
 
+    def lookup(self) -> np.ndarray:
+        """Its matrix."""
+        return self.matrix
+
     def maximum(self) -> Triple:
         """Largest value of each channel."""
         red, green, blue = (max(pair) for pair in zip(self.color0, self.color1, strict=True))

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import ClassVar, Self
 
+import numpy as np
 from pydantic import model_validator
 
 from alight.core.spec import Texture, Triple, invalid
@@ -57,6 +58,11 @@ class Composed(Texture):
         """That of the first part which has one."""
         found = (p.set_of_coordinates() for p in self.parts if isinstance(p, Texture))
         return next((number for number in found if number is not None), None)
+
+    def lookup(self) -> np.ndarray | None:
+        """That of the first part which has one."""
+        found = (p.lookup() for p in self.parts if isinstance(p, Texture))
+        return next((matrix for matrix in found if matrix is not None), None)
 
     @property
     def ordered(self) -> tuple[Value, ...]:

@@ -163,6 +163,43 @@ def test_what_only_some_faces_have_is_said():
     assert not said("g a\nf 1/1 2/2 3/3\ng b\nf 1 3 4\n")
 
 
+@pytest.mark.parametrize(
+    ("kind", "word", "corner"), [("vn", "normals", "1//1"), ("vt", "texture coordinates", "1/1")]
+)
+def test_faces_may_name_rows_of_a_kind_that_the_file_lacks(kind, word, corner):
+    text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nf {corner} {corner.replace('1', '2')} 3\n"
+    found = parse(text.encode(), "a.obj")
+    (node,) = found.data["nodes"].values()
+    assert node["shape"].normals is None and node["shape"].uvs is None
+    said = f"a.obj:4:1: a face uses {kind} number 1, the file holds 0: its faces have no {word}"
+    assert said in found.warnings
+    # A mesh by itself has nobody to tell.
+    with pytest.raises(SceneError, match=f"line 4: a face uses {kind} number 1"):
+        obj.read(text.encode())
+
+
+COLORED = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0.5 0.5 0.5\n"
+
+
+def test_colours_of_vertices_tint_the_materials_of_a_library(tmp_path):
+    color, said = colour(tmp_path, model=HEAD + COLORED + "usemtl m\nf 1 2 3\n")
+    assert (color.type, color.a, color.b.type) == ("multiply", (0.5, 0.25, 0.0), "vertex_color")
+    (line,) = said
+    assert line.endswith("the colours of its vertices tint its materials")
+    white = COLORED.replace("0.5 0.5 0.5", "1 1 1").replace("1 0 0\nv 1", "1 1 1\nv 1")
+    white = white.replace("0 1 0\nv 0", "1 1 1\nv 0")
+    assert colour(tmp_path, model=HEAD + white + "usemtl m\nf 1 2 3\n") == ((0.5, 0.25, 0.0), [])
+
+
+def test_vertices_without_colours_among_others_are_white_and_said():
+    text = COLORED + "v 1 1 0\nv 2 1 0\nv 2 2 0\ng a\nf 1 2 4\ng b\nf 4 5 6\n"
+    found = parse(text.encode(), "a.obj")
+    assert "a.obj: only some vertices have colours: the others are white" in found.warnings
+    one, other = (node["shape"] for node in found.data["nodes"].values())
+    np.testing.assert_allclose(one.colors, [[1, 0, 0], [0, 1, 0], [1, 1, 1]])
+    assert other.colors is None
+
+
 def test_materials_without_a_library_are_said():
     words = "a.obj: names materials but no library (mtllib): all is grey"
     assert words in parse((POINTS + FACE).encode(), "a.obj").warnings

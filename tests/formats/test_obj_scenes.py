@@ -207,6 +207,8 @@ def test_problems_have_a_line(line, words, tmp_path):
         ("map_Kd -cc on grey.png", "-cc of map_kd is not covered", False),
         ("map_Kd -blendu on grey.png", "-blendu: plays no part", True),
         ("map_Kd -blendu off grey.png", "", True),
+        ("map_Kd -mm 0 1.2 grey.png", "-mm of map_kd may reach 1.2: it is cut at 1", False),
+        ("map_Ke -mm 0 1.2 grey.png", "", True),
         ("illum 7\nNi 0.5", "Ni 0.5 became 1.5", False),
         ("illum 7\nd 0.5", '"d": glass', True),
         ("Tf 0.5 0.5 0.5", '"tf": only glass', True),

@@ -119,6 +119,36 @@ def test_obj_vertex_colours():
     np.testing.assert_allclose(mesh.colors, [[1, 0, 0], [0, 1, 0], [0.2140411] * 3], rtol=1e-5)
 
 
+@pytest.mark.parametrize("kind", ["ascii", "binary"])
+def test_ply_strips_turn_every_other_triangle_around(kind):
+    """A row of quads in two strips, one of them joined by -1 and by corners that come twice."""
+    points = np.array([(x, y, 0) for x in range(6) for y in range(2)], "<f4")
+    strip = [1, 0, 3, 2, 5, 4, -1, 5, 4, 7, 6, 6, 7, 7, 6, 9, 8], [9, 8, 11, 10]
+    kinds = {"ascii": "ascii 1.0", "binary": "binary_little_endian 1.0"}
+    head = f"""ply
+format {kinds[kind]}
+element vertex {len(points)}
+property float x
+property float y
+property float z
+element tristrips 2
+property list int int vertex_indices
+end_header
+"""
+    if kind == "ascii":
+        lines = [*points.astype(int), *([len(row), *row] for row in strip)]
+        data = "\n".join(" ".join(map(str, line)) for line in lines).encode()
+    else:
+        rows = [np.array([len(row), *row], "<i4").tobytes() for row in strip]
+        data = points.tobytes() + b"".join(rows)
+    mesh = ply.read(head.encode() + data)
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    areas = np.cross(b - a, c - a)[:, 2] / 2
+    np.testing.assert_array_equal(areas, [0.5] * 10)
+    # Each half of each quad once.
+    assert len({frozenset(face) for face in mesh.faces.tolist()}) == 10
+
+
 def test_fans_cover_polygons_once():
     corners, polygons = fan(np.array([3, 2, 5, 0, 4]))
     np.testing.assert_array_equal(polygons, [0, 2, 2, 2, 4, 4])

@@ -6,6 +6,7 @@ from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
+from tests.mutants.formats import FORMATS
 from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
@@ -46,4 +47,5 @@ MUTANTS = (
     + LAWS
     + WAVES
     + GUIDING
+    + FORMATS
 )

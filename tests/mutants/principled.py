@@ -62,6 +62,12 @@ PRINCIPLED = (
         f"{BENT}::test_normals_of_a_map_are_its_colours",
     ),
     Mutant(
+        "steep normals of matte stuff bent as if it mirrored",
+        "bsdfs/relief.py",
+        (("where(matte, _seen(n, wo), ", "where(matte, _lit(n, wo), "),),
+        f"{BENT}::test_a_steep_map_on_matte_stuff_is_as_bright_as_its_normal_is_turned_to_the_light",
+    ),
+    Mutant(
         "bodies that absorb nothing",
         "bsdfs/absorption.py",
         (

@@ -90,6 +90,18 @@ TURNED = (
         f"{MAPS}::test_the_normal_leans_along_u_and_v",
     ),
     Mutant(
+        "mirrored pictures of normals taken for turned ones",
+        "bsdfs/relief.py",
+        (("above = turn.z * (turn.x", "above = 1.0 * (turn.x"),),
+        f"{MAPS}::test_the_normal_leans_along_the_sides_of_a_turned_picture",
+    ),
+    Mutant(
+        "normals turned the same way as their picture's coordinates",
+        "bsdfs/normal_map.py",
+        (("-side * c / length", "side * c / length"),),
+        f"{MAPS}::test_the_normal_leans_along_the_sides_of_a_turned_picture",
+    ),
+    Mutant(
         "no coordinates for the axes of a map of one colour",
         "shapes/hit.py",
         (("return BENT in program.bsdfs or ", "return "),),

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from alight.bsdfs.blend import Blend
 from alight.bsdfs.bump_map import BumpMap
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.normal_map import NormalMap
-from alight.bsdfs.relief import _fading, _lit
+from alight.bsdfs.plastic import Plastic
+from alight.bsdfs.principled import Principled
+from alight.bsdfs.relief import _fading, _lit, _seen
 from alight.bsdfs.two_sided import TwoSided
 from alight.core.vec import Vec3
 from alight.laws.materials import Material, direction, random_numbers
@@ -47,6 +50,63 @@ def test_slopes_of_a_bump_map_are_those_of_its_picture():
     value, _ = Material(bsdf, uv=(0.4, 0.55)).evaluate(wo, wi)
     # dh/du = 2, dh/dv = -1, in a frame where u and v are metres.
     np.testing.assert_allclose(value[0], lambert((-0.2, 0.1, 1.0), wo, wi), atol=1e-4)
+
+
+#: What scatters most light to all sides, and what mirrors it.
+MATTE = {
+    "diffuse": Diffuse(reflectance=1.0),
+    "both sides": TwoSided(bsdf=Diffuse(reflectance=1.0)),
+    "rough": Principled(base_color=0.8, roughness=1.0),
+    "plastic": Plastic(diffuse_reflectance=0.7),
+}
+SHINY = {
+    "metal": Principled(base_color=0.8, metallic=1.0),
+    "half metal": Principled(base_color=0.8, metallic=0.5),
+    "black lacquer": Principled(base_color=0.0),
+    "half a mirror": Blend(),
+}
+#: 60 degrees from the surface's normal.
+STEEP = np.array([np.sqrt(0.75), 0.0, 0.5])
+
+
+def test_a_steep_map_on_matte_stuff_is_as_bright_as_its_normal_is_turned_to_the_light():
+    """Lit and seen head-on: pi f cos = n . l = 1/2, although its mirrored viewer is below."""
+    texture = tuple((0.5 * (STEEP + 1.0)).tolist())
+    head_on = direction(1.0)
+    value, _ = Material(NormalMap(texture=texture, bsdf=MATTE["diffuse"])).evaluate(
+        head_on, head_on
+    )
+    np.testing.assert_allclose(np.pi * value, 0.5, atol=1e-5)
+
+
+@pytest.mark.parametrize("inside", (MATTE | SHINY).values(), ids=MATTE | SHINY)
+def test_lit_rims_bend_matte_stuff_only_where_the_viewer_is_behind_it(inside):
+    bsdf = NormalMap(texture=tuple((0.5 * (STEEP + 1.0)).tolist()), bsdf=inside)
+    wo, wi = upper(2000, 4), upper(2000, 5)
+    lit, _ = Material(bsdf).evaluate(wo, wi)
+    plain, _ = Material(bsdf.replaced(rims="black")).evaluate(wo, wi)
+    clear = STEEP @ wo > 0.1 * wo[2]
+    is_alike = np.array_equal(lit[:, clear], plain[:, clear])
+    assert is_alike == (inside in MATTE.values())
+    # Elsewhere the normal is not lost but moved.
+    hidden = (STEEP @ wo < 0.0) & (wi[2] > 0.5)
+    assert (lit[0, hidden] > 0.0).mean() > 0.5 and not plain[0, hidden].any()
+
+
+def test_the_bent_normal_of_matte_stuff_does_not_jump():
+    """It rises until the viewer is a tenth of his height above the surface that it bends."""
+    n, wo = upper(4000, 8), unit_vectors(4000, 9)
+    moved = _seen(Vec3(*n), Vec3(*wo))
+    found = np.stack([moved.x, moved.y, moved.z])
+    w = np.where(wo[2] < 0.0, -wo, wo)
+    above = (n * w).sum(axis=0)
+    enough = above >= 0.1 * w[2]
+    np.testing.assert_array_equal(found[:, enough], n[:, enough])
+    steep = ~enough & (np.hypot(n[0], n[1]) > 0.1) & (w[2] > 0.01)
+    length = np.hypot(n[0], n[1]) / np.hypot(found[0], found[1])
+    after = (found * w).sum(axis=0)
+    np.testing.assert_allclose((after * length)[steep], 0.1 * w[2][steep], rtol=0.02, atol=1e-3)
+    assert 0.1 < steep.mean() < 0.9
 
 
 @pytest.mark.parametrize("rims", ["lit", "folded", "black"])

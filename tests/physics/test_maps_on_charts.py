@@ -12,6 +12,7 @@ from alight.formats import loads
 from alight.scene import matrix
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.surfaces import make_surface
+from alight.textures.bitmap import Bitmap
 from lanewise.jit import instantiate
 from tests.rendering.many_paths import prepared
 from tests.shapes.test_tangents import SURFACES
@@ -28,11 +29,11 @@ nodes: {thing: {shape: rectangle, bsdf: {type: diffuse}}}
 """
 
 
-def hit_surfaces(shape, placement, follow_uv):
+def hit_surfaces(shape, placement, follow_uv, texture=TEXEL):
     """The tables of a bent thing, a way to run kernels there, and what rays find."""
     scene = loads(SCENE, "charts")
     bsdf = NormalMap(
-        texture=TEXEL,
+        texture=texture,
         bsdf=Diffuse(reflectance=1.0),
         rims="black",
         fading=False,
@@ -65,6 +66,37 @@ def hit_surfaces(shape, placement, follow_uv):
 def test_the_normal_leans_along_u_and_v(shape, placement, follow_uv):
     run, surface, found = hit_surfaces(shape, PLACEMENTS[placement], follow_uv)
     along, across = (rows(v) for v in run(uv_derivatives, surface))
+    check_normals(run, surface, found, along, across, follow_uv)
+
+
+#: What KHR_texture_transform and UsdTransform2d do to pictures.
+LOOKUPS = {
+    "quarter turn": {"rotate": 90},
+    "half turn": {"rotate": 180},
+    "some turn": [{"scale": [2.0, 0.7]}, {"rotate": 30}, {"translate": [0.3, 0.1]}],
+    "mirrored along u": {"scale": [-1.0, 1.0]},
+    "mirrored along v": {"scale": [1.0, -2.0]},
+    "mirrored along both": {"scale": -1.0},
+    "skewed": {"matrix": [[1.0, 0.4, 0.0], [0.3, -0.8, 0.0]]},
+    "larger": {"scale": 3.0},
+}
+
+
+@pytest.mark.parametrize("to_uv", LOOKUPS.values(), ids=LOOKUPS)
+@pytest.mark.parametrize("kind", ["sphere", "smooth charts"])
+def test_the_normal_leans_along_the_sides_of_a_turned_picture(kind, to_uv):
+    """They are what u and v are after `to_uv`, whose derivatives follow by the chain rule."""
+    shape = SURFACES[kind]
+    texels = np.float32([[TEXEL]])
+    picture = Bitmap(pixels=texels, color_space="linear", to_uv=to_uv)
+    run, surface, found = hit_surfaces(shape, PLACEMENTS["sheared"], True, picture)
+    du, dv = (rows(v) for v in run(uv_derivatives, surface))
+    (a, b), (c, d) = np.linalg.inv(picture.to_uv.matrix[:, :2])
+    check_normals(run, surface, found, a * du + c * dv, b * du + d * dv, True)
+
+
+def check_normals(run, surface, found, along, across, follow_uv):
+    """See that normals lean along dp/du, and along dp/dv or at right angles to it."""
     n = rows(surface.ns)
     u = along - (along * n).sum(0) * n
     clear = found & (np.linalg.norm(u, axis=0) > 0.02 * np.linalg.norm(along, axis=0))

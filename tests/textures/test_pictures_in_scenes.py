@@ -85,6 +85,31 @@ def test_all_16_bits_of_colour_are_read(tmp_path):
     np.testing.assert_array_equal(read_image(tmp_path / "a.png").texels, WIDE)
 
 
+def test_all_16_bits_of_grey_and_alpha_are_read(tmp_path):
+    """Rows are written as they are, as differences to the left and to the row above."""
+    whole = np.random.default_rng(3).integers(0, 2**16, (6, 5, 2), np.uint16)
+    rows = whole.astype(">u2").view(np.uint8).reshape(6, -1)
+    left, above = np.zeros_like(rows), np.zeros_like(rows)
+    left[:, 4:], above[1:] = rows[:, :-4], rows[:-1]
+    filtered = [[rows, rows - left, rows - above][i % 3][i] for i in range(6)]
+    data = b"".join(bytes([i % 3]) + row.tobytes() for i, row in enumerate(filtered))
+
+    def chunk(name, content):
+        return (
+            struct.pack(">I", len(content))
+            + name
+            + content
+            + struct.pack(">I", zlib.crc32(name + content))
+        )
+
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", 5, 6, 16, 4, 0, 0, 0))
+    parts = header + chunk(b"IDAT", zlib.compress(data)) + chunk(b"IEND", b"")
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n" + parts)
+    found = read_image(tmp_path / "a.png")
+    np.testing.assert_array_equal(found.texels[..., 0], whole[..., 0])
+    np.testing.assert_array_equal(found.alpha, whole[..., 1])
+
+
 @pytest.mark.parametrize("name", ["a.exr", "a.hdr", "a.pfm", "a.npy"])
 def test_linear_formats(name, tmp_path):
     write_image(tmp_path / name, LINEAR)

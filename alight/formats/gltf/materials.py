@@ -15,9 +15,17 @@ from alight.formats.gltf.container import Document
 from alight.formats.gltf.textures import Data, Textures
 from alight.formats.gltf.values import Item
 from alight.formats.gltf.vertex_colors import OPACITY_SET, color_channels, opacity_texture
-from alight.formats.surfaces import BRIGHTEST, LARGEST_IOR, Surface, index_of, reflection
+from alight.formats.surfaces import (
+    BRIGHTEST,
+    LARGEST_IOR,
+    Surface,
+    index_of,
+    is_metal,
+    reflection,
+)
 from alight.formats.textures import (
     between,
+    by_vertices,
     channel,
     complement,
     cut,
@@ -96,7 +104,7 @@ class Materials:
         picture = self.textures.bitmap(owner, names[1], is_color=True)
         base = multiplied(list(color), picture)
         if channels:
-            base = multiplied(base, {"type": "vertex_color", "fallback": 1.0})
+            base = by_vertices(base)
         unlit = item.extension("KHR_materials_unlit") is not None
         bent = None
         if unlit:
@@ -106,7 +114,7 @@ class Materials:
             core: Data = {"type": "diffuse", "reflectance": 0.0}
         else:
             core = {"type": "principled", "base_color": base}
-            core |= self._metal(pbr) if shiny is None else self._glossy(shiny)
+            core |= self._metal(pbr) if shiny is None else self._glossy(shiny, list(color))
             self._extend(item, core)
             bent = self._bent(item)
         alpha = self._opacity(item, opacity, picture)
@@ -129,11 +137,14 @@ class Materials:
             "roughness": scaled(roughness, picture, "g"),
         }
 
-    def _glossy(self, shiny: Item) -> Data:
+    def _glossy(self, shiny: Item, diffuse: list[float]) -> Data:
         """What the specular colour and the glossiness say, in the place of metal and roughness."""
         picture = self.textures.bitmap(shiny, "specularGlossinessTexture", is_color=True)
         specular = list(shiny.numbers("specularFactor", (1.0, 1.0, 1.0), 0.0, 1.0))
         gloss = scaled(shiny.number("glossinessFactor", 1.0, 0.0, 1.0), picture, "a")
+        if is_metal(diffuse, specular):
+            metal = multiplied(specular, picture)
+            return {"metallic": 1.0, "roughness": complement(gloss), "base_color": metal}
         found = reflection(specular)
         self.document.report.approximate(
             f"{GLOSSY}: becomes a dielectric, which reflects at most {BRIGHTEST:.3g} straight on"
@@ -233,8 +244,11 @@ class _Extensions:
     def ior_and_specular(self) -> None:
         """KHR_materials_ior, KHR_materials_specular."""
         ior = self.item.extension("KHR_materials_ior")
+        specular = self.item.extension("KHR_materials_specular")
         if ior is not None:
             index = ior.number("ior", 1.5, 0.0)
+            if index == 0.0 and specular is not None and self._is_metal(specular):
+                return
             if index == 0.0 or index > LARGEST_IOR:
                 self.item.report.approximate(f"{ior.pointer}: ior {index:g} became {LARGEST_IOR:g}")
                 index = LARGEST_IOR
@@ -242,7 +256,6 @@ class _Extensions:
                 ior.wrong("ior", f"must be 0 or >= 1, got {index:g}")
                 index = 1.0
             self.bsdf["ior"] = index
-        specular = self.item.extension("KHR_materials_specular")
         if specular is not None:
             self.bsdf["specular"] = self._number(specular, "specular", 1.0, "a")
             factor = specular.numbers("specularColorFactor", (1.0, 1.0, 1.0), 0.0)
@@ -250,6 +263,19 @@ class _Extensions:
                 factor = self._brighter(specular, factor)
             picture = self.textures.bitmap(specular, "specularColorTexture", is_color=True)
             self.bsdf["specular_color"] = multiplied(list(factor), picture)
+
+    def _is_metal(self, specular: Item) -> bool:
+        """Take a specular workflow, which an index of 0 stands for, for a metal if it is one."""
+        color = list(specular.numbers("specularColorFactor", (1.0, 1.0, 1.0), 0.0))
+        weight = specular.number("specularFactor", 1.0, 0.0, 1.0)
+        color = [weight * min(part, 1.0) for part in color]
+        if self.bsdf["metallic"] != 0.0 or specular.has("specularTexture"):
+            return False
+        if not is_metal(self.bsdf["base_color"], color):
+            return False
+        picture = self.textures.bitmap(specular, "specularColorTexture", is_color=True)
+        self.bsdf |= {"metallic": 1.0, "base_color": multiplied(color, picture)}
+        return True
 
     def _brighter(self, specular: Item, factor: tuple[float, ...]) -> tuple[float, ...]:
         """A reflection stronger than that of the index: the index that has it, and the tint left.

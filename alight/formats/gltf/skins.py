@@ -1,9 +1,7 @@
-r"""Skins: the vertices of a mesh as its skeleton holds them at rest.
+"""Skins: the vertices of a mesh as its skeleton holds them at rest.
 
-.. math:: p = \sum_j w_j\, G_j B_j\, v
-
-with the world matrices G of the joints and the inverse bind matrices B. The transform of the mesh's
-own node plays no part, so it is taken out again.
+The matrix of a joint is G B, with its world matrix G and its inverse bind matrix B. The transform
+of the mesh's own node plays no part, so it is taken out again.
 
 Source: Khronos Group, glTF 2.0 specification, section 3.7.3.
 """
@@ -16,8 +14,7 @@ from numpy.typing import NDArray
 from alight.formats.gltf.accessors import read_accessor
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.values import Item
-
-Matrices = NDArray[np.float64]
+from alight.formats.skins import Matrices, held
 
 
 def joint_matrices(
@@ -71,25 +68,5 @@ def skinned(
     if len(joints) and not 0 <= int(joints.max()) < len(matrices):
         text = f"must be below the number of joints, {len(matrices)}, got {int(joints.max())}"
         raise attributes.fatal("JOINTS_0", text)
-    share = weights.astype(np.float64)
-    whole = share.sum(axis=1, keepdims=True)
-    share = np.where(whole > 0.0, share / np.where(whole > 0.0, whole, 1.0), 0.0)
-    with np.errstate(over="ignore", invalid="ignore"):
-        blended = np.einsum("vj,vjab->vab", share, matrices[joints.astype(np.int64)])
-        # Vertices that no joint holds stay.
-        blended[whole[:, 0] <= 0.0] = np.eye(4)
-        moved = np.einsum("vab,vb->va", blended[:, :3, :3], vertices) + blended[:, :3, 3]
-        if normals is None:
-            return moved.astype(np.float32), None
-        cofactors = _cofactors(blended[:, :3, :3])
-        turned = np.einsum("vab,vb->va", cofactors, normals.astype(np.float64))
-        lengths = np.linalg.norm(turned, axis=1, keepdims=True)
-    turned = np.where(lengths > 0.0, turned / np.where(lengths > 0.0, lengths, 1.0), normals)
-    return moved.astype(np.float32), turned.astype(np.float32)
-
-
-def _cofactors(m: Matrices) -> Matrices:
-    """Matrices that turn normals: the inverse transpose times the determinant."""
-    return np.stack(
-        [np.cross(m[:, 1], m[:, 2]), np.cross(m[:, 2], m[:, 0]), np.cross(m[:, 0], m[:, 1])], axis=1
-    )
+    moved, turned = held(joints.astype(np.int64), weights, matrices, vertices, normals)
+    return moved.astype(np.float32), None if turned is None else turned.astype(np.float32)

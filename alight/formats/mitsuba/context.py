@@ -29,6 +29,8 @@ class Context(Conversion):
         Whether the file has animations.
     sees_media, uses_media : bool
         Whether the file's integrator knows of media; whether there are any.
+    has_panes : bool
+        Whether anything is of ``thindielectric``.
     """
 
     materials: Mapping[str, tuple[str, Callable[[Any], None]]] = field(default_factory=dict)
@@ -36,6 +38,7 @@ class Context(Conversion):
     moves: bool = False
     sees_media: bool = False
     uses_media: bool = False
+    has_panes: bool = False
     _names: dict[tuple[str, str], str] = field(default_factory=dict)
     _open: list[Element] = field(default_factory=list)
     # How many objects in a row each named one refers through; and for those being built, so far.

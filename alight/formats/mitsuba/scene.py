@@ -78,6 +78,7 @@ def _collect_ids(context: Context, objects: list[Element], document: Document) -
         element = stack.pop()
         stack.extend(reversed(element.children))
         context.moves = context.moves or element.tag == "animation"
+        context.has_panes = context.has_panes or element.type == "thindielectric"
         name = element.attributes.get("id")
         if name is None or element.tag == "ref":
             continue
@@ -129,10 +130,21 @@ def _convert(
     _emitters(context, by_kind["emitter"], data, nodes)
     if context.uses_media:
         data["integrator"] = integrators.for_media(data.get("integrator"))
+        _say_how_panes_count(context, by_kind["integrator"], data["integrator"])
     framed = None
     if nodes and not by_kind["sensor"]:
         framed = surround(context, data, nodes)
     return {**data, **context.tables, "nodes": nodes}, spp, framed
+
+
+def _say_how_panes_count(
+    context: Context, integrators_of_file: list[Element], integrator: dict[str, Any]
+) -> None:
+    """Tell of what makes a picture with media darker than Mitsuba's at the same depth."""
+    if context.has_panes and context.sees_media and integrator.get("max_depth") is not None:
+        text = "volpath does not count passing thindielectric in Mitsuba, max_depth does so here"
+        for element in integrators_of_file[:1]:
+            context.report.warn(element, f"{text}: raise it for the same light")
 
 
 def _emitters(

@@ -407,8 +407,7 @@ def _interface(m: Making) -> Data:
 
 
 def _mix(m: Making) -> Data:
-    amount = m.number("amount", 0.5)
-    amount = 0.5 if amount is None else amount
+    amount = m.share("amount")
     if m.context.old or m.p.has("namedmaterial1"):
         parameters = [m.p.values(f"namedmaterial{i}", "string", count=1) for i in (2, 1)]
         names = [(str(p.values[0]), p) for p in parameters if p is not None]

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from alight.core.constants import LUMINANCE
 from alight.core.errors import join_path, quote, unknown_name
 from alight.formats.pbrt.colors import KINDS, Role
 from alight.formats.pbrt.context import Context, Data
@@ -102,6 +103,20 @@ class Source:
             return self.p.number(name, default or 0.0)
         value = self._texture(found, None)
         return sum(value) / 3.0 if isinstance(value, list) else value or default
+
+    def share(self, name: str) -> float | str:
+        """Ask for a share; pbrt 3 also has colours, of which alight takes one share for all."""
+        given = self.p.named.get(name)
+        if not self.context.old or given is None or given.kind in ("float", "integer", "texture"):
+            amount = self.number(name, 0.5)
+            return 0.5 if amount is None else amount
+        color = self.color(name, [0.5] * 3)
+        if not isinstance(color, list):
+            return 0.5
+        if min(color) != max(color):
+            text = "mixes each colour by a share of its own: their luminance is taken for all"
+            self.p.report.warn(self.p.directive, text)
+        return sum(part * weight for part, weight in zip(color, LUMINANCE, strict=True))
 
     def plain_number(self, name: str, default: float) -> float:
         """Ask for a number where ours cannot be a texture."""

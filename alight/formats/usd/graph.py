@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,12 @@ from alight.formats.names import free_name
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import Bounds
 from alight.formats.usd.cameras import read_camera
+from alight.formats.usd.inherited import children_of, constants_of, handed_down, source_of
 from alight.formats.usd.lights import is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
 from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
-from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade
+from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade, UsdSkel
+from alight.formats.usd.skins import Pose, poses_of
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
@@ -27,7 +30,10 @@ from alight.shapes.mesh import Mesh
 
 Matrix = np.ndarray
 #: Schemas that say nothing about what is seen.
-_SILENT = ("Scope", "Xform", "", "Material", "Shader", "NodeGraph", "GeomSubset", "RenderSettings")
+_SILENT = (
+    "Scope", "Xform", "", "Material", "Shader", "NodeGraph", "GeomSubset", "RenderSettings",
+    "SkelRoot", "Skeleton", "SkelAnimation", "BlendShape",
+)  # fmt: skip
 _HIDDEN = (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy)
 _MOST_DEEP = 200
 _SMALL = f"of at most {LARGEST:g} in size"
@@ -48,8 +54,10 @@ class Graph(ModelScene):
         self.stage = stage
         self.root = root
         self._domes: list[Data] = []
-        self._materials: dict[tuple[str, str], tuple[str, Surface]] = {}
-        self._prototype_names: dict[str, str] = {}
+        self._poses: dict[str, Pose] = {}
+        self._balls: list[tuple[str, Matrix, float]] = []
+        self._materials: dict[Hashable, tuple[str, Surface]] = {}
+        self._prototype_names: dict[Hashable, str] = {}
         self._prototype_bounds: dict[str, Bounds] = {}
 
     def build(self, steps: list[Data]) -> None:
@@ -65,13 +73,30 @@ class Graph(ModelScene):
             # They stand in the world, not where their prims do.
             self.nodes[free_name("dome", self.nodes, "dome")] = {"light": around}
 
+        self._say_what_is_inside_of_balls()
+
+    def _say_what_is_inside_of_balls(self) -> None:
+        """Tell why it is dark there."""
+        eye = [] if self.view is None else [self.view[:3, 3]]
+        corners = list(itertools.product(*np.stack([self.bounds.low, self.bounds.high]).T))
+        for path, to_world, radius in self._balls:
+            if is_singular(to_world):
+                continue
+            inside = [
+                (np.linalg.norm(_to_local(to_world, points), axis=1) < radius).all()
+                for points in (corners, eye)
+                if len(points) and np.isfinite(points).all()
+            ]
+            if any(inside):
+                text = "it shines outwards only, as UsdLux has it: inside of it is no light"
+                self.stage.report.approximate(f"{path}: {text}; a DomeLight shines from all around")
+
     def _children(self, parent: Any, to_world: Matrix, path: str) -> dict[str, Data]:
         nodes: dict[str, Data] = {}
         if path.count("/") > _MOST_DEEP:
             self.stage.problem(parent, f"is more than {_MOST_DEEP} prims deep")
             raise SceneError(self.stage.report.issues)
-        # The default predicate leaves out classes, what is inactive and what is not defined.
-        for prim in parent.GetChildren():
+        for prim in children_of(parent):
             name = free_name(prim.GetName(), nodes, "prim")
             node = self._node(prim, to_world, f"{path}/{name}" if path else name)
             if node:
@@ -103,10 +128,12 @@ class Graph(ModelScene):
             return None
         if (local != np.eye(4)).any():
             data["transform"] = {"matrix": local.tolist()}
-        if prim.IsInstance():
+        if prim.IsA(UsdSkel.Root):
+            self._poses |= poses_of(self.stage, prim)
+        own = self._own(prim, to_world, path)
+        if prim.IsInstance() and not own:
             data["instance"] = self._prototype(prim, to_world)
             return data
-        own = self._own(prim, to_world, path)
         # What a prim itself is has no part in where its children stand.
         children = {} if prim.IsA(UsdGeom.PointInstancer) else self._children(prim, to_world, path)
         if own and (children or "transform" in own):
@@ -157,6 +184,8 @@ class Graph(ModelScene):
         self.stage.report.count("lights")
         placed = read_light(self.stage, prim, to_world)
         self.is_lit = True
+        if placed.radius > 0.0:
+            self._balls.append((str(prim.GetPath()), to_world, placed.radius))
         if placed.environment is not None and self.environment is None:
             self.environment = placed.environment
         elif placed.environment is not None:
@@ -186,7 +215,8 @@ class Graph(ModelScene):
         if len({int(face) for part in indices for face in part}) < faces:
             bound.append(prim)
         sets = {name for part in bound for name in self._sets_of(part, prim)}
-        triangles = read_mesh(self.stage, prim, sorted(sets))
+        pose = self._poses.get(str(prim.GetPath()))
+        triangles = read_mesh(self.stage, prim, sorted(sets), pose)
         if triangles is None:
             return None
         self.bounds.add(triangles.vertices, to_world)
@@ -246,14 +276,15 @@ class Graph(ModelScene):
         shown = str(color.Get(self.stage.time)) if color and color.HasValue() else ""
         if len(shown) > 200:
             shown = str(prim.GetPath())
-        key = (str(material.GetPath()) if material else "", shown)
+        constants = constants_of(self.stage, prim) if material else ()
+        key = (source_of(material.GetPrim()) if material else "", shown, constants)
         if key not in self._materials:
             read = read_material(self.stage, material, prim) if material else None
             read = read or plain_material(self.stage, prim)
             self._materials[key] = (self._bsdf_name(key, read, material, prim), read)
         return self._materials[key]
 
-    def _bsdf_name(self, key: tuple[str, str], read: Surface, material: Any, prim: Any) -> str:
+    def _bsdf_name(self, key: Hashable, read: Surface, material: Any, prim: Any) -> str:
         """Name of a material, one for all that are alike."""
         for name, bsdf in self.bsdfs.items():
             if bsdf == read.bsdf:
@@ -264,20 +295,19 @@ class Graph(ModelScene):
         return self.name_of(key, read, wanted, f"{self.stage.name}: {place}")
 
     def _prototype(self, prim: Any, to_world: Matrix) -> str:
-        """Name of what an instance shows; read once."""
-        source = prim.GetPrototype()
-        key = str(source.GetPath())
+        """Name of what an instance shows; read once for all that are handed the same."""
+        key = (str(prim.GetPrototype().GetPath()), handed_down(self.stage, prim))
         name = self._prototype_names.get(key)
         if name is None:
-            name = self._shared(key, prim.GetName(), source, self._children)
+            name = self._shared(key, prim, self._children)
         self._add_bounds(name, to_world)
         return name
 
-    def _shared(self, key: str, wanted: str, prim: Any, read: Any) -> str:
+    def _shared(self, key: Hashable, prim: Any, read: Any) -> str:
         """Read a prototype in a space of its own."""
         outer, self.bounds = self.bounds, Bounds()
         cameras, self.cameras, view = self.cameras, [], self.view
-        name = free_name(wanted, self.prototypes, "prototype")
+        name = free_name(prim.GetName(), self.prototypes, "prototype")
         # Reserved now: prototypes may hold others.
         self.prototypes[name] = {}
         self.prototypes[name] = {"children": read(prim, np.eye(4), "")}
@@ -332,15 +362,20 @@ class Graph(ModelScene):
         if not prim:
             self.stage.report.approximate(f"{target}: no such prototype; left out")
             return None
-        key = f"point {target}"
+        key = ("point", source_of(prim), handed_down(self.stage, prim))
         if key not in self._prototype_names:
-            self._shared(key, prim.GetName(), prim, self._point_prototype)
+            self._shared(key, prim, self._point_prototype)
         return self._prototype_names[key]
 
     def _point_prototype(self, prim: Any, to_world: Matrix, path: str) -> dict[str, Data]:
         # The transform of the prototype's root is part of each instance's.
         own, children = self._own(prim, to_world, path), self._children(prim, to_world, path)
         return ({free_name("itself", children, "itself"): own} if own else {}) | children
+
+
+def _to_local(to_world: Matrix, points: Any) -> Matrix:
+    """World points (n, 3) as a prim has them."""
+    return np.linalg.solve(to_world[:3, :3], (np.asarray(points) - to_world[:3, 3]).T).T
 
 
 def _is_placement(matrix: Matrix) -> bool:

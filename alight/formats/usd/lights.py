@@ -9,7 +9,7 @@ Source: Pixar, OpenUSD documentation, UsdLux: "LightAPI", "ShapingAPI", "DomeLig
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,10 +44,13 @@ class Placed:
         What stands at the prim's place.
     environment : dict or None
         Instead of it, what is around the scene.
+    radius : float
+        Of the ball about its place that shines outwards only, in units of the stage; 0 for none.
     """
 
     node: Data
     environment: Data | None = None
+    radius: float = 0.0
 
 
 def is_light(prim: Any) -> bool:
@@ -128,7 +131,8 @@ def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     cone = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr(), 90.0))
     is_point = bool(stage.value(light.GetTreatAsPointAttr(), False)) or radius <= 0.0
     if not is_point and cone >= 90.0:
-        return _area_light(stage, prim, {"type": "sphere", "radius": radius}, [], area, world)
+        placed = _area_light(stage, prim, {"type": "sphere", "radius": radius}, [], area, world)
+        return replace(placed, radius=radius)
     # Intensity of a sphere seen from far away: radiance times its disk, a quarter of its area.
     intensity = _radiance(stage, prim) * 0.25 * (1.0 if _is_normalised(stage, prim) else area)
     if cone >= 90.0:

@@ -5,12 +5,13 @@ Source: Pixar, "UsdPreviewSurface specification", version 2.6.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from alight.core.errors import quote
 from alight.formats.report import did_you_mean
-from alight.formats.surfaces import LARGEST_IOR, Surface, reflection
-from alight.formats.textures import cut
+from alight.formats.surfaces import LARGEST_IOR, Surface, is_metal, reflection
+from alight.formats.textures import cut, normal_color
 from alight.formats.usd.modules import UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import Textures
@@ -84,7 +85,7 @@ class _Preview:
             "roughness": self._number("roughness"),
         }
         if int(self._plain("useSpecularWorkflow")):
-            core |= self._specular()
+            core |= self._specular(core["base_color"])
         else:
             core["metallic"] = self._number("metallic")
             core["ior"] = self._ior()
@@ -98,14 +99,16 @@ class _Preview:
         sets = tuple(self.textures.sets)
         return Surface(core, normals, opacity, emission if shines else None, sets=sets)
 
-    def _specular(self) -> Data:
-        """The workflow with a colour of what is reflected straight on, of a dielectric here."""
+    def _specular(self, diffuse: Any) -> Data:
+        """The workflow with a colour of what is reflected straight on: dielectric or metal."""
         color = self._color("specularColor")
         if isinstance(color, dict):
             self._approximate("specularColor is a texture: taken for the colour of reflection")
             return {"ior": 1.5, "specular_color": color}
         if max(color) <= 0.0:
             return {"specular": 0.0}
+        if is_metal(diffuse, color):
+            return {"metallic": 1.0, "base_color": color}
         found = reflection(color)
         if found.is_weaker:
             self._approximate(
@@ -126,12 +129,16 @@ class _Preview:
         """The wrapper that bends normals, without what it wraps."""
         source = self.textures.source_of(self.shader, "normal")
         if source is None:
+            plain = tuple(float(c) for c in self._plain("normal"))
+            if plain == INPUTS["normal"]:
+                return None
+            return {"type": "normal_map", "texture": normal_color(plain)}
+        identifier = str(source[0].GetIdAttr().Get())
+        if identifier != "UsdUVTexture":
+            self._approximate(f'normal comes from a "{identifier}", which is left out')
             return None
-        picture = self.textures.bitmap(source[0], is_color=False)
-        if picture is None:
-            return None
-        # The usual 2 x - 1, which the wrapper applies itself.
-        return {"type": "normal_map", "texture": picture}
+        picture = self.textures.normals(source[0])
+        return None if picture is None else {"type": "normal_map", "texture": picture}
 
     def _opacity(self) -> Any:
         opacity = self._number("opacity")
@@ -173,7 +180,8 @@ class _Preview:
     def _color(self, name: str, *, bounded: bool = True) -> Any:
         source = self.textures.source_of(self.shader, name)
         if source is not None:
-            found = self.textures.value(*source, is_color=True, fallback=INPUTS[name])
+            high = 1.0 if bounded else math.inf
+            found = self.textures.value(*source, is_color=True, fallback=INPUTS[name], high=high)
             if found is not None:
                 return found
         color = [float(c) for c in self._plain(name)]

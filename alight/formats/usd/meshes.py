@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from alight.core.errors import unknown_name
 from alight.formats.usd.modules import UsdGeom
+from alight.formats.usd.skins import Pose
 from alight.formats.usd.stage import Stage
 from alight.meshes.polygons import Polygons, Triangles, subdivided, triangulated, vertex_normals
 from alight.meshes.triangles import MeshArrays, joined_sets
@@ -30,7 +32,9 @@ _AXES: dict[str, list[Data]] = {
 _AROUND = 64
 
 
-def read_mesh(stage: Stage, prim: Any, sets: Sequence[str]) -> Triangles | None:
+def read_mesh(
+    stage: Stage, prim: Any, sets: Sequence[str], pose: Pose | None = None
+) -> Triangles | None:
     """Read a mesh.
 
     Parameters
@@ -40,6 +44,8 @@ def read_mesh(stage: Stage, prim: Any, sets: Sequence[str]) -> Triangles | None:
         A UsdGeom.Mesh.
     sets : sequence of str
         Names of the texture coordinates that are wanted.
+    pose : Pose, optional
+        What moves it.
 
     Returns
     -------
@@ -50,6 +56,8 @@ def read_mesh(stage: Stage, prim: Any, sets: Sequence[str]) -> Triangles | None:
     polygons = _polygons(stage, prim, sets)
     if polygons is None:
         return None
+    if pose is not None:
+        polygons = _posed(polygons, pose)
     mesh = UsdGeom.Mesh(prim)
     scheme = stage.value(mesh.GetSubdivisionSchemeAttr(), UsdGeom.Tokens.catmullClark)
     if scheme == UsdGeom.Tokens.catmullClark:
@@ -104,6 +112,13 @@ def _polygons(stage: Stage, prim: Any, sets: Sequence[str]) -> Polygons | None:
         order = _reversed_corners(counts)
         corners, values = corners[order], {name: table[order] for name, table in values.items()}
     return Polygons(points, counts, corners, values, origin)
+
+
+def _posed(polygons: Polygons, pose: Pose) -> Polygons:
+    values = dict(polygons.values)
+    if "normals" in values:
+        values["normals"] = pose.turned(polygons.corners, values["normals"])
+    return replace(polygons, points=pose.moved(polygons.points), values=values)
 
 
 def _problem_of(points: Any, counts: Any, corners: Any) -> str | None:

@@ -205,10 +205,17 @@ def open_stage(name: str, reach: Reach, report: Report) -> Stage:
     if issues:
         raise SceneError(issues[:20])
     has_times = stage.HasAuthoredTimeCodeRange()
-    time = Usd.TimeCode(stage.GetStartTimeCode()) if has_times else Usd.TimeCode.EarliestTime()
-    if has_times and stage.GetEndTimeCode() > stage.GetStartTimeCode():
-        report.drop(f"times after {stage.GetStartTimeCode():g}: the scene is shown at that one")
-    return Stage(stage, time, name, reach, report)
+    if not has_times:
+        return Stage(stage, Usd.TimeCode.EarliestTime(), name, reach, report)
+    start = float(_metadata(stage, "startTimeCode", 0.0))
+    if _metadata(stage, "endTimeCode", start) > start:
+        report.drop(f"times after {start:g}: the scene is shown at that one")
+    return Stage(stage, Usd.TimeCode(start), name, reach, report)
+
+
+def _metadata(stage: Any, name: str, default: float) -> Any:
+    """Of a stage; OpenUSD's own functions fail where a file stores it in another precision."""
+    return stage.GetPseudoRoot().GetAllAuthoredMetadata().get(name, default)
 
 
 def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
@@ -218,11 +225,20 @@ def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
     ------
     SceneError
         If it refers to layers out of reach: of these nothing is read.
+
+    Notes
+    -----
+    Backslashes in paths become slashes in memory, as OpenUSD knows them on Windows only.
     """
     first = _opened(path)
     layers, seen, refused = [] if first is None else [first], {path}, {}
     for layer in layers:
+        if any("\\" in path for path in layer.GetCompositionAssetDependencies()):
+            UsdUtils.ModifyAssetPaths(layer, lambda path: path.replace("\\", "/"))
         for authored in layer.GetCompositionAssetDependencies():
+            if not authored:
+                # A reference to another prim of the same layer.
+                continue
             found, _ = Sdf.Layer.SplitIdentifier(layer.ComputeAbsolutePath(authored))
             if found in seen:
                 continue
@@ -258,9 +274,9 @@ def to_world(opened: Stage) -> list[dict[str, Any]]:
     """Steps from a stage's space to ours: metres, +y up."""
     steps: list[dict[str, Any]] = []
     stage = opened.stage
-    meters = UsdGeom.GetStageMetersPerUnit(stage)
-    if not 0.0 < meters <= LARGEST_UNIT:
-        text = f"must be > 0 and at most {LARGEST_UNIT:g}, got {meters:g}"
+    meters = _metadata(stage, "metersPerUnit", 0.01)
+    if not isinstance(meters, int | float) or not 0.0 < meters <= LARGEST_UNIT:
+        text = f"must be > 0 and at most {LARGEST_UNIT:g}, got {show_value(meters)}"
         opened.report.problem(opened.name, "metersPerUnit", text)
         meters = 1.0
     if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:

@@ -18,12 +18,13 @@ from alight.formats.reach import OutOfReachError
 from alight.formats.textures import (
     bitmap,
     channel,
-    multiplied,
+    normals,
     packed_picture,
-    shifted,
+    ranging,
+    stretched,
     wrapped,
 )
-from alight.formats.usd.modules import UsdGeom, UsdShade
+from alight.formats.usd.modules import Ar, UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.textures.images import Image
 
@@ -68,11 +69,13 @@ class Textures:
                 return UsdShade.Shader(attribute.GetPrim()), attribute.GetBaseName()
         return None
 
-    def value(self, shader: Any, output: str, *, is_color: bool, fallback: Any) -> Any:
-        """Texture or number of an output; None where there is nothing to read."""
+    def value(
+        self, shader: Any, output: str, *, is_color: bool, fallback: Any, high: float = 1.0
+    ) -> Any:
+        """Texture or number of an output, at most `high`; None where there is nothing to read."""
         identifier = str(shader.GetIdAttr().Get())
         if identifier == "UsdUVTexture":
-            return self._sampled(shader, output, is_color)
+            return self._sampled(shader, output, is_color, high)
         if identifier.startswith("UsdPrimvarReader"):
             return self._primvar(shader, is_color, fallback)
         self._approximate(shader, f'shader "{identifier}" is not covered; a plain value is taken')
@@ -98,21 +101,48 @@ class Textures:
             data["uv_set"] = number
         return data
 
-    def _sampled(self, shader: Any, output: str, is_color: bool) -> Any:
+    def normals(self, shader: Any) -> Data | None:
+        """The picture of a UsdUVTexture as a normal map takes it."""
+        picture = self.bitmap(shader, is_color=False)
+        if picture is None:
+            return None
+        scale, bias = self._range(shader)
+        if min(bias[:2]) >= 0.0 <= min(scale[:2]):
+            text = "without a bias of -1 its normals lean to +x and +y everywhere, as the file says"
+            self._approximate(shader, text)
+        return normals(picture, scale[:3], bias[:3])
+
+    def _range(self, shader: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """What the four channels of a picture are multiplied by, and what is added."""
+        scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
+        return scale, tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
+
+    def _sampled(self, shader: Any, output: str, is_color: bool, high: float) -> Any:
         picture = self.bitmap(shader, is_color=is_color)
         if picture is None:
             found = self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
             if self._input(shader, "fallback") is None:
                 return None
             return [float(c) for c in found][:3] if is_color else float(found[0])
-        scale = tuple(float(c) for c in self._input(shader, "scale", (1.0,) * 4))
-        bias = tuple(float(c) for c in self._input(shader, "bias", (0.0,) * 4))
-        if output in _CHANNELS:
-            index = _CHANNELS.index(output)
-            return shifted(multiplied(scale[index], channel(picture, output)), bias[index])
-        if not is_color:
-            return shifted(multiplied(scale[0], channel(picture, "r")), bias[0])
-        return shifted(multiplied(list(scale[:3]), picture), list(bias[:3]))
+        scale, bias = self._range(shader)
+        which = slice(3)
+        if output in _CHANNELS or not is_color:
+            name = output if output in _CHANNELS else "r"
+            index = _CHANNELS.index(name)
+            picture, which = channel(picture, name), slice(index, index + 1)
+        ends = [(b, b + s) for s, b in zip(scale[which], bias[which], strict=True)]
+        least, most = min(map(min, ends)), max(map(max, ends))
+        if least < 0.0:
+            self._approximate(shader, f"its values begin at {least:g}: they are moved up to 0")
+        starts, stops = ([max(end, 0.0) for end in part] for part in zip(*ends, strict=True))
+        if len(ends) == 1:
+            found = ranging(picture, starts[0], stops[0])
+        else:
+            found = stretched(picture, starts, stops)
+        if most > high:
+            self._approximate(shader, f"its values may reach {most:g}: they are cut at {high:g}")
+            found = {"type": "clamp", "texture": found}
+        return found
 
     def _primvar(self, shader: Any, is_color: bool, fallback: Any) -> Any:
         name = self._varname(shader)
@@ -194,7 +224,7 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     OutOfReachError
         If it is missing, broken, or lies elsewhere.
     """
-    resolved = asset.resolvedPath
+    resolved = asset.resolvedPath or _member(stage, asset.path)
     path = stage.picture(asset.path, resolved.partition("[")[0])
     if "[" not in resolved:
         return stage.reach.name_of(path)
@@ -205,6 +235,17 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         text = " ".join(str(error).split())[:200]
     raise OutOfReachError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
+
+
+def _member(stage: Stage, authored: str) -> str:
+    """Where in a package a picture lies whose path has backslashes, which OpenUSD does not know."""
+    if "\\" in authored:
+        plain, resolver = authored.replace("\\", "/"), Ar.GetResolver()
+        for layer in stage.stage.GetUsedLayers():
+            path = layer.ComputeAbsolutePath(plain)
+            if "[" in path and resolver.Resolve(path):
+                return path
+    return ""
 
 
 def _packed(resolved: str) -> Image:

@@ -367,3 +367,18 @@ def test_integrators():
     direct = read('<integrator type="direct"><integer name="bsdf_samples" value="0"/></integrator>')
     assert (direct.integrator.type, direct.integrator.light_sampling) == ("direct", "emitter")
     assert "not covered" in messages('<integrator type="vcm"/>')[0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "depth", "is_said"),
+    [("volpath", 6, True), ("volpathmis", 6, True), ("volpath", -1, False), ("path", 6, False)],
+)
+def test_depths_that_panes_use_up_are_told_of(kind, depth, is_said):
+    """Mitsuba's volpath passes thindielectric without counting, its path counts."""
+    scene = read(f"""
+<integrator type="{kind}"><integer name="max_depth" value="{depth}"/></integrator>
+<shape type="sphere"><bsdf type="thindielectric"/>
+    <medium name="interior" type="homogeneous"><float name="sigma_t" value="1"/></medium>
+</shape>""")
+    said = [line for line in scene.warnings if "passing thindielectric" in line]
+    assert bool(said) == is_said

@@ -110,3 +110,20 @@ def Camera "c" {
     # In the stage's units: tenths of them for the lens.
     assert camera.camera.aperture_radius == pytest.approx(0.5)
     assert camera.camera.focus_distance == 300.0
+
+
+SAID = "inside of it is no light"
+
+
+@pytest.mark.parametrize(("radius", "is_said"), [(0.5, False), (5.0, True)])
+@pytest.mark.parametrize("unit", [1, 0.01])
+def test_a_ball_around_the_scene_shines_outwards_and_that_is_said(load, radius, is_said, unit):
+    ball = f'def SphereLight "l" {{ float inputs:radius = {radius} }}'
+    scene = load(f'def Mesh "m" {{{SQUARE}}}\n{ball}', unit=unit)
+    assert any(SAID in line for line in scene.warnings) == is_said
+
+
+def test_a_ball_around_the_camera_is_told_of(load):
+    ball = 'def SphereLight "l" { float inputs:radius = 0.5 }'
+    scene = load(f'def Mesh "m" {{{SQUARE}}}\n{ball}\ndef Camera "c" {{ }}')
+    assert any(SAID in line for line in scene.warnings)

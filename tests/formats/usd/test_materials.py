@@ -196,7 +196,7 @@ def test_the_primvar_of_the_normals_is_the_own_one(load, tmp_path):
         normal3f inputs:normal.connect = </m/b.outputs:rgb>
     """)  # fmt: skip
     np.testing.assert_allclose(mesh.uvs, mesh.vertices[:, 1::-1] / [1, 2])
-    assert (bsdf.texture.uv_set, bsdf.bsdf.base_color.uv_set) == (0, 1)
+    assert (bsdf.texture.set_of_coordinates(), bsdf.bsdf.base_color.uv_set) == (0, 1)
 
 
 def test_parts_of_a_mesh_have_the_coordinates_of_their_own_materials(load, tmp_path):

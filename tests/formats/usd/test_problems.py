@@ -20,19 +20,22 @@ def load(tmp_path):
     return usd_loader(tmp_path)
 
 
-def test_pictures_inside_of_packages_are_read(tmp_path):
-    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "p.png")
+@pytest.mark.parametrize("slash", ["/", "\\"])
+def test_pictures_inside_of_packages_are_read(tmp_path, slash):
+    (tmp_path / "in").mkdir()
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "in" / "p.png")
     text = "color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>"
-    (tmp_path / "a.usda").write_text(stage_text(MATERIAL % (text, SQUARE)))
+    text = (MATERIAL % (text, SQUARE)).replace("@p.png@", f"@in{slash}p.png@")
+    (tmp_path / "a.usda").write_text(stage_text(text))
     with zipfile.ZipFile(tmp_path / "a.usdz", "w", zipfile.ZIP_STORED) as package:
-        for name in ("a.usda", "p.png"):
+        for name in ("a.usda", "in/p.png"):
             data = (tmp_path / name).read_bytes()
             info = zipfile.ZipInfo(name)
             # The format wants the data at multiples of 64 bytes.
             start = package.fp.tell() + 30 + len(name) + 4
             info.extra = b"\x86\x19" + ((-start) % 64).to_bytes(2, "little") + bytes((-start) % 64)
             package.writestr(info, data)
-    (tmp_path / "p.png").unlink()
+    (tmp_path / "in" / "p.png").unlink()
     scene = alight.load(tmp_path / "a.usdz")
     texels = scene.bsdfs["m"].bsdf.base_color.b.pixels
     assert (texels.width, texels.height) == (2, 2)

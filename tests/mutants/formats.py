@@ -1,0 +1,43 @@
+"""Bugs of what readers make of people's files."""
+
+from tests.mutants.mutant import Mutant
+
+USD = "tests/formats/usd"
+
+FORMATS = (
+    Mutant(
+        "instances share whatever they inherit",
+        "formats/usd/inherited.py",
+        (("return _bindings(prim), _primvars(stage, prim)", "return ()"),),
+        f"{USD}/test_instances.py::test_a_material_bound_on_an_instance_is_shown",
+    ),
+    Mutant(
+        "pictures of USD's normals without scale and bias",
+        "formats/usd/textures.py",
+        (("return normals(picture, scale[:3], bias[:3])", "return picture"),),
+        f"{USD}/test_normals.py::test_normals_are_scaled_and_shifted_texels",
+    ),
+    Mutant(
+        "skinned meshes left in the space of their skeleton",
+        "formats/usd/skins.py",
+        (("placed * places.GetLocalToWorldTransform(prim).GetInverse()", "placed"),),
+        f"{USD}/test_skins.py::test_meshes_are_where_openusd_itself_bakes_them",
+    ),
+    Mutant(
+        "blend shapes added after the joints have moved",
+        "formats/usd/skins.py",
+        (
+            (
+                "self.matrices, points + self.shifts, None)[0]",
+                "self.matrices, points, None)[0] + self.shifts",
+            ),
+        ),
+        f"{USD}/test_skins.py::test_meshes_are_where_openusd_itself_bakes_them",
+    ),
+    Mutant(
+        "triangles of strips all one way round",
+        "meshes/strips.py",
+        (("    corners[turned, :2] = corners[turned, 1::-1]\n", ""),),
+        "tests/meshes/test_mesh_files.py::test_ply_strips_turn_every_other_triangle_around",
+    ),
+)
