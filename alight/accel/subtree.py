@@ -61,12 +61,12 @@ _RANGES = 3 * _WAITING
 
 
 @kernel(strict=True)
-def copy_record(records, ranges, i, target, target_ranges, j):
-    """Record i of one list becomes record j of another."""
-    store_wide(target, 16 * j, load_wide(8, records, 16 * i))
-    store_wide(target, 16 * j + 8, load_wide(8, records, 16 * i + 8))
+def begin_with(records, ranges, i, target, target_ranges):
+    """Record i of one list becomes the first of another."""
+    store_wide(target, 0, load_wide(8, records, 16 * i))
+    store_wide(target, 8, load_wide(8, records, 16 * i + 8))
     for k in range(3):
-        target_ranges[3 * j + k] = ranges[3 * i + k]
+        target_ranges[k] = ranges[3 * i + k]
 
 
 @kernel(strict=True)
@@ -167,7 +167,7 @@ def build_subtree(work, rows, task_records, task_ranges, record, task, rules, so
     parents, levels = local_longs(_WAITING), local_longs(_WAITING)
     table, counts = local_floats(TABLE), local_longs(COUNTS)
     row, blocks, leaves = 0, 0, 0
-    copy_record(task_records, task_ranges, record, records, ranges, 0)
+    begin_with(task_records, task_ranges, record, records, ranges)
     parents[0], levels[0] = -1, 0
     size = 1
     while size > 0:
