@@ -224,7 +224,8 @@ class _Reader:
 
 
 def _is_one_more(node: ast.expr, new: str) -> bool:
-    return isinstance(node, ast.Constant) and new == str(node.value + 1)
+    value = getattr(node, "value", None)
+    return isinstance(value, int) and new == str(value + 1)
 
 
 def _is_docstring(node: ast.AST) -> bool:
