@@ -307,3 +307,10 @@ def test_what_rests_asks_for_no_motion_beyond_the_table(name, choice):
     flat = flatten(loads(text, "lone.yaml"))
     assert len(compile_scene(flat).program.motion) > 0
     assert in_twin(flat) == 0
+
+
+def test_a_camera_that_moves_alone_finds_its_motion():
+    text = RESTING.replace("transform: {translate: [0, 0, 6]}", MOVING)
+    flat = flatten(loads(text, "lone.yaml"))
+    assert "camera" in compile_scene(flat).program.motion
+    assert in_twin(flat) == 0
