@@ -8,6 +8,9 @@ EQUIVALENT: dict[str, str] = {
     "accel/other_leaves.py _write_meet_shape.meet_shape: 0 -> 1 (2)": (
         "all lanes hold the same ray, and so the same hit"
     ),
+    "accel/rays.py box_ray_of: vector_of(rays, ORIGIN, i) -> vector_of(rays, i, ORIGIN)": (
+        "the sum of both is where it is read"
+    ),
     "accel/references.py fill_bins: 1 -> 0": (
         "a second guard: the bins' scale is 1e-5 smaller than would reach the bin beyond the last"
     ),
@@ -16,6 +19,9 @@ EQUIVALENT: dict[str, str] = {
     ),
     "bsdfs/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; the quotient is thrown away"
+    ),
+    "bsdfs/dispatch.py _layer: 0 -> 1 (7)": (
+        "idle lanes read the second word of the table; what they find is thrown away"
     ),
     (
         "bsdfs/principled_lobes.py _chance_of_reflection.chance: where(view.side.inside, "
@@ -34,6 +40,9 @@ EQUIVALENT: dict[str, str] = {
     "core/rng.py hash_2: 15 -> 14": "another last step of the hash, a bijection too and as random",
     "core/warps.py spherical_rectangle: _corner(u1, v1, w) -> _corner(v1, u1, w)": (
         "the angle of a corner does not change with its two sides exchanged"
+    ),
+    "guiding/lookup.py rest_of: 1.0 -> 1.02 (2)": (
+        "divides by something other than 0 what is never drawn"
     ),
     "integrators/random_walk.py scatter_uniformly: 2.0 * u -> (2.0) (2)": (
         "a choice of lobe for the side of the coin that goes anywhere on the sphere"
@@ -58,6 +67,9 @@ EQUIVALENT: dict[str, str] = {
         "points within a millionth of the projector's own plane, which its picture never reaches"
     ),
     "media/tables.py pick.the_first: v.x -> v.y": "chosen where all three channels are alike",
+    "media/voxels.py color_at: 0 -> 1 (3)": (
+        "idle lanes look up the first medium in place of none; nobody reads what they find"
+    ),
     "metrics/noisy_pixels.py poisson_tail: 0.5 -> 0.51 (2)": (
         "the normal approximation itself errs by more than this correction moves it"
     ),
@@ -118,6 +130,13 @@ EQUIVALENT: dict[str, str] = {
     ),
     "shapes/sphere.py sample: 1.0 -> 1.02 (6)": (
         "a bound of an error, larger than it must be by 2 % more"
+    ),
+    (
+        "shapes/sphere.py sample: _GAMMA_12 * dot(absolute_vec3(gather_vec3(data, k)), "
+        "lanes_vec3(1.0)) -> (_GAMMA_12)"
+    ): (
+        "a bound safe on either side: centre less point is exact up to its own rounding, which "
+        "`shadow_length` adds"
     ),
     "textures/bitmap.py _folded: 1.0 -> 1.02 (2)": (
         "columns beyond the last one are that one, see `_neighbours`"
