@@ -53,7 +53,9 @@ def test_slopes_of_a_bump_map_are_those_of_its_picture():
 
 @pytest.mark.parametrize("color", [(0.5, 0.5, 1.0), (0.7, 0.4, 0.9)])
 @pytest.mark.parametrize(
-    "inside", [Diffuse(), RoughConductor(alpha=0.3), RoughDielectric(alpha=0.4)], ids=repr
+    "inside",
+    [Diffuse(), RoughConductor(alpha=0.3), RoughDielectric(alpha=0.4)],
+    ids=lambda spec: spec.type_name(),
 )
 def test_a_bent_surface_is_the_same_one_turned_where_both_agree_on_the_sides(inside, color):
     """Values and densities of all directions, also of those that pass through."""
