@@ -116,7 +116,7 @@ def write_leave(program):
     def leave(scene, settings, path, arrival):
         surface, wl, per_cos = arrival.surface, arrival.wl, arrival.per_cos
         sampler, depth = path.sampler, path.depth + 1
-        active = path.active & (depth + 1 < settings.max_depth)
+        active = path.active & (depth < settings.max_depth)
         dimension = vertex_dimension(depth + 1)
         wo, weight, pdf, flags = sample_bsdf(
             scene, surface, wl, get_1d(sampler, dimension + BSDF_CHOICE),
@@ -139,7 +139,7 @@ def write_leave(program):
         beta = where(active, path.beta * weight, path.beta)
         brightness = max_component(beta)
         # Not "brightness > 0": a NaN must live on and be counted by the film.
-        active = active & ~(brightness <= 0.0)
+        active = active & ~(brightness <= 0.0) & (depth + 1 < settings.max_depth)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, p=surface.p, beta=beta, depth=depth, active=active)
         if roulette:
