@@ -4,20 +4,17 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
-from alight.core.equal_area import sphere_to_square
 from alight.core.vec import Vec3
 from alight.formats import loads
-from alight.guiding.lookup import direction_density, leaf_at
-from alight.guiding.records import LEAF_SUMS, MOST, SHARES, UNITS, add_records
-from alight.guiding.tables import LEAF_ROW, RECORD, Frame, Log
+from alight.guiding.lookup import leaf_at
+from alight.guiding.records import add_records
+from alight.guiding.tables import LEAF_ROW, RECORD, Frame
 from alight.integrators.guided import pixel_luminance
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering import training
 from alight.samplers.state import SamplerState
 from alight.scene import flatten
 from lanewise.jit import instantiate
-from lanewise.simd import LANES
-from lanewise.view import View
 from tests.guiding.test_tree import FRAME, random_tree
 
 ALBEDO, DEPTH, ROUNDS = 0.5, 5, 3
@@ -38,69 +35,6 @@ nodes:
 """  # noqa: E501
 
 
-# ---------------------------------------------------------------- sums
-
-
-def cells_by_geometry(tree, leaf, x, y):
-    """Number of the undivided quadrant, 4 a node, that holds a point of a leaf's square."""
-    node, corner, size = int(tree.roots[leaf]), np.zeros(2), 0.5
-    while True:
-        right, upper = x >= corner[0] + size, y >= corner[1] + size
-        place = int(right) + 2 * int(upper)
-        corner = corner + size * np.array([right, upper])
-        child = int(tree.children[node, place])
-        if not child:
-            return 4 * node + place
-        node, size = child, size / 2
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_sums_are_those_of_the_records_one_by_one(seed):
-    """Second moments of quadrants and shares, exact but for the rounding of a unit."""
-    tree, rng = random_tree(seed), np.random.default_rng(seed)
-    guide, n, samples = tree.guide(FRAME), 5 * LANES + 3, 40
-    rows = np.exp(rng.standard_normal((n, RECORD))).astype(np.float32)
-    low, scale = FRAME.box[:3], FRAME.box[3:]
-    rows[:, :3] = low + rng.random((n, 3)) / scale
-    d = rng.standard_normal((n, 3))
-    rows[:, 3:6] = d / np.linalg.norm(d, axis=1)[:, None]
-    # A leaf's best share may be any: some directions only the guide, some only the BSDF would draw.
-    rows[rng.random(n) < 0.2, 7] = 0.0
-    rows[rng.random(n) < 0.2, 8] = 0.0
-    number = rng.integers(0, samples, n).astype(np.uint32)
-    rows[:, 12] = number.view(np.float32)
-    ends = (5.0 * np.exp(rng.standard_normal(samples))).astype(np.float32)
-    # Ends that are not finite and vertices without a throughput say nothing; few say very much.
-    ends[3], ends[5] = np.nan, np.inf
-    rows[7, 10], rows[9, 9] = 0.0, 1e12
-    unit = 0.25
-    log = Log(View(rows), View(np.array([n, 0])), View(ends), View(np.zeros(6, np.uint32)))
-    totals = tree.empty_totals()
-    instantiate(add_records)(guide, log, totals, np.float32(unit))
-
-    cells = np.zeros(tree.children.size)
-    leaves = np.zeros((len(tree.roots), LEAF_SUMS))
-    mine = leaf_at(guide, Vec3(*rows[:, :3].T))
-    x, y = sphere_to_square(Vec3(*rows[:, 3:6].T))
-    for i in range(n):
-        _, _, _, _, _, _, pdf, of_bsdf, of_guide, weight, beta, before, _ = rows[i].astype(float)
-        end = float(ends[number[i]])
-        gain = weight * (end - before) / (beta or 1.0) if np.isfinite(end) else 0.0
-        moment = gain**2 * pdf
-        cell = cells_by_geometry(tree, mine[i], x[i], y[i])
-        cells[cell] += min(moment / unit**2 * UNITS, MOST)
-        leaves[mine[i], 0] += 1
-        for k, share in enumerate(SHARES):
-            other = (1.0 - share) * of_bsdf + share * of_guide
-            ratio = moment / other if other > 0.0 else 0.0
-            leaves[mine[i], 1 + k] += min(ratio / unit**2 * UNITS, MOST)
-    found = totals.cells.shaped.ravel(), totals.leaves.shaped
-    assert (found[1][:, 0] == leaves[:, 0]).all()
-    for a, b in zip(found, (cells, leaves), strict=True):
-        assert (np.abs(a - b) <= 2e-5 * b + 0.5 * np.maximum(leaves[:, 0].max(), 1.0)).all()
-    assert (cells >= MOST).any()
-
-
 # ---------------------------------------------------------------- records
 
 
@@ -115,12 +49,12 @@ def logs():
             if root is not add_records:
                 return made
 
-            def add(guide, log, totals, unit):
+            def add(guide, densities, log, totals, unit):
                 count = int(log.count.array[0])
                 rows = log.rows.shaped.reshape(-1, RECORD)[:count].astype(float)
-                number = log.rows.shaped.reshape(-1, RECORD)[:count, 12].copy().view(np.uint32)
+                number = log.rows.shaped.reshape(-1, RECORD)[:count, 11].copy().view(np.uint32)
                 found.append((guide, rows, number, log.ends.array.copy(), log.window.array.copy()))
-                made(guide, log, totals, unit)
+                made(guide, densities, log, totals, unit)
 
             return add
 
@@ -164,8 +98,8 @@ def test_what_a_vertex_gains_in_a_furnace_is_known(logs):
     for guide, rows, number, ends, _ in logs[1]:
         order = np.argsort(number, kind="stable")
         rows, number = rows[order], number[order]
-        p, d, (pdf, of_bsdf, of_guide) = rows[:, :3], rows[:, 3:6], rows[:, 6:9].T
-        weight, beta, before = rows[:, 9:12].T
+        p, d, (pdf, of_bsdf) = rows[:, :3], rows[:, 3:6], rows[:, 6:8].T
+        weight, beta, before = rows[:, 8:11].T
         assert np.abs((d**2).sum(1) - 1.0).max() < 1e-5
         # Walls are at +-1: the normal is along the axis on which the point is farthest.
         axis, each = np.abs(p).argmax(1), np.arange(len(p))
@@ -175,13 +109,10 @@ def test_what_a_vertex_gains_in_a_furnace_is_known(logs):
         np.testing.assert_allclose(weight * pdf, ALBEDO * of_bsdf, 1e-4, 1e-6)
         leaf = leaf_at(guide, Vec3(*p.T.astype(np.float32)))
         share = guide.leaves.shaped.reshape(-1, LEAF_ROW)[leaf, 0].astype(float)
-        np.testing.assert_allclose(pdf, share * of_guide + (1.0 - share) * of_bsdf, 1e-4)
+        assert (pdf >= (1.0 - share) * of_bsdf * (1.0 - 1e-4)).all()
         asked = share > 0.0
-        if asked.any():
-            density = direction_density(guide, leaf, Vec3(*d.T.astype(np.float32)), asked)
-            # At the border of a quadrant rounding decides.
-            assert np.isclose(of_guide, density, rtol=1e-3)[asked].mean() > 0.99
-            rounds += 1
+        np.testing.assert_allclose(pdf[~asked], of_bsdf[~asked], 1e-4)
+        rounds += asked.any()
         left, place = beta > 0.0, places_in_paths(number)
         per_light = np.where(left, weight / np.where(left, beta, 1.0), 0.0)
         gained = per_light * (ends[number] - before)
@@ -201,14 +132,14 @@ def test_what_a_vertex_gains_in_a_furnace_is_known(logs):
 
 
 def test_the_frame_of_a_guide_is_what_training_saw(logs):
-    """The root mean square of pixels, all alike in a furnace, and the box of the first round."""
+    """The root mean square of pixels, all alike in a furnace, and a box of all vertices."""
     guide, found = logs
     assert guide.picture.array == pytest.approx(series(DEPTH), rel=0.05)
+    # With a margin around what camera and light paths met.
     low, scale = guide.box.array[:3], guide.box.array[3:]
-    first = [rows[:, :3] for asked, rows, *_ in found if asked.roots.size == 1]
-    bounds = np.concatenate(first)
-    assert low == pytest.approx(bounds.min(0), abs=1e-6)
-    assert 1.0 / scale == pytest.approx(np.ptp(bounds, axis=0), rel=1e-5)
+    bounds = np.concatenate([rows[:, :3] for _, rows, *_ in found])
+    assert (low <= bounds.min(0)).all() and (low + 1.0 / scale >= bounds.max(0)).all()
+    assert 1.0 / scale == pytest.approx(np.ptp(bounds, axis=0), rel=0.05)
 
 
 #: Of films, and (rows, columns) of the blocks of training.

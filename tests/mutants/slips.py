@@ -59,18 +59,6 @@ SLIPS = (
         "tests/media/test_flights.py::test_flights_come_through_as_the_transmittance_says",
     ),
     Mutant(
-        "light from before a vertex counts as its gain",
-        "guiding/records.py",
-        (("weight * (end - before) /", "weight * end /"),),
-        "tests/guiding/test_laws_of_training.py::test_sums_are_those_of_the_records_one_by_one",
-    ),
-    Mutant(
-        "quadrants of a guide by coordinates 2 % too large",
-        "guiding/records.py",
-        (("where(left, 2.0 * x, 2.0 * x - 1.0)", "where(left, 2.0 * x, 2.04 * x - 1.0)"),),
-        "tests/guiding/test_laws_of_training.py::test_sums_are_those_of_the_records_one_by_one",
-    ),
-    Mutant(
         "cells counted from the corner of the window",
         "films/merging.py",
         (("(y + np.arange(h))", "(np.arange(h))"),),
