@@ -182,7 +182,7 @@ def _random_curve(
 ) -> Curve:
     intervals = [positive_interval(row) for row in squared]
     roots = [Estimate(*(math.sqrt(max(v, 0.0)) for v in one)) for one in intervals]
-    late = np.array(counts) >= min(_FIRST, counts[-2] if len(counts) > 1 else 1)
+    late = np.array(counts) >= min(_FIRST, counts[-2])
     x = np.repeat(np.array(counts, np.float64)[:, None], squared.shape[1], axis=1)
     slope = log_slope(x[late], squared[late])
     return Curve(

@@ -272,7 +272,7 @@ def demand_quiet(study: Study, path: str, reference: Reference, arm: str, mse: f
     if mse > 0.0 and noise <= LARGEST_SHARE * mse:
         return
     # Without the smallest idea of the arm's own error, ask for a tenth of the noise.
-    factor = noise / (WANTED_SHARE * mse) if mse > 0.1 * noise else 200.0
+    factor = noise / (WANTED_SHARE * max(mse, 0.1 * noise))
     spp = reference.info.spp
     remedy = (
         f"it would need about {math.ceil(spp * factor)} spp instead of {spp}: set reference.spp"

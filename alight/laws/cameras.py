@@ -8,12 +8,19 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from alight.cameras.connection import Connection
 from alight.cameras.model import CAMERAS
-from alight.cameras.rays import connect_camera, generate_ray, project, unproject
+from alight.cameras.rays import (
+    connect_camera,
+    connect_far_camera,
+    generate_ray,
+    project,
+    unproject,
+)
 from alight.compiled.cameras import compile_camera
 from alight.compiled.program import Program
 from alight.core.registry import versions
@@ -166,11 +173,14 @@ def the_lens_is_sampled_evenly(spec: Camera) -> None:
         )
 
 
-def _connected(spec: Camera, shots: Shots, points: np.ndarray, lens: np.ndarray) -> Connection:
+def _connected(
+    spec: Camera, shots: Shots, ends: np.ndarray, lens: np.ndarray, connect: Any = connect_camera
+) -> Connection:
+    """How points are seen, or directions by `connect_far_camera`; (3, N)."""
     program = Program(camera=spec.type_name(), registered=versions([spec]))
-    run = instantiate(connect_camera, program, compiled=False)
+    run = instantiate(connect, program, compiled=False)
     scene = _Scene(compile_camera(spec, shots.to_world, shots.size))
-    return run(scene, Vec3(*points.astype(np.float32)), tuple(lens))
+    return run(scene, Vec3(*ends.astype(np.float32)), tuple(lens))
 
 
 def connections_undo_the_rays(spec: Camera) -> None:
@@ -219,6 +229,31 @@ def importance_is_pixels_over_area(spec: Camera) -> None:
         demand_close(found.importance * area, 1.0, f"{name}: pixels per pixel", atol=0.03)
 
 
+def what_is_far_is_seen_as_what_is_near(spec: Camera) -> None:
+    """Along a ray: the same origin and pixel, and the same importance per steradian."""
+    if CAMERAS[spec.type_name()].connect_far is None:
+        return
+    for name in PLACEMENTS:
+        lens = _lens(8)
+        shots = Shots(spec, name, lens)
+        far = _connected(spec, shots, shots.d, lens, connect_far_camera)
+        demand(far.visible, f"{name}: a direction before the camera is not visible")
+        demand(far.distance > 1e20, f"{name}: it is not far")
+        demand_close(stacked(far.w, N), -shots.d, f"{name}: w", atol=1e-6)
+        # Of the near point only its direction from the lens is rounded otherwise.
+        points = shots.o + np.linalg.norm(shots.to_world[:3, 2]) * shots.d
+        near = _connected(spec, shots, points, lens)
+        reach = np.linalg.norm(points, axis=0) + np.linalg.norm(shots.o, axis=0)
+        margin = 4.0 * ROUNDING * reach / near.distance + 1e-6
+        off = np.linalg.norm(stacked(far.o, N) - shots.o, axis=0)
+        demand_close(off / reach, 0.0, f"{name}: origins", atol=4.0 * ROUNDING)
+        pixels = margin * max(shots.size) / np.tan(_narrowest(spec, shots))
+        at = np.stack([far.x, far.y])
+        demand_close(np.abs(at - shots.film), 0.0, f"{name}: pixels", atol=pixels + 1e-3)
+        ratio = far.importance / (near.importance * near.distance**2)
+        demand_close(ratio, 1.0, f"{name}: importance", atol=float(margin.max()) * 30.0)
+
+
 # ---------------------------------------------------------------- machine code
 
 
@@ -253,5 +288,6 @@ LAWS = (
     the_lens_is_sampled_evenly,
     connections_undo_the_rays,
     importance_is_pixels_over_area,
+    what_is_far_is_seen_as_what_is_near,
 )
 COMPILED_LAWS = (compiled_rays_are_the_twins,)

@@ -15,7 +15,7 @@ from alight.core.spec import Filter
 from alight.filters.importance import compile_filter, sample_filter
 from alight.filters.model import FILTERS
 from alight.filters.splatting import choose_pixel
-from alight.laws.report import demand
+from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z, SIGNIFICANCE, chi_square, z_of_mean
 from alight.laws.twins import demand_same_by_machine
 from lanewise.jit import instantiate, kernel
@@ -107,6 +107,23 @@ def splats_get_what_the_filter_gives(spec: Filter) -> None:
             demand(abs(z) < LARGEST_Z, f"pixel {k} gets a wrong share of a splat at {x:.4f}")
 
 
+def profiles_are_the_filter(spec: Filter) -> None:
+    """Along an axis the profile is the filter over its integral."""
+    model = FILTERS[spec.type_name()]
+    if model.profile is None or model.reach is None:
+        return
+    table = compile_filter(spec)
+    reach = float(model.reach(table))
+    # Middles of cells, since a box ends at its reach.
+    edges = np.linspace(-reach, reach, 100_001)
+    fine = 0.5 * (edges[1:] + edges[:-1])
+    along = np.asarray(model.value(spec, fine, 0.0), float) * np.ones(fine.size)
+    found = np.broadcast_to(model.profile(table, fine.astype(np.float32)), fine.size)
+    # A flat Gaussian is the difference of two numbers near 1, whose rounding is all that differs.
+    wanted = along / (along.mean() * 2.0 * reach)
+    demand_close(found, wanted, "the profile", atol=1e-4 * wanted.max())
+
+
 # ---------------------------------------------------------------- machine code
 
 
@@ -134,5 +151,6 @@ LAWS = (
     pictures_are_not_shifted,
     samples_are_spread_as_the_filter,
     splats_get_what_the_filter_gives,
+    profiles_are_the_filter,
 )
 COMPILED_LAWS = (compiled_samples_are_the_twins,)

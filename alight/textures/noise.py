@@ -212,7 +212,7 @@ def evaluate(scene, base, surface):
     """The pattern's colour at a point of a surface."""
     params = _load(scene, base, surface)
     p, (u, v) = point_at_opening(scene, surface), params.uv
-    point = where(params.in_uv, Vec3(u, v, 0.0 * u), p) * params.scale + params.offset
+    point = where(params.in_uv, Vec3(u, v, lanes(0.0)), p) * params.scale + params.offset
     x, y, z = point.x, point.y, point.z
     octaves, turbulent = params.octaves, params.turbulence
     total, sizes, size, k = lanes(0.0), lanes(0.0), lanes(1.0), lanes(0.0)

@@ -328,3 +328,18 @@ def test_with_an_empty_replicate_nothing_is_known(metric, counts):
     assert all(math.isnan(getattr(found, name)) for name in unknown)
     assert (found.within, found.met, found.doubted) == (False, False, False)
     assert (found.doubtful, found.factor) == (1.0, math.inf)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.05, 0.2])
+@pytest.mark.parametrize("error", [0.003, 0.02, 0.3])
+def test_samples_that_are_missing_go_with_the_square_of_the_error(step, error):
+    """But with what may be unseen itself, where that is more; none are where a promise is met."""
+    means, counts = stepping(np.full((16, 16), 2.0), np.full((16, 16), step))
+    for largest in (None, 3.0, 300.0):
+        found = judge_means(means, counts, Promise(error), largest)
+        if found.met:
+            assert found.factor == 1.0
+        else:
+            noise, unseen = (found.achieved / error) ** 2, found.unseen / error
+            assert found.factor == pytest.approx(max(noise, unseen, 1.0))
+            assert found.achieved > error or found.unseen > error

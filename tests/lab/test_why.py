@@ -22,6 +22,7 @@ from alight.integrators.contributions import (
     FIELDS,
     SEEN,
     Log,
+    as_found,
     can_record,
     write,
 )
@@ -40,6 +41,7 @@ from alight.lab.why.shares import (
 from alight.lab.why.trials import alternatives, try_alternatives
 from alight.lab.why.words import ranked, share_lines
 from alight.laws.scene.pictures import small
+from alight.lights.tables import INFO as LIGHT_INFO
 from alight.rendering.contributions import Contributions, Recorder
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
@@ -229,6 +231,17 @@ def test_several_environments_are_one_light():
     assert sum(by_light.values()) == pytest.approx(1.0, abs=1e-9)
     assert set(by_light) == {"environment + sun", "bulb"}
     assert by_light["environment + sun"] > 0.9
+
+
+@pytest.mark.parametrize(("lights", "environments"), [(1, 1), (3, 1), (4, 3), (5, 0)])
+def test_light_sampling_says_the_environments_that_a_ray_would_have_met(lights, environments):
+    """All of them are the last one, which they are listed as; lights in front are themselves."""
+    program = Program(environments=("sky",) * environments)
+    scene = SimpleNamespace(lights=SimpleNamespace(info=SimpleNamespace(size=lights * LIGHT_INFO)))
+    index = np.arange(lights, dtype=np.uint32)
+    found = instantiate(as_found, program, compiled=False)(scene, index)
+    around = index >= lights - environments
+    assert found.tolist() == np.where(around, lights - 1, index).tolist()
 
 
 def test_weights_are_those_of_relmse():

@@ -6,8 +6,20 @@ import pytest
 from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
 from alight.core.registry import modules, type_name_of
+from alight.core.vec import Vec3
 from alight.lights.tree import BEHIND, least_cosine
-from alight.lights.tree_bounds import NEVER, Bounds, bounds_of_row, guess, pack, unpack
+from alight.lights.tree_bounds import (
+    NEVER,
+    ROW,
+    WORDS,
+    Bounds,
+    Groups,
+    bounds_at,
+    bounds_of_row,
+    guess,
+    pack,
+    unpack,
+)
 from alight.lights.tree_build import _groups
 from alight.lights.tree_split import Leaves
 from lanewise.jit import instantiate
@@ -43,6 +55,35 @@ def test_a_pair_shines_up_to_the_edge_of_each_lamp():
         bounds = instantiate(bounds_of_row, TREE, compiled=False)(View(group), 0)
         found = run(guess, bounds, p, p * np.float32(0.0), np.ones(n, bool), 0.0)
         assert np.all(found.plain > 0.0), angle
+
+
+def test_both_ways_to_read_a_group_find_the_same():
+    """Each number is another one, so that none stands for its neighbour."""
+    rng, n = np.random.default_rng(5), 400
+    cosine, truth = rng.uniform(-1.0, 1.0, n), rng.random((2, n)) < 0.5
+    groups = Groups(
+        center=rng.normal(size=(n, 3)).astype(np.float32),
+        radius=rng.random(n),
+        behind=-rng.random(n),
+        axis=unit(rng.normal(size=(n, 3))),
+        cosine=cosine,
+        dark=rng.uniform(-1.0, 1.0, n),
+        intensity=np.exp(rng.normal(size=n)),
+        flat=truth[0],
+        alike=truth[1],
+    )
+    words = pack(groups)
+    rows = unpack(words)
+    packed = View(np.ascontiguousarray(words).view(np.float32))
+    at = np.arange(n, dtype=np.uint32) * WORDS
+    found = instantiate(bounds_at, TREE, compiled=False)(packed, at)
+    read = instantiate(bounds_of_row, TREE, compiled=False)
+    for i in range(n):
+        for name, mine, other in zip(Bounds._fields, found, read(View(rows), i * ROW), strict=True):
+            if isinstance(mine, Vec3):
+                mine, other = (np.array([v.x, v.y, v.z]) for v in (mine, other))
+            np.testing.assert_allclose(mine[..., i], other, rtol=1e-6, atol=1e-6, err_msg=name)
+    assert 0 < (rows[:, 12] == 1.0).sum() < n
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.4, 1.2, 1.5])

@@ -51,10 +51,13 @@ def bench():
     return Bench()
 
 
-#: A ray of 1.2 m in the medium without cells, and one that enters and leaves the box of the other.
+#: A ray of 1.2 m in the medium without cells; in the box of the other one that enters and leaves,
+#: one that ends inside, and one that begins there and ends before the far side.
 RAYS = {
     "homogeneous": (HOMOGENEOUS, (0.0, 0.0, 0.0), (0.0, 0.6, 0.8), 1.2),
     "grid": (GRID, (0.9, 0.15, -0.3), (0.96, 0.0, 0.28), 3.0),
+    "into the grid": (GRID, (0.9, 0.15, -0.3), (0.96, 0.0, 0.28), 1.1),
+    "within the grid": (GRID, (2.0, 0.15, -0.3), (-0.6, 0.8, 0.0), 0.5),
 }
 
 

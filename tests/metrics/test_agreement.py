@@ -123,8 +123,11 @@ def test_unknown_errors_are_left_out():
 def test_blocks_are_at_most_1024_but_are_large_enough_for_few_replicates(size, replicates, block):
     rng = np.random.default_rng(1)
     mean, error = rng.random((size, size, 3)), np.full((size, size, 3), 0.1)
-    found = compare_measured(Measured(mean, error, replicates), Measured(mean))
-    assert found.block == block
+    few, exact = Measured(mean, error, replicates), Measured(mean)
+    assert compare_measured(few, exact).block == block
+    # What knows its error better changes nothing, on either side.
+    many = Measured(mean, error, 256)
+    assert compare_measured(few, many).block == compare_measured(many, few).block == block
 
 
 def test_what_cannot_be_judged_is_refused():

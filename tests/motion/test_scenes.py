@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.formats import dumps, loads
 from alight.lab.info import facts
@@ -11,6 +12,7 @@ from alight.scene.keyframes import Keyframes, rotation, take_apart
 from alight.scene.transform import matrix
 from tests.formats.mitsuba import reading as mitsuba
 from tests.formats.pbrt import reading as pbrt
+from tests.fuzz.in_the_twin import picture as in_twin
 
 HEAD = (
     "alight: 1\nenvironment: constant\ncamera: {type: pinhole%s}\nnodes: {a: {transform: %s, %s}}\n"
@@ -273,3 +275,42 @@ def test_a_shutter_of_mitsuba_that_closes_at_once_is_told_of():
     found = mitsuba.read(body, "0.6.0")
     assert found.camera.camera.shutter == (0.0, 0.0)
     assert any("closes as it opens" in text for text in found.source.remarks.warnings)
+
+
+#: One thing that moves among others that rest: the table of motions has a single entry.
+MOVING = "transform: {keyframes: [{time: 0}, {time: 1, translate: [0.1, 0, 0]}]}"
+LONE = {
+    "lamp": f"lamp: {{shape: sphere, light: area, {MOVING}}}",
+    "bulb": f"bulb: {{light: point, {MOVING}}}",
+    "ball": f"ball: {{shape: sphere, {MOVING}}}",
+    "mesh": f"""mesh:
+    {MOVING}
+    shape: {{type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces: [[0, 1, 2]]}}""",
+}
+RESTING = """
+alight: 1
+film: {size: [8, 8]}
+camera: {type: pinhole, fov: 60, transform: {translate: [0, 0, 6]}}
+bsdfs: {noise: {type: diffuse, reflectance: {type: noise}}}
+nodes:
+  floor: {shape: rectangle, bsdf: noise, transform: [{scale: 4}, {translate: [0, 0, -2]}]}
+  other: {shape: sphere, light: area, transform: {translate: [2, 0, 0]}}
+  spot: {light: {type: spot, intensity: 3}, transform: {translate: [0, 1, 4]}}
+"""
+
+
+@pytest.mark.parametrize("choice", ["power", "tree"])
+@pytest.mark.parametrize("name", LONE)
+def test_what_rests_asks_for_no_motion_beyond_the_table(name, choice):
+    """In the twin, where an index outside of a table is an error; all lanes read, idle ones too."""
+    text = f"{RESTING}  {LONE[name]}\nintegrator: {{type: path, light_choice: {choice}}}\n"
+    flat = flatten(loads(text, "lone.yaml"))
+    assert len(compile_scene(flat).program.motion) > 0
+    assert in_twin(flat) == 0
+
+
+def test_a_camera_that_moves_alone_finds_its_motion():
+    text = RESTING.replace("transform: {translate: [0, 0, 6]}", MOVING)
+    flat = flatten(loads(text, "lone.yaml"))
+    assert "camera" in compile_scene(flat).program.motion
+    assert in_twin(flat) == 0

@@ -2,11 +2,17 @@
 
 #: Name of the mutant, as the campaign prints it: why no test could find it.
 EQUIVALENT: dict[str, str] = {
+    "accel/collapse.py assign_columns: 0 -> 1 (6)": (
+        "how the levels of a tree are shared out among nodes, of which any way is right"
+    ),
+    "accel/other_leaves.py _write_meet_shape.meet_shape: 0 -> 1 (2)": (
+        "all lanes hold the same ray, and so the same hit"
+    ),
+    "accel/rays.py box_ray_of: vector_of(rays, ORIGIN, i) -> vector_of(rays, i, ORIGIN)": (
+        "the sum of both is where it is read"
+    ),
     "accel/references.py fill_bins: 1 -> 0": (
         "a second guard: the bins' scale is 1e-5 smaller than would reach the bin beyond the last"
-    ),
-    "accel/references.py bin_scale: 1e-36 -> 1.02e-36": (
-        "tells a centroid's extent of 0 from others; any tiny number does"
     ),
     "bsdfs/burley.py _values: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
         "stands in for directions that are invalid, whose result is thrown away"
@@ -14,40 +20,45 @@ EQUIVALENT: dict[str, str] = {
     "bsdfs/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
+    "bsdfs/dispatch.py _layer: 0 -> 1 (7)": (
+        "idle lanes read the second word of the table; what they find is thrown away"
+    ),
     (
         "bsdfs/principled_lobes.py _chance_of_reflection.chance: where(view.side.inside, "
         "params.transmission, 1.0) * rest -> (rest)"
-    ): ("how often facets are reflected from inside; the estimate divides by this very chance"),
+    ): "how often facets are reflected from inside; the estimate divides by this very chance",
     (
         "core/distributions.py pmf_cell: pmf_discrete(cdf, offset + row * (columns + 1), column) "
         "-> pmf_discrete(cdf, column, offset + row * (columns + 1))"
-    ): ("the sum of both is where it is read"),
+    ): "the sum of both is where it is read",
     "core/maths.py arctan2: 1.0 -> 1.02": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
-    "core/motion.py error_in_world: 1e-37 -> 1.02e-37": (
-        "keeps the root of a zero vector's length above 0; any tiny number does"
+    "core/motion.py turn_at: k + BEGIN -> ((k) - (BEGIN))": (
+        "BEGIN is 0: the first number of its row"
     ),
+    "core/rng.py hash_2: 15 -> 14": "another last step of the hash, a bijection too and as random",
     "core/warps.py spherical_rectangle: _corner(u1, v1, w) -> _corner(v1, u1, w)": (
         "the angle of a corner does not change with its two sides exchanged"
+    ),
+    "guiding/lookup.py rest_of: 1.0 -> 1.02 (2)": (
+        "divides by something other than 0 what is never drawn"
     ),
     "integrators/random_walk.py scatter_uniformly: 2.0 * u -> (2.0) (2)": (
         "a choice of lobe for the side of the coin that goes anywhere on the sphere"
     ),
-    "integrators/volpath.py step.volpath_step: 1e-30 -> 1.0200000000000001e-30": (
-        "keeps a density above 0; any tiny number does"
-    ),
     "integrators/shadow_rays.py _through_empty_space: 0 -> 1": (
         "surfaces passed in a scene in which there are none to pass: nobody asks"
     ),
+    (
+        "integrators/volpath.py _write_add_direct_light.add_direct_light: 2 * path.steps + 1 -> "
+        "((2 * path.steps) - (1))"
+    ): "other random numbers, odd too and once each: flights along paths have the even ones",
     "lab/statistics.py log_ratio: 0.5 -> 0.51": (
         "without any variance of its own the ratio has infinitely many degrees of freedom"
     ),
     "laws/compiled.py scatter_all: 0.75 -> 0.765": (
         "one of the vertex colours that a law tries; any other is as good"
-    ),
-    "laws/scene/lights.py density_towards: 3.0e38 -> 3.06e+38": (
-        "any number beyond all scenes is as far"
     ),
     "lights/environment.py sample: turn - 1.0 -> ((turn) + (1.0))": (
         "sine and cosine of whole turns more or less are the same"
@@ -55,7 +66,10 @@ EQUIVALENT: dict[str, str] = {
     "lights/projector.py brightness_of: 1e-6 -> 1.02e-06": (
         "points within a millionth of the projector's own plane, which its picture never reaches"
     ),
-    "media/tables.py pick.the_first: v.x -> v.y": ("chosen where all three channels are alike"),
+    "media/tables.py pick.the_first: v.x -> v.y": "chosen where all three channels are alike",
+    "media/voxels.py color_at: 0 -> 1 (3)": (
+        "idle lanes look up the first medium in place of none; nobody reads what they find"
+    ),
     "metrics/noisy_pixels.py poisson_tail: 0.5 -> 0.51 (2)": (
         "the normal approximation itself errs by more than this correction moves it"
     ),
@@ -66,8 +80,8 @@ EQUIVALENT: dict[str, str] = {
         "counts where there is one replicate, of which every bar is unknown"
     ),
     (
-        "metrics/statistics.py _beta_fraction: _not_zero(1.0 - (a + b) * x / (a + 1.0), "
-        "tiny) -> _not_zero(tiny, 1.0 - (a + b) * x / (a + 1.0))"
+        "metrics/statistics.py _beta_fraction: _not_zero(1.0 - (a + b) * x / (a + 1.0), tiny) -> "
+        "_not_zero(tiny, 1.0 - (a + b) * x / (a + 1.0))"
     ): (
         "the larger of two numbers, of which the first is above 0 wherever the fraction is "
         "evaluated"
@@ -75,6 +89,10 @@ EQUIVALENT: dict[str, str] = {
     "metrics/statistics.py f_quantile: max(1.0, abs(low)) -> min(1.0, abs(low))": (
         "halves the interval a few more times"
     ),
+    (
+        "phases/rayleigh.py sample: 1.0 - where(c < 0.0, -mu, mu) -> ((1.0) + (where(c < 0.0, "
+        "-mu, mu)))"
+    ): "the phase function is the same forwards and backwards",
     "phases/rayleigh.py sample: where(c < 0.0, -mu, mu) -> where(c < 0.0, mu, -mu)": (
         "the phase function is the same forwards and backwards"
     ),
@@ -87,24 +105,41 @@ EQUIVALENT: dict[str, str] = {
     (
         "samplers/multijittered.py make_kernels.get_2d: sample_keys(a, b, state.index) -> "
         "sample_keys(b, a, state.index)"
-    ): ("other keys of the hash, as random as these"),
+    ): "other keys of the hash, as random as these",
+    (
+        "samplers/permutation.py make_permute.scatter: (i ^ key) * ((key >> 15) | 1) + (key >> 8) "
+        "-> (((i ^ key) * ((key >> 15) | 1)) - (key >> 8))"
+    ): "another bijection, as random as this one",
     (
         "samplers/stratified.py make_kernels.get_1d: sample_keys(a, b, state.index) -> "
         "sample_keys(b, a, state.index)"
-    ): ("other keys of the hash, as random as these"),
+    ): "other keys of the hash, as random as these",
     (
         "shapes/cylinder.py sample: _GAMMA_12 * dot(absolute_vec3(gather_vec3(data, k)), "
         "lanes_vec3(1.0)) -> (_GAMMA_12)"
     ): (
-        "a bound safe on either side: centre less point is exact up to its own rounding, "
-        "which `shadow_length` adds"
+        "a bound safe on either side: centre less point is exact up to its own rounding, which "
+        "`shadow_length` adds"
     ),
     (
-        "shapes/mesh.py triangle_error: larger(absolute_vec3(v1 - v0), absolute_vec3(v2 - "
-        "v0)) -> larger(absolute_vec3(v2 - v0), absolute_vec3(v1 - v0))"
-    ): ("the larger of two is that of the two exchanged"),
+        "shapes/mesh.py triangle_error: larger(absolute_vec3(v1 - v0), absolute_vec3(v2 - v0)) -> "
+        "larger(absolute_vec3(v2 - v0), absolute_vec3(v1 - v0))"
+    ): "the larger of two is that of the two exchanged",
     "shapes/sphere.py sample: 1.0 -> 1.02 (5)": (
         "a bound of an error, larger than it must be by 2 % more"
+    ),
+    "shapes/sphere.py sample: 1.0 -> 1.02 (6)": (
+        "a bound of an error, larger than it must be by 2 % more"
+    ),
+    (
+        "shapes/sphere.py sample: _GAMMA_12 * dot(absolute_vec3(gather_vec3(data, k)), "
+        "lanes_vec3(1.0)) -> (_GAMMA_12)"
+    ): (
+        "a bound safe on either side: centre less point is exact up to its own rounding, which "
+        "`shadow_length` adds"
+    ),
+    "textures/bitmap.py _folded: 1.0 -> 1.02 (2)": (
+        "columns beyond the last one are that one, see `_neighbours`"
     ),
     "textures/bitmap.py _folded: 1.0 -> 1.02 (3)": (
         "columns beyond the last one are that one, see `_neighbours`"

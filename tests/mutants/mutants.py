@@ -18,6 +18,7 @@ from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
+from tests.mutants.slips import SLIPS
 from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
@@ -48,4 +49,5 @@ MUTANTS = (
     + WAVES
     + GUIDING
     + FORMATS
+    + SLIPS
 )

@@ -5,8 +5,9 @@ Sayward 1978, Hints on Test Data Selection), chosen for what renderers get wrong
 kernel text and to the statistics that stand behind every error bar and verdict.
 
 Left out by rule, as no test could or should find them: docstrings and messages, annotations,
-assertions, what is raised, and the search for a *cheap* tree or split, of which any outcome is
-right (`CHOICES`).
+assertions, what is raised, the search for a *cheap* tree or split, of which any outcome is right
+(`CHOICES`), scratch memory that is larger than it must be, and numbers that only tell nothing from
+something or stand for no bound at all (`TINY`, `HUGE`).
 """
 
 from __future__ import annotations
@@ -69,6 +70,12 @@ SYMMETRIC = {
 
 #: Arguments that nothing else could stand for: the program would not run.
 HOLDERS = {"scene", "program", "settings", "tile", "film", "params", "view"}
+
+#: Calls whose first argument is a size: one more does no harm.
+SCRATCH = {"local_floats", "local_uints", "local_longs"}
+
+#: Any number below and beyond these is as good as another 2 % larger.
+TINY, HUGE = 1e-20, 1e20
 
 NEXT_CHANNEL = {"x": "y", "y": "z", "z": "x"}
 
@@ -193,14 +200,16 @@ class _Reader:
             if marked and isinstance(node, ast.Assign):
                 self.exchange_results(node, names)
 
-    def expressions(self, node: ast.AST, names: tuple[str, ...]) -> None:
+    def expressions(self, node: ast.AST, names: tuple[str, ...], is_size: bool = False) -> None:
         if isinstance(node, ast.JoinedStr):
             return
         if isinstance(node, ast.expr):
             for operator, new in _slips(node, self.text):
-                self.add(operator, ".".join(names), node, new)
+                if not (is_size and _is_one_more(node, new)):
+                    self.add(operator, ".".join(names), node, new)
+        is_size = isinstance(node, ast.Call) and _called(node) in SCRATCH
         for child in ast.iter_child_nodes(node):
-            self.expressions(child, names)
+            self.expressions(child, names, is_size)
 
     def exchange_results(self, node: ast.Assign, names: tuple[str, ...]) -> None:
         """``sine, cosine = sincos(x)`` with its targets exchanged."""
@@ -213,6 +222,11 @@ class _Reader:
         ):
             first, second = map(self.text, target.elts)
             self.add("sine for cosine", ".".join(names), target, f"{second}, {first}")
+
+
+def _is_one_more(node: ast.expr, new: str) -> bool:
+    value = getattr(node, "value", None)
+    return isinstance(value, int) and new == str(value + 1)
 
 
 def _is_docstring(node: ast.AST) -> bool:
@@ -296,7 +310,7 @@ def _of_constants(node: ast.Constant) -> Iterator[tuple[str, str]]:
         yield "off by one", str(value + 1)
         if value > 0:
             yield "off by one", str(value - 1)
-    elif isinstance(value, float) and value not in (0.0, float("inf")):
+    elif isinstance(value, float) and TINY < value < HUGE:
         yield "constant times 1.02", repr(value * 1.02)
 
 

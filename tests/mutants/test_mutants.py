@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -51,14 +52,19 @@ def run_tests(folder: Path, *tests: str) -> subprocess.CompletedProcess:
     # A run that is stuck says where, before the time of the test around it is over.
     command = [sys.executable, "-X", "faulthandler", "-m", "pytest", *options]
     command += ["-o", "faulthandler_timeout=200", "-o", "timeout=0", *tests]
-    try:
-        return subprocess.run(
-            command, cwd=folder, env=environment, check=False, timeout=570,
-            stdin=subprocess.DEVNULL, capture_output=True, text=True,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired as stuck:
-        said = b"".join(stream for stream in (stuck.stdout, stuck.stderr) if stream)
-        pytest.fail(f"stuck: {' '.join(tests)}\n{said.decode(errors='replace')}")
+    # In a session of its own: a bug that signals its group, and what a stuck test has started, end
+    # with it and reach nobody else.
+    with subprocess.Popen(
+        command, cwd=folder, env=environment, start_new_session=True,
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        try:
+            out, err = process.communicate(timeout=570)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            out, err = process.communicate()
+            pytest.fail(f"stuck: {' '.join(tests)}\n{out}{err}")
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
 @pytest.mark.proofs

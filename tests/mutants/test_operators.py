@@ -31,6 +31,8 @@ LINES = (
     ("x = a.y", {"x = a.z"}),
     ("x = 2.0", {"x = 2.04"}),
     ("x = 1", {"x = 2", "x = 0"}),
+    ("x = 1e-30", set()),
+    ("x = local_floats(2)", {"x = local_floats(1)"}),
     ("x = a < 0", {"x = (a <= 0)", "x = a < 1"}),
     ("x = a < b", set()),
     ("assert a < 0, a + b", set()),

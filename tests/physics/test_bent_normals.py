@@ -10,6 +10,8 @@ from alight.bsdfs.normal_map import NormalMap
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.principled import Principled
 from alight.bsdfs.relief import _fading, _lit, _seen
+from alight.bsdfs.rough_conductor import RoughConductor
+from alight.bsdfs.rough_dielectric import RoughDielectric
 from alight.bsdfs.two_sided import TwoSided
 from alight.core.vec import Vec3
 from alight.laws.materials import Material, direction, random_numbers
@@ -107,6 +109,33 @@ def test_the_bent_normal_of_matte_stuff_does_not_jump():
     after = (found * w).sum(axis=0)
     np.testing.assert_allclose((after * length)[steep], 0.1 * w[2][steep], rtol=0.02, atol=1e-3)
     assert 0.1 < steep.mean() < 0.9
+
+
+@pytest.mark.parametrize("color", [(0.5, 0.5, 1.0), (0.7, 0.4, 0.9)])
+@pytest.mark.parametrize(
+    "inside",
+    [Diffuse(), RoughConductor(alpha=0.3), RoughDielectric(alpha=0.4)],
+    ids=lambda spec: spec.type_name(),
+)
+def test_a_bent_surface_is_the_same_one_turned_where_both_agree_on_the_sides(inside, color):
+    """Values and densities of all directions, also of those that pass through."""
+    n = 2.0 * np.array(color) - 1.0
+    n /= np.linalg.norm(n)
+    s = np.array([1.0, 0.0, 0.0]) - n[0] * n
+    s /= np.linalg.norm(s)
+    turned = np.stack([s, np.cross(n, s), n])
+    wo, wi = unit_vectors(4000, 11), unit_vectors(4000, 12)
+    inner_wo, inner_wi = (turned @ w for w in (wo, wi))
+    agree = (inner_wo[2] * wo[2] > 0.0) & (inner_wi[2] * wi[2] > 0.0)
+    bent = Material(NormalMap(texture=color, bsdf=inside, **PLAIN)).evaluate(wo, wi)
+    plain = Material(inside).evaluate(inner_wo.astype(np.float32), inner_wi.astype(np.float32))
+    # Rounding decides where a direction is grazing.
+    clear = np.abs([wo[2], wi[2], inner_wo[2], inner_wi[2]]).min(0) > 1e-3
+    for found, expected in zip(bent, plain, strict=True):
+        found, expected = (np.atleast_2d(v)[:, clear] for v in (found, expected))
+        np.testing.assert_allclose(found, np.where(agree[clear], expected, 0.0), 2e-3, 1e-5)
+    through = (wo[2] * wi[2] < 0.0) & clear
+    assert (np.atleast_2d(bent[0])[:, through].max() > 0.0) == isinstance(inside, RoughDielectric)
 
 
 @pytest.mark.parametrize("rims", ["lit", "folded", "black"])

@@ -54,6 +54,25 @@ nodes:
 """
 )
 
+#: Squares of two triangles, side by side, and what they are made of in another order.
+SQUARES = (
+    HEAD
+    + "nodes:\n"
+    + "".join(
+        f"""
+  square {i}:
+    bsdf: {color}
+    shape:
+      type: mesh
+      vertices: [[{x}, -1, 0], [{x + 0.25}, -1, 0], [{x + 0.25}, 1, 0], [{x}, 1, 0]]
+      faces: [[0, 1, 2], [0, 2, 3]]
+"""
+        for i, (x, color) in enumerate(
+            [(-0.5, "red"), (-0.25, "blue"), (0.0, "blue"), (0.25, "red")]
+        )
+    )
+)
+
 #: A closed corridor: two mirrors face each other for ever.
 CORRIDOR = (
     HEAD
@@ -188,3 +207,17 @@ def test_compiled_layers_are_the_twins():
         assert found.shape == (8, 8, len(LAYERS[name]))
         if name not in FIRST_SAMPLE_LAYERS:
             np.testing.assert_allclose(found, expected, atol=1e-5)
+
+
+def test_ids_name_the_shape_the_triangle_and_what_it_is_made_of():
+    ids, position, albedo = layers(SQUARES, "id", "position", "albedo", spp=1)
+    shape, triangle, material = np.moveaxis(ids, -1, 0)
+    x, y = position[..., 0] + 0.5, position[..., 1]
+    assert (shape == 1 + np.floor(4.0 * x)).all()
+    # Above the diagonal of its square is the second one.
+    upper = (y + 1.0) / 2.0 > 4.0 * x - np.floor(4.0 * x)
+    assert (triangle == np.where(upper, 2, 1)).all()
+    assert {1, 2} == set(triangle.ravel())
+    # One number for each colour.
+    assert len(np.unique(material)) == 2
+    assert len(np.unique(np.column_stack([material.ravel(), albedo.reshape(-1, 3)]), axis=0)) == 2

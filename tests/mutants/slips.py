@@ -1,0 +1,92 @@
+"""Bugs that random slips of the campaign stand for, each with the law that closes its class."""
+
+from tests.mutants.mutant import Mutant
+
+LAWS_OF = "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family"
+
+SLIPS = (
+    Mutant(
+        "a lobe of sheen that is narrower than its table",
+        "bsdfs/sheen.py",
+        (("exp(0.5 * exponent * log(sin2))", "exp(0.51 * exponent * log(sin2))"),),
+        "tests/physics/test_sheen.py::"
+        "test_the_lobe_is_its_formula_and_its_table_holds_its_integral",
+    ),
+    Mutant(
+        "a lens that sees the sky through its middle",
+        "cameras/thin_lens.py",
+        (
+            (
+                "connect_far_point(table, lens_of(table, u_lens), d)",
+                "connect_far_point(table, 0.0 * lens_of(table, u_lens), d)",
+            ),
+        ),
+        f"{LAWS_OF}[cameras-thin_lens]",
+    ),
+    Mutant(
+        "a filter's outer part that is too high where splats are weighed",
+        "filters/mitchell.py",
+        (("(8.0 * b + 24.0 * c)\n    m =", "(8.0 * b + 24.48 * c)\n    m ="),),
+        f"{LAWS_OF}[filters-mitchell]",
+    ),
+    Mutant(
+        "shape and triangle change places among the ids",
+        "integrators/aov.py",
+        (
+            (
+                "Vec3(to_float(hit.shape + 1), to_float(hit.prim + 1), ",
+                "Vec3(to_float(hit.prim + 1), to_float(hit.shape + 1), ",
+            ),
+        ),
+        "tests/rendering/test_aovs.py::test_ids_name_the_shape_the_triangle_and_what_it_is_made_of",
+    ),
+    Mutant(
+        "the kind of the first medium's phase function for all media",
+        "media/sampling.py",
+        (
+            (
+                "kind = gather(scene.media.info, medium * INFO + PHASE)\n        # 1 -",
+                "kind = gather(scene.media.info, medium * 0 + INFO + PHASE)\n        # 1 -",
+            ),
+        ),
+        "tests/media/test_several_phases.py::"
+        "test_lanes_in_different_media_have_the_phase_functions_of_their_own",
+    ),
+    Mutant(
+        "collisions in a grid beyond the end of the way",
+        "media/grid.py",
+        (("lanes(0.0), minimum(t_max, FARTHEST))", "lanes(0.0), lanes(FARTHEST))"),),
+        "tests/media/test_flights.py::test_flights_come_through_as_the_transmittance_says",
+    ),
+    Mutant(
+        "cells counted from the corner of the window",
+        "films/merging.py",
+        (("(y + np.arange(h))", "(np.arange(h))"),),
+        "tests/film/test_windows.py::test_every_pixel_of_a_window_holds_what_its_cell_says",
+    ),
+    Mutant(
+        "shadow rays that nobody counts",
+        "integrators/path.py",
+        (("rays += count_lanes(lit)", "rays += 0"),),
+        "tests/rendering/test_rays_are_counted.py::test_rays_are_as_many_as_the_edges_of_the_paths",
+    ),
+    Mutant(
+        "nothing passes through rough glass with a bent normal",
+        "bsdfs/relief.py",
+        (
+            (
+                "agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)\n        fading",
+                "agrees = (wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)\n        fading",
+            ),
+        ),
+        "tests/physics/test_bent_normals.py::"
+        "test_a_bent_surface_is_the_same_one_turned_where_both_agree_on_the_sides",
+    ),
+    Mutant(
+        "blocks as small as the better known picture allows",
+        "metrics/agreement.py",
+        (("freedom = min((s.replicates", "freedom = max((s.replicates"),),
+        "tests/metrics/test_agreement.py::"
+        "test_blocks_are_at_most_1024_but_are_large_enough_for_few_replicates",
+    ),
+)

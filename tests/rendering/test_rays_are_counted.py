@@ -1,0 +1,54 @@
+"""How many rays a picture took, where that follows from the scene."""
+
+import pytest
+
+import alight
+from alight.formats import loads
+
+SIDE, SPP = 16, 4
+
+#: A grey room without windows, lit by a point in its middle.
+ROOM = f"""
+alight: 1
+film: {{size: [{SIDE}, {SIDE}]}}
+sampler: independent
+camera: {{type: pinhole, fov: 60, transform: {{look_at: {{origin: [.2, .1, .3], target: [1, .5, -1]}}}}}}
+nodes:
+  room: {{shape: {{type: cube, flip_normals: true}}, bsdf: {{type: diffuse, reflectance: GREY}}}}
+  lamp: {{light: {{type: point, intensity: 1}}}}
+"""  # noqa: E501
+GREY_ROOM, BLACK_ROOM = ROOM.replace("GREY", "0.5"), ROOM.replace("GREY", "0")
+#: Behind the camera, so that it does not see the lamp.
+LAMP_BEHIND = BLACK_ROOM.replace("type: point, intensity: 1}}", "type: point, intensity: 1}, "
+                                 "transform: {translate: [-0.5, 0, 0.8]}}")  # fmt: skip
+SHINING = GREY_ROOM.replace("reflectance: 0.5}", "reflectance: 0.5}, light: area").replace(
+    "  lamp: {light: {type: point, intensity: 1}}\n", ""
+)
+#: Nothing but the sky.
+OPEN = ROOM[: ROOM.index("nodes:")] + "environment: constant\n"
+
+FULL = "russian_roulette: none, max_depth"
+
+#: Scene, integrator, rays a sample.
+CASES = {
+    # Every edge is a ray, and every vertex but the last one asks the lamp.
+    "path": (GREY_ROOM, f"{{type: path, {FULL}: 5}}", 5 + 4),
+    "path, balanced": (GREY_ROOM, f"{{type: path, heuristic: balance, {FULL}: 3}}", 3 + 2),
+    "paths that follow directions alone": (
+        SHINING, f"{{type: path, light_sampling: bsdf, {FULL}: 6}}", 6,
+    ),
+    "paths in the open": (OPEN, f"{{type: path, {FULL}: 6}}", 1),
+    "paths that end in the dark": (BLACK_ROOM, f"{{type: path, {FULL}: 6}}", 1),
+    "volpath": (GREY_ROOM, f"{{type: volpath, {FULL}: 5}}", 5 + 4),
+    "direct": (GREY_ROOM, "{type: direct}", 2 + 1),
+    "occlusion": (GREY_ROOM, "{type: ambient_occlusion}", 2),
+    "nothing to occlude": (OPEN, "{type: ambient_occlusion}", 1),
+    "light": (LAMP_BEHIND, f"{{type: light, {FULL}: 4}}", 1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_rays_are_as_many_as_the_edges_of_the_paths(name):
+    text, integrator, expected = CASES[name]
+    film = alight.render(loads(f"{text}integrator: {integrator}\n", "room.yaml"), spp=SPP)
+    assert film.stats["rays"] == expected * SPP * SIDE * SIDE
