@@ -24,32 +24,28 @@ Robust Monte Carlo methods for light transport simulation, sections 5.2 and 5.3.
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Annotated, ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
-from pydantic import model_validator
-
-from alight.accel import intersect_closest, is_occluded
-from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
-from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import absorbs, has_null, refracts, squared_index, transmittance
+from alight.bsdfs.dispatch import evaluate_bsdf
+from alight.bsdfs.switch import has_null
 from alight.cameras.rays import connect_camera, connect_far_camera, sees_far
 from alight.core.constants import INFINITY
-from alight.core.noise_only import NoiseOnly
-from alight.core.spec import Depth, Integrator, invalid
 from alight.core.vec import dot, max_component
-from alight.filters.splatting import choose_pixel
+from alight.integrators.light_walk import (
+    Splat,
+    lens_numbers,
+    write_arrive,
+    write_meet,
+    write_turn,
+)
+from alight.integrators.options import PathLengths
 from alight.integrators.roulette import play_roulette
-from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
-    BSDF_CHOICE,
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
-    count_lanes,
     no_paths,
     to_local,
-    to_world,
     vertex_dimension,
 )
 from alight.lights.emission_sampling import emission_towards, is_around, sample_emission
@@ -58,54 +54,21 @@ from alight.lights.hits import on_shapes
 from alight.lights.misses import environment_radiance, environments_of
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
-from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
-from lanewise.simd import absolute, any_lane, lanes, lanes_mask, lanes_u32, lanes_vec3, where
-
-#: Further places among the dimensions of a vertex: the pixel that a point belongs to, the lens.
-PIXEL, LENS_POINT = 7, 9
-
-#: Light for one pixel. x, y: whole floats, pixels of the full film; value: what it adds to the mean
-#: over all light paths; lit: mask.
-Splat = namedtuple("Splat", "x y value lit")
+from lanewise.simd import absolute, lanes, lanes_mask, lanes_u32, lanes_vec3, where
 
 
-class Light(Integrator):
-    """Light tracer.
-
-    Parameters
-    ----------
-    russian_roulette : {"throughput", "none"}, default "throughput"
-        Whether dim paths end at random, with weights that keep the mean.
-    rr_depth : int >= 1, default 5
-        Depth from which roulette is played.
-    max_depth : int >= 1, optional
-        Longest path, counted in edges: 1 shows lights only, 2 adds direct light. Unlimited by
-        default, which needs roulette.
-    """
+class Light(PathLengths):
+    """Light tracer."""
 
     splats: ClassVar[bool] = True
     type: Literal["light"] = "light"
-    russian_roulette: Annotated[Literal["throughput", "none"], NoiseOnly()] = "throughput"
-    rr_depth: Annotated[Depth, NoiseOnly()] = 5
-    max_depth: Depth | None = None
-
-    @property
-    def longest_path(self) -> int | None:
-        """As `max_depth` says."""
-        return self.max_depth
 
     @property
     def choice_of_lights(self) -> str:
         """By their power."""
         return "power"
-
-    @model_validator(mode="after")
-    def _paths_end(self) -> Self:
-        if self.max_depth is None and self.russian_roulette == "none":
-            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
-        return self
 
 
 EXAMPLES = (
@@ -113,45 +76,6 @@ EXAMPLES = (
     Light(max_depth=8, rr_depth=3),
     Light(max_depth=3, russian_roulette="none"),
 )
-
-
-# ---------------------------------------------------------------- towards the camera
-
-
-def _write_arrive(program):
-    """``(scene, settings, sampler, depth, c, o, lit, value) -> (splat, rays)`` for connections.
-
-    o is where the ray to the camera starts, `value` what it carries but for what is in its way.
-    """
-    holes = has_null(program)
-
-    @kernel
-    def arrive(scene, settings, at, end, lit, value):
-        sampler, depth, c, o = at
-        lit = lit & c.visible & ~(max_component(value) <= 0.0)
-        u2 = get_2d(sampler, vertex_dimension(depth + 1) + PIXEL)
-        x, across = choose_pixel(scene, where(lit, c.x, 0.0), u2[0])
-        y, down = choose_pixel(scene, where(lit, c.y, 0.0), u2[1])
-        lit = lit & (absolute(across * down) > 0.0)
-        rays = 0 if holes else count_lanes(lit)
-        value = value * (across * down)
-        if any_lane(lit):
-            if holes:
-                most = lanes_u32(0) + settings.max_depth - depth - 1
-                share, _, rays = come_through_holes(scene, o, c.w, end, most, lit, rays)
-                lit = lit & (share > 0.0)
-                value = value * share
-            else:
-                lit = lit & ~is_occluded(scene, o, c.w, end, lit)
-        return Splat(x, y, where(lit, value, lanes_vec3(0.0)), lit), rays
-
-    return arrive
-
-
-@kernel
-def lens_numbers(sampler, depth):
-    """The pair that chooses the point of the lens at the vertex after `depth` edges."""
-    return get_2d(sampler, vertex_dimension(depth + 1) + LENS_POINT)
 
 
 # ---------------------------------------------------------------- paths
@@ -206,7 +130,7 @@ def begin(program):
 
     It returns the paths of the lanes `new`, and the splats of lights that the camera sees.
     """
-    arrive = _write_arrive(program)
+    arrive = write_arrive(program)
     see_lamps = _write_see_lamps(program, arrive)
     see_surroundings = _write_see_surroundings(program, arrive)
 
@@ -237,68 +161,42 @@ def begin(program):
 
 def extend(program):
     """The kernel that extends paths by one vertex: ``(scene, settings, path) -> (path, splat)``."""
-    arrive, holes = _write_arrive(program), has_null(program)
-    absorbing, refracting = absorbs(program), refracts(program)
+    arrive, holes = write_arrive(program), has_null(program)
+    meet, turn = write_meet(program), write_turn(program)
     roulette = program.option("russian_roulette") == "throughput"
 
     @kernel
     def extend_light_paths(scene, settings, path):
-        hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
-        rays = path.rays + count_lanes(path.active)
-        active, depth = path.active & (hit.t < INFINITY), path.depth + 1
-        surface = make_surface(scene, hit, path.o, path.d, active)
-        # The viewer's side of a path from the camera is the far one here.
-        wl, sampler = to_local(surface, -path.d), path.sampler
-        beta = path.beta
-        if absorbing:
-            share = transmittance(scene, surface, wl, where(active, hit.t, 0.0))
-            beta = where(active, beta * share, beta)
-        cos_l = absolute(dot(surface.ng, path.d))
-        active = active & (cos_l > 0.0)
-        per_cos = 1.0 / where(active, cos_l, 1.0)
+        v = meet(scene, path)
+        active, depth, sampler, surface = v.active, path.depth + 1, path.sampler, v.surface
 
         # The camera sees the point.
         c = connect_camera(scene, surface.p, lens_numbers(sampler, depth))
         seen = active & (depth < settings.max_depth)
-        f_cos, _ = evaluate_bsdf(scene, surface, to_local(surface, c.w), wl, seen)
+        f_cos, _ = evaluate_bsdf(scene, surface, to_local(surface, c.w), v.wl, seen)
+        per_cos = 1.0 / where(active, v.cosine, 1.0)
         corrected = absolute(dot(surface.ng, c.w)) * per_cos * c.importance
         at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
-        splat, more = arrive(scene, settings, at, c.distance, seen, beta * f_cos * corrected)
+        value = v.beta * f_cos * corrected
+        splat, more = arrive(scene, settings, at, c.distance, seen, value)
 
         # Where the path continues.
         active = active & (depth + 1 < settings.max_depth)
         dimension = vertex_dimension(depth + 1)
-        wo, weight, pdf, flags = sample_bsdf(
-            scene, surface, wl, get_1d(sampler, dimension + BSDF_CHOICE),
-            get_2d(sampler, dimension + BSDF_DIRECTION), active,
-        )  # fmt: skip
-        d = to_world(surface, wo)
-        corrected = absolute(dot(surface.ng, d)) * per_cos
-        delta = (flags & DELTA) != 0
-        smooth = active & ~delta & (pdf > 0.0)
-        if any_lane(smooth):
-            f_cos, _ = evaluate_bsdf(scene, surface, wo, wl, smooth)
-            weight = where(smooth, f_cos * (corrected / where(smooth, pdf, 1.0)), weight)
-        # A lobe of Dirac has the weight of radiance, from which two cosines have cancelled.
-        turned = corrected * absolute(wl.z) / where(absolute(wo.z) > 0.0, absolute(wo.z), 1.0)
-        if refracting:
-            inside, outside = squared_index(scene, surface, wo), squared_index(scene, surface, wl)
-            turned = turned * inside / outside
-        straight = (flags & NULL) != 0
-        weight = where(delta & ~straight, weight * turned, weight)
-        beta = where(active, beta * weight, beta)
+        t = turn(scene, sampler, dimension, v, active)
+        beta = where(active, v.beta * t.weight, v.beta)
         brightness = max_component(beta)
         # Not "brightness > 0": a NaN must live on and be counted by the film.
         active = active & ~(brightness <= 0.0)
-        o = spawn_origin(surface.p, surface.error, surface.ng, d)
-        on = replace(path, o=o, d=d, p=surface.p, beta=beta, depth=depth, active=active)
+        o = spawn_origin(surface.p, surface.error, surface.ng, t.d)
+        on = replace(path, o=o, d=t.d, p=surface.p, beta=beta, depth=depth, active=active)
         if roulette:
             # Of the flux that the path began with.
             on = play_roulette(settings, on, dimension, brightness / path.pdf)
         if holes:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             unseen = replace(path, o=beyond, beta=beta, depth=depth, active=active)
-            on = where(straight, unseen, on)
-        return replace(on, sampler=sampler, rays=rays + more), splat
+            on = where(t.straight, unseen, on)
+        return replace(on, sampler=sampler, rays=v.rays + more), splat
 
     return extend_light_paths

@@ -1,0 +1,156 @@
+r"""How densely light paths start along an edge, beside how densely light sampling finds its light.
+
+Bidirectional path tracing weighs its techniques by quotients of densities. At the light they need
+
+.. math::
+    K = P_i \cdot \begin{cases}
+        1 / (\pi A) & \text{on a shape of area } A \\
+        p_\omega(\omega) / d^2 & \text{at a point, the distance } d \text{ away} \\
+        1 / (\pi R^2) & \text{in one direction, through the disk of the scene's ball} \\
+        p_\omega(\omega)\, p_A & \text{from an environment}
+    \end{cases}
+
+which is the density of `alight.lights.emission_sampling.sample_emission`, per square metre of the
+first surface and per steradian towards the light, over both cosines; and c, that of light sampling
+per steradian (a probability where all light comes from one direction). On a shape, K takes a point
+to be uniform by area, as weights may: any function of the path will do.
+
+Source: Georgiev, Implementing vertex connection and merging, 2012 (directional, positional and
+direct densities of lights).
+"""
+
+from __future__ import annotations
+
+from alight.core.switch import is_one_of
+from alight.core.vec import dot
+from alight.lights.ball import BEHIND, behind_the_ball, disk_area, middle_of, radius_of
+from alight.lights.choice import chosen_probability, light_index
+from alight.lights.emission_sampling import choice_of, emission_direction_pdf, is_around
+from alight.lights.environment_emission import line_pdf
+from alight.lights.hits import on_shapes, pdf_of_shape
+from alight.lights.misses import environment_pdf, environments_of
+from alight.lights.model import LIGHTS
+from alight.lights.tables import INFO, STRIDE
+from alight.shapes.hit import ShapeHit
+from lanewise.jit import kernel, specialised
+from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_u32, where
+
+
+def _numbers(program, kinds) -> list[int]:
+    """Of the program's lights of these kinds."""
+    return [
+        LIGHTS[name].number for name in program.lights if name in LIGHTS and kinds(LIGHTS[name])
+    ]
+
+
+@specialised
+def is_kind(program):
+    """``is_kind(scene, index) -> (on a shape, near, around)``, masks; none of them: one direction.
+
+    near: at a point.
+    """
+    on_shape = is_one_of(_numbers(program, lambda model: model.is_on_shape))
+    near = is_one_of(_numbers(program, lambda m: m.spec.placement == "node" and m.cone is not None))
+    count = max(len(program.environments), 1) if environments_of(program) else 0
+
+    @kernel
+    def is_kind(scene, index):
+        kind = lanes_u32(0) + gather(scene.lights.info, index * INFO)
+        around = is_around(scene, index, count) if count else lanes_mask(False)
+        return on_shape(kind), near(kind), around
+
+    return is_kind
+
+
+@kernel
+def meets_the_ball(scene, p, d):
+    """Where the line through p along d meets the scene's ball, and p is not before its start."""
+    _, squared = behind_the_ball(scene, p, d)
+    radius = radius_of(scene)
+    return (squared <= radius * radius) & (dot(p - middle_of(scene), d) >= -BEHIND * radius)
+
+
+@specialised
+def emission_density(program):
+    """``emission_density(scene, index, p, d, distance) -> K``; see above.
+
+    Parameters
+    ----------
+    scene : namedtuple
+    index : uint32
+        Rows of the lights.
+    p : Vec3
+        The end of the light's ray in the scene, metres.
+    d : Vec3
+        Unit direction in which it travels.
+    distance : float
+        From the light, metres.
+    """
+    if not program.lights:
+
+        @kernel
+        def nothing(scene, index, p, d, distance):
+            return lanes(0.0)
+
+        return nothing
+    surrounded = bool(environments_of(program))
+
+    @kernel
+    def emission_density(scene, index, p, d, distance):
+        index = lanes_u32(0) + index
+        on_shape, near, around = is_kind(scene, index)
+        density = choice_of(scene, index) * emission_direction_pdf(scene, index, d, d)
+        squared = distance * distance
+        density = where(near, density / where(near & (squared > 0.0), squared, 1.0), density)
+        far = ~on_shape & ~near
+        if any_lane(far):
+            across = 1.0 / disk_area(scene)
+            if surrounded:
+                across = where(around, line_pdf(scene, p, d), across)
+            density = where(far, density * where(meets_the_ball(scene, p, d), across, 0.0), density)
+        # The density of the direction straight ahead is that of all, over their cosine.
+        shape = density * gather(scene.lights.per_area, index)
+        return where(on_shape, shape, density)
+
+    return emission_density
+
+
+@specialised
+def direct_density(program):
+    """``direct_density(scene, e, p, d, distance) -> c``: of `sample_light` for light from there.
+
+    Parameters
+    ----------
+    scene : namedtuple
+    e : Emission
+        Where the light starts.
+    p, d, distance
+        As for `emission_density`.
+    """
+    if not program.lights:
+
+        @kernel
+        def nothing(scene, e, p, d, distance):
+            return lanes(0.0)
+
+        return nothing
+    shapes, surrounded = bool(on_shapes(program)), bool(environments_of(program))
+
+    @kernel
+    def direct_density(scene, e, p, d, distance):
+        on_shape, near, around = is_kind(scene, e.light)
+        density = lanes(0.0) + gather(scene.lights.data, e.light * STRIDE + 3)
+        placed = on_shape | near
+        if any_lane(placed):
+            row = light_index(where(placed, e.light + 1, 0))
+            chosen = chosen_probability(scene, row, where(placed, e.prim, 0), p, placed)
+            density = where(placed, chosen, density)
+        if shapes:
+            row = light_index(where(on_shape, e.light + 1, 0))
+            hit = ShapeHit(where(on_shape, e.prim, 0), -d, distance, dot(d, e.n))
+            density = where(on_shape, density * pdf_of_shape(scene, row, p, hit), density)
+        if surrounded:
+            density = where(around, environment_pdf(scene, p, -d), density)
+        return density
+
+    return direct_density
