@@ -21,19 +21,23 @@ direct densities of lights).
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 from alight.core.switch import is_one_of
 from alight.core.vec import dot
 from alight.lights.ball import BEHIND, behind_the_ball, disk_area, middle_of, radius_of
 from alight.lights.choice import chosen_probability, light_index
 from alight.lights.emission_sampling import choice_of, emission_direction_pdf, is_around
 from alight.lights.environment_emission import line_pdf
-from alight.lights.hits import on_shapes, pdf_of_shape
+from alight.lights.hits import light_pdf
 from alight.lights.misses import environment_pdf, environments_of
 from alight.lights.model import LIGHTS
 from alight.lights.tables import INFO, STRIDE
-from alight.shapes.hit import ShapeHit
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_u32, where
+
+#: The part of a `Surface` that `light_pdf` knows a light by.
+LightStart = namedtuple("LightStart", "prim ng")
 
 
 def _numbers(program, kinds) -> list[int]:
@@ -134,21 +138,19 @@ def direct_density(program):
             return lanes(0.0)
 
         return nothing
-    shapes, surrounded = bool(on_shapes(program)), bool(environments_of(program))
+    surrounded = bool(environments_of(program))
 
     @kernel
     def direct_density(scene, e, p, d, distance):
         on_shape, near, around = is_kind(scene, e.light)
         density = lanes(0.0) + gather(scene.lights.data, e.light * STRIDE + 3)
-        placed = on_shape | near
-        if any_lane(placed):
-            row = light_index(where(placed, e.light + 1, 0))
-            chosen = chosen_probability(scene, row, where(placed, e.prim, 0), p, placed)
-            density = where(placed, chosen, density)
-        if shapes:
-            row = light_index(where(on_shape, e.light + 1, 0))
-            hit = ShapeHit(where(on_shape, e.prim, 0), -d, distance, dot(d, e.n))
-            density = where(on_shape, density * pdf_of_shape(scene, row, p, hit), density)
+        if any_lane(near):
+            row = light_index(where(near, e.light + 1, 0))
+            chosen = chosen_probability(scene, row, lanes_u32(0), p, near)
+            density = where(near, chosen, density)
+        if any_lane(on_shape):
+            number, start = where(on_shape, e.light + 1, 0), LightStart(e.prim, e.n)
+            density = where(on_shape, light_pdf(scene, number, p, -d, distance, start), density)
         if surrounded:
             density = where(around, environment_pdf(scene, p, -d), density)
         return density
