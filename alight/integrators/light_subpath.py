@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+from alight.accel import is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.bsdfs.switch import has_null
 from alight.cameras.rays import connect_camera
+from alight.core.constants import INFINITY
 from alight.core.vec import dot, length, max_component
 from alight.integrators.connection_weights import (
     Techniques,
@@ -26,6 +28,7 @@ from alight.integrators.walk import (
     BSDF_DIRECTION,
     LIGHT_CHOICE,
     LIGHT_POINT,
+    count_lanes,
     no_paths,
     to_local,
     vertex_dimension,
@@ -34,6 +37,7 @@ from alight.lights.emission_density import direct_density, emission_density, is_
 from alight.lights.emission_sampling import sample_emission
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import Surface, no_hit, spawn_origin
+from alight.shapes.model import SHAPES
 from alight.shapes.surfaces import blank, chart_of
 from lanewise.jit import kernel
 from lanewise.records import replace
@@ -102,6 +106,7 @@ def write_begin_light(program):
 
     `path.delta` says that a path has no vertex beside the light yet.
     """
+    may_be_stopped = any(not SHAPES[name].spec.finite for name in program.shapes)
 
     @kernel
     def begin_light(scene, settings, new, sampler):
@@ -109,6 +114,13 @@ def write_begin_light(program):
         u, u2 = get_1d(sampler, first + LIGHT_CHOICE), get_2d(sampler, first + LIGHT_POINT)
         e = sample_emission(scene, u, u2, get_2d(sampler, first + BSDF_DIRECTION))
         brightness = max_component(e.flux)
+        active, rays = new & ~(brightness <= 0.0) & (lanes_u32(1) < settings.max_depth), 0
+        if may_be_stopped:
+            # Shapes without bounds may stop light from infinity before it comes to the ball.
+            on_shape, near, _ = is_kind(scene, e.light)
+            far = active & ~on_shape & ~near
+            rays += count_lanes(far)
+            active = active & ~(far & is_occluded(scene, e.o, -e.d, lanes(INFINITY), far))
         path = replace(
             no_paths(),
             o=e.o,
@@ -118,7 +130,8 @@ def write_begin_light(program):
             pdf=brightness,
             delta=new,
             sampler=sampler,
-            active=new & ~(brightness <= 0.0) & (lanes_u32(1) < settings.max_depth),
+            active=active,
+            rays=rays,
         )
         return Walk(path, nothing_behind()), e
 

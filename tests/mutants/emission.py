@@ -88,22 +88,18 @@ EMISSION = (
     ),
     Mutant(
         "light paths without Veach's correction for shading normals",
-        "integrators/light.py",
+        "integrators/light_walk.py",
         (
             (
-                "corrected = absolute(dot(surface.ng, d)) * per_cos",
+                "corrected = cosine * (1.0 / where(v.active, v.cosine, 1.0))",
                 "corrected = absolute(dot(surface.ns, d)) / absolute(wl.z)",
-            ),
-            (
-                "corrected = absolute(dot(surface.ng, c.w)) * per_cos * c.importance",
-                "corrected = absolute(dot(surface.ns, c.w)) / absolute(wl.z) * c.importance",
             ),
         ),
         f"{TRACING}[points and directions by a lens, shading normals]",
     ),
     Mutant(
         "flux is concentrated in glass as radiance is",
-        "integrators/light.py",
+        "integrators/light_walk.py",
         (("turned = turned * inside / outside", "turned = turned * 1.0"),),
         f"{TRACING}[under water]",
     ),
