@@ -41,7 +41,7 @@ from alight.integrators.walk import (
     vertex_dimension,
 )
 from alight.lights.choice import light_index, lit_normal
-from alight.lights.emission_density import emission_density
+from alight.lights.emission_density import direct_density_of_sample, emission_density
 from alight.lights.hits import emitted, light_pdf, on_shapes
 from alight.lights.misses import environment_pdf, environment_radiance, environments_of
 from alight.lights.sampling import sample_known_light, shadow_ray
@@ -171,7 +171,9 @@ def write_add_direct_light(program):
             # Where the other end cannot be hit, or is too far away to be joined.
             by_bsdf = where(light.delta, 0.0, pdf)
             emission = where(v.depth + passed + 1 <= LONGEST, emission, 0.0)
-            others = together(by_bsdf, emission * all_behind(v.behind, reverse)) * per_pdf
+            others = together(by_bsdf, emission * all_behind(v.behind, reverse))
+            direct = direct_density_of_sample(scene, light, index)
+            others = others / where(direct > 0.0, direct, 1.0)
             w = share * weight_beside(others) * per_pdf
             path = gather_light(path, v.beta * f_cos * light.radiance * w, lit, lanes_mask(False))
         return replace(path, rays=rays)

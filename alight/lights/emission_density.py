@@ -12,8 +12,9 @@ Bidirectional path tracing weighs its techniques by quotients of densities. At t
 
 which is the density of `alight.lights.emission_sampling.sample_emission`, per square metre of the
 first surface and per steradian towards the light, over both cosines; and c, that of light sampling
-per steradian (a probability where all light comes from one direction). On a shape, K takes a point
-to be uniform by area, as weights may: any function of the path will do.
+per steradian. Weights may take any function of the path for them: on a shape, K has points uniform
+by area; for a light that cannot be hit, c is the probability that a light path starts there, which
+asks no light tree for the way to a lamp.
 
 Source: Georgiev, Implementing vertex connection and merging, 2012 (directional, positional and
 direct densities of lights).
@@ -26,13 +27,12 @@ from collections import namedtuple
 from alight.core.switch import is_one_of
 from alight.core.vec import dot
 from alight.lights.ball import BEHIND, behind_the_ball, disk_area, middle_of, radius_of
-from alight.lights.choice import chosen_probability, light_index
 from alight.lights.emission_sampling import choice_of, emission_direction_pdf, is_around
 from alight.lights.environment_emission import line_pdf
 from alight.lights.hits import light_pdf
 from alight.lights.misses import environment_pdf, environments_of
 from alight.lights.model import LIGHTS
-from alight.lights.tables import INFO, STRIDE
+from alight.lights.tables import INFO
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_u32, where
 
@@ -119,9 +119,15 @@ def emission_density(program):
     return emission_density
 
 
+@kernel
+def direct_density_of_sample(scene, light, index):
+    """c of a `LightSample` and the row of its light."""
+    return where(light.delta, choice_of(scene, lanes_u32(0) + index), light.pdf)
+
+
 @specialised
 def direct_density(program):
-    """``direct_density(scene, e, p, d, distance) -> c``: of `sample_light` for light from there.
+    """``direct_density(scene, e, p, d, distance) -> c``; see above.
 
     Parameters
     ----------
@@ -142,12 +148,8 @@ def direct_density(program):
 
     @kernel
     def direct_density(scene, e, p, d, distance):
-        on_shape, near, around = is_kind(scene, e.light)
-        density = lanes(0.0) + gather(scene.lights.data, e.light * STRIDE + 3)
-        if any_lane(near):
-            row = light_index(where(near, e.light + 1, 0))
-            chosen = chosen_probability(scene, row, lanes_u32(0), p, near)
-            density = where(near, chosen, density)
+        on_shape, _, around = is_kind(scene, e.light)
+        density = choice_of(scene, e.light)
         if any_lane(on_shape):
             number, start = where(on_shape, e.light + 1, 0), LightStart(e.prim, e.n)
             density = where(on_shape, light_pdf(scene, number, p, -d, distance, start), density)
