@@ -212,12 +212,11 @@ def write_extend_camera(program):
 
         # The camera's density of its first vertex is the importance there.
         cosine = absolute(dot(surface.ng, path.d))
-        grazing = ~(cosine > 0.0)
-        cosine = where(grazing, 1.0, cosine)
-        later = techniques_at(before, length(surface.p - path.p), cosine)
+        per_cos = 1.0 / where(cosine > 0.0, cosine, 1.0)
+        later = techniques_at(before, length(surface.p - path.p), per_cos)
         c = connect_camera(scene, surface.p, get_2d(path.sampler, LENS))
         importance = where(c.importance > 0.0, c.importance, 1.0)
-        first = Techniques(paths / (importance * cosine), lanes(0.0))
+        first = Techniques(paths * per_cos / importance, lanes(0.0))
         behind = where(path.delta, first, later)
         vertex = CameraVertex(surface, wo, path.beta, behind, depth, active)
         path = add_direct_light(scene, settings, path, vertex)

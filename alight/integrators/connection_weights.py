@@ -80,12 +80,10 @@ def weight_beside(program):
 
 
 @kernel
-def techniques_at(techniques, distance, cosine):
-    """At the end of a ray, which meets a surface of that cosine (positive)."""
-    per_cosine = 1.0 / cosine
-    return Techniques(
-        techniques.near * (distance * distance * per_cosine), techniques.far * per_cosine
-    )
+def techniques_at(techniques, distance, per_cos):
+    """At the end of a ray, which meets a surface; per_cos: one over its cosine."""
+    near = techniques.near * (distance * distance * per_cos)
+    return Techniques(near, techniques.far * per_cos)
 
 
 @kernel

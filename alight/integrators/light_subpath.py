@@ -11,10 +11,11 @@ from collections import namedtuple
 
 from alight.accel import is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf
+from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import has_null
 from alight.cameras.rays import connect_camera
 from alight.core.constants import INFINITY
-from alight.core.vec import dot, length, max_component
+from alight.core.vec import dot, length
 from alight.integrators.connection_weights import (
     Techniques,
     all_behind,
@@ -22,20 +23,14 @@ from alight.integrators.connection_weights import (
     techniques_beyond,
     weight_beside,
 )
-from alight.integrators.light_walk import lens_numbers, write_arrive, write_meet, write_turn
-from alight.integrators.roulette import play_roulette
+from alight.integrators.light_walk import set_out_by, write_arrive, write_follow, write_turn
+from alight.integrators.splats import lens_numbers, write_show
 from alight.integrators.walk import (
-    BSDF_DIRECTION,
-    LIGHT_CHOICE,
-    LIGHT_POINT,
     count_lanes,
-    no_paths,
     to_local,
     vertex_dimension,
 )
 from alight.lights.emission_density import direct_density, emission_density, is_kind
-from alight.lights.emission_sampling import sample_emission
-from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import Surface, no_hit, spawn_origin
 from alight.shapes.model import SHAPES
 from alight.shapes.surfaces import blank, chart_of
@@ -111,43 +106,28 @@ def write_begin_light(program):
     @kernel
     def begin_light(scene, settings, new, sampler):
         first = vertex_dimension(lanes_u32(1)) + OTHER_HALF
-        u, u2 = get_1d(sampler, first + LIGHT_CHOICE), get_2d(sampler, first + LIGHT_POINT)
-        e = sample_emission(scene, u, u2, get_2d(sampler, first + BSDF_DIRECTION))
-        brightness = max_component(e.flux)
-        active, rays = new & ~(brightness <= 0.0) & (lanes_u32(1) < settings.max_depth), 0
+        path, e = set_out_by(scene, settings, new, sampler, first)
         if may_be_stopped:
             # Shapes without bounds may stop light from infinity before it comes to the ball.
             on_shape, near, _ = is_kind(scene, e.light)
-            far = active & ~on_shape & ~near
-            rays += count_lanes(far)
-            active = active & ~(far & is_occluded(scene, e.o, -e.d, lanes(INFINITY), far))
-        path = replace(
-            no_paths(),
-            o=e.o,
-            d=e.d,
-            p=e.p,
-            beta=e.flux,
-            pdf=brightness,
-            delta=new,
-            sampler=sampler,
-            active=active,
-            rays=rays,
-        )
-        return Walk(path, nothing_behind()), e
+            far = path.active & ~on_shape & ~near
+            stopped = far & is_occluded(scene, e.o, -e.d, lanes(INFINITY), far)
+            path = replace(path, active=path.active & ~stopped, rays=count_lanes(far))
+        return Walk(replace(path, delta=new), nothing_behind()), e
 
     return begin_light
 
 
 @kernel
-def behind_first(scene, e, p, d, cosine):
+def behind_first(scene, e, p, d, per_cos):
     """(`Techniques` at the first vertex p of light paths that start as `e` says, mask).
 
-    The mask: the density of the light path is known there.
+    They arrive along d; per_cos: as in `Arrival`. The mask: light paths have a density there.
     """
     distance = length(p - e.p)
     density = emission_density(scene, e.light, p, d, distance)
     known = density > 0.0
-    per_density = 1.0 / where(known, density * cosine, 1.0)
+    per_density = per_cos / where(known, density, 1.0)
     on_shape, _, around = is_kind(scene, e.light)
     near = direct_density(scene, e, p, d, distance) * per_density
     return Techniques(near, where(on_shape | around, per_density, 0.0)), known
@@ -159,55 +139,43 @@ def write_extend_light(program):
     e: `Emission` that the paths began with; paths: how many light paths there are for each pixel,
     as weights count them. The settings are those of `joined_up_to`.
     """
-    arrive, holes = write_arrive(program), has_null(program)
-    meet, turn = write_meet(program), write_turn(program)
-    roulette = program.option("russian_roulette") == "throughput"
+    arrive, turn, follow = write_arrive(program), write_turn(program), write_follow(program)
+    show, holes = write_show(program), has_null(program)
 
     @kernel
     def extend_light(scene, settings, walk, e, paths):
-        path, before = walk.path, walk.behind
-        v = meet(scene, path)
-        surface, depth, sampler = v.surface, path.depth + 1, path.sampler
-        cosine = where(v.active, v.cosine, 1.0)
-        first, known = behind_first(scene, e, surface.p, path.d, cosine)
-        later = techniques_at(before, length(surface.p - path.p), cosine)
+        before, last = walk.behind, walk.path.p
+        path, arrival = arrive(scene, walk.path)
+        surface, per_cos = arrival.surface, arrival.per_cos
+        sampler, depth = path.sampler, path.depth + 1
+        first, known = behind_first(scene, e, surface.p, path.d, per_cos)
+        later = techniques_at(before, length(surface.p - last), per_cos)
         behind = where(path.delta, first, later)
-        active = v.active & (known | ~path.delta)
-        vertex = LightVertex(surface, v.wl, v.beta * (1.0 / cosine), behind, depth, active)
+        path = replace(path, active=path.active & (known | ~path.delta))
+        vertex = LightVertex(surface, arrival.wl, path.beta * per_cos, behind, depth, path.active)
 
         # The camera sees the point: t = 1.
         c = connect_camera(scene, surface.p, lens_numbers(sampler, depth))
-        seen = active & (depth < settings.max_depth)
-        f_cos, reverse = evaluate_bsdf(scene, surface, to_local(surface, c.w), v.wl, seen)
+        seen = path.active & (depth < settings.max_depth)
+        f_cos, reverse = evaluate_bsdf(scene, surface, to_local(surface, c.w), arrival.wl, seen)
         geometry = absolute(dot(surface.ng, c.w)) * c.importance
         w = weight_beside(geometry / paths * all_behind(behind, reverse))
         at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
         value = vertex.beta * f_cos * (geometry * w)
-        splat, more = arrive(scene, settings, at, c.distance, seen, value)
+        splat, more = show(scene, settings, at, c.distance, seen, value)
 
         # Where the path continues.
-        active = active & (depth + 1 < settings.max_depth)
+        path = replace(path, active=path.active & (depth + 1 < settings.max_depth))
         dimension = vertex_dimension(depth + 1) + OTHER_HALF
-        t = turn(scene, sampler, dimension, v, active)
-        beta = where(active, v.beta * t.weight, v.beta)
-        brightness = max_component(beta)
-        # Not "brightness > 0": a NaN must live on and be counted by the film.
-        active = active & ~(brightness <= 0.0)
-        o = spawn_origin(surface.p, surface.error, surface.ng, t.d)
-        on = replace(
-            path, o=o, d=t.d, p=surface.p, beta=beta, delta=lanes_mask(False), depth=depth,
-            active=active,
-        )  # fmt: skip
-        if roulette:
-            # Of the flux that the path began with.
-            on = play_roulette(settings, on, dimension, brightness / path.pdf)
-        pdf = where(t.delta | ~(t.pdf > 0.0), 1.0, t.pdf)
-        after = techniques_beyond(behind, t.cosine, pdf, t.reverse, t.delta)
+        way = turn(scene, path, arrival, dimension)
+        on = follow(settings, path, surface, way, dimension)
+        delta = (way.flags & DELTA) != 0
+        pdf = where(delta | ~(way.pdf > 0.0), 1.0, way.pdf)
+        after = techniques_beyond(behind, absolute(dot(surface.ng, way.d)), pdf, way.reverse, delta)
+        started = lanes_mask(False)
         if holes:
-            beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
-            unseen = replace(path, o=beyond, beta=beta, depth=depth, active=active)
-            on, after = where(t.straight, unseen, on), where(t.straight, before, after)
-        on = replace(on, sampler=sampler, rays=v.rays + more)
-        return Walk(on, after), vertex, splat
+            straight = (way.flags & NULL) != 0
+            after, started = where(straight, before, after), straight & path.delta
+        return Walk(replace(on, delta=started, rays=path.rays + more), after), vertex, splat
 
     return extend_light

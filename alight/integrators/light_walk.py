@@ -1,129 +1,155 @@
-"""What paths from lights do at a vertex: how the camera sees it, and where they continue.
+r"""Paths that start at lights: where their flux goes, whoever looks at it.
 
-Both follow the expressions of `alight.integrators.light`.
+A path carries the flux :math:`\beta` of its last ray, watts. Where it meets a surface, from the
+direction :math:`\omega_l`, it goes on along :math:`\omega_o` with
+
+.. math::
+    \beta\, f(\omega_o, \omega_l)\, |\omega_l \cdot n_s|\,
+    \frac{|\omega_o \cdot n_g|}{|\omega_l \cdot n_g|}
+
+over the density of :math:`\omega_o`. Materials are evaluated as paths from the camera see them. The
+quotient of the geometric cosines is Veach's correction for shading normals: without it, the two
+directions of a path would carry different light. Flux is not concentrated in glass as radiance is:
+where a lobe of Dirac refracts, its weight's 1 / eta^2 is taken back.
+
+Source: Veach 1997, Robust Monte Carlo methods for light transport simulation, sections 5.2 and 5.3.
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.accel import intersect_closest, is_occluded
+from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import absorbs, has_null, refracts, squared_index, transmittance
 from alight.core.constants import INFINITY
 from alight.core.vec import dot, max_component
-from alight.filters.splatting import choose_pixel
-from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.roulette import play_roulette
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
+    LIGHT_CHOICE,
+    LIGHT_POINT,
     count_lanes,
+    no_paths,
     to_local,
     to_world,
     vertex_dimension,
 )
+from alight.lights.emission_sampling import sample_emission
 from alight.samplers.sampling import get_1d, get_2d
+from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
-from lanewise.simd import absolute, any_lane, lanes, lanes_u32, lanes_vec3, where
+from lanewise.records import replace
+from lanewise.simd import absolute, any_lane, lanes, lanes_u32, where
 
-#: Further places among the dimensions of a vertex: the pixel that a point belongs to, the lens.
-PIXEL, LENS_POINT = 7, 9
+#: Where light arrives. surface; wl: unit direction that it comes from, in the shading frame;
+#: per_cos: float, 1 / |wl . n_g|.
+Arrival = namedtuple("Arrival", "surface wl per_cos")
 
-#: Light for one pixel. x, y: whole floats, pixels of the full film; value: what it adds to the mean
-#: over all light paths; lit: mask.
-Splat = namedtuple("Splat", "x y value lit")
-
-#: Where paths have met surfaces. wl: local direction that they came from; beta: flux, W;
-#: distance: of the last ray, metres; cosine: of wl with the geometric normal, not negative;
-#: active: mask; rays: uniform, those of the packet so far.
-LitVertex = namedtuple("LitVertex", "surface wl beta distance cosine active rays")
-
-#: Where paths go on. d: unit direction; wo: the same, local; weight: factor of the flux; pdf: per
-#: steradian, `reverse` that of the way back; cosine: of d with the geometric normal, not negative;
-#: delta, straight: masks, by a lobe of Dirac, and through a surface that is not there.
-Turn = namedtuple("Turn", "d wo weight pdf reverse cosine delta straight")
-
-
-def write_arrive(program):
-    """``(scene, settings, sampler, depth, c, o, lit, value) -> (splat, rays)`` for connections.
-
-    o is where the ray to the camera starts, `value` what it carries but for what is in its way.
-    """
-    holes = has_null(program)
-
-    @kernel
-    def arrive(scene, settings, at, end, lit, value):
-        sampler, depth, c, o = at
-        lit = lit & c.visible & ~(max_component(value) <= 0.0)
-        u2 = get_2d(sampler, vertex_dimension(depth + 1) + PIXEL)
-        x, across = choose_pixel(scene, where(lit, c.x, 0.0), u2[0])
-        y, down = choose_pixel(scene, where(lit, c.y, 0.0), u2[1])
-        lit = lit & (absolute(across * down) > 0.0)
-        rays = 0 if holes else count_lanes(lit)
-        value = value * (across * down)
-        if any_lane(lit):
-            if holes:
-                most = lanes_u32(0) + settings.max_depth - depth - 1
-                share, _, rays = come_through_holes(scene, o, c.w, end, most, lit, rays)
-                lit = lit & (share > 0.0)
-                value = value * share
-            else:
-                lit = lit & ~is_occluded(scene, o, c.w, end, lit)
-        return Splat(x, y, where(lit, value, lanes_vec3(0.0)), lit), rays
-
-    return arrive
+#: Where light goes on. d: unit direction; weight: factor of the flux; pdf: per steradian, `reverse`
+#: that of the way back (0 of a lobe of Dirac); flags: of `sample_bsdf`.
+Turn = namedtuple("Turn", "d weight pdf reverse flags")
 
 
 @kernel
-def lens_numbers(sampler, depth):
-    """The pair that chooses the point of the lens at the vertex after `depth` edges."""
-    return get_2d(sampler, vertex_dimension(depth + 1) + LENS_POINT)
+def set_out(scene, settings, new, sampler):
+    """`set_out_by` the first numbers of a vertex."""
+    return set_out_by(scene, settings, new, sampler, vertex_dimension(lanes_u32(1)))
 
 
-def write_meet(program):
-    """``(scene, path) -> LitVertex``: where light paths meet the next surface."""
+@kernel
+def set_out_by(scene, settings, new, sampler, first):
+    """Start paths in the lanes `new`, by the random numbers from the dimension `first` on.
+
+    Returns
+    -------
+    path : PathState
+        Its density is the brightness that it starts with.
+    emission : Emission
+    """
+    u, u2 = get_1d(sampler, first + LIGHT_CHOICE), get_2d(sampler, first + LIGHT_POINT)
+    e = sample_emission(scene, u, u2, get_2d(sampler, first + BSDF_DIRECTION))
+    brightness = max_component(e.flux)
+    path = replace(
+        no_paths(),
+        o=e.o,
+        d=e.d,
+        p=e.p,
+        beta=e.flux,
+        pdf=brightness,
+        sampler=sampler,
+        active=new & ~(brightness <= 0.0) & (lanes_u32(1) < settings.max_depth),
+    )
+    return path, e
+
+
+def write_arrive(program):
+    """``(scene, path) -> (path, arrival)``: the flux that reaches the next surface.
+
+    Paths stay active where there is one; they are still on the edge that leads to it.
+    """
     absorbing = absorbs(program)
 
     @kernel
-    def meet(scene, path):
+    def arrive(scene, path):
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
         rays = path.rays + count_lanes(path.active)
         active = path.active & (hit.t < INFINITY)
         surface = make_surface(scene, hit, path.o, path.d, active)
         # The viewer's side of a path from the camera is the far one here.
-        wl = to_local(surface, -path.d)
-        beta = path.beta
+        wl, beta = to_local(surface, -path.d), path.beta
         if absorbing:
             share = transmittance(scene, surface, wl, where(active, hit.t, 0.0))
             beta = where(active, beta * share, beta)
-        cosine = absolute(dot(surface.ng, path.d))
-        return LitVertex(surface, wl, beta, hit.t, cosine, active & (cosine > 0.0), rays)
+        cos_l = absolute(dot(surface.ng, path.d))
+        active = active & (cos_l > 0.0)
+        per_cos = 1.0 / where(active, cos_l, 1.0)
+        path = replace(path, beta=beta, active=active, rays=rays)
+        return path, Arrival(surface, wl, per_cos)
 
-    return meet
+    return arrive
+
+
+def write_leave(program):
+    """``(scene, settings, path, arrival) -> (path, flags)``: where the flux continues.
+
+    It plays roulette, if there is one; the flags are those of the direction.
+    """
+    turn, follow = write_turn(program), write_follow(program)
+
+    @kernel
+    def leave(scene, settings, path, arrival):
+        depth = path.depth + 1
+        path = replace(path, active=path.active & (depth + 1 < settings.max_depth))
+        dimension = vertex_dimension(depth + 1)
+        way = turn(scene, path, arrival, dimension)
+        return follow(settings, path, arrival.surface, way, dimension), way.flags
+
+    return leave
 
 
 def write_turn(program):
-    """``(scene, sampler, dimension, v, active) -> Turn``: where light paths go on from `v`.
+    """``(scene, path, arrival, dimension) -> Turn``: directions of active paths from a surface.
 
-    `v` is their `LitVertex`, `dimension` the first of the numbers that they turn by.
+    They are chosen by the random numbers from `dimension` on.
     """
     refracting = refracts(program)
 
     @kernel
-    def turn(scene, sampler, dimension, v, active):
-        surface, wl = v.surface, v.wl
+    def turn(scene, path, arrival, dimension):
+        surface, wl, per_cos = arrival.surface, arrival.wl, arrival.per_cos
+        active, sampler = path.active, path.sampler
         wo, weight, pdf, flags = sample_bsdf(
             scene, surface, wl, get_1d(sampler, dimension + BSDF_CHOICE),
             get_2d(sampler, dimension + BSDF_DIRECTION), active,
         )  # fmt: skip
         d = to_world(surface, wo)
-        cosine = absolute(dot(surface.ng, d))
-        corrected = cosine * (1.0 / where(v.active, v.cosine, 1.0))
+        corrected = absolute(dot(surface.ng, d)) * per_cos
         delta = (flags & DELTA) != 0
-        smooth = active & ~delta & (pdf > 0.0)
-        reverse = lanes(0.0)
+        smooth, reverse = active & ~delta & (pdf > 0.0), lanes(0.0)
         if any_lane(smooth):
             f_cos, reverse = evaluate_bsdf(scene, surface, wo, wl, smooth)
             weight = where(smooth, f_cos * (corrected / where(smooth, pdf, 1.0)), weight)
@@ -132,8 +158,33 @@ def write_turn(program):
         if refracting:
             inside, outside = squared_index(scene, surface, wo), squared_index(scene, surface, wl)
             turned = turned * inside / outside
-        straight = (flags & NULL) != 0
-        weight = where(delta & ~straight, weight * turned, weight)
-        return Turn(d, wo, weight, pdf, reverse, cosine, delta, straight)
+        weight = where(delta & ((flags & NULL) == 0), weight * turned, weight)
+        return Turn(d, weight, pdf, reverse, flags)
 
     return turn
+
+
+def write_follow(program):
+    """``(settings, path, surface, turn, dimension) -> path``: active paths on their next edge."""
+    holes = has_null(program)
+    roulette = program.option("russian_roulette") == "throughput"
+
+    @kernel
+    def follow(settings, path, surface, turn, dimension):
+        active, depth, d = path.active, path.depth + 1, turn.d
+        beta = where(active, path.beta * turn.weight, path.beta)
+        brightness = max_component(beta)
+        # Not "brightness > 0": a NaN must live on and be counted by the film.
+        active = active & ~(brightness <= 0.0)
+        o = spawn_origin(surface.p, surface.error, surface.ng, d)
+        on = replace(path, o=o, d=d, p=surface.p, beta=beta, depth=depth, active=active)
+        if roulette:
+            # Of the flux that the path began with.
+            on = play_roulette(settings, on, dimension, brightness / path.pdf)
+        if holes:
+            beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
+            unseen = replace(path, o=beyond, beta=beta, depth=depth, active=active)
+            on = where((turn.flags & NULL) != 0, unseen, on)
+        return replace(on, sampler=path.sampler, rays=path.rays)
+
+    return follow

@@ -91,7 +91,7 @@ EMISSION = (
         "integrators/light_walk.py",
         (
             (
-                "corrected = cosine * (1.0 / where(v.active, v.cosine, 1.0))",
+                "corrected = absolute(dot(surface.ng, d)) * per_cos",
                 "corrected = absolute(dot(surface.ns, d)) / absolute(wl.z)",
             ),
         ),

@@ -182,7 +182,7 @@ class Chain:
                 left[i] = beyond(found[i], cosine[i, there], pdf[i, here], pdf[i, there], delta)
                 if 0 < i + step < k:
                     distance = self.distance[min(i, i + step)]
-                    found[i + step] = at(left[i], distance, cosine[i + step, here])
+                    found[i + step] = at(left[i], distance, 1.0 / cosine[i + step, here])
             return found, left
 
         per_start = 1.0 / (self.emission * cosine[1, 0])

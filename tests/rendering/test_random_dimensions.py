@@ -15,8 +15,8 @@ import pytest
 from alight.core.registry import modules
 from alight.integrators.guided import GUIDE
 from alight.integrators.light_subpath import OTHER_HALF
-from alight.integrators.light_walk import LENS_POINT, PIXEL
 from alight.integrators.moments import TIME
+from alight.integrators.splats import LENS_POINT, PIXEL
 from alight.integrators.volume_walk import CHANNEL, FREE_FLIGHT
 from alight.integrators.walk import (
     BSDF_CHOICE,
