@@ -4,6 +4,7 @@ from tests.mutants.mutant import Mutant
 
 TESTS = "tests/rendering/test_bidirectional.py"
 FINDS = f"{TESTS}::test_it_finds_what_path_tracing_finds"
+HIDDEN = f"{TESTS}::test_it_finds_what_hides_in_glass_and_among_many_lamps"
 WEIGHTS = f"{TESTS}::test_weights_are_the_shares_of_densities_and_sum_to_one"
 
 BOTH_ENDS = (
@@ -28,7 +29,7 @@ BOTH_ENDS = (
         "joined paths without Veach's correction for shading normals",
         "integrators/camera_subpath.py",
         (("f_z * f_y * (cos_y * per_squared)", "f_z * f_y * (absolute(wc.z) * per_squared)"),),
-        f"{FINDS}[points and directions by a lens, shading normals]",
+        f"{HIDDEN}[in glass]",
     ),
     Mutant(
         "flux of joined paths is concentrated in glass as radiance is",
@@ -65,10 +66,10 @@ BOTH_ENDS = (
         f"{WEIGHTS}[6-power]",
     ),
     Mutant(
-        "light that a camera path hits forgets how likely light paths start there",
+        "light that a camera path hits forgets that light paths find it too",
         "integrators/camera_subpath.py",
-        (("emission * behind.far, 0.0)", "behind.far, 0.0)"),),
-        f"{FINDS}[a lamp]",
+        (("emission * behind.far, 0.0)", "0.0 * behind.far, 0.0)"),),
+        f"{HIDDEN}[in glass]",
     ),
     Mutant(
         "paths of the greatest length that is joined count twice",
@@ -85,13 +86,13 @@ BOTH_ENDS = (
                 "y.active & (edges <= settings.max_depth + 1)",
             ),
         ),
-        f"{FINDS}[a lamp]",
+        f"{HIDDEN}[in glass]",
     ),
     Mutant(
         "light paths know the density of lamps by the light tree, camera paths by their power",
         "lights/emission_density.py",
         (("where(light.delta, choice_of(scene, lanes_u32(0) + index), light.pdf)", "light.pdf"),),
-        f"{TESTS}::test_it_finds_what_hides_in_glass_and_among_many_lamps[many]",
+        f"{HIDDEN}[many]",
     ),
     Mutant(
         "light from infinity starts behind what would stop it",

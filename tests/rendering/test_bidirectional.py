@@ -33,6 +33,7 @@ from tests.rendering.light_scenes import (
     BALL,
     CASES,
     DEPTH,
+    GEM,
     LAMP,
     LONG_CASES,
     LOOK,
@@ -45,10 +46,11 @@ from tests.rendering.light_scenes import (
 )
 from tests.sampling.statistics import SIGNIFICANCE
 
-#: A lamp that no shadow ray reaches, mirrors, and what is seen through glass.
+#: A lamp that no shadow ray reaches, a mirror, shading normals, and what is seen through glass.
 IN_GLASS = (
     SCENE % ("box", PINHOLE)
     + BALL % "{type: mirror, reflectance: 0.8}"
+    + GEM.replace("[-0.7, 0.7, 0]", "[-1.6, 0.7, 1.2]")
     + """
   globe:
     shape: {type: sphere, center: [0.5, 1.7, 1], radius: 0.7}
