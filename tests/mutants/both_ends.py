@@ -26,9 +26,12 @@ BOTH_ENDS = (
         f"{TESTS}::test_threads_passes_and_merging_leave_the_bits",
     ),
     Mutant(
-        "joined paths without Veach's correction for shading normals",
-        "integrators/camera_subpath.py",
-        (("f_z * f_y * (cos_y * per_squared)", "f_z * f_y * (absolute(wc.z) * per_squared)"),),
+        "vertices of light paths without Veach's correction for shading normals",
+        "integrators/light_subpath.py",
+        (
+            ("path.beta * per_cos, behind", "path.beta * (1.0 / absolute(arrival.wl.z)), behind"),
+            ("absolute(dot(surface.ng, c.w)) * c", "absolute(dot(surface.ns, c.w)) * c"),
+        ),
         f"{HIDDEN}[in glass]",
     ),
     Mutant(
@@ -76,17 +79,6 @@ BOTH_ENDS = (
         "integrators/camera_subpath.py",
         (("where(depth <= LONGEST, emission", "where(depth < LONGEST, emission"),),
         f"{TESTS}::test_paths_that_are_too_long_to_be_joined_are_found_all_the_same",
-    ),
-    Mutant(
-        "joined paths are one edge too long",
-        "integrators/camera_subpath.py",
-        (
-            (
-                "y.active & (edges <= settings.max_depth)",
-                "y.active & (edges <= settings.max_depth + 1)",
-            ),
-        ),
-        f"{HIDDEN}[in glass]",
     ),
     Mutant(
         "light paths know the density of lamps by the light tree, camera paths by their power",
