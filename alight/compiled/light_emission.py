@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from alight.compiled.light_tree import LightRow, by_power
@@ -13,10 +15,17 @@ from alight.lights.tables import EmittingLights, LightTables
 from alight.shapes.model import SHAPES
 from lanewise.view import View
 
+#: Whether light paths start at the lights of a scene.
+Emits = Literal["never", "if possible", "always"]
+
 
 def emitting(
-    tables: LightTables, rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes
-) -> EmittingLights:
+    tables: LightTables,
+    rows: list[LightRow],
+    powers: np.ndarray,
+    shapes: CompiledShapes,
+    emits: Emits = "always",
+) -> LightTables | EmittingLights:
     """Tables of lights with what `alight.lights.emission_sampling` needs besides.
 
     Parameters
@@ -26,13 +35,19 @@ def emitting(
         One a light.
     powers : (n,) float64, W
     shapes : CompiledShapes
+    emits : {"if possible", "always"}
+        "if possible" leaves the tables as they are where a light cannot emit.
 
     Raises
     ------
     SceneError
-        If the scene has a light at which no light path can start.
+        If the scene has a light at which no light path can start, and they always should.
     """
-    _check(rows, shapes)
+    issues = _issues(rows, shapes)
+    if issues and emits == "always":
+        raise SceneError(issues)
+    if issues:
+        return tables
     choice = by_power(powers) if rows else np.zeros(2, np.float32)
     parts = [np.array([*shapes.center, shapes.radius], np.float32), choice]
     starts = np.zeros(max(len(rows), 1), np.uint32)
@@ -57,8 +72,8 @@ def _table(row: LightRow, shapes: CompiledShapes) -> np.ndarray | None:
     return table(row.light) if table and row.light is not None else None
 
 
-def _check(rows: list[LightRow], shapes: CompiledShapes) -> None:
-    """Refuse what cannot emit, each kind once."""
+def _issues(rows: list[LightRow], shapes: CompiledShapes) -> list[Issue]:
+    """What cannot emit, each kind once."""
     without = {
         row.kind for row in rows
         if LIGHTS[row.kind].spec.placement == "node" and LIGHTS[row.kind].emit is None
@@ -67,10 +82,8 @@ def _check(rows: list[LightRow], shapes: CompiledShapes) -> None:
         kind for row in rows
         if row.shape >= 0 and SHAPES[kind := shapes.rows[row.shape].kind].sample_area is None
     }  # fmt: skip
-    issues = [
+    return [
         Issue("lights", f"no light path can start at a light of type {name}: it has no {kernel}")
         for names, kernel in ((without, "kernel emit"), (dark, "kernel sample_area"))
         for name in sorted(names)
     ]
-    if issues:
-        raise SceneError(issues)

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from alight.compiled.light_emission import emitting
+from alight.compiled.light_emission import Emits, emitting
 from alight.compiled.light_gain import gain_of_tree
 from alight.compiled.light_tree import (
     Choosing,
@@ -79,7 +79,7 @@ def compile_lights(
     selection: Selection = "auto",
     *,
     compensated: bool = False,
-    emits: bool = False,
+    emits: Emits = "never",
 ) -> CompiledLights:
     """Make the tables of all lights, and enter area lights into the tables of shapes.
 
@@ -95,13 +95,14 @@ def compile_lights(
     compensated : bool, default False
         Light sampling is combined with BSDF sampling, which finds what the compensated map of an
         environment leaves out.
-    emits : bool, default False
-        Light paths start at the lights: make the tables of `alight.lights.emission_sampling`.
+    emits : {"never", "if possible", "always"}, default "never"
+        Whether light paths start at the lights, which takes the tables of
+        `alight.lights.emission_sampling`.
 
     Raises
     ------
     SceneError
-        If they do, and there is a light at which none can start.
+        If they always do, and there is a light at which none can start.
     """
     rows, around = _rows(flat, shapes), [_environment(p, compensated) for p in flat.environments]
     rows += [row for row, _ in around]
@@ -134,7 +135,7 @@ def compile_lights(
             tables.append(made.cdf)
     all_tables = LightTables(View(info), View(data), View(np.concatenate(tables)), _joined(maps))
     return CompiledLights(
-        emitting(all_tables, rows, powers, shapes) if emits else all_tables,
+        all_tables if emits == "never" else emitting(all_tables, rows, powers, shapes, emits),
         _names(rows),
         _shining(rows, shapes),
         not np.any(weights > 0.0),

@@ -107,7 +107,7 @@ def compile_scene(
         For building the BVH.
     emits : bool
         Make the tables of `alight.lights.emission_sampling`, which integrators that splat have
-        anyway.
+        anyway, and those with a guide where it is possible.
 
     Raises
     ------
@@ -130,8 +130,14 @@ def compile_scene(
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights
-    emits = emits or flat.integrator.splats
-    lights = compile_lights(flat, shapes, choice, compensated=flat.integrator.combines, emits=emits)
+    own = "if possible" if flat.integrator.wants_guide else "never"
+    lights = compile_lights(
+        flat,
+        shapes,
+        choice,
+        compensated=flat.integrator.combines,
+        emits="always" if emits or flat.integrator.splats else own,
+    )
     tables = SceneTables(
         shapes=shapes.tables,
         materials=materials,

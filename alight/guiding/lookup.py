@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 from alight.core.constants import INV_FOUR_PI, ONE_MINUS_EPSILON
 from alight.core.equal_area import sphere_to_square, square_to_sphere
+from alight.guiding.parallax import focus_at, from_middle, from_point
 from alight.guiding.tables import LEAF, NODE, PART_BITS, PARTS, QUADRANTS
 from lanewise.jit import kernel
 from lanewise.simd import (
@@ -18,18 +21,36 @@ from lanewise.simd import (
     to_float,
     where,
 )
+from lanewise.vec3 import Vec3
 
 #: What a part is worth; all of them are one.
 UNIT = 1.0 / (PARTS - 1)
+
+#: Where a point is in a guide: number of its leaf, and `Focus` there.
+Place = namedtuple("Place", "leaf focus")
+
+
+@kernel
+def place_at(guide, p):
+    """Where the point p is."""
+    leaf = leaf_at(guide, p)
+    return Place(leaf, focus_at(guide, leaf, p))
+
+
+@kernel
+def within_box(guide, p):
+    """Place of the point p within the guide's box, in [0, 1) along each axis if it is inside."""
+    box = guide.box
+    return Vec3((p.x - box[0]) * box[3], (p.y - box[1]) * box[4], (p.z - box[2]) * box[5])
 
 
 @kernel
 def leaf_at(guide, p):
     """Number of the leaf that holds the point p; outside the box, of one at its border."""
-    box, space = guide.box, guide.space
-    x = minimum(maximum((p.x - box[0]) * box[3], 0.0), ONE_MINUS_EPSILON)
-    y = minimum(maximum((p.y - box[1]) * box[4], 0.0), ONE_MINUS_EPSILON)
-    z = minimum(maximum((p.z - box[2]) * box[5], 0.0), ONE_MINUS_EPSILON)
+    space, place = guide.space, within_box(guide, p)
+    x = minimum(maximum(place.x, 0.0), ONE_MINUS_EPSILON)
+    y = minimum(maximum(place.y, 0.0), ONE_MINUS_EPSILON)
+    z = minimum(maximum(place.z, 0.0), ONE_MINUS_EPSILON)
     word = gather(space, lanes_u32(0))
     inner = word < LEAF
     while any_lane(inner):
@@ -58,19 +79,19 @@ def quadrant(left, lower):
 
 
 @kernel
-def direction_density(guide, leaf, w, active):
+def direction_density(guide, place, w, active):
     """Density of `draw_direction` per steradian, for unit directions w."""
-    return draw_direction(guide, leaf, lanes_mask(False), (lanes(0.0), lanes(0.0)), w, active)[1]
+    return draw_direction(guide, place, lanes_mask(False), (lanes(0.0), lanes(0.0)), w, active)[1]
 
 
 @kernel
-def draw_direction(guide, leaf, led, u2, w, active):
+def draw_direction(guide, place, led, u2, w, active):
     """A direction where the guide leads, and its density there and for the directions elsewhere.
 
     Parameters
     ----------
     guide : Guide
-    leaf : u32
+    place : Place
     led : mask
         Lanes that draw a direction.
     u2 : tuple of 2 floats
@@ -86,7 +107,9 @@ def draw_direction(guide, leaf, led, u2, w, active):
     density : float
         Per steradian.
     """
-    x, y = sphere_to_square(w)
+    leaf, focus = place
+    seen, spread = from_middle(focus, w)
+    x, y = sphere_to_square(seen)
     # Either numbers that choose, or the place within the square: both descend the same tree.
     u, v = where(led, u2[0], x), where(led, u2[1], y)
     a, b, size, density = lanes(0.0), lanes(0.0), lanes(1.0), lanes(INV_FOUR_PI)
@@ -109,7 +132,8 @@ def draw_direction(guide, leaf, led, u2, w, active):
         child = child_of(word, quadrant(left, lower))
         more = more & (child != 0)
         node = where(more, child, node)
-    return where(led, square_to_sphere(a + u * size, b + v * size), w), density
+    drawn, spread_drawn = from_point(focus, square_to_sphere(a + u * size, b + v * size))
+    return where(led, drawn, w), density * where(led, spread_drawn, spread)
 
 
 @kernel

@@ -12,7 +12,8 @@ from collections import namedtuple
 from alight.core.constants import INFINITY
 from alight.core.equal_area import sphere_to_square
 from alight.core.vec import gather_vec3, luminance
-from alight.guiding.lookup import child_of, leaf_at, quadrant
+from alight.guiding.lookup import child_of, leaf_at, quadrant, within_box
+from alight.guiding.parallax import focus_at, from_middle
 from alight.guiding.tables import NODE, RECORD
 from lanewise.jit import kernel
 from lanewise.simd import (
@@ -22,6 +23,7 @@ from lanewise.simd import (
     bits_float,
     float_bits,
     gather,
+    gather_row,
     is_finite,
     lane_index,
     lanes_u32,
@@ -35,17 +37,22 @@ from lanewise.simd import (
     where,
 )
 
-#: A direction that was drawn at the point p: d, its density, those of BSDF and guide alone, and
-#: f cos over the density (RGB).
-Drawn = namedtuple("Drawn", "p d pdf of_bsdf of_guide weight")
+#: A direction that was drawn at the point p: d, its density, that of the BSDF alone, and f cos over
+#: the density (RGB).
+Drawn = namedtuple("Drawn", "p d pdf of_bsdf weight")
 
-#: Shares of the guide among which a leaf chooses.
-SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9)
+#: Shares of the guide among which a leaf chooses, and of light paths in the guide.
+SHARES, MIXES = (0.2, 0.4, 0.6, 0.8, 0.9), (0.0, 0.5, 1.0)
 
-#: int64 each; cells: second moments of the quadrants, four a node; leaves: of each leaf the number
-#: of its records, and the second moment that each of `SHARES` would have had.
-Totals = namedtuple("Totals", "cells leaves")
-LEAF_SUMS = 1 + len(SHARES)
+#: All pairs of these, no guide being the first.
+CHOICES = ((0.0, 0.0), *((share, mix) for share in SHARES for mix in MIXES))
+
+#: int64 each. cells, lit: four a node, second moments of the quadrants, and the flux that arrives
+#: through them. leaves: of each leaf the number of its records, and the second moment that each of
+#: `CHOICES` would have had. middles: sums of the records' places in the box, x, y and z. near: flux
+#: that arrives, and the same times the guide's size over the length of its way.
+Totals = namedtuple("Totals", "cells lit leaves middles near")
+LEAF_SUMS = 1 + len(CHOICES)
 
 #: Scratch memory for the widest packet.
 ROOM_OF_RECORD, ROOM_OF_SUMS = 16 * RECORD, 16 * LEAF_SUMS
@@ -79,11 +86,10 @@ def record_vertices(log, path, drawn, mask):
     store_lanes(values, 5 * LANES, drawn.d.z)
     store_lanes(values, 6 * LANES, drawn.pdf)
     store_lanes(values, 7 * LANES, drawn.of_bsdf)
-    store_lanes(values, 8 * LANES, drawn.of_guide)
-    store_lanes(values, 9 * LANES, luminance(drawn.weight))
-    store_lanes(values, 10 * LANES, luminance(beta))
-    store_lanes(values, 11 * LANES, luminance(path.L))
-    store_lanes(values, 12 * LANES, bits_float(sample_number(log.window, path.sampler)))
+    store_lanes(values, 8 * LANES, luminance(drawn.weight))
+    store_lanes(values, 9 * LANES, luminance(beta))
+    store_lanes(values, 10 * LANES, luminance(path.L))
+    store_lanes(values, 11 * LANES, bits_float(sample_number(log.window, path.sampler)))
     bits = mask_bits(mask)
     while bits != 0:
         lane = trailing_zeros(bits)
@@ -111,20 +117,22 @@ def record_ends(log, path, finished):
 
 
 @kernel
-def add_records(guide, log, totals, unit):
+def add_records(guide, densities, log, totals, unit):
     """Add the vertices of a log, whose samples are all finished, to sums.
 
     Parameters
     ----------
     guide : Guide
         That the directions were drawn with.
+    densities : float32
+        Of each quadrant, four a node: per steradian, what camera paths and what light paths say.
     log : Log
     totals : Totals
     unit : float32
         Typical gain of a vertex.
     """
     values, cells = local_floats(ROOM_OF_SUMS), local_uints(16)
-    leaves = local_uints(16)
+    leaves, places = local_uints(16), local_floats(48)
     count = as_int(log.count[0])
     for start in range(0, count, LANES):
         index = lane_index() + start
@@ -133,19 +141,28 @@ def add_records(guide, log, totals, unit):
         p = gather_vec3(log.rows, row)
         d = gather_vec3(log.rows, row + 3)
         pdf, of_bsdf = gather(log.rows, row + 6), gather(log.rows, row + 7)
-        of_guide, weight = gather(log.rows, row + 8), gather(log.rows, row + 9)
-        beta, before = gather(log.rows, row + 10), gather(log.rows, row + 11)
-        end = gather(log.ends, float_bits(gather(log.rows, row + 12)))
+        weight, beta = gather(log.rows, row + 8), gather(log.rows, row + 9)
+        before = gather(log.rows, row + 10)
+        end = gather(log.ends, float_bits(gather(log.rows, row + 11)))
         # What the vertex gained from the direction: f cos L_i / p.
         gained = weight * (end - before) / where(beta == 0.0, 1.0, beta)
         gained = where(active & is_finite(gained), gained, 0.0)
         leaf = leaf_at(guide, p)
         store_lanes(leaves, 0, leaf)
-        store_lanes(cells, 0, cell_at(guide, leaf, d, active))
+        d, spread = from_middle(focus_at(guide, leaf, p), d)
+        cell = cell_at(guide, leaf, d, active)
+        store_lanes(cells, 0, cell)
+        by_camera, by_light = gather_row(densities, 2 * cell, 2)
+        by_camera, by_light = by_camera * spread, by_light * spread
+        place = within_box(guide, p)
+        store_lanes(places, 0, in_units(place.x, 1.0))
+        store_lanes(places, LANES, in_units(place.y, 1.0))
+        store_lanes(places, 2 * LANES, in_units(place.z, 1.0))
         moment = gained * gained * pdf
         store_lanes(values, 0, in_units(moment, unit * unit))
-        for choice in range(len(SHARES)):
-            share = SHARES[choice]
+        for choice in range(len(CHOICES)):
+            share, mix = CHOICES[choice]
+            of_guide = by_camera + mix * (by_light - by_camera)
             other = of_bsdf + share * (of_guide - of_bsdf)
             ratio = moment / where(other > 0.0, other, INFINITY)
             store_lanes(values, (choice + 1) * LANES, in_units(ratio, unit * unit))
@@ -156,8 +173,12 @@ def add_records(guide, log, totals, unit):
             totals.cells[as_int(cells[lane])] += as_int(values[lane])
             at = as_int(leaves[lane]) * LEAF_SUMS
             totals.leaves[at] += 1
-            for place in range(1, LEAF_SUMS):
-                totals.leaves[at + place] += as_int(values[place * LANES + lane])
+            for sum in range(1, LEAF_SUMS):
+                totals.leaves[at + sum] += as_int(values[sum * LANES + lane])
+            for axis in range(3):
+                totals.middles[3 * as_int(leaves[lane]) + axis] += as_int(
+                    places[axis * LANES + lane]
+                )
 
 
 @kernel

@@ -27,9 +27,10 @@ from lanewise.view import View
 #: of the picture, and float32 bits of blocks a pixel, across and down.
 Guide = namedtuple("Guide", "box space roots leaves nodes picture blocks")
 
-#: Of a leaf: the probability with which the guide chooses the direction, not the BSDF, and the root
-#: mean square of the luminance that a vertex gains from the direction.
-LEAF_ROW = 2
+#: Of a leaf: the probability with which the guide chooses the direction, not the BSDF; the root
+#: mean square of the luminance that a vertex gains from the direction; from `FOCUS` on the middle
+#: and the radius of the sphere on which light lies, in metres (`alight.guiding.parallax`).
+LEAF_ROW, FOCUS = 6, 2
 
 #: What of a guide does not belong to its tree: `box`, `picture` and `blocks` as arrays.
 Frame = namedtuple("Frame", "box picture blocks")
@@ -47,10 +48,17 @@ QUADRANTS = 4
 #: of the tile, its columns, first sample, samples a pixel, replicates.
 Log = namedtuple("Log", "rows count ends window")
 
-#: A vertex: position, direction, density of the direction, that of the BSDF and of the guide alone;
-#: luminance of f cos over the density, of the throughput after the vertex, and of the radiance
-#: gathered before; number of the sample (bits).
-RECORD = 13
+#: What light paths of training leave behind: `LIGHT_RECORD` float32 a vertex, and counts as above.
+LightLog = namedtuple("LightLog", "rows count")
+
+#: A vertex: position, direction that the light comes from, luminance of its flux, and 1 / length of
+#: its way since it was last scattered (per metre).
+LIGHT_RECORD = 8
+
+#: A vertex: position, direction, density of the direction, that of the BSDF alone; luminance of
+#: f cos over the density, of the throughput after the vertex, and of the radiance gathered before;
+#: number of the sample (bits).
+RECORD = 12
 
 
 def no_log() -> Log:

@@ -7,6 +7,8 @@ The density that minimises the variance of a vertex is
 :math:`p \propto \sqrt{\operatorname E[(f \cos\theta\, L_i)^2]}`, the mean being over all that a
 leaf sees. A quadrant knows the integral of the square, :math:`M`; it gets
 :math:`\sqrt{M A}` with its area :math:`A`, which is right where the square does not vary within it.
+Light that camera paths do not find has no such square; there the density follows the flux that
+light paths bring. Each leaf mixes the two by what has served it best.
 
 Sources: Müller, Gross and Novák, Practical path guiding, EGSR 2017; Rath et al., Variance-aware
 path guiding, SIGGRAPH 2020.
@@ -14,12 +16,13 @@ path guiding, SIGGRAPH 2020.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.guiding.records import LEAF_SUMS, SHARES, UNITS, Totals
+from alight.guiding.parallax import NEAR
+from alight.guiding.records import CHOICES, LEAF_SUMS, UNITS, Totals
 from alight.guiding.tables import (
     LEAF,
     NODE,
@@ -31,15 +34,21 @@ from alight.guiding.tables import (
 )
 from lanewise.view import View
 
+#: Density of all directions alike.
+EVEN = 1 / (4 * np.pi)
+
 #: A quadrant with more than this part of its leaf's density is divided, down to so many levels.
 PART, LEVELS = 0.01, 16
 
 #: A leaf is divided while it has more vertices than this many times the root of the round's, and
 #: more than `LEAST`.
-CROWD, LEAST = 4.0, 64.0
+CROWD, LEAST = 2.0, 64.0
 
-#: The guide's share before anything is known of what it gains.
-FIRST_SHARE = 0.5
+#: Light from farther than so many sizes of a leaf comes from the same direction everywhere in it.
+FAR = 64.0
+
+#: The guide's share before anything is known of what it gains, and that of light paths in it.
+FIRST_SHARE, FIRST_MIX = 0.5, 0.5
 
 #: All leaves together count as much as so many vertices of a leaf's own, for its share and for its
 #: gain: a leaf with few vertices does as the others do.
@@ -59,20 +68,28 @@ class Tree:
         Nodes that divide the quadrants further, one after another; 0 where there is none.
     level : (nodes,) int64
         0 at roots. Nodes are in the order of their levels.
-    weight : (nodes, 4) float64
-        Of each quadrant, with all that lies in it.
-    shares, gains : (leaves,) float64
-        Probability of drawing from the guide; root mean square of what a vertex gains, as luminance
-        (0: nothing is known).
+    leaf : (nodes,) int64
+        Whose quadtree a node is of.
+    parts : (nodes, 4, 2) float64
+        Probability of each quadrant within its leaf, with all that lies in it: by what camera paths
+        gained there, and by the flux of light paths.
+    shares, mixes, gains : (leaves,) float64
+        Probability of drawing from the guide; part of light paths in it; root mean square of what a
+        vertex gains, as luminance (0: nothing is known).
+    focus : (leaves, 4) float64
+        Middle and radius of `alight.guiding.parallax`, in metres.
     """
 
     space: list[int]
     roots: NDArray[np.int64]
     children: NDArray[np.int64]
     level: NDArray[np.int64]
-    weight: NDArray[np.float64]
+    leaf: NDArray[np.int64]
+    parts: NDArray[np.float64]
     shares: NDArray[np.float64]
+    mixes: NDArray[np.float64]
     gains: NDArray[np.float64]
+    focus: NDArray[np.float64]
 
     @classmethod
     def new(cls) -> Tree:
@@ -82,10 +99,18 @@ class Tree:
             roots=np.zeros(1, np.int64),
             children=np.zeros((1, 4), np.int64),
             level=np.zeros(1, np.int64),
-            weight=np.ones((1, 4)),
+            leaf=np.zeros(1, np.int64),
+            parts=np.full((1, QUADRANTS, 2), 1 / QUADRANTS),
             shares=np.zeros(1),
+            mixes=np.zeros(1),
             gains=np.zeros(1),
+            focus=np.zeros((1, 4)),
         )
+
+    @property
+    def weight(self) -> NDArray[np.float64]:
+        """(nodes, 4): probability of each quadrant within its leaf."""
+        return _mixed(self.parts, self.mixes[self.leaf])
 
     def guide(self, frame: Frame) -> Guide:
         """The tables for kernels."""
@@ -93,18 +118,19 @@ class Tree:
             box=View(frame.box),
             space=View(np.array(self.space, np.uint32)),
             roots=View(self.roots.astype(np.uint32)),
-            leaves=View(np.stack([self.shares, self.gains], axis=1).astype(np.float32)),
+            leaves=View(np.column_stack([self.shares, self.gains, self.focus]).astype(np.float32)),
             nodes=View(self._packed()),
             picture=View(frame.picture),
             blocks=View(frame.blocks),
         )
 
     def _packed(self) -> NDArray[np.uint32]:
-        lower, upper = self.weight[:, :2].sum(1), self.weight[:, 2:].sum(1)
+        weight = self.weight
+        lower, upper = weight[:, :2].sum(1), weight[:, 2:].sum(1)
         parts = (
             _ratio(lower, lower + upper),
-            _ratio(self.weight[:, 0], lower),
-            _ratio(self.weight[:, 2], upper),
+            _ratio(weight[:, 0], lower),
+            _ratio(weight[:, 2], upper),
         )
         nodes = np.zeros((len(self.children), NODE), np.uint32)
         for place, part in enumerate(parts):
@@ -115,15 +141,30 @@ class Tree:
         nodes[:, 1] = (first << QUADRANTS) | (divided @ (1 << np.arange(QUADRANTS)))
         return nodes
 
+    def densities(self) -> View:
+        """(nodes, 4, 2) float32: of the two `parts`, per steradian."""
+        # A leaf that knows nothing is even.
+        known = self.parts[self.roots].sum(1)[self.leaf][:, None] > 0.0
+        per_steradian = np.where(known, self.parts / (4 * np.pi * self._area()[..., None]), EVEN)
+        return View(per_steradian.astype(np.float32))
+
+    def _area(self) -> NDArray[np.float64]:
+        """(nodes, 1): of each of a node's quadrants."""
+        return np.power(0.25, self.level + 1.0)[:, None]
+
     def empty_totals(self) -> Totals:
         """Room for the sums of a round."""
+        shape = len(self.children), QUADRANTS
         return Totals(
-            View(np.zeros((len(self.children), QUADRANTS), np.int64)),
+            View(np.zeros(shape, np.int64)),
+            View(np.zeros(shape, np.int64)),
             View(np.zeros((len(self.roots), LEAF_SUMS), np.int64)),
+            View(np.zeros((len(self.roots), 3), np.int64)),
+            View(np.zeros((len(self.roots), 2), np.int64)),
         )
 
     def learn(self, totals: Totals, unit: float, *, asked: bool) -> None:
-        """Take weights, shares and gains from the sums of a round.
+        """Take parts, shares, mixes and gains from the sums of a round.
 
         Parameters
         ----------
@@ -133,23 +174,33 @@ class Tree:
         asked : bool
             Whether the guide knew anything that directions were drawn from.
         """
-        area = 0.25 ** (self.level + 1.0)
-        own = np.sqrt(totals.cells.shaped * area[:, None])
-        self.weight = self._upwards(np.where(self.children == 0, own, 0.0))
+        gained = np.sqrt(totals.cells.shaped * self._area())
+        own = np.stack([gained, totals.lit.shaped.astype(np.float64)], axis=2)
+        parts = self._upwards(np.where(self.children[..., None] == 0, own, 0.0))
+        whole = parts[self.roots].sum(1)
+        # Who has nothing to say takes the other's word.
+        parts = np.where((whole > 0.0)[self.leaf][:, None], parts, parts[..., ::-1])
+        whole = np.where(whole > 0.0, whole, whole[:, ::-1])
+        self.parts = parts / np.where(whole > 0.0, whole, 1.0)[self.leaf][:, None]
+
         counts, moments = np.split(totals.leaves.shaped.astype(np.float64), [1], axis=1)
+        # A few bright vertices would outweigh all others: each leaf compares its own choices.
+        profile = counts * moments / np.maximum(moments.mean(1, keepdims=True), 1.0)
+        usual = profile.sum(0) / max(counts.sum(), 1.0)
+        best = np.argmin(profile + SURE_OF_SHARE * usual, axis=1)
         typical = moments.sum(0) / max(counts.sum(), 1.0)
-        best = np.argmin(moments + SURE_OF_SHARE * typical, axis=1)
-        self.shares = np.array(SHARES)[best] if asked else np.full(len(self.roots), FIRST_SHARE)
+        first = np.tile((FIRST_SHARE, FIRST_MIX), (len(self.roots), 1))
+        self.shares, self.mixes = (np.array(CHOICES)[best] if asked else first).T
         least = (moments + SURE_OF_GAIN * typical) / (counts + SURE_OF_GAIN)
         self.gains = np.sqrt(least.min(1) / UNITS) * unit
 
-    def _upwards(self, weight: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _upwards(self, parts: NDArray[np.float64]) -> NDArray[np.float64]:
         """Sums of what lies in each quadrant."""
         for level in range(int(self.level.max()) - 1, -1, -1):
             at = np.flatnonzero(self.level == level)
             child = self.children[at]
-            weight[at] += np.where(child > 0, weight[child].sum(2), 0.0)
-        return weight
+            parts[at] += np.where(child[..., None] > 0, parts[child].sum(2), 0.0)
+        return parts
 
     def grown(self, counts: NDArray[np.int64], most_nodes: int) -> Tree:
         """The tree with crowded leaves and bright quadrants divided, and dark quadrants joined.
@@ -167,7 +218,51 @@ class Tree:
         while squares is None:
             squares = self._squares(parents, part, max(most_nodes, len(parents)))
             part *= 1.5
-        return Tree(space, *squares, self.shares[parents], self.gains[parents])
+        own = self.shares, self.mixes, self.gains, self.focus
+        leaves = (values[parents] for values in own)
+        return Tree(space, np.arange(len(parents)), *squares, *leaves)
+
+    def focused(self, totals: Totals, box: NDArray[np.float32]) -> Tree:
+        """The tree with a sphere for each leaf where most of its light comes from.
+
+        What is known of directions is forgotten.
+
+        Parameters
+        ----------
+        totals : Totals
+        box : (6,) float32
+            As in `Guide`.
+        """
+        low, extent = box[:3].astype(np.float64), 1.0 / box[3:].astype(np.float64)
+        counts = totals.leaves.shaped[:, :1]
+        middle = low + extent * (totals.middles.shaped / np.maximum(counts, 1)) / UNITS
+        flux, near = totals.near.shaped.T.astype(np.float64)
+        radius = np.where(near > 0.0, extent.max() * flux / np.where(near > 0.0, near, 1.0), 0.0)
+        # A sphere must hold the whole leaf. What comes from afar has no parallax.
+        size = np.linalg.norm(self._sizes() * extent, axis=1)
+        radius = np.maximum(radius, size / NEAR) * (radius > 0.0) * (radius < FAR * size)
+        return replace(
+            self,
+            focus=np.column_stack([middle, radius]),
+            children=np.zeros((len(self.roots), QUADRANTS), np.int64),
+            level=np.zeros(len(self.roots), np.int64),
+            leaf=np.arange(len(self.roots)),
+            parts=np.full((len(self.roots), QUADRANTS, 2), 1 / QUADRANTS),
+        )
+
+    def _sizes(self) -> NDArray[np.float64]:
+        """(leaves, 3): sides of each leaf, as parts of the box's."""
+        sizes = np.ones((len(self.roots), 3))
+        waiting = [(0, 0)]
+        while waiting:
+            place, level = waiting.pop()
+            word = self.space[place]
+            if word >= LEAF:
+                # Nodes are halved along x, y and z in turn.
+                sizes[word - LEAF] = 0.5 ** ((level + np.array([2, 1, 0])) // 3)
+            else:
+                waiting += [(word, level + 1), (word + 1, level + 1)]
+        return sizes
 
     def _divided(
         self, counts: NDArray[np.int64], crowd: float
@@ -192,38 +287,38 @@ class Tree:
     def _squares(
         self, parents: NDArray[np.int64], part: float, most_nodes: int
     ) -> tuple[NDArray, NDArray, NDArray, NDArray] | None:
-        """Roots, children, levels and weights of the leaves' quadtrees, made of their parents'.
+        """Children, levels, leaves and parts of the leaves' quadtrees, made of their parents'.
 
         None where they have too many nodes.
         """
-        # Nodes to be made: the old node in the same place, or -1, and the weights.
-        old = self.roots[parents]
-        weight = self.weight[old]
-        bound = part * weight.sum(1)
-        children, levels, weights, count = [], [], [], 0
+        # Nodes to be made: the old node in the same place, or -1, its leaf, and its parts.
+        old, leaf = self.roots[parents], np.arange(len(parents))
+        parts, mixes = self.parts[old], self.mixes[parents]
+        made, count = [], 0
         for level in range(LEVELS):
             count += len(old)
             if count > most_nodes:
                 return None
-            divided = (weight > bound[:, None]) & (level + 1 < LEVELS)
+            divided = (_mixed(parts, mixes[leaf]) > part) & (level + 1 < LEVELS)
             numbers = np.zeros((len(old), QUADRANTS), np.int64)
             numbers[divided] = count + np.arange(divided.sum())
-            children.append(numbers)
-            levels.append(np.full(len(old), level))
-            weights.append(weight)
+            made.append((numbers, np.full(len(old), level), leaf, parts))
             row, place = np.nonzero(divided)
             if not len(row):
                 break
             further = np.where(old[row] >= 0, self.children[old[row], place], 0)
-            even = np.repeat(weight[row, place][:, None] / QUADRANTS, QUADRANTS, axis=1)
-            weight = np.where(further[:, None] > 0, self.weight[further], even)
-            old, bound = np.where(further > 0, further, -1), bound[row]
-        return (
-            np.arange(len(parents)),
-            np.concatenate(children),
-            np.concatenate(levels),
-            np.concatenate(weights),
+            even = np.repeat(parts[row, place][:, None] / QUADRANTS, QUADRANTS, axis=1)
+            parts = np.where(further[:, None, None] > 0, self.parts[further], even)
+            old, leaf = np.where(further > 0, further, -1), leaf[row]
+        children, levels, leaves, parts = (
+            np.concatenate(column) for column in zip(*made, strict=True)
         )
+        return children, levels, leaves, parts
+
+
+def _mixed(parts: NDArray[np.float64], mix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(nodes, 4): the two parts of (nodes, 4, 2), the second with the weight mix, (nodes,)."""
+    return parts[..., 0] + mix[:, None] * (parts[..., 1] - parts[..., 0])
 
 
 def _ratio(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:

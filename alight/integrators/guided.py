@@ -19,7 +19,7 @@ from collections import namedtuple
 from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.core.vec import luminance
-from alight.guiding.lookup import direction_density, draw_direction, leaf_at
+from alight.guiding.lookup import direction_density, draw_direction, place_at
 from alight.guiding.records import Drawn, record_vertices
 from alight.guiding.tables import GUIDED, LEAF_ROW
 from alight.integrators.roulette import MAX_SURVIVAL
@@ -58,9 +58,9 @@ WINDOW, LEAST = 6.0, 0.05
 #: Place of the choice between guide and BSDF among the numbers of a vertex.
 GUIDE = 8
 
-#: The guide at a vertex: number of the leaf, and the probability of drawing from it; where there is
-#: no guide, `NOWHERE`.
-Here = namedtuple("Here", "leaf share gain")
+#: The guide at a vertex: `Place`, and the numbers of its leaf (`alight.guiding.tables`); `NOWHERE`
+#: without one.
+Here = namedtuple("Here", "place share gain")
 NOWHERE = ()
 
 
@@ -72,9 +72,9 @@ def is_guided(program) -> bool:
 @kernel
 def guide_at(settings, p):
     """What the guide has for the point p."""
-    leaf = leaf_at(settings.guide, p)
-    share, gain = gather_row(settings.guide.leaves, leaf * LEAF_ROW, 2)
-    return Here(leaf, share, gain)
+    place = place_at(settings.guide, p)
+    share, gain = gather_row(settings.guide.leaves, place.leaf * LEAF_ROW, 2)
+    return Here(place, share, gain)
 
 
 @kernel
@@ -87,7 +87,7 @@ def mixed(share, of_guide, of_bsdf):
 def mixed_density(settings, here, w, of_bsdf, active):
     """Density with which a vertex draws the unit direction w, in world space."""
     asked = active & (here.share > 0.0)
-    of_guide = direction_density(settings.guide, here.leaf, w, asked)
+    of_guide = direction_density(settings.guide, here.place, w, asked)
     return mixed(here.share, of_guide, of_bsdf)
 
 
@@ -118,7 +118,7 @@ def write_guided_scatter(roulette):
         led = survived & (get_1d(path.sampler, dimension + GUIDE) < share)
         smooth = survived & (led | ~delta)
         w = to_world(surface, found.wi)
-        w, of_guide = draw_direction(guide, here.leaf, led, u2, w, smooth)
+        w, of_guide = draw_direction(guide, here.place, led, u2, w, smooth)
         f_cos, of_bsdf = found.weight * found.pdf, found.pdf
         if any_lane(led):
             wi = to_local(surface, w)
@@ -132,9 +132,7 @@ def write_guided_scatter(roulette):
         weight = where(possible, f_cos / where(possible, pdf, 1.0), lanes_vec3(0.0))
         weight = where(smooth, weight, found.weight / (1.0 - share))
         if settings.log.rows.size > 0:
-            drawn = Drawn(
-                p=surface.p, d=w, pdf=pdf, of_bsdf=of_bsdf, of_guide=of_guide, weight=weight
-            )
+            drawn = Drawn(p=surface.p, d=w, pdf=pdf, of_bsdf=of_bsdf, weight=weight)
             record_vertices(settings.log, path, drawn, smooth & possible)
         weight = where(survived, weight / survival, lanes_vec3(0.0))
         return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf))

@@ -123,7 +123,7 @@ def write_leave(program):
     @kernel
     def leave(scene, settings, path, arrival):
         depth = path.depth + 1
-        path = replace(path, active=path.active & (depth + 1 < settings.max_depth))
+        path = replace(path, active=path.active & (depth < settings.max_depth))
         dimension = vertex_dimension(depth + 1)
         way = turn(scene, path, arrival, dimension)
         return follow(settings, path, arrival.surface, way, dimension), way.flags
@@ -175,7 +175,7 @@ def write_follow(program):
         beta = where(active, path.beta * turn.weight, path.beta)
         brightness = max_component(beta)
         # Not "brightness > 0": a NaN must live on and be counted by the film.
-        active = active & ~(brightness <= 0.0)
+        active = active & ~(brightness <= 0.0) & (depth + 1 < settings.max_depth)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, p=surface.p, beta=beta, depth=depth, active=active)
         if roulette:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-#: The ledger's pilot, and the first round of training a guide; no schedule has so many rounds.
-PILOT, TRAINING = 2**16, 2**17
+#: The ledger's pilot, and the first round of training a guide, from the camera and from the lights;
+#: no schedule has so many rounds.
+PILOT, TRAINING, LIGHT_TRAINING = 2**16, 2**17, 2**18
 
 
 def seed_of_round(seed: int, round: int) -> int:

@@ -1,5 +1,8 @@
 """Training a guide: rounds of paths, each with twice the samples of the one before.
 
+Paths come from both ends. Those of the camera tell what directions gained; those of the lights tell
+where there is light that camera paths do not find.
+
 Paths start at a small picture of the same view, whatever the film's size, so that the guide does
 not depend on how much is rendered. Their samples are thrown away: the picture is unbiased, given
 the guide, and each of its samples independent of all others, given the guide. A guide is a function
@@ -11,21 +14,24 @@ from __future__ import annotations
 import hashlib
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alight.compiled.scene import CompiledScene
 from alight.films import CELL_SIZE
+from alight.guiding.light_records import add_arrivals
 from alight.guiding.records import Totals, add_records
-from alight.guiding.tables import GUIDED, RECORD, Frame, Guide, Log
+from alight.guiding.tables import GUIDED, LIGHT_RECORD, RECORD, Frame, Guide, LightLog, Log
 from alight.guiding.tree import Tree
-from alight.integrators.walk import GuidedSettings, make_settings
-from alight.rendering.seeds import TRAINING, seed_of_round
+from alight.integrators.walk import GuidedSettings, Settings, make_settings
+from alight.lights.tables import EmittingLights
+from alight.rendering.light_training import record_light_paths
+from alight.rendering.seeds import LIGHT_TRAINING, TRAINING, seed_of_round
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import Tile, render_tile_kernel
 from alight.rendering.tiles import SMALL, tiles_of
@@ -35,15 +41,25 @@ from lanewise.view import View
 #: Rounds of training: 1, 2, 4 ... samples a pixel.
 ROUNDS = 7
 
-#: Samples a pixel that a tile renders before its vertices are added; vertices of a path that are.
+#: After this round leaves learn how far their light comes from.
+FOCUS_ROUND = 1
+
+#: Samples a pixel that a tile renders before its vertices are added; vertices a path, at first,
+#: that there is room for.
 AT_ONCE, DEPTH = 8, 24
 
 #: Side of the blocks of pixels that share a mean; no block is darker than this part of the median.
 BLOCK, DARKEST = 4, 0.01
 
+#: Of the extent of all vertices, left free around them.
+MARGIN = 1e-4
+
 #: Most nodes of all quadtrees: 8 bytes each in the guide, and 32 a thread while it is trained.
 MOST_NODES = 1 << 19
 
+
+#: What a kernel logs.
+L = TypeVar("L", Log, LightLog)
 
 #: `Guide.box` of a guide with a single leaf.
 _EVERYWHERE = np.array([0, 0, 0, 1, 1, 1], np.float32)
@@ -148,13 +164,18 @@ class _Trainer:
         self.scene, self.threads, self.size = scene, threads, scene.small_view.size
         self.tables = scene.tables._replace(camera=scene.small_view.camera)
         self.tiles = tiles_of((0, 0, *self.size), SMALL)
-        self.kernel = instantiate(render_tile_kernel, untrained(scene).program._replace(aovs=()))
+        program = untrained(scene).program._replace(aovs=())
+        self.kernel = instantiate(render_tile_kernel, program)
         self.add = instantiate(add_records)
         self.local = threading.local()
-        self.unit = 0.0
+        self.unit = self.light_unit = 0.0
+        self.emits = isinstance(scene.tables.lights, EmittingLights)
+        if self.emits:
+            self.light_kernel = instantiate(record_light_paths, program)
+            self.add_light = instantiate(add_arrivals)
         # Threads append, which loses nothing.
         self.seconds: list[float] = []
-        self.paths = self.vertices = 0
+        self.paths = self.vertices = self.arrivals = 0
 
     def train(self, seed: int, rounds: int) -> Guide:
         """Run all rounds."""
@@ -175,7 +196,11 @@ class _Trainer:
                 box = frame.box if number else _box(found)
                 picture = _blocks(found.squares / 2**number)
                 frame = _framed(box, picture, self.size)
+                if self.emits:
+                    self._light_round(pool, tree.guide(frame), found.totals, seed, number)
                 tree.learn(found.totals, self.unit, asked=number > 0)
+                if number == FOCUS_ROUND:
+                    tree = tree.focused(found.totals, box)
                 if number + 1 < rounds:
                     tree = tree.grown(found.totals.leaves.shaped[:, 0], MOST_NODES)
         self.seconds.append(time.thread_time() - began)
@@ -190,6 +215,7 @@ class _Trainer:
             np.full(3, np.inf, np.float32),
             np.full(3, -np.inf, np.float32),
         )
+        densities = tree.densities()
         for first in range(0, samples, AT_ONCE):
             count = min(AT_ONCE, samples - first)
             logs = list(
@@ -198,9 +224,12 @@ class _Trainer:
             if self.unit == 0.0:
                 self.unit = _typical_gain(logs)
             shares = [logs[i :: self.threads] for i in range(self.threads)]
-            for totals in pool.map(lambda part: self._sums(settings.guide, tree, part), shares):
+            for totals in pool.map(
+                lambda part: self._sums(settings.guide, densities, tree, part), shares
+            ):
                 found.totals.cells.array[:] += totals.cells.array
                 found.totals.leaves.array[:] += totals.leaves.array
+                found.totals.middles.array[:] += totals.middles.array
             for tile, log in zip(self.tiles, logs, strict=True):
                 _look(found, tile, log)
                 self.paths += log.ends.size
@@ -210,31 +239,70 @@ class _Trainer:
     def _tile(self, settings: GuidedSettings, tile: Tile, first: int, count: int) -> Log:
         """Render samples of a tile, and keep what their paths met."""
         began = time.thread_time()
-        width, height = tile.x1 - tile.x0, tile.y1 - tile.y0
-        samples = width * height * count
-        window = [tile.x0, tile.y0, width, first, count, settings.replicates]
-        log = Log(
-            View(np.zeros((samples * DEPTH, RECORD), np.float32)),
-            View(np.zeros(2, np.int64)),
-            View(np.zeros(samples, np.float32)),
-            View(np.array(window, np.uint32)),
-        )
-        cells = -(-tile.y1 // CELL_SIZE) - tile.y0 // CELL_SIZE
-        columns = -(-tile.x1 // CELL_SIZE) - tile.x0 // CELL_SIZE
-        ranges = View(np.tile(np.array([first, count], np.int64), (cells, columns, 1)))
+        samples = _pixels(tile) * count
+        window = [tile.x0, tile.y0, tile.x1 - tile.x0, first, count, settings.replicates]
         if not hasattr(self.local, "scratch"):
             self.local.scratch = Scratch()
-        film = self.local.scratch.film(settings, tile, False)
-        self.kernel(self.tables, settings._replace(log=log), tile, ranges, film)
-        self.seconds.append(time.thread_time() - began)
-        return log._replace(rows=View(log.rows.shaped[: int(log.count.array[0])].copy()))
 
-    def _sums(self, guide: Guide, tree: Tree, logs: Sequence[Log]) -> Totals:
+        def run(rows: View, counted: View) -> Log:
+            ends = View(np.zeros(samples, np.float32))
+            log = Log(rows, counted, ends, View(np.array(window, np.uint32)))
+            film = self.local.scratch.film(settings, tile, False)
+            ranges = _ranges(tile, first, count)
+            self.kernel(self.tables, settings._replace(log=log), tile, ranges, film)
+            return log
+
+        log = _logged(run, samples, RECORD)
+        self.seconds.append(time.thread_time() - began)
+        return log
+
+    def _light_round(
+        self, pool: ThreadPoolExecutor, guide: Guide, totals: Totals, seed: int, number: int
+    ) -> None:
+        """Trace light paths, as many as the round has camera paths, and add where they arrive."""
+        settings = make_settings(
+            self.scene.integrator, seed=seed_of_round(seed, LIGHT_TRAINING + number), replicates=1
+        )
+        for first in range(0, 2**number, AT_ONCE):
+            count = min(AT_ONCE, 2**number - first)
+            logs = list(
+                pool.map(lambda tile: self._light_tile(settings, tile, first, count), self.tiles)  # noqa: B023
+            )
+            if self.light_unit == 0.0:
+                self.light_unit = _typical([log.rows.shaped[:, 6] for log in logs])
+            shares = [logs[i :: self.threads] for i in range(self.threads)]
+            for part in pool.map(lambda part: self._light_sums(guide, totals, part), shares):
+                totals.lit.array[:] += part.lit.array
+                totals.near.array[:] += part.near.array
+            self.arrivals += sum(int(log.count.array[0]) for log in logs)
+
+    def _light_tile(self, settings: Settings, tile: Tile, first: int, count: int) -> LightLog:
+        began = time.thread_time()
+
+        def run(rows: View, counted: View) -> LightLog:
+            log = LightLog(rows, counted)
+            self.light_kernel(self.tables, settings, tile, _ranges(tile, first, count), log)
+            return log
+
+        log = _logged(run, _pixels(tile) * count, LIGHT_RECORD)
+        self.seconds.append(time.thread_time() - began)
+        return log
+
+    def _light_sums(self, guide: Guide, totals: Totals, logs: Sequence[LightLog]) -> Totals:
+        began = time.thread_time()
+        mine = totals._replace(lit=_zeros_like(totals.lit), near=_zeros_like(totals.near))
+        for log in logs:
+            if log.rows.size:
+                self.add_light(guide, log, mine, np.float32(self.light_unit))
+        self.seconds.append(time.thread_time() - began)
+        return mine
+
+    def _sums(self, guide: Guide, densities: View, tree: Tree, logs: Sequence[Log]) -> Totals:
         began = time.thread_time()
         totals = tree.empty_totals()
         for log in logs:
             if log.rows.size:
-                self.add(guide, log, totals, np.float32(self.unit))
+                self.add(guide, densities, log, totals, np.float32(self.unit))
         self.seconds.append(time.thread_time() - began)
         return totals
 
@@ -253,8 +321,9 @@ def _box(found: _Round) -> NDArray[np.float32]:
     if not (found.low <= found.high).all():
         return _EVERYWHERE
     extent = found.high - found.low
-    extent = np.maximum(extent, max(float(extent.max()) * 1e-6, 1e-30))
-    return np.concatenate([found.low, 1.0 / extent]).astype(np.float32)
+    # Light paths meet the same surfaces, at points that are rounded otherwise.
+    margin = max(float(extent.max()) * MARGIN, 1e-30)
+    return np.concatenate([found.low - margin, 1.0 / (extent + 2.0 * margin)]).astype(np.float32)
 
 
 def _blocks(squares: NDArray[np.float64]) -> NDArray[np.float32]:
@@ -276,13 +345,47 @@ def _framed(box: NDArray, picture: NDArray, size: tuple[int, int]) -> Frame:
 
 
 def _typical_gain(logs: Sequence[Log]) -> float:
-    """A power of two near the median of what vertices gain, where they gain; 0 if none does."""
+    """As `_typical`, of what vertices gain."""
     gains: list[Any] = []
     for log in logs:
         rows = log.rows.shaped
-        end = log.ends.array[rows[:, 12].copy().view(np.uint32)]
+        end = log.ends.array[rows[:, 11].copy().view(np.uint32)]
         with np.errstate(all="ignore"):
-            gains.append(rows[:, 9] * (end - rows[:, 11]) / rows[:, 10])
-    found = np.concatenate(gains)
-    found = found[np.isfinite(found) & (found > 0.0)]
-    return float(2.0 ** np.floor(np.log2(np.median(found)))) if len(found) else 0.0
+            gains.append(rows[:, 8] * (end - rows[:, 10]) / rows[:, 9])
+    return _typical(gains)
+
+
+def _typical(parts: Sequence[NDArray[np.float32]]) -> float:
+    """A power of two near the median of all positive values; 0 if there are none."""
+    values = np.concatenate(parts)
+    values = values[np.isfinite(values) & (values > 0.0)]
+    return float(2.0 ** np.floor(np.log2(np.median(values)))) if len(values) else 0.0
+
+
+def _zeros_like(table: View) -> View:
+    return View(np.zeros_like(table.shaped))
+
+
+def _pixels(tile: Tile) -> int:
+    return (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
+
+
+def _ranges(tile: Tile, first: int, count: int) -> View:
+    """The same samples of all pixels of a tile, as `render_tile_kernel` takes them."""
+    rows = -(-tile.y1 // CELL_SIZE) - tile.y0 // CELL_SIZE
+    columns = -(-tile.x1 // CELL_SIZE) - tile.x0 // CELL_SIZE
+    return View(np.tile(np.array([first, count], np.int64), (rows, columns, 1)))
+
+
+def _logged(run: Callable[[View, View], L], paths: int, size: int) -> L:
+    """What a kernel logs of so many paths; again, with more room, if it did not fit.
+
+    A log without room would depend on which paths came first, and so on the packets' width.
+    """
+    room = paths * DEPTH
+    while True:
+        log = run(View(np.zeros((room, size), np.float32)), View(np.zeros(2, np.int64)))
+        found, lost = log.count.array
+        if not lost:
+            return log._replace(rows=View(log.rows.shaped[:found].copy()))
+        room = int(found + lost)

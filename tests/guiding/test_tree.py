@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from alight.core.equal_area import sphere_to_square, square_to_sphere
-from alight.core.vec import Vec3
-from alight.guiding.lookup import direction_density, draw_direction, leaf_at
-from alight.guiding.records import LEAF_SUMS, SHARES, UNITS, Totals
+from alight.core.vec import Vec3, length
+from alight.guiding.lookup import Place, direction_density, draw_direction, leaf_at, place_at
+from alight.guiding.parallax import NEAR, Focus, from_middle, from_point
+from alight.guiding.records import CHOICES, UNITS, Totals
 from alight.guiding.tables import Frame
-from alight.guiding.tree import FIRST_SHARE, PART, Tree
-from lanewise.view import View
+from alight.guiding.tree import FIRST_MIX, FIRST_SHARE, PART, SURE_OF_SHARE, Tree
 
 FRAME = Frame(
     box=np.array([-1.0, 2.0, 0.5, 0.5, 0.25, 1.0], np.float32),
@@ -18,7 +18,7 @@ FRAME = Frame(
 )
 
 
-def random_tree(seed: int, rounds: int = 4) -> Tree:
+def random_tree(seed: int, rounds: int = 4, focused: int = 1) -> Tree:
     """A tree that has learnt from sums of every size."""
     rng = np.random.default_rng(seed)
     tree = Tree.new()
@@ -26,11 +26,32 @@ def random_tree(seed: int, rounds: int = 4) -> Tree:
         counts = rng.integers(0, 3000, len(tree.roots))
         cells = np.exp(4.0 * rng.standard_normal((len(tree.children), 4))) * UNITS
         cells[rng.random(cells.shape) < 0.2] = 0.0
-        leaves = rng.integers(0, 1 << 30, (len(tree.roots), LEAF_SUMS))
-        leaves[:, 0] = counts
-        tree.learn(Totals(View(cells.astype(np.int64)), View(leaves)), 1.0, asked=number > 0)
+        totals = tree.empty_totals()
+        totals.cells.shaped[:] = cells
+        totals.lit.shaped[:] = rng.permuted(cells, axis=0)
+        totals.leaves.shaped[:] = rng.integers(0, 1 << 30, totals.leaves.shaped.shape)
+        totals.leaves.shaped[:, 0] = counts
+        totals.middles.shaped[:] = counts[:, None] * UNITS * rng.random((len(counts), 3))
+        totals.near.shaped[:] = rng.integers(1, 100, (len(counts), 2)) * int(UNITS)
+        tree.learn(totals, 1.0, asked=number > 0)
+        if number == focused:
+            tree = tree.focused(totals, FRAME.box)
         tree = tree.grown(counts, 1 << 14)
     return tree
+
+
+def of_cells(tree: Tree, cells, lit, leaves) -> Totals:
+    """Sums of a round, as far as a tree learns densities from them."""
+    totals = tree.empty_totals()
+    for table, values in zip(totals, (cells, lit, leaves), strict=False):
+        table.shaped[:] = values
+    return totals
+
+
+def at_middle(leaf: int, n: int) -> Place:
+    """Points of a leaf that keep their directions."""
+    zero = np.zeros(n, np.float32)
+    return Place(np.full(n, leaf, np.uint32), Focus(Vec3(zero, zero, zero), zero))
 
 
 def test_the_map_of_directions_has_an_inverse_and_equal_areas():
@@ -101,8 +122,10 @@ def test_directions_have_the_density_that_is_told(seed, leaves):
     rng = np.random.default_rng(100 + seed)
     n, grid = 4096, 8
     worst = []
-    for leaf in rng.integers(0, len(tree.roots), leaves):
-        mine = np.full(n, leaf, np.uint32)
+    moved = 0
+    for p in FRAME.box[:3] + rng.random((leaves, 3)) / FRAME.box[3:]:
+        mine = place_at(guide, Vec3(*np.tile(p[:, None], n).astype(np.float32)))
+        moved += mine.focus.r[0] > 0.0
         u = rng.random((2, n)).astype(np.float32)
         yes = np.ones(n, bool)
         none = Vec3(*np.ones((3, n), np.float32))
@@ -116,8 +139,7 @@ def test_directions_have_the_density_that_is_told(seed, leaves):
         fine = 64
         a, b = np.meshgrid((np.arange(fine) + 0.5) / fine, (np.arange(fine) + 0.5) / fine)
         v = square_to_sphere(a.ravel().astype(np.float32), b.ravel().astype(np.float32))
-        some = np.full(fine * fine, leaf, np.uint32)
-        density = 4.0 * np.pi * direction_density(guide, some, v, np.ones(fine * fine, bool))
+        density = 4.0 * np.pi * direction_density(guide, mine, v, np.ones(fine * fine, bool))
         cells = density.reshape(grid, fine // grid, grid, fine // grid).mean((1, 3)).T
         if not np.isclose(cells.mean(), 1.0, atol=2e-3):
             # Squares finer than the points.
@@ -126,7 +148,7 @@ def test_directions_have_the_density_that_is_told(seed, leaves):
         many = expected > 5
         chi2 = ((drawn - expected)[many] ** 2 / expected[many]).sum()
         worst.append((chi2 - many.sum()) / np.sqrt(2.0 * many.sum()))
-    assert len(worst) > leaves / 4
+    assert len(worst) > leaves / 4 and moved > leaves / 4
     # Standard normal, but for a tail to the right.
     assert abs(np.mean(worst)) < 4.5 / np.sqrt(len(worst))
     assert max(worst) < 7.0
@@ -151,7 +173,7 @@ def test_densities_are_the_weights_of_quadrants(seed):
         x, y, size, weight = np.array(quadrants).T
         w = square_to_sphere(*((v + size / 2).astype(np.float32) for v in (x, y)))
         n = len(size)
-        density = direction_density(guide, np.full(n, leaf, np.uint32), w, np.ones(n, bool))
+        density = direction_density(guide, at_middle(leaf, n), w, np.ones(n, bool))
         share = 4.0 * np.pi * density * size**2
         assert share.sum() == pytest.approx(1.0, abs=1e-4)
         # Ten bits for each half of each level.
@@ -159,31 +181,106 @@ def test_densities_are_the_weights_of_quadrants(seed):
 
 
 def test_weights_follow_the_root_of_moment_times_area():
-    """Four quadrants, one of them divided: the parts are in the ratio of the optimal density."""
+    """Four quadrants: the parts are in the ratio of the optimal density, and of the flux."""
     tree = Tree.new()
-    cells = np.array([[1, 4, 9, 16]]) * (1 << 20)
-    sums = np.ones((1, LEAF_SUMS), np.int64)
-    tree.learn(Totals(View(cells), View(sums)), 1.0, asked=False)
-    assert tree.weight[0] / tree.weight[0, 0] == pytest.approx([1, 2, 3, 4])
-    assert tree.shares == [FIRST_SHARE]
+    cells, lit = np.array([[1, 4, 9, 16]]) << 20, np.array([[4, 3, 2, 1]]) << 20
+    tree.learn(of_cells(tree, cells, lit, 1), 1.0, asked=False)
+    assert tree.parts[0, :, 0] == pytest.approx(np.array([1, 2, 3, 4]) / 10)
+    assert tree.parts[0, :, 1] == pytest.approx(np.array([4, 3, 2, 1]) / 10)
+    assert (tree.shares, tree.mixes) == ([FIRST_SHARE], [FIRST_MIX])
+    assert tree.weight[0] == pytest.approx(tree.parts[0].mean(1))
 
 
-def test_the_share_is_the_one_with_the_least_second_moment():
-    """And a leaf without vertices does as all others do."""
+@pytest.mark.parametrize(("gained", "arrived"), [(0, 1), (1, 0)])
+def test_who_knows_nothing_takes_the_others_word(gained, arrived):
+    """A leaf where no camera path found light, and one that no light path reached."""
+    tree = Tree.new()
+    known = np.array([[1, 4, 9, 16]]) << 20
+    tree.learn(of_cells(tree, gained * known, arrived * known, 1), 1.0, asked=False)
+    assert (tree.parts[..., 0] == tree.parts[..., 1]).all()
+    assert tree.parts[0, :, 0].sum() == pytest.approx(1.0)
+    tree.learn(of_cells(tree, 0 * known, 0 * known, 1), 1.0, asked=False)
+    assert tree.densities().shaped == pytest.approx(1 / (4 * np.pi))
+
+
+def test_a_leaf_chooses_what_has_the_least_second_moment():
+    """And a leaf without vertices does as all others do, however bright these are."""
     tree = random_tree(3)
     n = len(tree.roots)
-    leaves = np.full((n, LEAF_SUMS), 1 << 30)
+    # A few leaves are so bright that their sums are larger than those of all others together.
+    bright = np.where(np.arange(n) % 9 == 1, 1 << 12, 1)[:, None]
+    leaves = np.full((n, 1 + len(CHOICES)), 1 << 40) * bright
     leaves[:, 0] = 1 << 20
-    best = np.arange(n) % len(SHARES)
-    leaves[np.arange(n), 1 + best] = 1 << 20
+    best = np.arange(n) % len(CHOICES)
+    leaves[np.arange(n), 1 + best] = (1 << 30) * bright[:, 0]
     leaves[0] = 0
-    cells = np.ones((len(tree.children), 4), np.int64)
-    tree.learn(Totals(View(cells), View(leaves)), 1.0, asked=True)
-    assert tree.shares[1:].tolist() == [SHARES[i] for i in best[1:]]
-    leaves[1:, 1:] = 1 << 30
-    leaves[1:, 1 + 2] -= 1 << 20
-    tree.learn(Totals(View(cells), View(leaves)), 1.0, asked=True)
-    assert tree.shares[0] == SHARES[2]
+    tree.learn(of_cells(tree, 1, 1, leaves), 1.0, asked=True)
+    chosen = list(zip(tree.shares, tree.mixes, strict=True))
+    assert chosen[1:] == [CHOICES[i] for i in best[1:]]
+    # Most leaves prefer the third choice, the brightest the second.
+    leaves[1:, 1:] = (1 << 40) * bright[1:]
+    leaves[np.arange(1, n), np.where(bright[1:, 0] > 1, 2, 3)] //= 2
+    tree.learn(of_cells(tree, 1, 1, leaves), 1.0, asked=True)
+    assert (tree.shares[0], tree.mixes[0]) == CHOICES[2]
+
+
+def test_a_leaf_is_sure_of_its_choice_after_some_vertices():
+    """Before, it does as the others do."""
+    tree = random_tree(3)
+    leaves = np.full((len(tree.roots), 1 + len(CHOICES)), 1 << 40)
+    leaves[:, 1 + 4] -= 1 << 35
+    for count, choice in ((SURE_OF_SHARE // 4, 4), (4 * SURE_OF_SHARE, 7)):
+        leaves[:, 0] = 1 << 20
+        leaves[5] = 1 << 40
+        leaves[5, 0], leaves[5, 1 + 7] = count, (1 << 40) - (1 << 35)
+        tree.learn(of_cells(tree, 1, 1, leaves), 1.0, asked=True)
+        assert (tree.shares[5], tree.mixes[5]) == CHOICES[choice]
+
+
+def test_directions_are_moved_to_the_middle_of_a_leaf_and_back():
+    """One to one, with the derivative that is told; for a point at the middle nothing changes."""
+    rng = np.random.default_rng(5)
+    n = 100_000
+    w = rng.standard_normal((3, n))
+    w = Vec3(*(w / np.linalg.norm(w, axis=0)).astype(np.float32))
+    for distance in (0.0, 0.3, 0.69):
+        o = Vec3(*(np.full(n, distance * v, np.float32) for v in (0.6, 0.0, -0.8)))
+        focus = Focus(o, np.ones(n, np.float32))
+        seen, spread = from_middle(focus, w)
+        back, again = from_point(focus, seen)
+        assert length(back - w).max() < 2e-6
+        assert np.abs(again / spread - 1.0).max() < 1e-5
+        # Uniform directions have the density 1 / spread there: its mean over the sphere is one.
+        _, spread = from_point(focus, w)
+        assert abs(np.mean(1.0 / spread) - 1.0) <= 5.0 * np.std(1.0 / spread) / n**0.5 + 1e-6
+        # A lamp on the sphere is seen from the middle in the same direction by all points.
+        lamp = Vec3(np.float32(0.0), np.float32(0.6), np.float32(0.8))
+        there = [getattr(lamp, axis) - getattr(o, axis) for axis in "xyz"]
+        there = Vec3(*(there / np.linalg.norm(there, axis=0)))
+        found, _ = from_middle(focus, there)
+        assert (
+            max(np.abs(getattr(found, axis) - getattr(lamp, axis)).max() for axis in "xyz") < 1e-6
+        )
+
+
+def test_a_focus_is_where_the_light_is():
+    """The mean of 1 / distance by flux; a sphere always holds its leaf, and nothing is infinite."""
+    tree = random_tree(4, focused=9)
+    n = len(tree.roots)
+    totals = tree.empty_totals()
+    totals.leaves.shaped[:, 0] = 100
+    totals.middles.shaped[:] = [UNITS * 25, UNITS * 50, UNITS * 75]
+    # The longest side is 4 m: light from 8 m, from 1 cm, from infinity, and none at all.
+    ratios = np.resize([0.5, 400.0, 0.0, 0.0], n)
+    totals.near.shaped[:, 0] = np.where(np.arange(n) % 4 == 3, 0, 1 << 30)
+    totals.near.shaped[:, 1] = ratios * (1 << 30)
+    focus = tree.focused(totals, FRAME.box).focus
+    assert focus[:, :3] == pytest.approx(np.tile([-0.5, 4.0, 1.25], (n, 1)))
+    size = np.linalg.norm(tree._sizes() / FRAME.box[3:], axis=1)
+    first, second = focus[0::4, 3], focus[1::4, 3]
+    assert first == pytest.approx(np.maximum(8.0, size[0::4] / NEAR))
+    assert second == pytest.approx(size[1::4] / NEAR)
+    assert (focus[2::4, 3] == 0.0).all() and (focus[3::4, 3] == 0.0).all()
 
 
 def test_bright_quadrants_are_divided_and_dark_ones_are_joined():

@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 TREE = "tests/guiding/test_tree.py"
+LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
 SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
 
@@ -100,7 +101,57 @@ GUIDING = (
     Mutant(
         "moments without the area of their quadrant",
         "guiding/tree.py",
-        (("np.sqrt(totals.cells.shaped * area[:, None])", "totals.cells.shaped * area[:, None]"),),
+        (("np.sqrt(totals.cells.shaped * self._area())", "totals.cells.shaped * self._area()"),),
         f"{TREE}::test_weights_follow_the_root_of_moment_times_area",
+    ),
+    Mutant(
+        "directions as the middle sees them, with the density of the point",
+        "guiding/lookup.py",
+        (("density * where(led, spread_drawn, spread)", "density"),),
+        f"{TREE}::test_directions_have_the_density_that_is_told",
+    ),
+    Mutant(
+        "a derivative without the cosine at the sphere",
+        "guiding/parallax.py",
+        (("1.0) * where(cosine > 0.0, cosine, 1.0))", "1.0))"),),
+        f"{TREE}::test_directions_are_moved_to_the_middle_of_a_leaf_and_back",
+    ),
+    Mutant(
+        "a mean of distances, not of their inverses",
+        "guiding/light_records.py",
+        (
+            ("flux * minimum(size * near, SHORTEST)", "flux / maximum(size * near, 1e-3)"),
+            ("    minimum,\n", "    maximum,\n    minimum,\n"),
+        ),
+        f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves",
+    ),
+    Mutant(
+        "light paths leave records at mirrors",
+        "rendering/light_training.py",
+        (
+            (
+                "seen & ~path.delta & (~delta | is_mixed(scene, arrival.surface))",
+                "seen & ~path.delta",
+            ),
+        ),
+        f"{LIGHT}::test_walls_of_mirrors_and_too_long_paths_leave_no_records",
+    ),
+    Mutant(
+        "light paths record what light sampling finds",
+        "rendering/light_training.py",
+        (("seen & ~path.delta & (~delta", "seen & (~delta"),),
+        f"{LIGHT}::test_a_mirror_sends_the_flux_of_the_sun_to_the_wall",
+    ),
+    Mutant(
+        "a way that begins again at mirrors",
+        "rendering/light_training.py",
+        (("where(delta, way, 0.0)", "where(delta, 0.0, 0.0)"),),
+        f"{LIGHT}::test_the_length_of_a_way_goes_over_mirrors",
+    ),
+    Mutant(
+        "the brightest leaves choose for those that know nothing",
+        "guiding/tree.py",
+        (("counts * moments / np.maximum(moments.mean(1, keepdims=True), 1.0)", "moments"),),
+        f"{TREE}::test_a_leaf_chooses_what_has_the_least_second_moment",
     ),
 )

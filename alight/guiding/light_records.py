@@ -1,0 +1,105 @@
+"""What light paths of training see: a record of the flux that arrives at each vertex.
+
+Camera paths learn only from light that they find. Light paths come from the lamps, through glass
+and water too, and know where light is that no camera path would ever meet.
+"""
+
+from __future__ import annotations
+
+from alight.core.vec import gather_vec3, max_component, min_component
+from alight.guiding.lookup import leaf_at, within_box
+from alight.guiding.parallax import focus_at, from_middle
+from alight.guiding.records import cell_at, in_units
+from alight.guiding.tables import LIGHT_RECORD
+from lanewise.jit import kernel
+from lanewise.simd import (
+    LANES,
+    as_int,
+    gather,
+    is_finite,
+    lane_index,
+    local_floats,
+    local_uints,
+    mask_bits,
+    minimum,
+    store_lanes,
+    trailing_zeros,
+    where,
+)
+
+#: Scratch memory for the widest packet.
+ROOM = 16 * LIGHT_RECORD
+
+#: No way counts as shorter than the guide's size over this.
+SHORTEST = 1000.0
+
+
+@kernel
+def record_arrivals(log, p, w, flux, near, mask):
+    """Append the points p that light reaches from the unit direction w, in the lanes of the mask.
+
+    flux, near: float, its luminance, and 1 / length of its way (`LIGHT_RECORD`).
+    """
+    values = local_floats(ROOM)
+    store_lanes(values, 0, p.x)
+    store_lanes(values, LANES, p.y)
+    store_lanes(values, 2 * LANES, p.z)
+    store_lanes(values, 3 * LANES, w.x)
+    store_lanes(values, 4 * LANES, w.y)
+    store_lanes(values, 5 * LANES, w.z)
+    store_lanes(values, 6 * LANES, flux)
+    store_lanes(values, 7 * LANES, near)
+    bits = mask_bits(mask)
+    while bits != 0:
+        lane = trailing_zeros(bits)
+        bits &= bits - 1
+        at = LIGHT_RECORD * log.count[0]
+        if at < log.rows.size:
+            for place in range(LIGHT_RECORD):
+                log.rows[at + place] = values[place * LANES + lane]
+            log.count[0] += 1
+        else:
+            log.count[1] += 1
+
+
+@kernel
+def add_arrivals(guide, log, totals, unit):
+    """Add the flux of a log to `lit` and `near` of sums, where it arrives within the guide's box.
+
+    Parameters
+    ----------
+    guide : Guide
+    log : LightLog
+    totals : Totals
+    unit : float32
+        Typical flux of a vertex.
+    """
+    values, cells, leaves = local_floats(32), local_uints(16), local_uints(16)
+    count, box = as_int(log.count[0]), guide.box
+    # Of the box's longest side.
+    size = 1.0 / min(box[3], min(box[4], box[5]))
+    for start in range(0, count, LANES):
+        index = lane_index() + start
+        active = index < count
+        row = where(active, index, 0) * LIGHT_RECORD
+        p, w = gather_vec3(log.rows, row), gather_vec3(log.rows, row + 3)
+        flux, near = gather(log.rows, row + 6), gather(log.rows, row + 7)
+        # What happens where no camera path has been is nobody's business.
+        place = within_box(guide, p)
+        inside = (min_component(place) >= 0.0) & (max_component(place) < 1.0)
+        active = active & inside & is_finite(flux)
+        flux = where(active, flux, 0.0)
+        leaf = leaf_at(guide, p)
+        w, _ = from_middle(focus_at(guide, leaf, p), w)
+        store_lanes(cells, 0, cell_at(guide, leaf, w, active))
+        store_lanes(leaves, 0, leaf)
+        store_lanes(values, 0, in_units(flux, unit))
+        store_lanes(values, LANES, in_units(flux * minimum(size * near, SHORTEST), unit))
+        bits = mask_bits(active)
+        while bits != 0:
+            lane = trailing_zeros(bits)
+            bits &= bits - 1
+            totals.lit[as_int(cells[lane])] += as_int(values[lane])
+            at = 2 * as_int(leaves[lane])
+            totals.near[at] += as_int(values[lane])
+            totals.near[at + 1] += as_int(values[LANES + lane])

@@ -1,0 +1,99 @@
+"""Light paths that train a guide: what arrives where, in place of a picture."""
+
+from __future__ import annotations
+
+from alight.bsdfs.dispatch import is_mixed
+from alight.bsdfs.flags import DELTA, NULL
+from alight.core.constants import INFINITY
+from alight.core.vec import length, luminance
+from alight.guiding.light_records import record_arrivals
+from alight.integrators.light_walk import set_out, write_arrive, write_leave
+from alight.integrators.moments import at_times_of
+from alight.integrators.queue import NO_HIT, empty_queue, put, take
+from alight.integrators.walk import no_paths, to_world
+from alight.lights.emission_sampling import is_around
+from alight.lights.misses import environments_of
+from alight.rendering.tile_kernel import Cursor, count_cells, next_pixel, next_samples
+from lanewise.jit import kernel, specialised
+from lanewise.records import replace
+from lanewise.simd import LANES, lanes_vec3, mask_bits, maximum, where
+
+#: Shortest way, metres.
+SMALLEST = 1e-30
+
+
+@specialised
+def start_recorded(program):
+    """``(scene, settings, new, sampler) -> path``: light paths in the lanes `new`.
+
+    Their `delta` says that light sampling finds what they bring to the next surface. They gather no
+    light: L.x is the length of their way since they were last scattered, from infinity on for
+    lights that are there.
+    """
+    by_light = program.option("light_sampling") in ("mis", "emitter")
+    count = max(len(program.environments), 1)
+    around = bool(environments_of(program))
+
+    @kernel
+    def start(scene, settings, new, sampler):
+        path, e = set_out(scene, settings, new, sampler)
+        alone = e.delta_position | e.delta_direction
+        far = e.delta_direction
+        if around:
+            far = far | is_around(scene, e.light, count)
+        way = lanes_vec3(1.0) * where(far, INFINITY, 0.0)
+        return replace(path, L=way, delta=new if by_light else new & alone)
+
+    return start
+
+
+@specialised
+def extend_recorded(program):
+    """``(scene, settings, log, path) -> path``: one more vertex, and a record of it.
+
+    There is none of vertices where only Dirac lobes scatter light, which ask no guide, and of light
+    that light sampling finds.
+    """
+    arrive, leave = write_arrive(program), write_leave(program)
+
+    @kernel
+    def extend(scene, settings, log, path):
+        path, arrival = arrive(scene, path)
+        p = arrival.surface.p
+        way = path.L.x + length(p - path.o)
+        seen = path.active & (path.depth + 1 < settings.max_depth)
+        on, flags = leave(scene, settings, path, arrival)
+        delta = (flags & DELTA) != 0
+        recorded = seen & ~path.delta & (~delta | is_mixed(scene, arrival.surface))
+        near = 1.0 / maximum(way, SMALLEST)
+        w = to_world(arrival.surface, arrival.wl)
+        record_arrivals(log, p, w, luminance(path.beta), near, recorded)
+        way = lanes_vec3(1.0) * where(delta, way, 0.0)
+        # Light sampling looks straight through holes.
+        return replace(on, L=way, delta=path.delta & ((flags & NULL) != 0))
+
+    return extend
+
+
+@kernel
+def record_light_paths(scene, settings, tile, ranges, log):
+    """Trace the light paths `ranges` of a tile of the small picture, and log where they arrive."""
+    path, queue = no_paths(), empty_queue(NO_HIT)
+    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
+    _, cells = count_cells(tile)
+    waiting = 0
+    while True:
+        if mask_bits(~path.active) != 0:
+            waiting = put(queue, waiting, path, NO_HIT)
+            if waiting >= LANES:
+                waiting -= LANES
+                path, _ = take(settings, queue, waiting, LANES, NO_HIT)
+            elif cursor.cell < cells:
+                cursor, new, sampler = next_samples(settings, tile, ranges, cursor)
+                path = start_recorded(at_times_of(scene, sampler), settings, new, sampler)
+            elif waiting > 0:
+                path, _ = take(settings, queue, 0, waiting, NO_HIT)
+                waiting = 0
+            else:
+                break
+        path = extend_recorded(at_times_of(scene, path.sampler), settings, log, path)
