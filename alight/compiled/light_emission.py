@@ -56,7 +56,11 @@ def emitting(
         if own is not None:
             starts[i] = sum(part.size for part in parts)
             parts.append(own)
-    return EmittingLights(*tables, View(np.concatenate(parts).astype(np.float32)), View(starts))
+    emission, per_area = np.concatenate(parts).astype(np.float32), np.zeros(starts.size, np.float32)
+    for i, row in enumerate(rows):
+        if row.shape >= 0:
+            per_area[i] = 1.0 / max(row.areas.sum(), np.finfo(np.float32).tiny)
+    return EmittingLights(*tables, View(emission), View(starts), View(per_area))
 
 
 def _table(row: LightRow, shapes: CompiledShapes) -> np.ndarray | None:

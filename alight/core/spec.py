@@ -285,7 +285,7 @@ class Integrator(Spec):
     transports : bool
         Its picture is the light of all paths of at most `longest_path` edges, as of all its kind.
     splats : bool
-        All its paths start at lights and find their own pixels.
+        Paths start at lights and find their own pixels.
     """
 
     family: ClassVar[str] = "integrators"

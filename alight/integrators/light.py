@@ -19,26 +19,18 @@ Robust Monte Carlo methods for light transport simulation, section 5.3.
 
 from __future__ import annotations
 
-from collections import namedtuple
-from typing import Annotated, ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
-from pydantic import model_validator
-
-from alight.accel import is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf
-from alight.bsdfs.switch import has_null
 from alight.cameras.rays import connect_camera, connect_far_camera, sees_far
 from alight.core.constants import INFINITY
-from alight.core.noise_only import NoiseOnly
-from alight.core.spec import Depth, Integrator, invalid
-from alight.core.vec import dot, max_component
-from alight.filters.splatting import choose_pixel
+from alight.core.vec import dot
 from alight.integrators.light_walk import set_out, write_arrive, write_leave
-from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.options import PathLengths
+from alight.integrators.splats import Splat, lens_numbers, write_show
 from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
-    count_lanes,
     to_local,
     vertex_dimension,
 )
@@ -50,51 +42,19 @@ from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from lanewise.jit import kernel
 from lanewise.records import replace
-from lanewise.simd import absolute, any_lane, lanes, lanes_mask, lanes_u32, lanes_vec3, where
-
-#: Further places among the dimensions of a vertex: the pixel that a point belongs to, the lens.
-PIXEL, LENS_POINT = 7, 9
-
-#: Light for one pixel. x, y: whole floats, pixels of the full film; value: what it adds to the mean
-#: over all light paths; lit: mask.
-Splat = namedtuple("Splat", "x y value lit")
+from lanewise.simd import absolute, lanes, lanes_mask, lanes_u32, lanes_vec3, where
 
 
-class Light(Integrator):
-    """Light tracer.
-
-    Parameters
-    ----------
-    russian_roulette : {"throughput", "none"}, default "throughput"
-        Whether dim paths end at random, with weights that keep the mean.
-    rr_depth : int >= 1, default 5
-        Depth from which roulette is played.
-    max_depth : int >= 1, optional
-        Longest path, counted in edges: 1 shows lights only, 2 adds direct light. Unlimited by
-        default, which needs roulette.
-    """
+class Light(PathLengths):
+    """Light tracer."""
 
     splats: ClassVar[bool] = True
     type: Literal["light"] = "light"
-    russian_roulette: Annotated[Literal["throughput", "none"], NoiseOnly()] = "throughput"
-    rr_depth: Annotated[Depth, NoiseOnly()] = 5
-    max_depth: Depth | None = None
-
-    @property
-    def longest_path(self) -> int | None:
-        """As `max_depth` says."""
-        return self.max_depth
 
     @property
     def choice_of_lights(self) -> str:
         """By their power."""
         return "power"
-
-    @model_validator(mode="after")
-    def _paths_end(self) -> Self:
-        if self.max_depth is None and self.russian_roulette == "none":
-            raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
-        return self
 
 
 EXAMPLES = (
@@ -102,45 +62,6 @@ EXAMPLES = (
     Light(max_depth=8, rr_depth=3),
     Light(max_depth=3, russian_roulette="none"),
 )
-
-
-# ---------------------------------------------------------------- towards the camera
-
-
-def _write_show(program):
-    """Connections: ``(scene, settings, (sampler, depth, c, o), end, lit, value) -> (splat, rays)``.
-
-    o is where the ray to the camera starts, `value` what it carries but for what is in its way.
-    """
-    holes = has_null(program)
-
-    @kernel
-    def show(scene, settings, at, end, lit, value):
-        sampler, depth, c, o = at
-        lit = lit & c.visible & ~(max_component(value) <= 0.0)
-        u2 = get_2d(sampler, vertex_dimension(depth + 1) + PIXEL)
-        x, across = choose_pixel(scene, where(lit, c.x, 0.0), u2[0])
-        y, down = choose_pixel(scene, where(lit, c.y, 0.0), u2[1])
-        lit = lit & (absolute(across * down) > 0.0)
-        rays = 0 if holes else count_lanes(lit)
-        value = value * (across * down)
-        if any_lane(lit):
-            if holes:
-                most = lanes_u32(0) + settings.max_depth - depth - 1
-                share, _, rays = come_through_holes(scene, o, c.w, end, most, lit, rays)
-                lit = lit & (share > 0.0)
-                value = value * share
-            else:
-                lit = lit & ~is_occluded(scene, o, c.w, end, lit)
-        return Splat(x, y, where(lit, value, lanes_vec3(0.0)), lit), rays
-
-    return show
-
-
-@kernel
-def lens_numbers(sampler, depth):
-    """The pair that chooses the point of the lens at the vertex after `depth` edges."""
-    return get_2d(sampler, vertex_dimension(depth + 1) + LENS_POINT)
 
 
 # ---------------------------------------------------------------- paths
@@ -195,7 +116,7 @@ def begin(program):
 
     It returns the paths of the lanes `new`, and the splats of lights that the camera sees.
     """
-    show = _write_show(program)
+    show = write_show(program)
     see_lamps = _write_see_lamps(program, show)
     see_surroundings = _write_see_surroundings(program, show)
 
@@ -215,7 +136,7 @@ def begin(program):
 
 def extend(program):
     """The kernel that extends paths by one vertex: ``(scene, settings, path) -> (path, splat)``."""
-    show, arrive, leave = _write_show(program), write_arrive(program), write_leave(program)
+    show, arrive, leave = write_show(program), write_arrive(program), write_leave(program)
 
     @kernel
     def extend_light_paths(scene, settings, path):

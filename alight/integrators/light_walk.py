@@ -49,10 +49,20 @@ from lanewise.simd import absolute, any_lane, lanes, lanes_u32, where
 #: per_cos: float, 1 / |wl . n_g|.
 Arrival = namedtuple("Arrival", "surface wl per_cos")
 
+#: Where light goes on. d: unit direction; weight: factor of the flux; pdf: per steradian, `reverse`
+#: that of the way back (0 of a lobe of Dirac); flags: of `sample_bsdf`.
+Turn = namedtuple("Turn", "d weight pdf reverse flags")
+
 
 @kernel
 def set_out(scene, settings, new, sampler):
-    """Start paths in the lanes `new`.
+    """`set_out_by` the first numbers of a vertex."""
+    return set_out_by(scene, settings, new, sampler, vertex_dimension(lanes_u32(1)))
+
+
+@kernel
+def set_out_by(scene, settings, new, sampler, first):
+    """Start paths in the lanes `new`, by the random numbers from the dimension `first` on.
 
     Returns
     -------
@@ -60,7 +70,6 @@ def set_out(scene, settings, new, sampler):
         Its density is the brightness that it starts with.
     emission : Emission
     """
-    first = vertex_dimension(lanes_u32(1))
     u, u2 = get_1d(sampler, first + LIGHT_CHOICE), get_2d(sampler, first + LIGHT_POINT)
     e = sample_emission(scene, u, u2, get_2d(sampler, first + BSDF_DIRECTION))
     brightness = max_component(e.flux)
@@ -109,15 +118,30 @@ def write_leave(program):
 
     It plays roulette, if there is one; the flags are those of the direction.
     """
-    holes, refracting = has_null(program), refracts(program)
-    roulette = program.option("russian_roulette") == "throughput"
+    turn, follow = write_turn(program), write_follow(program)
 
     @kernel
     def leave(scene, settings, path, arrival):
-        surface, wl, per_cos = arrival.surface, arrival.wl, arrival.per_cos
-        sampler, depth = path.sampler, path.depth + 1
-        active = path.active & (depth < settings.max_depth)
+        depth = path.depth + 1
+        path = replace(path, active=path.active & (depth < settings.max_depth))
         dimension = vertex_dimension(depth + 1)
+        way = turn(scene, path, arrival, dimension)
+        return follow(settings, path, arrival.surface, way, dimension), way.flags
+
+    return leave
+
+
+def write_turn(program):
+    """``(scene, path, arrival, dimension) -> Turn``: directions of active paths from a surface.
+
+    They are chosen by the random numbers from `dimension` on.
+    """
+    refracting = refracts(program)
+
+    @kernel
+    def turn(scene, path, arrival, dimension):
+        surface, wl, per_cos = arrival.surface, arrival.wl, arrival.per_cos
+        active, sampler = path.active, path.sampler
         wo, weight, pdf, flags = sample_bsdf(
             scene, surface, wl, get_1d(sampler, dimension + BSDF_CHOICE),
             get_2d(sampler, dimension + BSDF_DIRECTION), active,
@@ -125,18 +149,30 @@ def write_leave(program):
         d = to_world(surface, wo)
         corrected = absolute(dot(surface.ng, d)) * per_cos
         delta = (flags & DELTA) != 0
-        smooth = active & ~delta & (pdf > 0.0)
+        smooth, reverse = active & ~delta & (pdf > 0.0), lanes(0.0)
         if any_lane(smooth):
-            f_cos, _ = evaluate_bsdf(scene, surface, wo, wl, smooth)
+            f_cos, reverse = evaluate_bsdf(scene, surface, wo, wl, smooth)
             weight = where(smooth, f_cos * (corrected / where(smooth, pdf, 1.0)), weight)
         # A lobe of Dirac has the weight of radiance, from which two cosines have cancelled.
         turned = corrected * absolute(wl.z) / where(absolute(wo.z) > 0.0, absolute(wo.z), 1.0)
         if refracting:
             inside, outside = squared_index(scene, surface, wo), squared_index(scene, surface, wl)
             turned = turned * inside / outside
-        straight = (flags & NULL) != 0
-        weight = where(delta & ~straight, weight * turned, weight)
-        beta = where(active, path.beta * weight, path.beta)
+        weight = where(delta & ((flags & NULL) == 0), weight * turned, weight)
+        return Turn(d, weight, pdf, reverse, flags)
+
+    return turn
+
+
+def write_follow(program):
+    """``(settings, path, surface, turn, dimension) -> path``: active paths on their next edge."""
+    holes = has_null(program)
+    roulette = program.option("russian_roulette") == "throughput"
+
+    @kernel
+    def follow(settings, path, surface, turn, dimension):
+        active, depth, d = path.active, path.depth + 1, turn.d
+        beta = where(active, path.beta * turn.weight, path.beta)
         brightness = max_component(beta)
         # Not "brightness > 0": a NaN must live on and be counted by the film.
         active = active & ~(brightness <= 0.0) & (depth + 1 < settings.max_depth)
@@ -148,7 +184,7 @@ def write_leave(program):
         if holes:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             unseen = replace(path, o=beyond, beta=beta, depth=depth, active=active)
-            on = where(straight, unseen, on)
-        return replace(on, sampler=sampler, rays=path.rays), flags
+            on = where((turn.flags & NULL) != 0, unseen, on)
+        return replace(on, sampler=path.sampler, rays=path.rays)
 
-    return leave
+    return follow

@@ -5,12 +5,31 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import Any, NamedTuple
 
 from alight.core.registry import Kernel, Record, Records, record_of
 
 #: Modules of this package that can replace an integrator.
 PASSES = ("contributions",)
+
+
+class BothEnds(NamedTuple):
+    """Kernels of paths from both ends; see `alight.rendering.both_ends_tile`.
+
+    Attributes
+    ----------
+    begin_light : kernel (scene, settings, new, sampler) -> (walk, emission)
+    extend_light : kernel (scene, settings, walk, emission, paths) -> (walk, vertex, splat)
+    begin_camera : kernel (rays) -> walk
+    extend_camera : kernel (scene, settings, walk, paths) -> (walk, vertex)
+    join : kernel (scene, settings, path, vertex, vertex of a light path) -> path
+    """
+
+    begin_light: Kernel
+    extend_light: Kernel
+    begin_camera: Kernel
+    extend_camera: Kernel
+    join: Kernel
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,6 +59,7 @@ class IntegratorModel(Record):
     start_paths: Kernel | None = None
     begin: Callable[[Any], Kernel] | None = None
     extend: Callable[[Any], Kernel] | None = None
+    both_ends: Callable[[Any], BothEnds] | None = None
 
 
 #: All integrators, by name.

@@ -46,8 +46,8 @@ class LightSampling(Integrator):
         return self.light_sampling == "bsdf"
 
 
-class PathTracing(LightSampling):
-    """Base class of path tracers.
+class PathLengths(Integrator):
+    """Base class of integrators whose paths may end at random.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ class PathTracing(LightSampling):
     rr_depth : int >= 1, default 5
         Depth from which roulette is played.
     max_depth : int >= 1, optional
-        Longest path, counted in edges after the camera: 1 shows lights only, 2 adds direct light.
-        Unlimited by default, which needs roulette.
+        Longest path, counted in edges: 1 shows lights only, 2 adds direct light. Unlimited by
+        default, which needs roulette.
     """
 
     russian_roulette: Annotated[Literal["throughput", "none"], NoiseOnly()] = "throughput"
@@ -74,3 +74,7 @@ class PathTracing(LightSampling):
         if self.max_depth is None and self.russian_roulette == "none":
             raise invalid("paths would never end: give max_depth or russian_roulette: throughput")
         return self
+
+
+class PathTracing(PathLengths, LightSampling):
+    """Base class of path tracers."""

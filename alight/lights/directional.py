@@ -84,6 +84,7 @@ def emit(scene, index, u2, v2):
         d=d,
         flux=lanes_vec3(1.0) * area,
         light=lanes_u32(0),
+        prim=lanes_u32(0),
         choice=one,
         pdf_position=1.0 / area,
         pdf_direction=one,

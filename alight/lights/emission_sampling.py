@@ -77,6 +77,7 @@ def no_emission(scene, index, u, u2, v2):
         d=vector,
         flux=vector,
         light=lanes_u32(0),
+        prim=lanes_u32(0),
         choice=zero,
         pdf_position=zero,
         pdf_direction=zero,

@@ -269,6 +269,7 @@ def emit_from_environment(scene, index, u, u2, v2):
         d=d,
         flux=environment_radiance(scene, wi) * share,
         light=lanes_u32(0),
+        prim=lanes_u32(0),
         choice=lanes(1.0),
         pdf_position=lanes(0.0) + pdf_position,
         pdf_direction=lanes(0.0) + pdf_direction,

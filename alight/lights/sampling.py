@@ -125,9 +125,9 @@ def has_delta_lights(program) -> bool:
     return any(name in LIGHTS and LIGHTS[name].DELTA for name in program.lights)
 
 
-@specialised
-def sample_light(program):
-    """Choose a light, and light from it: ``sample_light(scene, p, ns, u, u2, active)``.
+@kernel
+def sample_light(scene, p, ns, u, u2, active):
+    """Choose a light, and light from it.
 
     Parameters
     ----------
@@ -148,11 +148,18 @@ def sample_light(program):
     LightSample
         Not yet tested for shadow: see `shadow_ray`. Where pdf is 0, radiance is 0 too.
     """
+    sample, _ = sample_known_light(scene, p, ns, u, u2, active)
+    return sample
+
+
+@specialised
+def sample_known_light(program):
+    """`sample_light` with the row of the light: ``(LightSample, index)``."""
     if not program.lights:
 
         @kernel
         def without_lights(scene, p, ns, u, u2, active):
-            return no_sample(scene, lanes(0.0), p, u, u2)
+            return no_sample(scene, lanes(0.0), p, u, u2), lanes_u32(0)
 
         return without_lights
 
@@ -174,7 +181,7 @@ def sample_light(program):
             # The estimate is divided by the true density, which knows the normal.
             radiance = radiance * (choice.plain / where(valid, choice.pmf, 1.0))
         radiance, pdf = where(valid, radiance, lanes_vec3(0.0)), where(valid, pdf, 0.0)
-        return replace(s, radiance=radiance, pdf=pdf)
+        return replace(s, radiance=radiance, pdf=pdf), choice.index
 
     return with_lights
 

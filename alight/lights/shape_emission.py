@@ -93,6 +93,7 @@ def emit_from_shape(scene, index, u, u2, v2):
         d=d,
         flux=radiance_of_shape(scene, index, surface, d) * area,
         light=lanes_u32(0),
+        prim=surface.prim,
         choice=lanes(1.0),
         pdf_position=lanes(0.0) + pdf,
         pdf_direction=shape_direction_pdf(n, d),

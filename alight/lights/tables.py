@@ -17,8 +17,10 @@ LightTables = namedtuple("LightTables", "info data cdf map")
 
 #: The same of scenes whose lights emit paths. emission: middle and radius of the scene's ball, the
 #: choice of a light by its power, then tables of single lights; starts: where those begin, one word
-#: a light.
-EmittingLights = namedtuple("EmittingLights", (*LightTables._fields, "emission", "starts"))
+#: a light; per_area: of each light on a shape, one over its area in m^2.
+EmittingLights = namedtuple(
+    "EmittingLights", (*LightTables._fields, "emission", "starts", "per_area")
+)
 
 #: Numbers of `EmittingLights.emission`.
 MIDDLE, RADIUS, CHOICE = 0, 3, 4
@@ -44,13 +46,13 @@ LightSample = namedtuple("LightSample", "wi distance radiance pdf delta cosine e
 #: A ray of light on its way from a light into the scene. p: where it starts, on light from infinity
 #: behind the whole scene; n: unit outer normal there, d where there is no surface; o: p moved off
 #: the surface; d: unit direction; flux: W, RGB, the light that it carries: radiance times cosine
-#: over all probabilities; light: row of the light; choice: probability of that light, or of all
-#: that is around the scene; pdf_position: per square metre (across d, for light from infinity);
-#: pdf_direction: per steradian; both are 1 where the masks delta_position and delta_direction say
-#: that nothing was chosen.
+#: over all probabilities; light: row of the light; prim: triangle of its mesh; choice: probability
+#: of that light, or of all that is around the scene; pdf_position: per square metre (across d, for
+#: light from infinity); pdf_direction: per steradian; both are 1 where the masks delta_position and
+#: delta_direction say that nothing was chosen.
 Emission = namedtuple(
     "Emission",
-    "p n o d flux light choice pdf_position pdf_direction delta_position delta_direction",
+    "p n o d flux light prim choice pdf_position pdf_direction delta_position delta_direction",
 )
 
 
@@ -65,6 +67,7 @@ def from_point(p, d, flux, pdf_direction):
         d=d,
         flux=flux,
         light=lanes_u32(0),
+        prim=lanes_u32(0),
         choice=one,
         pdf_position=one,
         pdf_direction=pdf_direction,

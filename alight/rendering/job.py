@@ -155,7 +155,7 @@ class Job:
             version=VERSION,
         )
         film.recorded = depth_cap.unmeasured(scene.integrator)
-        if scene.integrator.splats:
+        if scene.integrator.splats and not scene.integrator.transports:
             film.recorded += (UNSEEN,)
         film.largest_sample = self.largest_sample
         return film

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from alight.bsdfs.dispatch import LAYERED_NAME
-from alight.bsdfs.switch import refracts
+from alight.bsdfs.switch import has_null, refracts
 from alight.cameras.model import CAMERAS
 from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
@@ -37,7 +37,7 @@ def check_light_paths(scene: CompiledScene, schedule: Schedule) -> None:
     OptionError
         With everything that is in the way.
     """
-    problems = [*_problems(scene.program)]
+    problems = [*_problems(scene.program, scene.integrator.transports)]
     if not isinstance(schedule, Uniform):
         problems.append("it takes the same samples everywhere: give spp or a time limit")
     if problems:
@@ -45,8 +45,8 @@ def check_light_paths(scene: CompiledScene, schedule: Schedule) -> None:
         raise OptionError(f"{name} cannot render this: {'; '.join(problems)}", "integrator")
 
 
-def _problems(program: Program) -> Iterator[str]:
-    """In words."""
+def _problems(program: Program, from_both_ends: bool) -> Iterator[str]:
+    """In words; paths from the camera too find light from infinity in more places."""
     if CAMERAS[program.camera].connect is None:
         yield f"light paths do not reach a camera of type {program.camera} (no kernel connect)"
     if "camera" in program.motion:
@@ -55,9 +55,11 @@ def _problems(program: Program) -> Iterator[str]:
     if filter_model.profile is None or filter_model.reach is None:
         yield f"a filter of type {program.filter} has no profile (kernels profile and reach)"
     far = any(_is_far(name) for name in program.lights if name in LIGHTS)
-    if far and any(not SHAPES[name].spec.finite for name in program.shapes):
+    unbounded = any(not SHAPES[name].spec.finite for name in program.shapes)
+    if far and unbounded and (has_null(program) or not from_both_ends):
         yield "light from infinity reaches only a part of shapes without bounds"
-    if far and _sees_surroundings(program) and CAMERAS[program.camera].connect_far is None:
+    sees_far = from_both_ends or CAMERAS[program.camera].connect_far is not None
+    if far and _sees_surroundings(program) and not sees_far:
         yield f"a camera of type {program.camera} sees the surroundings in one direction only"
     if refracts(program) and (LAYERED_NAME in program.bsdfs or BENT in program.bsdfs):
         yield "glass is blended with other materials, or has a normal or bump map"

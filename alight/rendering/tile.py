@@ -16,7 +16,7 @@ from alight.films.fixed_point import add_rows
 from alight.films.sample_ranges import cells_of
 from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_bits
 from alight.integrators.walk import Settings
-from alight.rendering.light_tile import render_light_tile
+from alight.rendering.both_ends_tile import splatting_tile_kernel
 from alight.rendering.tile_kernel import (
     INVALID,
     RAYS,
@@ -61,7 +61,7 @@ def make_kernels(
     """
     picture = render_step_by_step if observe else render_tile_kernel
     if scene.integrator.splats:
-        picture = render_light_tile
+        picture = splatting_tile_kernel
 
     def make(root: Callable, program: Program) -> Callable:
         kernel = instantiate(root, program, compiled=compiled, observe=observe)

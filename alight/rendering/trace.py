@@ -89,7 +89,8 @@ def trace(
     """
     scene = scene_of(scene, options)
     if scene.integrator.splats:
-        raise OptionError(f"no path of {scene.integrator.type_name()} starts at a pixel")
+        alone = " alone" if scene.integrator.transports else ""
+        raise OptionError(f"no path of {scene.integrator.type_name()} starts at a pixel{alone}")
     x, y = _checked_pixel(pixel, scene.film.size)
     sample, seed = options.sample, options.seed
     flat = flatten(scene)

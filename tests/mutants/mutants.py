@@ -1,6 +1,7 @@
 """All planted bugs, in the order in which they are tried."""
 
 from tests.mutants.agreement import AGREEMENT
+from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.compiler import COMPILER
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
@@ -28,6 +29,7 @@ MUTANTS = (
     SCATTERING
     + LIGHT
     + EMISSION
+    + BOTH_ENDS
     + TRANSPORT
     + RAYS
     + FILM

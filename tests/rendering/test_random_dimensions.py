@@ -14,8 +14,9 @@ import pytest
 
 from alight.core.registry import modules
 from alight.integrators.guided import GUIDE
-from alight.integrators.light import LENS_POINT, PIXEL
+from alight.integrators.light_subpath import OTHER_HALF
 from alight.integrators.moments import TIME
+from alight.integrators.splats import LENS_POINT, PIXEL
 from alight.integrators.volume_walk import CHANNEL, FREE_FLIGHT
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -186,7 +187,18 @@ def test_dimensions_of_the_camera_lie_before_those_of_vertices():
     assert max(places) < CAMERA_DIMENSIONS
 
 
-@pytest.mark.parametrize("own", [{PIXEL: 2, LENS_POINT: 2}, {GUIDE: 1}, {FREE_FLIGHT: 1}])
+@pytest.mark.parametrize(
+    "own",
+    [
+        {PIXEL: 2, LENS_POINT: 2},
+        {GUIDE: 1},
+        {FREE_FLIGHT: 1},
+        # Light paths beside camera paths, at the light and on their way.
+        {OTHER_HALF + LIGHT_CHOICE: 1, OTHER_HALF + LIGHT_POINT: 2, OTHER_HALF + BSDF_DIRECTION: 2},
+        {PIXEL: 2, LENS_POINT: 2, OTHER_HALF + BSDF_CHOICE: 1, OTHER_HALF + BSDF_DIRECTION: 2,
+         OTHER_HALF + ROULETTE: 1},
+    ],
+)  # fmt: skip
 def test_numbers_of_a_vertex_have_places_of_their_own(own):
     """Those of light tracing, of guides and of media, beside those that all paths have."""
     widths = {LIGHT_CHOICE: 1, LIGHT_POINT: 2, BSDF_CHOICE: 1, BSDF_DIRECTION: 2, ROULETTE: 1}

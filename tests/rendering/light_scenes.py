@@ -1,0 +1,115 @@
+"""Small scenes for paths from lights, and whether two pictures of one scene agree."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import alight
+from alight.formats import loads
+from alight.metrics.statistics import student_t_tail
+
+REPLICATES, BLOCK, DEPTH = 32, 8, 6
+
+SCENE = """
+alight: 1
+film: {size: [48, 48], filter: %s}
+sampler: independent
+camera: {%s}
+nodes:
+  floor:
+    shape: rectangle
+    bsdf: {type: diffuse, reflectance: [0.6, 0.5, 0.4]}
+    transform: [{rotate: {axis: x, angle: -90}}, {scale: 4}]
+  block:
+    shape: cube
+    bsdf: {type: plastic}
+    transform: [{scale: 0.4}, {rotate: {axis: y, angle: 30}}, {translate: [0.8, 0.4, 0.3]}]
+"""
+LOOK = "transform: {look_at: {origin: [0, 2, 5], target: [0, 0.6, 0]}}"
+PINHOLE, ORTHO = f"type: pinhole, fov: 50, {LOOK}", f"type: orthographic, height: 4, {LOOK}"
+LENS = f"type: thin_lens, fov: 50, aperture_radius: 0.3, focus_distance: 3.5, {LOOK}"
+BALL = "  ball: {shape: {type: sphere, center: [-0.7, 0.6, 0], radius: 0.6}, bsdf: %s}\n"
+LAMP = """
+  lamp:
+    shape: disk
+    light: {type: area, radiance: 15}
+    transform: [{rotate: {axis: x, angle: 90}}, {scale: 0.7}, {translate: [0, 3, 1]}]
+"""
+SPOT = """
+  spot:
+    light: {type: spot, intensity: [60, 40, 30], cutoff_angle: 30}
+    transform: {look_at: {origin: [2, 4, 3], target: [0, 0, 0]}}
+  bulb: {light: {type: point, intensity: [9, 10, 15]}, transform: {translate: [-1.5, 2.5, 1]}}
+  far:
+    light: {type: directional, irradiance: [2, 2, 1]}
+    transform: {rotate: {axis: x, angle: 60}}
+"""
+#: An octahedron that is shaded as a ball: shading normals far from those of its faces.
+GEM = """
+  gem:
+    bsdf: {type: diffuse, reflectance: 0.8}
+    transform: [{scale: 0.7}, {translate: [-0.7, 0.7, 0]}]
+    shape:
+      type: mesh
+      vertices: [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+      normals: [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+      faces: [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4],
+              [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+"""
+SKY = "environment: {type: sunsky, sun_direction: [0.4, 1, 0.6], scale: 0.02}\n"
+HOLES = "{type: mask, opacity: 0.4, bsdf: {type: diffuse, reflectance: 0.7}}"
+ROUGH = "{type: rough_dielectric, alpha: 0.4}"
+
+#: Everything is below the surface of water but the lamp.
+UNDER_WATER = """
+alight: 1
+film: {size: [48, 48]}
+sampler: independent
+camera: {type: pinhole, fov: 60, transform: {look_at: {origin: [0, 1, 2], target: [0, 0, 0]}}}
+nodes:
+  floor: {shape: rectangle, transform: [{rotate: {axis: x, angle: -90}}, {scale: 3}]}
+  surface:
+    shape: rectangle
+    bsdf: {type: dielectric, int_ior: 1.5}
+    transform: [{rotate: {axis: x, angle: -90}}, {scale: 50}, {translate: [0, 1.5, 0]}]
+  lamp:
+    shape: rectangle
+    light: {type: area, radiance: 3}
+    transform: [{rotate: {axis: x, angle: 90}}, {scale: 2}, {translate: [0, 3, 0]}]
+"""
+
+CASES = {
+    "a lamp": SCENE % ("box", PINHOLE) + BALL % "{type: phong}" + LAMP,
+    "points and directions by a lens, shading normals": SCENE % ("tent", LENS) + GEM + SPOT,
+    "under water": UNDER_WATER,
+}
+LONG_CASES = {
+    "sun and sky": SCENE % ("gaussian", PINHOLE) + BALL % "{type: diffuse}" + SKY,
+    "holes, in parallel": SCENE % ("box", ORTHO) + BALL % HOLES + LAMP,
+    "rough glass": SCENE % ("box", PINHOLE) + BALL % ROUGH + LAMP,
+}
+
+
+def pictures(text, integrator, spp, seed):
+    """Means of the replicates, (48, 48, REPLICATES, 3)."""
+    scene = loads(text, "scene.yaml").replaced(integrator=integrator)
+    film = alight.render(scene, spp=spp, seed=seed, replicates=REPLICATES)
+    assert film.invalid == 0
+    return film.replicate_means()[0].astype(float)
+
+
+def p_value(mine, other):
+    """Of the largest difference of blocks, and of the picture's channels, by Student's test."""
+    n = len(mine) // BLOCK
+    whole = [p.mean(axis=(0, 1)) for p in (mine, other)]
+    parts = [
+        p.reshape(n, BLOCK, n, BLOCK, REPLICATES, 3).mean(axis=(1, 3, 5)) for p in (mine, other)
+    ]
+    worst = 1.0
+    for (a, b), axis in ((whole, 0), (parts, 2)):
+        gap = np.abs(a.mean(axis=axis) - b.mean(axis=axis))
+        error = np.sqrt((a.var(axis=axis, ddof=1) + b.var(axis=axis, ddof=1)) / REPLICATES)
+        t = np.where(gap > 0.0, gap / np.maximum(error, 1e-12), 0.0)
+        tail = 2.0 * student_t_tail(float(t.max()), REPLICATES - 1.0)
+        worst = min(worst, tail * t.size)
+    return worst
