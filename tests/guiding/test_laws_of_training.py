@@ -4,17 +4,21 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
+from alight.core.equal_area import sphere_to_square
 from alight.core.vec import Vec3
 from alight.formats import loads
 from alight.guiding.lookup import leaf_at
-from alight.guiding.records import add_records
-from alight.guiding.tables import LEAF_ROW, RECORD, Frame
+from alight.guiding.parallax import NEAR
+from alight.guiding.records import CHOICES, LEAF_SUMS, MOST, UNITS, add_records
+from alight.guiding.tables import LEAF_ROW, RECORD, Frame, Log
 from alight.integrators.guided import pixel_luminance
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering import training
 from alight.samplers.state import SamplerState
 from alight.scene import flatten
 from lanewise.jit import instantiate
+from lanewise.simd import LANES
+from lanewise.view import View
 from tests.guiding.test_tree import FRAME, random_tree
 
 ALBEDO, DEPTH, ROUNDS = 0.5, 5, 3
@@ -33,6 +37,89 @@ nodes:
     bsdf: {{type: diffuse, reflectance: {ALBEDO}}}
     light: {{type: area, radiance: 1}}
 """  # noqa: E501
+
+
+# ---------------------------------------------------------------- sums
+
+
+def cells_by_geometry(tree, leaf, x, y):
+    """Number of the undivided quadrant, 4 a node, that holds a point of a leaf's square."""
+    node, corner, size = int(tree.roots[leaf]), np.zeros(2), 0.5
+    while True:
+        right, upper = x >= corner[0] + size, y >= corner[1] + size
+        place = int(right) + 2 * int(upper)
+        corner = corner + size * np.array([right, upper])
+        child = int(tree.children[node, place])
+        if not child:
+            return 4 * node + place
+        node, size = child, size / 2
+
+
+def seen_from_middle(focus, p, d):
+    """Where a ray meets the sphere of its leaf, as its middle sees it, and what that spreads."""
+    o, r = p - focus[:3], focus[3]
+    if o @ o >= (NEAR * r) ** 2:
+        return d, 1.0
+    t = max(np.roots([1.0, 2.0 * o @ d, o @ o - r * r]))
+    seen = (o + t * d) / r
+    return seen, t * t / (r * r * (seen @ d))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_sums_are_those_of_the_records_one_by_one(seed):
+    """Second moments of quadrants and of all choices, exact but for the rounding of a unit."""
+    tree, rng = random_tree(seed), np.random.default_rng(seed)
+    guide, n, samples = tree.guide(FRAME), 5 * LANES + 3, 40
+    rows = np.exp(rng.standard_normal((n, RECORD))).astype(np.float32)
+    low, scale = FRAME.box[:3], FRAME.box[3:]
+    place = rng.random((n, 3))
+    rows[:, :3] = low + place / scale
+    d = rng.standard_normal((n, 3))
+    rows[:, 3:6] = d / np.linalg.norm(d, axis=1)[:, None]
+    # Some directions only the guide would draw, some only the BSDF.
+    rows[rng.random(n) < 0.2, 7] = 0.0
+    shape = (*tree.children.shape, 2)
+    densities = np.exp(rng.standard_normal(shape)) * (rng.random(shape) > 0.2)
+    number = rng.integers(0, samples, n).astype(np.uint32)
+    rows[:, 11] = number.view(np.float32)
+    ends = (5.0 * np.exp(rng.standard_normal(samples))).astype(np.float32)
+    # Ends that are not finite and vertices without a throughput say nothing; few say very much.
+    ends[3], ends[5] = np.nan, np.inf
+    rows[7, 9], rows[9, 8], number[9] = 0.0, 1e12, 0
+    rows[9, 11] = number[9:10].view(np.float32)[0]
+    unit = 0.25
+    log = Log(View(rows), View(np.array([n, 0])), View(ends), View(np.zeros(6, np.uint32)))
+    totals = tree.empty_totals()
+    known = View(densities.astype(np.float32))
+    instantiate(add_records)(guide, known, log, totals, np.float32(unit))
+
+    cells = np.zeros(tree.children.size)
+    leaves = np.zeros((len(tree.roots), LEAF_SUMS))
+    middles = np.zeros((len(tree.roots), 3))
+    mine = leaf_at(guide, Vec3(*rows[:, :3].T.copy()))
+    for i in range(n):
+        *_, pdf, of_bsdf, weight, beta, before, _ = rows[i].astype(float)
+        end = float(ends[number[i]])
+        gain = weight * (end - before) / (beta or 1.0) if np.isfinite(end) else 0.0
+        moment = gain**2 * pdf
+        w, spread = seen_from_middle(tree.focus[mine[i]], *rows[i, :6].astype(float).reshape(2, 3))
+        x, y = sphere_to_square(Vec3(*w.astype(np.float32)[:, None]))
+        cell = cells_by_geometry(tree, mine[i], x[0], y[0])
+        by_camera, by_light = densities.reshape(-1, 2)[cell] * spread
+        cells[cell] += min(moment / unit**2 * UNITS, MOST)
+        leaves[mine[i], 0] += 1
+        middles[mine[i]] += place[i] * UNITS
+        for k, (share, mix) in enumerate(CHOICES):
+            of_guide = (1.0 - mix) * by_camera + mix * by_light
+            other = (1.0 - share) * of_bsdf + share * of_guide
+            ratio = moment / other if other > 0.0 else 0.0
+            leaves[mine[i], 1 + k] += min(ratio / unit**2 * UNITS, MOST)
+    found = totals.cells.shaped.ravel(), totals.leaves.shaped, totals.middles.shaped
+    assert (found[1][:, 0] == leaves[:, 0]).all()
+    for a, b in zip(found, (cells, leaves, middles), strict=True):
+        assert (np.abs(a - b) <= 5e-5 * b + 0.5 * np.maximum(leaves[:, 0].max(), 1.0)).all()
+    assert (cells >= MOST).any()
+    assert (tree.focus[mine, 3] > 0.0).any()
 
 
 # ---------------------------------------------------------------- records
