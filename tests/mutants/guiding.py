@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 TREE = "tests/guiding/test_tree.py"
+LAWS = "tests/guiding/test_laws_of_training.py"
 LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
 SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
@@ -153,5 +154,22 @@ GUIDING = (
         "guiding/tree.py",
         (("counts * moments / np.maximum(moments.mean(1, keepdims=True), 1.0)", "moments"),),
         f"{TREE}::test_a_leaf_chooses_what_has_the_least_second_moment",
+    ),
+    Mutant(
+        "choices judged by the densities of a leaf's middle",
+        "guiding/records.py",
+        (("by_camera * spread, by_light * spread", "by_camera, by_light"),),
+        f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
+    ),
+    Mutant(
+        "vertices counted in the quadrants that the point sees",
+        "guiding/records.py",
+        (
+            (
+                "d, spread = from_middle(focus_at(guide, leaf, p), d)",
+                "_, spread = from_middle(focus_at(guide, leaf, p), d)",
+            ),
+        ),
+        f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
     ),
 )
