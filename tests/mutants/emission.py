@@ -87,12 +87,12 @@ EMISSION = (
         f"{SCENES}::test_moving_lights_emit_where_they_are[0.4]",
     ),
     Mutant(
-        "light paths without Veach's correction for shading normals",
-        "integrators/light_walk.py",
+        "light paths seen without Veach's correction for shading normals",
+        "integrators/light.py",
         (
             (
-                "corrected = absolute(dot(surface.ng, d)) * per_cos",
-                "corrected = absolute(dot(surface.ns, d)) / absolute(wl.z)",
+                "corrected = absolute(dot(surface.ng, c.w)) * per_cos * c.importance",
+                "corrected = absolute(dot(surface.ns, c.w)) / absolute(wl.z) * c.importance",
             ),
         ),
         f"{TRACING}[points and directions by a lens, shading normals]",

@@ -141,7 +141,7 @@ GUIDING = (
         "light paths record what light sampling finds",
         "rendering/light_training.py",
         (("seen & ~path.delta & (~delta", "seen & (~delta"),),
-        f"{LIGHT}::test_a_mirror_sends_the_flux_of_the_sun_to_the_wall",
+        f"{LIGHT}::test_only_what_light_sampling_misses_is_recorded",
     ),
     Mutant(
         "a way that begins again at mirrors",
