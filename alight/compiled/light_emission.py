@@ -24,7 +24,7 @@ def emitting(
     rows: list[LightRow],
     powers: np.ndarray,
     shapes: CompiledShapes,
-    emits: Emits = "always",
+    emits: Emits,
 ) -> LightTables | EmittingLights:
     """Tables of lights with what `alight.lights.emission_sampling` needs besides.
 

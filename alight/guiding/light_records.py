@@ -9,7 +9,7 @@ from __future__ import annotations
 from alight.core.vec import gather_vec3, max_component, min_component
 from alight.guiding.lookup import leaf_at, within_box
 from alight.guiding.parallax import focus_at, from_middle
-from alight.guiding.records import cell_at, in_units
+from alight.guiding.records import append_rows, cell_at, in_units
 from alight.guiding.tables import LIGHT_RECORD
 from lanewise.jit import kernel
 from lanewise.simd import (
@@ -49,17 +49,7 @@ def record_arrivals(log, p, w, flux, near, mask):
     store_lanes(values, 5 * LANES, w.z)
     store_lanes(values, 6 * LANES, flux)
     store_lanes(values, 7 * LANES, near)
-    bits = mask_bits(mask)
-    while bits != 0:
-        lane = trailing_zeros(bits)
-        bits &= bits - 1
-        at = LIGHT_RECORD * log.count[0]
-        if at < log.rows.size:
-            for place in range(LIGHT_RECORD):
-                log.rows[at + place] = values[place * LANES + lane]
-            log.count[0] += 1
-        else:
-            log.count[1] += 1
+    append_rows(log, values, LIGHT_RECORD, mask)
 
 
 @kernel

@@ -90,13 +90,22 @@ def record_vertices(log, path, drawn, mask):
     store_lanes(values, 9 * LANES, luminance(beta))
     store_lanes(values, 10 * LANES, luminance(path.L))
     store_lanes(values, 11 * LANES, bits_float(sample_number(log.window, path.sampler)))
+    append_rows(log, values, RECORD, mask)
+
+
+@kernel
+def append_rows(log, values, size, mask):
+    """Append the lanes of the mask to a `Log` or `LightLog`, or count what has no room.
+
+    values: `size` numbers, the packet's lanes of one after those of the other.
+    """
     bits = mask_bits(mask)
     while bits != 0:
         lane = trailing_zeros(bits)
         bits &= bits - 1
-        at = RECORD * log.count[0]
+        at = size * log.count[0]
         if at < log.rows.size:
-            for place in range(RECORD):
+            for place in range(size):
                 log.rows[at + place] = values[place * LANES + lane]
             log.count[0] += 1
         else:

@@ -54,7 +54,7 @@ BLOCK, DARKEST = 4, 0.01
 #: Of the extent of all vertices, left free around them.
 MARGIN = 1e-4
 
-#: Most nodes of all quadtrees: 8 bytes each in the guide, and 32 a thread while it is trained.
+#: Most nodes of all quadtrees: 8 bytes each in the guide, and 64 a thread while it is trained.
 MOST_NODES = 1 << 19
 
 

@@ -116,3 +116,14 @@ def p_value(mine, other):
         tail = 2.0 * student_t_tail(float(t.max()), REPLICATES - 1.0)
         worst = min(worst, tail * t.size)
     return worst
+
+
+def small(integrator, **changes):
+    """A lamp above a block, 24 x 40 pixels, with other options of the film."""
+    scene = loads(CASES["a lamp"], "scene.yaml").replaced(integrator=integrator)
+    return scene.replaced(film=scene.film.replaced(size=(24, 40), **changes))
+
+
+def same(a, b):
+    """Whether two films have the same bits."""
+    return np.array_equal(a.sums, b.sums) and np.array_equal(a.counts, b.counts)

@@ -43,6 +43,8 @@ from tests.rendering.light_scenes import (
     SKY,
     p_value,
     pictures,
+    same,
+    small,
 )
 from tests.sampling.statistics import SIGNIFICANCE
 
@@ -238,47 +240,43 @@ def test_paths_that_are_too_long_to_be_joined_are_found_all_the_same(monkeypatch
 # ---------------------------------------------------------------- bits
 
 
-def small(**changes):
-    scene = loads(CASES["a lamp"], "scene.yaml").replaced(integrator=Bidirectional(max_depth=4))
-    return scene.replaced(film=scene.film.replaced(size=(24, 40), **changes))
-
-
-def same(a, b):
-    return np.array_equal(a.sums, b.sums) and np.array_equal(a.counts, b.counts)
+SHORT = Bidirectional(max_depth=4)
 
 
 def test_threads_passes_and_merging_leave_the_bits():
-    whole = alight.render(small(), spp=32, threads=1)
+    whole = alight.render(small(SHORT), spp=32, threads=1)
     assert whole.replicates == 16
     assert (whole.counts.sum(axis=2) == 32).all()
-    assert same(whole, alight.render(small(), spp=32, threads=3, spp_per_pass=5))
-    parts = [alight.render(small(), spp=16, first_sample=first) for first in (16, 0)]
+    assert same(whole, alight.render(small(SHORT), spp=32, threads=3, spp_per_pass=5))
+    parts = [alight.render(small(SHORT), spp=16, first_sample=first) for first in (16, 0)]
     assert same(whole, Film.merge(*parts))
 
 
 def test_films_of_unequal_numbers_of_paths_merge_without_bias():
-    expected = alight.render(small(), spp=512, seed=7).replicate_means()[0]
-    parts = [alight.render(small(), spp=n, first_sample=first) for n, first in ((32, 0), (96, 32))]
-    assert same(Film.merge(*parts), alight.render(small(), spp=128))
+    expected = alight.render(small(SHORT), spp=512, seed=7).replicate_means()[0]
+    parts = [
+        alight.render(small(SHORT), spp=n, first_sample=first) for n, first in ((32, 0), (96, 32))
+    ]
+    assert same(Film.merge(*parts), alight.render(small(SHORT), spp=128))
     assert abs(Film.merge(*parts).image.mean() / expected.mean() - 1.0) < 0.02
 
 
 def test_an_interrupted_render_goes_on(tmp_path):
     path = tmp_path / "half.alight"
-    scene = small()
+    scene = small(SHORT)
     alight.render(scene, spp=16, checkpoint=path)
     assert same(alight.resume(path, spp=32, scene=scene), alight.render(scene, spp=32))
 
 
 def test_light_beside_the_window_is_lost():
-    whole = alight.render(small(), spp=256, seed=3)
-    part = alight.render(small(crop=(8, 8, 16, 24)), spp=512, seed=4)
+    whole = alight.render(small(SHORT), spp=256, seed=3)
+    part = alight.render(small(SHORT, crop=(8, 8, 16, 24)), spp=512, seed=4)
     a, b = whole.image[8:32, 8:24].mean(), part.image.mean()
     assert abs(a - b) < 0.02 * a
 
 
 def test_nothing_is_missing_from_the_picture():
-    film = alight.render(small(), spp=16)
+    film = alight.render(small(SHORT), spp=16)
     assert not any(bias.cause == "light paths" for bias in film.biases)
 
 
@@ -318,8 +316,8 @@ def test_media_and_traces_are_refused():
     with pytest.raises(SceneError, match="bidirectional does not see media"):
         alight.render(loads(text, "scene.yaml"), spp=1)
     with pytest.raises(OptionError, match="no path of bidirectional starts at a pixel alone"):
-        alight.trace(small(), (1, 1))
+        alight.trace(small(SHORT), (1, 1))
     with pytest.raises(OptionError, match="does not record where its light comes from"):
-        alight.why(small())
+        alight.why(small(SHORT))
     with pytest.raises(OptionError, match="takes the same samples everywhere"):
-        alight.plan(small(), error=0.1)
+        alight.plan(small(SHORT), error=0.1)

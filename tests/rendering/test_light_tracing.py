@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 
-import numpy as np
 import pytest
 
 import alight
@@ -26,6 +25,8 @@ from tests.rendering.light_scenes import (
     SKY,
     p_value,
     pictures,
+    same,
+    small,
 )
 from tests.sampling.statistics import SIGNIFICANCE
 
@@ -52,26 +53,20 @@ def test_it_finds_what_path_tracing_finds_everywhere(name):
 # ---------------------------------------------------------------- bits
 
 
-def small(**changes):
-    scene = loads(CASES["a lamp"], "scene.yaml").replaced(integrator=Light(max_depth=4))
-    return scene.replaced(film=scene.film.replaced(size=(24, 40), **changes))
-
-
-def same(a, b):
-    return np.array_equal(a.sums, b.sums) and np.array_equal(a.counts, b.counts)
+SHORT = Light(max_depth=4)
 
 
 def test_threads_passes_and_merging_leave_the_bits():
-    whole = alight.render(small(), spp=32, threads=1)
+    whole = alight.render(small(SHORT), spp=32, threads=1)
     assert whole.replicates == 16
-    assert same(whole, alight.render(small(), spp=32, threads=3, spp_per_pass=5))
-    parts = [alight.render(small(), spp=16, first_sample=first) for first in (16, 0)]
+    assert same(whole, alight.render(small(SHORT), spp=32, threads=3, spp_per_pass=5))
+    parts = [alight.render(small(SHORT), spp=16, first_sample=first) for first in (16, 0)]
     assert same(whole, Film.merge(*parts))
 
 
 def test_an_interrupted_render_goes_on(tmp_path):
     path = tmp_path / "half.alight"
-    scene = small()
+    scene = small(SHORT)
     alight.render(scene, spp=16, checkpoint=path)
     assert same(alight.resume(path, spp=32, scene=scene), alight.render(scene, spp=32))
 
@@ -86,14 +81,14 @@ def test_a_pass_that_is_cut_short_leaves_nothing(monkeypatch):
             cancel.set()
 
     options = {"spp": 64, "spp_per_pass": 8, "threads": 1, "progress": stop}
-    film = alight.render(small(), cancel=cancel, **options)
+    film = alight.render(small(SHORT), cancel=cancel, **options)
     assert (film.counts.sum(axis=2) == 8).all()
-    assert same(film, alight.render(small(), spp=8))
+    assert same(film, alight.render(small(SHORT), spp=8))
 
 
 def test_light_beside_the_window_is_lost():
-    whole = alight.render(small(), spp=256, seed=3)
-    part = alight.render(small(crop=(8, 8, 16, 24)), spp=512, seed=4)
+    whole = alight.render(small(SHORT), spp=256, seed=3)
+    part = alight.render(small(SHORT, crop=(8, 8, 16, 24)), spp=512, seed=4)
     a, b = whole.image[8:32, 8:24].mean(), part.image.mean()
     assert abs(a - b) < 0.03 * a
 
@@ -128,13 +123,13 @@ def test_media_and_traces_are_refused():
     with pytest.raises(SceneError, match="light does not see media"):
         alight.render(loads(CASES["a lamp"] + "integrator: light\n" + fog, "scene.yaml"), spp=1)
     with pytest.raises(OptionError, match="no path of light starts at a pixel"):
-        alight.trace(small(), (1, 1))
+        alight.trace(small(SHORT), (1, 1))
     with pytest.raises(OptionError, match="light does not record where its light comes from"):
-        alight.why(small())
+        alight.why(small(SHORT))
     with pytest.raises(OptionError, match="takes the same samples everywhere"):
-        alight.plan(small(), error=0.1)
+        alight.plan(small(SHORT), error=0.1)
 
 
 def test_the_ledger_says_what_is_missing():
-    film = alight.render(small(), spp=16)
+    film = alight.render(small(SHORT), spp=16)
     assert any(bias.cause == "light paths" for bias in film.biases)
