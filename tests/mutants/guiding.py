@@ -68,18 +68,18 @@ GUIDING = (
     ),
     Mutant(
         "training that looks up the pixels of the film",
-        "rendering/training.py",
+        "rendering/trainer.py",
         (
             (
-                "frame = _framed(box, picture, self.size)",
-                "frame = _framed(box, picture, self.scene.size)",
+                "frame = framed(box, picture, self.size)",
+                "frame = framed(box, picture, self.scene.size)",
             ),
         ),
         f"{RENDERS}::test_a_guide_is_the_same_for_any_threads_and_film_size",
     ),
     Mutant(
         "training with the picture's random numbers of a thread",
-        "rendering/training.py",
+        "rendering/trainer.py",
         (
             (
                 "seed=seed_of_round(seed, TRAINING + number)",
