@@ -328,8 +328,7 @@ class Integrator(Spec):
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.
 
-        `radiance` is that of the brightest light, `weight` the largest weight f cos / pdf of a
-        sampled direction, `start` that of a camera ray.
+        `radiance` is the brightest light's, `weight` the largest f cos / pdf, `start` a camera's.
         """
         return None
 

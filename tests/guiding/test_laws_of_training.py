@@ -140,7 +140,9 @@ def logs():
                 count = int(log.count.array[0])
                 rows = log.rows.shaped.reshape(-1, RECORD)[:count].astype(float)
                 number = log.rows.shaped.reshape(-1, RECORD)[:count, 11].copy().view(np.uint32)
-                found.append((guide, rows, number, log.ends.array.copy(), log.window.array.copy()))
+                if count:
+                    ends, window = log.ends.array.copy(), log.window.array.copy()
+                    found.append((guide, rows, number, ends, window))
                 made(guide, densities, log, totals, unit)
 
             return add
