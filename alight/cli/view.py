@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Annotated
 
 import typer
@@ -24,4 +25,5 @@ def view(
     """Look at a scene, a film or a picture in the browser, and move in it while it renders."""
     from alight.view.serve import serve
 
-    serve(subject, options, lambda address: typer.echo(f"view: {address}  (Ctrl-C ends it)"))
+    with suppress(KeyboardInterrupt):
+        serve(subject, options, lambda address: typer.echo(f"view: {address}  (Ctrl-C ends it)"))

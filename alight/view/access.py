@@ -85,9 +85,8 @@ class Access:
 
     def admits_socket(self, headers: Mapping[str, str]) -> bool:
         """Whether a WebSocket is opened by our own page."""
-        origin = urlsplit(headers.get("origin", ""))
-        same = origin.scheme in ("http", "https") and origin.netloc == headers.get("host")
-        return same and self.admits(headers)
+        host, origin = headers.get("host", ""), headers.get("origin", "")
+        return origin in (f"http://{host}", f"https://{host}") and self.admits(headers)
 
 
 def _name_of(host: str) -> str:

@@ -30,7 +30,11 @@ class Layers(ABC):
         Width and height in pixels.
     names : tuple of str
         The picture is the first.
+    number : int
+        Of the view of a live scene that they show.
     """
+
+    number = 0
 
     size: tuple[int, int]
     names: tuple[str, ...]

@@ -34,8 +34,8 @@ from alight.view.pose import Pose
 #: Seconds without a move after which the camera is at rest.
 REST = 0.15
 
-#: Seconds to wait for a loop to end.
-_PATIENCE = 2.0
+#: Seconds to wait for a loop to end, and for the kernel that looks where a pixel is.
+_PATIENCE, _WAIT_FOR_LOOK = 2.0, 0.25
 
 
 @dataclass(frozen=True)
@@ -125,8 +125,9 @@ class LiveScene:
         self._done: Wish | None = None
         self._news = threading.Condition()
         self._closed = False
-        # Kernels are compiled by one thread at a time.
-        self._compiling = threading.Lock()
+        # Whether there is machine code for `aim`.
+        self._looks = threading.Event()
+        self._eye: threading.Thread | None = None
         self._small: tuple[int, np.ndarray] | None = None
         self._thread = threading.Thread(target=self._run, name="alight view", daemon=True)
         self._thread.start()
@@ -159,14 +160,26 @@ class LiveScene:
                 self._news.notify_all()
 
     def aim(self, x: int, y: int) -> None:
-        """Put the pivot on what a pixel of the window shows; leave it where that is nothing."""
+        """Put the pivot on what a pixel of the window shows.
+
+        It stays where it is if that is nothing, and while the kernel that looks is compiled.
+        """
+        if not self._looks.is_set():
+            if self._eye is None:
+                self._eye = threading.Thread(target=self._prepare_to_look, daemon=True)
+                self._eye.start()
+            if not self._looks.wait(_WAIT_FOR_LOOK):
+                return
         left, top, width, height = self.movable.window
-        with self._compiling:
-            at = left + min(x, width - 1), top + min(y, height - 1)
-            point = self.movable.hit(self.pose, *at)
+        at = left + min(x, width - 1), top + min(y, height - 1)
+        point = self.movable.hit(self.pose, *at)
         if point is not None:
             with self._news:
                 self.pose = replace(self.pose, pivot=point)
+
+    def _prepare_to_look(self) -> None:
+        self.movable.hit(self.pose, *self.movable.window[:2])
+        self._looks.set()
 
     def more(self) -> None:
         """Go on to twice the samples."""
@@ -230,12 +243,13 @@ class LiveScene:
     def _show_small(self, wish: Wish, cancel: threading.Event) -> None:
         """Render one sample of a small picture, and show it if it is still wanted."""
         job = self.movable.coarse_job(wish.pose or self.pose, 1)
-        self._start(job)
+        job.start(None)
         render_passes(job, Pace(1), cancel, lambda: None)
         if not cancel.is_set():
             image = job.film.image
             self._small = wish.number, image
             self.layers = FileLayers(as_picture(image))
+            self.layers.number = wish.number
             self._tell("moving" if wish.moves else "rendering")
 
     def _settle(self, wish: Wish, cancel: threading.Event) -> None:
@@ -248,8 +262,9 @@ class LiveScene:
             job = self.movable.job(wish.pose, wish.spp)
         if self._small is None or cancel.is_set():
             return
-        self._start(job)
+        job.start(None)
         self.job, layers = job, GrowingLayers(job.film, self._small[1])
+        layers.number = wish.number
         self.phase, told = "rendering", 0.0
 
         def report() -> None:
@@ -288,10 +303,6 @@ class LiveScene:
         job.record_biases()
         job.film.stats = job.statistics({})
         self._tell("stopped" if self._wish.stops else "done")
-
-    def _start(self, job: Job) -> None:
-        with self._compiling:
-            job.start(None)
 
     def _tell(self, phase: str) -> None:
         self.phase = phase

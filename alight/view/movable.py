@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -55,6 +56,7 @@ class Movable:
         self.size = self.flat.film.size
         self.window = self.flat.film.crop or (0, 0, *self.size)
         self._at_rest: CompiledScene | None = None
+        self._look: Callable | None = None
 
     def _compile(self, flat: FlatScene) -> CompiledScene:
         aovs = layers_of(self.options.aovs)
@@ -109,17 +111,21 @@ class Movable:
         )  # fmt: skip
 
     def hit(self, pose: Pose, x: int, y: int) -> np.ndarray | None:
-        """Find the point that a pixel of the full film shows, by one ray; None if it is none."""
+        """Find the point that a pixel of the full film shows, by one ray; None if it is none.
+
+        The first time on a machine the kernel of a scene is compiled for it, which takes seconds.
+        """
         _, compiled = self._seen_from(pose)
         names = ("position", "depth")
-        program = compiled.program._replace(aovs=names)
-        kernels = make_kernels(replace(compiled, program=program))
-        assert kernels.layers is not None
+        if self._look is None:
+            program = compiled.program._replace(aovs=names)
+            self._look = make_kernels(replace(compiled, program=program)).layers
+        assert self._look is not None
         settings = make_settings(compiled.integrator, seed=0, replicates=1, guide=compiled.guide)
         sums = View(np.zeros((len(names), 1, 1, 3, 2), np.int64))
         ranges = View(np.array([[[0, 1]]], np.int64))
         tile = Tile(x, y, x + 1, y + 1)
-        kernels.layers(compiled.tables, settings, tile, ranges, layer_bits(names), sums)
+        self._look(compiled.tables, settings, tile, ranges, layer_bits(names), sums)
         carry(sums.shaped)
         position, depth = to_float(sums.shaped[:, 0, 0])
         return position if depth[0] > 0.0 else None

@@ -98,32 +98,39 @@ class Painter:
 
     def _paint(self) -> None:
         session = self.session
-        layers, look, number = session.layers, session.look, session.number
+        layers, look = session.layers, session.look
         scale = None
         if layers is not None:
             done = _shaded(layers, look)
             scale = None if done.low is None or done.high is None else (done.low, done.high)
-            self._send("frame", protocol.frame(0, number, done.rgba))
+            self._send("frame", protocol.frame(0, layers.number, done.rgba))
+        # Before the error, which takes longer than a frame.
+        self._tell(scale)
         against = session.against
         if against is not None and self._kept_for != (against, look):
             self._kept_for = against, look
             self._send("kept", protocol.frame(1, 0, _shaded(against, look).rgba))
-        state: dict[str, Any] = session.state(self._estimate(), scale)
+        if self._estimate():
+            self._tell(scale)
+
+    def _tell(self, scale: tuple[float, float] | None) -> None:
+        state = self.session.state(self._error and self._error[1], scale)
         self._send("state", json.dumps(state, allow_nan=False))
 
-    def _estimate(self) -> ErrorEstimate | None:
-        """The error of the film, worked out now and then while it grows."""
+    def _estimate(self) -> bool:
+        """Work the error of the film out anew, now and then while it grows; say if it was."""
         film = self.session.film
         if film is None:
             self._error, self._next_error = None, 0.0
-            return None
+            return False
         samples, now = int(film.sample_count.sum()), time.perf_counter()
         stale = self._error is None or self._error[0] != samples
-        if stale and samples and (not self._grows() or now >= self._next_error):
+        due = stale and samples > 0 and (not self._grows() or now >= self._next_error)
+        if due:
             self._error = samples, film.relmse_estimate(literature=False)
             cost = time.perf_counter() - now
             self._next_error = now + max(0.5, cost / _ERROR_SHARE)
-        return self._error and self._error[1]
+        return due
 
     def _send(self, kind: str, message: str | bytes) -> None:
         with self._news:

@@ -43,8 +43,8 @@ export function makePanel() {
     $("of-cameras").hidden = state.cameras.length < 2;
     fill($("camera"), state.cameras, state.camera, (name) => name || "the scene's own");
     const { fov, height } = state.lens ?? {};
-    $("lens").textContent = fov ? `field of view ${fov.toPrecision(3)}°`
-      : height ? `height ${height.toPrecision(3)} m` : "";
+    $("lens").textContent = fov ? `Field of view ${fov.toPrecision(3)}°`
+      : height ? `Height ${height.toPrecision(3)} m` : "";
     $("narrow").disabled = $("wide").disabled = !fov && !height;
     fill($("layer"), state.layers, state.layer);
     fill($("tone"), state.tone_maps, state.tone_map);
