@@ -10,7 +10,7 @@ import numpy as np
 from alight.compiled.cameras import compile_camera, small_view
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.films.fixed_point import carry, to_float
-from alight.integrators.aov import layer_bits
+from alight.integrators.aov import LAYERS, layer_bits
 from alight.integrators.walk import make_settings
 from alight.options.render import RenderOptions
 from alight.rendering.job import Job
@@ -94,7 +94,8 @@ class Movable:
         x, y, w, h = (edge // COARSER for edge in self.window)
         x, y = min(x, width - 1), min(y, height - 1)
         camera = compile_camera(pose.camera, pose.to_world, (width, height))
-        split = tuple({"direct", "indirect"} & set(compiled.program.aovs))
+        # Layers that the kernel of the picture gathers: without them it would be another one.
+        split = tuple(name for name in compiled.program.aovs if name not in LAYERS)
         if is_to_be_guided(compiled):
             compiled = untrained(compiled)
         small = replace(

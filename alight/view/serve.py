@@ -9,9 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from alight.core.errors import OptionError
-from alight.films.storage import is_film_file
 from alight.options.view import ViewOptions
-from alight.outputs.image import FORMATS
 from alight.view.access import Access
 
 #: Packages of the extra ``view``.
@@ -68,12 +66,6 @@ def hint() -> str:
     if (checkout / "pyproject.toml").is_file():
         return f"pip install '{checkout}[view]'"
     return f"pip install {' '.join(PACKAGES)}"
-
-
-def is_file_to_view(subject: str) -> bool:
-    """Whether the name is that of a film or a picture, not of a scene."""
-    suffixes = {suffix for module in FORMATS for suffix in module.SUFFIXES}
-    return is_film_file(subject) or Path(subject).suffix.lower() in suffixes
 
 
 def _bound(options: ViewOptions) -> socket.socket:
