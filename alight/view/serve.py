@@ -81,6 +81,8 @@ def _bound(options: ViewOptions) -> socket.socket:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((options.host, options.port))
+        # From now on browsers wait for an answer, even before the server is ready to give it.
+        listener.listen()
     except OSError as error:
         listener.close()
         where = f"{options.host}:{options.port}"

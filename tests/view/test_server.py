@@ -191,7 +191,6 @@ def test_without_the_extra_one_message_says_how_to_get_it(monkeypatch):
 
 def test_an_address_that_is_taken_is_said():
     listener = serve._bound(ViewOptions())
-    listener.listen()
     try:
         with pytest.raises(OptionError, match="cannot serve at 127"):
             serve._bound(ViewOptions(port=listener.getsockname()[1]))
