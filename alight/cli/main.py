@@ -26,6 +26,7 @@ from alight.cli.scenes import scenes
 from alight.cli.sheet import sheet
 from alight.cli.study import study
 from alight.cli.trace import trace
+from alight.cli.view import view
 from alight.cli.why import why
 
 app = typer.Typer(
@@ -52,6 +53,7 @@ for command in (
     compare,
     doctor,
     why,
+    view,
 ):
     app.command()(reporting_errors(command))
 app.command(cls=MutantCommand)(reporting_errors(check))

@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from alight.compiled.scene import compile_scene
+from alight.compiled.scene import CompiledScene, compile_scene
 from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.rendering.checkpoint import Origin
@@ -29,7 +29,7 @@ from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import schedule_of, time_limit_of
 from alight.rendering.training import is_to_be_guided, trained
-from alight.scene import Scene, content_hash, flatten
+from alight.scene import FlatScene, Scene, content_hash, flatten
 
 #: Seconds between two reports of progress.
 REPORT_EVERY = 0.1
@@ -78,6 +78,22 @@ def make_job(
     threads = threads or usable_processors()
     compiled = compile_scene(flat, content_hash(flat), aovs=layers_of(aovs), threads=threads)
     clock.lap("bvh")
+    return job_of(
+        flat, compiled, schedule, clock, seed=seed, threads=threads, replicates=replicates
+    )
+
+
+def job_of(
+    flat: FlatScene,
+    compiled: CompiledScene,
+    schedule: Schedule,
+    clock: Clock,
+    *,
+    seed: int,
+    threads: int,
+    replicates: int | None,
+) -> Job:
+    """Make the job of a scene that is compiled already, and train its guide if it has one."""
     if compiled.integrator.splats:
         replicates = replicates or max(flat.film.replicates, LEAST_REPLICATES)
     training = None
@@ -119,7 +135,7 @@ def run(
             reported = job.seconds
 
     try:
-        _passes(job, pace, cancel or threading.Event(), report)
+        render_passes(job, pace, cancel or threading.Event(), report)
         job.stop_clock()
         clock.lap("render")
         # Of a cancelled render, too: the ledger's pilot takes less time than writing the picture.
@@ -139,7 +155,9 @@ def run(
     return film
 
 
-def _passes(job: Job, pace: Pace, cancel: threading.Event, report: Callable[[], None]) -> None:
+def render_passes(
+    job: Job, pace: Pace, cancel: threading.Event, report: Callable[[], None]
+) -> None:
     """Passes until the schedule's verdict, the end of the time or a cancellation."""
     with ThreadPoolExecutor(job.threads) as pool:
         work = job.next_work()

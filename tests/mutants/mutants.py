@@ -23,6 +23,7 @@ from tests.mutants.slips import SLIPS
 from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
+from tests.mutants.view import VIEW
 from tests.mutants.waves import WAVES
 
 MUTANTS = (
@@ -51,5 +52,6 @@ MUTANTS = (
     + WAVES
     + GUIDING
     + FORMATS
+    + VIEW
     + SLIPS
 )

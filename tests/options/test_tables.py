@@ -8,7 +8,7 @@ import typer
 import alight
 from alight.cli.words import takes_words
 from alight.core.errors import OptionError
-from alight.options import laboratory, render, resume
+from alight.options import laboratory, render, resume, view
 from alight.options.kinds import Anything, File, Files
 from alight.options.table import PANELS, Options, documented
 from tests.options.examples import WRONG, example
@@ -18,6 +18,7 @@ TABLES = [
     laboratory.InfoOptions, laboratory.PlanOptions, laboratory.CheckOptions,
     laboratory.WhyOptions, laboratory.CompareOptions, laboratory.StudyOptions,
     laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
+    view.ViewOptions,
 ]  # fmt: skip
 OPTIONS = [(table, name) for table in TABLES for name in table.options()]
 IDS = [f"{table.__name__}.{name}" for table, name in OPTIONS]

@@ -1,0 +1,309 @@
+"""The render loop of a view: one thread that follows the camera.
+
+::
+
+    while the camera moves:   one sample of a small picture, at once
+    when it rests:            the main loop of `alight render`, until its schedule ends it
+    when it moves again:      that render is cancelled, tile by tile
+
+What settles is made by the very job that ``alight render`` makes of the same scene and options, so
+its film has the same bits.
+"""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from alight.core.errors import AlightError
+from alight.films import Film
+from alight.options.render import RenderOptions
+from alight.outputs.picture import as_picture
+from alight.rendering.job import Job
+from alight.rendering.main_loop import REPORT_EVERY, render_passes
+from alight.rendering.passes import Pace
+from alight.scene import Scene
+from alight.view.layers import PICTURE, FileLayers, FilmLayers, Layers
+from alight.view.movable import COARSER, Movable
+from alight.view.pose import Pose
+
+#: Seconds without a move after which the camera is at rest.
+REST = 0.15
+
+#: Seconds to wait for a loop to end, and for the kernel that looks where a pixel is.
+_PATIENCE, _WAIT_FOR_LOOK = 2.0, 0.25
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What shall be rendered.
+
+    Attributes
+    ----------
+    number : int
+        Of the view: another camera, another number.
+    pose : Pose or None
+        None is the scene's own camera, untouched.
+    moves : bool
+        Whether the camera is being moved.
+    spp : int or None
+        Samples per pixel, in place of what the options say.
+    stops : bool
+        Whether the render shall end where it is.
+    """
+
+    number: int = 0
+    pose: Pose | None = None
+    moves: bool = False
+    spp: int | None = None
+    stops: bool = False
+
+
+class GrowingLayers(FilmLayers):
+    """A film that grows; pixels without a sample yet show the small picture of the same view."""
+
+    def __init__(self, film: Film, small: np.ndarray) -> None:
+        super().__init__(film)
+        self.small = small
+
+    def plane(self, name: str) -> np.ndarray:
+        """As of any film, but for the picture."""
+        if name != PICTURE:
+            return super().plane(name)
+        image, empty = self.film.image, self.film.sample_count == 0
+        if empty.any():
+            y, x = np.nonzero(empty)
+            rows, columns = self.small.shape[:2]
+            image[y, x] = self.small[
+                np.minimum(y // COARSER, rows - 1), np.minimum(x // COARSER, columns - 1)
+            ]
+        return image
+
+
+class LiveScene:
+    """A scene, rendered for as long as somebody looks.
+
+    Parameters
+    ----------
+    scene : Scene
+    options : RenderOptions
+    changed : callable
+        Called from the loop's thread whenever there is more to see.
+    number : int, default 0
+        Of the first view.
+
+    Attributes
+    ----------
+    pose : Pose
+        Where the camera is, and what it turns about.
+    layers : Layers or None
+        What is to be seen now; None before the first samples.
+    phase : {"compiling", "moving", "rendering", "done", "stopped", "failed"}
+    problem : str
+        Why it failed.
+    job : Job or None
+        The render that settles, or has settled.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        options: RenderOptions,
+        changed: Callable[[], None],
+        number: int = 0,
+    ) -> None:
+        self.movable, self._changed = Movable(scene, options), changed
+        self.pose = Pose.of(self.movable.flat.camera)
+        self.layers: Layers | None = None
+        self.phase, self.problem = "compiling", ""
+        self.job: Job | None = None
+        self._wish, self._cancel = Wish(number), threading.Event()
+        self._done: Wish | None = None
+        self._news = threading.Condition()
+        self._closed = False
+        # Whether there is machine code for `aim`.
+        self._looks = threading.Event()
+        self._eye: threading.Thread | None = None
+        self._small: tuple[int, np.ndarray] | None = None
+        self._thread = threading.Thread(target=self._run, name="alight view", daemon=True)
+        self._thread.start()
+
+    # ------------------------------------------------------------------------ what is asked for
+
+    @property
+    def wish(self) -> Wish:
+        """What was asked for last."""
+        return self._wish
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with its camera as it is now."""
+        return self.movable.scene_from(self._wish.pose)
+
+    def move(self, change: Callable[[Pose], Pose]) -> None:
+        """Move the camera; a pose of which no picture can be taken is left alone."""
+        with self._news:
+            pose = change(self.pose)
+            if pose.is_usable:
+                self.pose, last = pose, self._wish
+                self._ask(Wish(last.number + 1, pose, moves=True, spp=last.spp))
+
+    def rest(self) -> None:
+        """The camera has come to rest: do not wait for it."""
+        with self._news:
+            if self._wish.moves:
+                self._wish = replace(self._wish, moves=False)
+                self._news.notify_all()
+
+    def aim(self, x: int, y: int) -> None:
+        """Put the pivot on what a pixel of the window shows.
+
+        It stays where it is if that is nothing, and while the kernel that looks is compiled.
+        """
+        if not self._looks.is_set():
+            if self._eye is None:
+                self._eye = threading.Thread(target=self._prepare_to_look, daemon=True)
+                self._eye.start()
+            if not self._looks.wait(_WAIT_FOR_LOOK):
+                return
+        left, top, width, height = self.movable.window
+        at = left + min(x, width - 1), top + min(y, height - 1)
+        point = self.movable.hit(self.pose, *at)
+        if point is not None:
+            with self._news:
+                self.pose = replace(self.pose, pivot=point)
+
+    def _prepare_to_look(self) -> None:
+        self.movable.hit(self.pose, *self.movable.window[:2])
+        self._looks.set()
+
+    def more(self) -> None:
+        """Go on to twice the samples."""
+        with self._news:
+            job = self.job
+            if self.phase in ("done", "stopped") and job is not None:
+                target = max(2 * round(job.film.spp), 1)
+                self._ask(replace(self._wish, spp=target, stops=False))
+
+    def stop(self) -> None:
+        """End the render where it is."""
+        with self._news:
+            if self.phase == "rendering":
+                self._ask(replace(self._wish, stops=True))
+
+    def close(self) -> None:
+        """End the loop, and wait for it, but not for a compiler."""
+        with self._news:
+            self._closed = True
+            self._ask(self._wish)
+        self._thread.join(_PATIENCE)
+
+    def _ask(self, wish: Wish) -> None:
+        self._wish = wish
+        self._cancel.set()
+        self._news.notify_all()
+
+    # ------------------------------------------------------------------------ the loop
+
+    def _run(self) -> None:
+        while not self._closed:
+            with self._news:
+                self._news.wait_for(lambda: self._wish is not self._done or self._closed)
+                wish, self._cancel = self._wish, threading.Event()
+                cancel = self._cancel
+                if self._closed:
+                    return
+            try:
+                if wish.moves:
+                    self._show_small(wish, cancel)
+                    self._wait_for_rest(wish)
+                elif wish.stops:
+                    self._end()
+                    self._done = wish
+                else:
+                    self._settle(wish, cancel)
+                    self._done = wish
+            except Exception as error:
+                # The page outlives a view that cannot be rendered, and a bug of ours.
+                if not isinstance(error, AlightError):
+                    traceback.print_exc()
+                self.problem = str(error) or type(error).__name__
+                self._tell("failed")
+                self._done = wish
+
+    def _wait_for_rest(self, wish: Wish) -> None:
+        with self._news:
+            if not self._news.wait_for(lambda: self._wish is not wish, REST):
+                self._wish = replace(wish, moves=False)
+
+    def _show_small(self, wish: Wish, cancel: threading.Event) -> None:
+        """Render one sample of a small picture, and show it if it is still wanted."""
+        job = self.movable.coarse_job(wish.pose or self.pose, 1)
+        job.start(None)
+        render_passes(job, Pace(1), cancel, lambda: None)
+        if not cancel.is_set():
+            image = job.film.image
+            self._small = wish.number, image
+            self.layers = FileLayers(as_picture(image))
+            self.layers.number = wish.number
+            self._tell("moving" if wish.moves else "rendering")
+
+    def _settle(self, wish: Wish, cancel: threading.Event) -> None:
+        """Render the picture until it is finished or no longer wanted."""
+        job = self._continued(wish)
+        if job is None:
+            self.job = None
+            if self._small is None or self._small[0] != wish.number:
+                self._show_small(wish, cancel)
+            job = self.movable.job(wish.pose, wish.spp)
+        if self._small is None or cancel.is_set():
+            return
+        job.start(None)
+        self.job, layers = job, GrowingLayers(job.film, self._small[1])
+        layers.number = wish.number
+        self.phase, told = "rendering", 0.0
+
+        def report() -> None:
+            nonlocal told
+            if job.seconds - told > REPORT_EVERY:
+                told = job.seconds
+                layers.film = job.film
+                self.layers = layers
+                self._changed()
+
+        job.start_clock()
+        try:
+            render_passes(job, Pace(self.movable.options.spp_per_pass), cancel, report)
+        finally:
+            job.stop_clock()
+        if not cancel.is_set():
+            layers.film = job.film
+            self.layers = layers
+            self._end()
+
+    def _continued(self, wish: Wish) -> Job | None:
+        """The job of the same view, if it only has to go on."""
+        job = self.job
+        if job is None or wish.spp is None or self._small is None:
+            return None
+        if self._small[0] != wish.number:
+            return None
+        job.schedule, job.goal = job.schedule.extended(wish.spp), None
+        return job
+
+    def _end(self) -> None:
+        """Complete a film as ``alight render`` does."""
+        job = self.job
+        if job is None:
+            return
+        job.record_biases()
+        job.film.stats = job.statistics({})
+        self._tell("stopped" if self._wish.stops else "done")
+
+    def _tell(self, phase: str) -> None:
+        self.phase = phase
+        self._changed()

@@ -1,0 +1,152 @@
+"""A scene compiled once and seen from anywhere: only the table of the camera is made anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from alight.compiled.cameras import compile_camera, small_view
+from alight.compiled.scene import CompiledScene, compile_scene
+from alight.films.fixed_point import carry, to_float
+from alight.integrators.aov import LAYERS, layer_bits
+from alight.integrators.walk import make_settings
+from alight.options.render import RenderOptions
+from alight.rendering.job import Job
+from alight.rendering.layers import layers_of
+from alight.rendering.main_loop import Clock, job_of
+from alight.rendering.resources import usable_processors
+from alight.rendering.schedule import Uniform
+from alight.rendering.schedules import schedule_of, time_limit_of
+from alight.rendering.tile import make_kernels
+from alight.rendering.tile_kernel import Tile
+from alight.rendering.training import is_to_be_guided, untrained
+from alight.scene import Scene, content_hash, flatten
+from alight.scene.flatten import FlatScene, PlacedCamera
+from alight.view.pose import Pose
+from lanewise.view import View
+
+#: Sides of a full picture over those of the picture while the camera moves.
+COARSER = 4
+
+
+class Movable:
+    """A scene that is compiled once, and rendered from any pose.
+
+    Parameters
+    ----------
+    scene : Scene
+        With the changes of the options.
+    options : RenderOptions
+
+    Attributes
+    ----------
+    size : (int, int)
+        Of the full film, in pixels.
+    window : (int, int, int, int)
+        x, y, width and height of what is rendered of it.
+    """
+
+    def __init__(self, scene: Scene, options: RenderOptions) -> None:
+        self.scene, self.options = scene, options
+        self.threads = options.threads or usable_processors()
+        self.flat = flatten(scene)
+        self.compiled = self._compile(self.flat)
+        self.size = self.flat.film.size
+        self.window = self.flat.film.crop or (0, 0, *self.size)
+        self._at_rest: CompiledScene | None = None
+        self._look: Callable | None = None
+
+    def _compile(self, flat: FlatScene) -> CompiledScene:
+        aovs = layers_of(self.options.aovs)
+        return compile_scene(flat, content_hash(flat), aovs=aovs, threads=self.threads)
+
+    def scene_from(self, pose: Pose | None) -> Scene:
+        """Describe the scene with its camera in a pose; None leaves it as it is."""
+        if pose is None:
+            return self.scene
+        return self.scene.replaced(camera=pose.node).from_source(self.scene.source)
+
+    def job(self, pose: Pose | None, spp: int | None) -> Job:
+        """Make the job of the picture itself, as ``alight render`` does.
+
+        Parameters
+        ----------
+        pose : Pose or None
+            None leaves the scene's own camera, which may move.
+        spp : int or None
+            Samples per pixel in place of what the options say.
+        """
+        flat, compiled = self._seen_from(pose)
+        schedule = schedule_of(self.options, self.scene.source.remarks.spp)
+        job = job_of(
+            flat, compiled, schedule if spp is None else schedule.extended(spp), Clock(),
+            seed=self.options.seed, threads=self.threads, replicates=self.options.replicates,
+        )  # fmt: skip
+        job.time_limit = time_limit_of(self.options)
+        return job
+
+    def coarse_job(self, pose: Pose, spp: int) -> Job:
+        """Make the job of a small picture of the same view, for a camera that moves."""
+        flat, compiled = self._seen_from(pose)
+        width, height = (-(-side // COARSER) for side in self.size)
+        x, y, w, h = (edge // COARSER for edge in self.window)
+        x, y = min(x, width - 1), min(y, height - 1)
+        camera = compile_camera(pose.camera, pose.to_world, (width, height))
+        # Layers that the kernel of the picture gathers: without them it would be another one.
+        split = tuple(name for name in compiled.program.aovs if name not in LAYERS)
+        if is_to_be_guided(compiled):
+            compiled = untrained(compiled)
+        small = replace(
+            compiled,
+            tables=compiled.tables._replace(camera=camera),
+            program=compiled.program._replace(aovs=layers_of(split)),
+            size=(width, height),
+            crop=(x, y, min(max(w, 1), width - x), min(max(h, 1), height - y)),
+            small_view=None,
+        )
+        return job_of(
+            flat, small, Uniform(0, spp), Clock(),
+            seed=self.options.seed, threads=self.threads, replicates=1,
+        )  # fmt: skip
+
+    def hit(self, pose: Pose, x: int, y: int) -> np.ndarray | None:
+        """Find the point that a pixel of the full film shows, by one ray; None if it is none.
+
+        The first time on a machine the kernel of a scene is compiled for it, which takes seconds.
+        """
+        _, compiled = self._seen_from(pose)
+        names = ("position", "depth")
+        if self._look is None:
+            program = compiled.program._replace(aovs=names)
+            self._look = make_kernels(replace(compiled, program=program)).layers
+        assert self._look is not None
+        settings = make_settings(compiled.integrator, seed=0, replicates=1, guide=compiled.guide)
+        sums = View(np.zeros((len(names), 1, 1, 3, 2), np.int64))
+        ranges = View(np.array([[[0, 1]]], np.int64))
+        tile = Tile(x, y, x + 1, y + 1)
+        self._look(compiled.tables, settings, tile, ranges, layer_bits(names), sums)
+        carry(sums.shaped)
+        position, depth = to_float(sums.shaped[:, 0, 0])
+        return position if depth[0] > 0.0 else None
+
+    def _seen_from(self, pose: Pose | None) -> tuple[FlatScene, CompiledScene]:
+        """The scene from a pose: as it would be flattened and compiled with this camera."""
+        if pose is None:
+            return self.flat, self.compiled
+        placed = PlacedCamera(pose.camera, pose.to_world)
+        flat = replace(self.flat, camera=placed)
+        compiled = self.compiled
+        if self.flat.camera.motion is not None:
+            # The tables of a camera that moves are of no use to one that does not.
+            compiled = self._at_rest = self._at_rest or self._compile(flat)
+        camera = compile_camera(pose.camera, pose.to_world, self.size)
+        compiled = replace(
+            compiled,
+            tables=compiled.tables._replace(camera=camera),
+            content_hash=content_hash(flat),
+        )
+        if is_to_be_guided(compiled):
+            compiled = replace(compiled, small_view=small_view(placed, self.size))
+        return flat, compiled

@@ -1,0 +1,115 @@
+// Pointer and keys become events of the camera, at most one message of each a frame of the screen.
+
+const STEP = 0.06;
+
+// [key, words of the help, action]; the action is given `ui`, see main.js.
+export const KEYS = [
+  ["w", "", (ui) => ui.fly(0, 0, STEP)],
+  ["a", "", (ui) => ui.fly(-STEP, 0, 0)],
+  ["s", "", (ui) => ui.fly(0, 0, -STEP)],
+  ["d", "", (ui) => ui.fly(STEP, 0, 0)],
+  ["r", "", (ui) => ui.fly(0, STEP, 0)],
+  ["f", "", (ui) => ui.fly(0, -STEP, 0)],
+  ["ArrowLeft", "", (ui) => ui.orbit(-STEP, 0)],
+  ["ArrowRight", "", (ui) => ui.orbit(STEP, 0)],
+  ["ArrowUp", "", (ui) => ui.orbit(0, -STEP)],
+  ["ArrowDown", "", (ui) => ui.orbit(0, STEP)],
+  ["q", "", (ui) => ui.roll(-STEP)],
+  ["e", "", (ui) => ui.roll(STEP)],
+  ["[", "", (ui) => ui.widen(-STEP)],
+  ["]", "", (ui) => ui.widen(STEP)],
+  ["Home", "reset the camera", (ui) => ui.reset()],
+  ["l", "next layer", (ui) => ui.nextLayer()],
+  [",", "", (ui) => ui.expose(-0.5)],
+  [".", "", (ui) => ui.expose(0.5)],
+  ["c", "keep, or drop the kept picture", (ui) => ui.compare()],
+  ["m", "twice the samples", (ui) => ui.send("more")],
+  ["x", "stop", (ui) => ui.send("stop")],
+  ["+", "", (ui) => ui.zoom(1.5)],
+  ["-", "", (ui) => ui.zoom(1 / 1.5)],
+  ["0", "", (ui) => ui.fit()],
+  ["p", "show or hide the panel", (ui) => ui.fold()],
+];
+
+export const HELP = [
+  ["drag", "orbit about what is under the pointer"],
+  ["Shift or right drag", "pan"],
+  ["wheel", "towards the pivot and back"],
+  ["Ctrl wheel, + − 0", "zoom into the pixels, fit"],
+  ["click", "values of a pixel"],
+  ["W A S D R F", "fly"],
+  ["arrows", "orbit"],
+  ["Q E", "roll"],
+  ["[ ]", "field of view"],
+  [", .", "exposure"],
+  ...KEYS.filter(([, words]) => words).map(([key, words]) => [key.toUpperCase().replace("HOME", "Home"), words]),
+];
+
+export function listenToKeys(ui) {
+  const actions = new Map(KEYS.map(([key, , action]) => [key, action]));
+  document.addEventListener("keydown", (event) => {
+    const typing = event.target.matches("input, select");
+    const action = actions.get(event.key.length === 1 ? event.key.toLowerCase() : event.key);
+    if (!action || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    action(ui);
+  });
+}
+
+export function listenToPointer(stage, ui) {
+  let drag = null;
+
+  stage.addEventListener("contextmenu", (event) => event.preventDefault());
+
+  stage.addEventListener("pointerdown", (event) => {
+    if (drag) return;
+    stage.focus({ preventScroll: true });
+    stage.setPointerCapture(event.pointerId);
+    const pans = event.shiftKey || event.button !== 0;
+    drag = { x: event.clientX, y: event.clientY, moved: false, pans, id: event.pointerId };
+  });
+
+  stage.addEventListener("pointermove", (event) => {
+    if (!drag || event.pointerId !== drag.id) return;
+    const dx = event.clientX - drag.x, dy = event.clientY - drag.y;
+    if (!drag.moved && Math.hypot(dx, dy) < 4) return;
+    if (!drag.moved) ui.grab(drag.x, drag.y);
+    Object.assign(drag, { x: event.clientX, y: event.clientY, moved: true });
+    ui.drag(dx, dy, drag.pans);
+  });
+
+  const end = (event) => {
+    if (!drag || event.pointerId !== drag.id) return;
+    if (drag.moved) ui.rest();
+    else if (event.type === "pointerup") ui.ask(event.clientX, event.clientY);
+    drag = null;
+  };
+  stage.addEventListener("pointerup", end);
+  stage.addEventListener("pointercancel", end);
+
+  stage.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const by = -event.deltaY * (event.deltaMode ? 0.05 : 0.002);
+    ui.wheel(Math.max(-1, Math.min(1, by)), event);
+  }, { passive: false });
+}
+
+// Adds up what is said between two frames of the screen and sends the sum.
+export class Gathered {
+  constructor(send) {
+    this.send = send;
+    this.waiting = new Map();
+  }
+
+  add(word, keys) {
+    if (!this.waiting.size) requestAnimationFrame(() => this.flush());
+    const sum = this.waiting.get(word) ?? {};
+    for (const [key, value] of Object.entries(keys)) sum[key] = (sum[key] ?? 0) + value;
+    this.waiting.set(word, sum);
+  }
+
+  flush() {
+    for (const [word, keys] of this.waiting) this.send(word, keys);
+    this.waiting.clear();
+  }
+}

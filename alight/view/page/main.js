@@ -1,0 +1,115 @@
+// The page: events go to the server, what the server sends is shown. Nothing is decided here.
+
+import { Connection } from "./connection.js";
+import { Gathered, listenToKeys, listenToPointer } from "./gestures.js";
+import { makePanel, showPixel } from "./panel.js";
+import { Picture } from "./picture.js";
+
+const $ = (id) => document.getElementById(id);
+const picture = new Picture();
+const show = makePanel();
+let state = { kind: "picture", layers: [], size: [1, 1], exposure: 0, tone_map: "none" };
+let frames = 0;
+
+const connection = new Connection({
+  open(isOpen) {
+    document.body.dataset.connected = isOpen;
+    if (isOpen) return;
+    $("phase").textContent = "no connection; trying again";
+    $("phase").className = "bad";
+  },
+  state(message) {
+    if (message.number !== state.number) picture.mark(null);
+    state = message;
+    picture.resize(state.size);
+    picture.compare(state.against);
+    show(state);
+  },
+  frame(message) {
+    picture.draw(message);
+    document.body.dataset.frames = ++frames;
+    if (message.picture === 0) document.body.dataset.drawn = message.number;
+  },
+  pixel: showPixel,
+  refused({ why }) { console.warn(why); },
+});
+
+const send = (word, keys) => connection.send(word, keys);
+const gathered = new Gathered(send);
+const moves = (word, keys) => { if (state.kind === "scene") gathered.add(word, keys); };
+
+const ui = {
+  send,
+  orbit: (x, y) => moves("orbit", { x, y }),
+  fly: (right, up, ahead) => moves("fly", { right, up, ahead }),
+  roll: (by) => moves("roll", { by }),
+  widen: (by) => moves("widen", { by }),
+  zoom(factor) {
+    const rect = $("stage").getBoundingClientRect();
+    picture.zoomBy(factor, rect.left + rect.width / 2, rect.top + rect.height / 2);
+  },
+  fit: () => picture.fit(),
+  // What is under the pointer becomes the pivot.
+  grab(x, y) {
+    const pixel = picture.pixelAt(x, y);
+    if (pixel && state.kind === "scene") send("pivot", pixel);
+  },
+  drag(dx, dy, pans) {
+    if (state.kind !== "scene") return picture.moveBy(dx, dy);
+    const height = picture.size[1] * picture.scale;
+    moves(pans ? "pan" : "orbit", { x: dx / height, y: dy / height });
+  },
+  rest() {
+    gathered.flush();
+    if (state.kind === "scene") send("rest");
+  },
+  wheel(by, event) {
+    if (state.kind !== "scene" || event.ctrlKey) {
+      picture.zoomBy(Math.exp(2 * by), event.clientX, event.clientY);
+    } else moves("dolly", { by });
+  },
+  ask(x, y) {
+    const pixel = picture.pixelAt(x, y);
+    if (!pixel) return;
+    picture.mark(pixel);
+    send("pixel", pixel);
+  },
+  reset() { if (state.kind === "scene") send("camera", { name: state.camera }); },
+  nextLayer() {
+    const next = (state.layers.indexOf(state.layer) + 1) % state.layers.length;
+    send("show", { layer: state.layers[next] });
+  },
+  develop(exposure, tone_map) { send("develop", { exposure, tone_map }); },
+  expose: (by) => ui.develop(state.exposure + by, state.tone_map),
+  compare: () => send(state.against ? "drop" : "keep"),
+  fold() {
+    const isFolded = document.body.classList.toggle("folded");
+    $("fold").setAttribute("aria-expanded", !isFolded);
+  },
+};
+
+listenToPointer($("stage"), ui);
+listenToKeys(ui);
+
+for (const [id, action] of Object.entries({
+  more: () => send("more"), stop: () => send("stop"), keep: () => send("keep"),
+  drop: () => send("drop"), fold: ui.fold, reset: ui.reset,
+  narrow: () => ui.widen(-0.1), wide: () => ui.widen(0.1),
+  "roll-left": () => ui.roll(-0.1), "roll-right": () => ui.roll(0.1),
+})) $(id).addEventListener("click", action);
+
+$("camera").addEventListener("change", () => send("camera", { name: $("camera").value }));
+$("layer").addEventListener("change", () => send("show", { layer: $("layer").value }));
+$("tone").addEventListener("change", () => ui.develop(state.exposure, $("tone").value));
+$("exposure").addEventListener("input", () => ui.develop(Number($("exposure").value), state.tone_map));
+$("split").addEventListener("input", () => picture.divide(Number($("split").value)));
+paintRamp();
+
+// The scale of layers of numbers, as alight/view/shades.py paints it.
+function paintRamp() {
+  const context = $("ramp").getContext("2d"), gradient = context.createLinearGradient(0, 0, 128, 0);
+  const colours = ["#000004", "#2b1050", "#701f69", "#b53454", "#e76230", "#f9a63e", "#fcf6be"];
+  colours.forEach((colour, i) => gradient.addColorStop(i / (colours.length - 1), colour));
+  context.fillStyle = gradient;
+  context.fillRect(0, 0, 128, 1);
+}

@@ -1,0 +1,135 @@
+// What stands around the picture: the state that the server has sent, in words and figures.
+
+import { HELP } from "./gestures.js";
+
+const $ = (id) => document.getElementById(id);
+
+const percent = (share) => (share === null ? "unknown" : share > 10 ? "over 1000 %"
+  : `${(100 * share).toPrecision(3)} %`);
+const figure = (n) => (n === null ? "unknown" : Number.isInteger(n) ? String(n) : n.toPrecision(4));
+
+function fill(select, names, chosen, label = (name) => name) {
+  const key = names.join("\n");
+  if (select.dataset.names !== key) {
+    select.replaceChildren(...names.map((name) => new Option(label(name), name)));
+    select.dataset.names = key;
+  }
+  if (document.activeElement !== select || select.value !== chosen) select.value = chosen;
+}
+
+function list(element, pairs) {
+  element.replaceChildren(...pairs.flatMap(([name, value]) => {
+    const term = document.createElement("dt"), told = document.createElement("dd");
+    term.textContent = name;
+    told.textContent = value;
+    return [term, told];
+  }));
+}
+
+export function makePanel() {
+  list($("keys"), HELP);
+  const saves = { scene: ["film.alight", "picture.exr", "picture.png", "scene.yaml"],
+    film: ["film.alight", "picture.exr", "picture.png"], picture: ["picture.exr", "picture.png"] };
+
+  return function show(state) {
+    document.title = `${state.title} – alight`;
+    $("title").textContent = state.title;
+    $("of-render").hidden = state.kind === "picture";
+    $("of-camera").hidden = state.kind !== "scene";
+    $("of-error").hidden = state.kind === "picture";
+    showPhase(state);
+    showError(state);
+    showRender(state);
+    $("of-cameras").hidden = state.cameras.length < 2;
+    fill($("camera"), state.cameras, state.camera, (name) => name || "the scene's own");
+    const { fov, height } = state.lens ?? {};
+    $("lens").textContent = fov ? `Field of view ${fov.toPrecision(3)}°`
+      : height ? `Height ${height.toPrecision(3)} m` : "";
+    $("narrow").disabled = $("wide").disabled = !fov && !height;
+    fill($("layer"), state.layers, state.layer);
+    fill($("tone"), state.tone_maps, state.tone_map);
+    $("stops").textContent = state.exposure.toFixed(2);
+    if (document.activeElement !== $("exposure")) $("exposure").value = state.exposure;
+    $("scale").hidden = !state.scale;
+    if (state.scale) [$("low").textContent, $("high").textContent] = state.scale.map(
+      (end) => (state.layer === "error" ? percent(end) : figure(end)));
+    $("drop").hidden = $("of-split").hidden = !state.against;
+    if ($("saves").dataset.kind !== state.kind) {
+      $("saves").dataset.kind = state.kind;
+      $("saves").replaceChildren(...saves[state.kind].map(link));
+    }
+  };
+}
+
+function link(name) {
+  const made = document.createElement("a");
+  made.className = "button";
+  made.href = `save/${name}`;
+  made.download = "";
+  made.textContent = name.split(".")[0] === "scene" ? "Scene" : name.split(".")[1].toUpperCase()
+    .replace("ALIGHT", "Film");
+  return made;
+}
+
+function showPhase(state) {
+  const spp = state.spp === undefined ? "" : `${figure(state.spp)}${
+    state.target ? ` of ${figure(state.target)}` : ""} spp`;
+  const words = { compiling: "compiling kernels", moving: "moving", rendering: spp || "rendering",
+    done: state.kind === "scene" ? `done, ${spp}` : spp, stopped: `stopped, ${spp}`,
+    failed: "failed" };
+  $("phase").textContent = words[state.phase] || `${state.size[0]} × ${state.size[1]}`;
+  $("phase").className = state.phase === "failed" ? "bad" : "";
+  $("progress").hidden = state.kind !== "scene";
+  if (state.phase === "compiling") $("progress").removeAttribute("value");
+  else $("progress").value = state.phase === "done" ? 1 : (state.spp ?? 0) / (state.target || Infinity);
+  $("notice").hidden = !(state.phase === "compiling" || state.problem);
+  $("notice").textContent = state.problem
+    || "Compiling kernels for this combination of models; the next time they are there at once.";
+  Object.assign(document.body.dataset, { phase: state.phase, view: state.number });
+}
+
+function showError(state) {
+  const [value, low, high] = state.error ?? [null, null, null];
+  $("error").textContent = value === null ? "–" : percent(value);
+  $("interval").textContent = value === null ? "unknown as yet"
+    : `relRMSE, 95 % interval ${percent(low)} to ${percent(high)}`;
+  const word = state.word && state.asked ? state.word : state.asked ? `asked ${percent(state.asked)}` : "";
+  $("promise").hidden = !word;
+  $("promise").textContent = word;
+  $("promise").className = `chip ${word === "met" ? "met" : word.startsWith("not") ? "missed" : ""}`;
+  $("verdict").textContent = state.line ?? "";
+  $("biases").replaceChildren(...(state.biases ?? []).map((line) => {
+    const item = document.createElement("li");
+    item.textContent = line;
+    return item;
+  }));
+}
+
+function showRender(state) {
+  const facts = [["size", `${state.size[0]} × ${state.size[1]}`]];
+  if (state.spp !== undefined) facts.push(["samples per pixel", figure(state.spp)]);
+  if (state.seconds) facts.push(["time", `${state.seconds.toFixed(1)} s`],
+    ["rate", `${state.rate.toFixed(2)} Msamples/s`]);
+  if (state.seed !== undefined) facts.push(["seed", state.seed]);
+  list($("facts"), facts);
+  const ended = ["done", "stopped"].includes(state.phase);
+  $("more").hidden = $("stop").hidden = state.kind !== "scene";
+  $("more").disabled = !ended;
+  $("stop").disabled = state.phase !== "rendering";
+}
+
+export function showPixel({ x, y, values }) {
+  $("no-pixel").hidden = true;
+  $("pixel").hidden = false;
+  $("where").textContent = `column ${x}, row ${y}`;
+  $("pixel").tBodies[0].replaceChildren(...Object.entries(values).map(([name, numbers]) => {
+    const row = document.createElement("tr"), head = document.createElement("th");
+    head.textContent = name;
+    row.append(head, ...numbers.slice(0, 3).map((n) => {
+      const cell = document.createElement("td");
+      cell.textContent = n === null ? "–" : Math.abs(n) >= 1e5 ? n.toExponential(2) : figure(n);
+      return cell;
+    }));
+    return row;
+  }));
+}

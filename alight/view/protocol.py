@@ -1,0 +1,261 @@
+"""What the browser and the server say to each other, over one WebSocket.
+
+**From the browser**: one JSON object a message, with ``do`` and exactly the keys of that word.
+Lengths are shares of the height of the picture, right and down positive; angles are radians;
+``x`` and ``y`` of pixels are whole numbers from the upper left corner of the picture.
+
+::
+
+    {"do": "orbit", "x": 0.1, "y": 0}       turn about the pivot
+    {"do": "pan", "x": 0.1, "y": 0}         move across the view, with what is at the pivot
+    {"do": "dolly", "by": 0.1}              towards the pivot, by this share of the distance
+    {"do": "fly", "right": 0, "up": 0, "ahead": 0.1}    by shares of the distance to the pivot
+    {"do": "roll", "by": 0.1}               about the view, clockwise
+    {"do": "widen", "by": 0.1}              the field of view, by this share
+    {"do": "rest"}                          the camera has come to rest
+    {"do": "pivot", "x": 3, "y": 4}         put the pivot on what this pixel shows
+    {"do": "camera", "name": "cameras/top"} one of the scene's cameras; "" is the first one
+    {"do": "show", "layer": "error"}        a layer
+    {"do": "develop", "exposure": 0, "tone_map": "none"}
+    {"do": "pixel", "x": 3, "y": 4}         ask for the values of a pixel
+    {"do": "keep"}                          keep this picture, to compare with
+    {"do": "drop"}                          compare no more
+    {"do": "more"}                          twice the samples per pixel
+    {"do": "stop"}                          end the render here
+
+**From the server**: JSON objects with ``is``: ``state`` (everything that the page shows around the
+picture; see `alight.view.session.Session.state`), ``pixel`` (answers the one that asked) and
+``refused`` (with ``why``, for a message that is none of the above). Binary messages are frames:
+four little-endian uint32 (which picture: 0 or, to compare with, 1; width; height; number of the
+view), then RGBA bytes, the top row first. Of frames and states only the newest is sent to a browser
+that cannot keep up.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+#: Characters of the longest message.
+LONGEST = 4096
+
+#: Largest length, angle or share, and largest coordinate of a pixel.
+LARGEST, FARTHEST = 1e3, 2**28
+
+_FRAME = struct.Struct("<4I")
+
+
+class RefusedError(ValueError):
+    """A message that is not one of the protocol; its text says why."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """What the browser asks for; the fields are the keys of the message."""
+
+    word: ClassVar[str]
+
+
+@dataclass(frozen=True)
+class Orbit(Event):
+    """Turn about the pivot."""
+
+    word = "orbit"
+    x: float
+    y: float
+
+
+@dataclass(frozen=True)
+class Pan(Event):
+    """Move across the view."""
+
+    word = "pan"
+    x: float
+    y: float
+
+
+@dataclass(frozen=True)
+class Dolly(Event):
+    """Move towards the pivot."""
+
+    word = "dolly"
+    by: float
+
+
+@dataclass(frozen=True)
+class Fly(Event):
+    """Move freely."""
+
+    word = "fly"
+    right: float
+    up: float
+    ahead: float
+
+
+@dataclass(frozen=True)
+class Roll(Event):
+    """Turn about the view."""
+
+    word = "roll"
+    by: float
+
+
+@dataclass(frozen=True)
+class Widen(Event):
+    """Change the field of view."""
+
+    word = "widen"
+    by: float
+
+
+@dataclass(frozen=True)
+class Rest(Event):
+    """The camera has come to rest."""
+
+    word = "rest"
+
+
+@dataclass(frozen=True)
+class Pivot(Event):
+    """Put the pivot on what a pixel shows."""
+
+    word = "pivot"
+    x: int
+    y: int
+
+
+@dataclass(frozen=True)
+class ChooseCamera(Event):
+    """Look through one of the scene's cameras."""
+
+    word = "camera"
+    name: str
+
+
+@dataclass(frozen=True)
+class Show(Event):
+    """Show a layer."""
+
+    word = "show"
+    layer: str
+
+
+@dataclass(frozen=True)
+class Develop(Event):
+    """Show linear values in another way."""
+
+    word = "develop"
+    exposure: float
+    tone_map: str
+
+
+@dataclass(frozen=True)
+class AskPixel(Event):
+    """Ask for the values of a pixel."""
+
+    word = "pixel"
+    x: int
+    y: int
+
+
+@dataclass(frozen=True)
+class Keep(Event):
+    """Keep this picture, to compare with."""
+
+    word = "keep"
+
+
+@dataclass(frozen=True)
+class Drop(Event):
+    """Compare no more."""
+
+    word = "drop"
+
+
+@dataclass(frozen=True)
+class More(Event):
+    """Twice the samples per pixel."""
+
+    word = "more"
+
+
+@dataclass(frozen=True)
+class Stop(Event):
+    """End the render here."""
+
+    word = "stop"
+
+
+#: Words that move the camera.
+MOVES = (Orbit, Pan, Dolly, Fly, Roll, Widen)
+
+EVENTS: dict[str, type[Event]] = {
+    event.word: event
+    for event in (
+        *MOVES, Rest, Pivot, ChooseCamera, Show, Develop, AskPixel, Keep, Drop, More, Stop,
+    )
+}  # fmt: skip
+
+
+def parse(text: str) -> Event:
+    """Read a message of the browser.
+
+    Raises
+    ------
+    RefusedError
+        If it is longer than `LONGEST`, no JSON object, of an unknown word, or of wrong keys or
+        values.
+    """
+    if len(text) > LONGEST:
+        raise RefusedError(f"messages have at most {LONGEST} characters, got {len(text)}")
+    try:
+        message = json.loads(text, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError):
+        raise RefusedError("this is no JSON") from None
+    if not isinstance(message, dict):
+        raise RefusedError("a message must be an object")
+    word = message.pop("do", None)
+    if not isinstance(word, str) or word not in EVENTS:
+        raise RefusedError(f"do must be one of {', '.join(EVENTS)}")
+    event = EVENTS[word]
+    wanted = {one.name: str(one.type) for one in fields(event)}
+    if set(message) != set(wanted):
+        raise RefusedError(f"{word} has the keys {', '.join(wanted) or 'of no value'}")
+    return event(**{name: _checked(name, message[name], kind) for name, kind in wanted.items()})
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(name)
+
+
+def _checked(name: str, value: Any, kind: str) -> Any:
+    """Give a value of a message as its field has it; `kind` is the name of its type."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if kind == "float" and number and abs(value) <= LARGEST and math.isfinite(value):
+        return float(value)
+    if kind == "int" and number and isinstance(value, int) and 0 <= value < FARTHEST:
+        return value
+    if kind == "str" and isinstance(value, str):
+        return value
+    ranges = {
+        "float": f"a number in [-{LARGEST:g}, {LARGEST:g}]",
+        "int": "a whole number >= 0", "str": "a text",
+    }  # fmt: skip
+    raise RefusedError(f"{name} must be {ranges[kind]}")
+
+
+def frame(picture: int, number: int, rgba: Any) -> bytes:
+    """Pack a frame.
+
+    Parameters
+    ----------
+    picture : {0, 1}
+    number : int
+        Of the view.
+    rgba : ndarray of uint8, shape (h, w, 4)
+    """
+    height, width = rgba.shape[:2]
+    return _FRAME.pack(picture, width, height, number) + rgba.tobytes()

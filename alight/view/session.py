@@ -1,0 +1,254 @@
+"""What is shown, in which way, and to whom: events come in, the state of the page goes out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from alight.core.errors import AlightError
+from alight.films import Film
+from alight.formats.loading import changed
+from alight.metrics import ErrorEstimate
+from alight.options.render import RenderOptions
+from alight.outputs.display import Display
+from alight.outputs.tone_mapping import TONE_MAPS
+from alight.scene import Scene
+from alight.view import protocol
+from alight.view.layers import PICTURE, FilmLayers, Layers
+from alight.view.live import LiveScene
+from alight.view.protocol import RefusedError
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a layer is shown.
+
+    Attributes
+    ----------
+    layer : str
+        What is wished for; the picture where the layers lack it.
+    display : Display
+    """
+
+    layer: str = PICTURE
+    display: Display = field(default_factory=Display)
+
+
+class Session:
+    """One thing that is viewed, by any number of browsers that all see the same.
+
+    Parameters
+    ----------
+    title : str
+        Name of the scene or file.
+    shown : Scene or Layers
+    options : RenderOptions, optional
+        Of a scene.
+    against : Layers, optional
+        What is compared with.
+
+    Attributes
+    ----------
+    look : Look
+    live : LiveScene or None
+        None of a film or a picture.
+    against : Layers or None
+    changed : callable
+        Called, from any thread, when there is something new to see; the painter sets it.
+    """
+
+    def __init__(
+        self,
+        title: str,
+        shown: Scene | Layers,
+        options: RenderOptions | None = None,
+        against: Layers | None = None,
+    ) -> None:
+        self.title, self.look, self.against = title, Look(), against
+        self.changed: Callable[[], None] = lambda: None
+        self.live: LiveScene | None = None
+        self._still: Layers | None = None
+        self._camera, self.cameras = "", ()
+        if isinstance(shown, Scene):
+            self._scene, self._options = shown, options or RenderOptions()
+            nodes = [path for path, _, node in shown.walk() if node.camera is not None]
+            self.cameras = ("", *nodes)
+            self._look_through("")
+        else:
+            self._still = shown
+
+    def close(self) -> None:
+        """End the render."""
+        if self.live:
+            self.live.close()
+
+    # ------------------------------------------------------------------------ what there is
+
+    @property
+    def layers(self) -> Layers | None:
+        """What is to be seen now; None before the first samples."""
+        return self.live.layers if self.live else self._still
+
+    @property
+    def film(self) -> Film | None:
+        """The film whose layers are shown, if it is one."""
+        layers = self.live.layers if self.live else self._still
+        return layers.film if isinstance(layers, FilmLayers) else None
+
+    @property
+    def number(self) -> int:
+        """Of the view."""
+        return self.live.wish.number if self.live else 0
+
+    def state(self, error: ErrorEstimate | None, scale: tuple[float, float] | None) -> dict:
+        """Describe everything around the picture, as plain JSON.
+
+        Parameters
+        ----------
+        error : ErrorEstimate or None
+            Of the film.
+        scale : (float, float) or None
+            Ends of the scale of the layer that is shown.
+        """
+        layers, film, live = self.layers, self.film, self.live
+        names = layers.names if layers else (PICTURE,)
+        found: dict[str, Any] = {
+            "is": "state",
+            "title": self.title,
+            "kind": "scene" if live else "film" if film else "picture",
+            "number": self.number,
+            "size": list(live.movable.window[2:] if live else layers.size if layers else (1, 1)),
+            "phase": live.phase if live else "done",
+            "problem": live.problem if live else "",
+            "layers": list(names),
+            "layer": self.look.layer if self.look.layer in names else PICTURE,
+            "scale": None if scale is None else [_number(end) for end in scale],
+            "exposure": self.look.display.exposure,
+            "tone_map": self.look.display.tone_map,
+            "tone_maps": list(TONE_MAPS),
+            "cameras": list(self.cameras),
+            "camera": self._camera,
+            "against": self.against is not None,
+        }
+        if film:
+            found |= {"spp": film.spp, "replicates": film.replicates, "seed": film.seed}
+            found["biases"] = [bias.line for bias in film.biases]
+        if film and error:
+            of_all = error.relrmse
+            found["error"] = [_number(n) for n in (of_all.value, of_all.low, of_all.high)]
+        if live:
+            found |= _of_render(live)
+        return found
+
+    # ------------------------------------------------------------------------ what is asked for
+
+    def apply(self, event: protocol.Event) -> dict[str, Any] | None:
+        """Do what the browser asks; an answer is for the one that asked.
+
+        Raises
+        ------
+        RefusedError
+            For what makes no sense here.
+        """
+        if isinstance(event, protocol.AskPixel):
+            return self._pixel(event)
+        if isinstance(event, protocol.Show | protocol.Develop):
+            self._change_look(event)
+        elif isinstance(event, protocol.Keep):
+            self.against = self._kept()
+        elif isinstance(event, protocol.Drop):
+            self.against = None
+        elif self.live is None:
+            raise RefusedError(f"{event.word}: only scenes are rendered")
+        else:
+            self._steer(self.live, event)
+        self.changed()
+        return None
+
+    def _steer(self, live: LiveScene, event: protocol.Event) -> None:
+        match event:
+            case protocol.ChooseCamera(name):
+                self._look_through(name)
+            case protocol.Pivot(x, y):
+                live.aim(x, y)
+            case protocol.Rest():
+                live.rest()
+            case protocol.More():
+                live.more()
+            case protocol.Stop():
+                live.stop()
+            case _:
+                live.move(lambda pose: pose.moved(event, live.movable.size))
+
+    def _look_through(self, name: str) -> None:
+        """Begin anew with a camera of the scene: its shutter may be another one."""
+        if name not in self.cameras:
+            raise RefusedError("camera: the scene has none of this name")
+        scene = changed(self._scene, [f'camera="{name}"']) if name else self._scene
+        number = 0
+        if self.live:
+            self.live.close()
+            number = self.live.wish.number + 1
+        self._camera = name
+        self.live = LiveScene(scene, self._options, lambda: self.changed(), number)
+
+    def _change_look(self, event: protocol.Show | protocol.Develop) -> None:
+        if isinstance(event, protocol.Develop):
+            try:
+                display = Display(event.exposure, event.tone_map)
+            except AlightError as error:
+                raise RefusedError(str(error)) from None
+            self.look = replace(self.look, display=display)
+        elif self.layers and event.layer in self.layers.names:
+            self.look = replace(self.look, layer=event.layer)
+        else:
+            raise RefusedError("layer: there is none of this name")
+
+    def _kept(self) -> Layers:
+        if self.film:
+            return FilmLayers(self.film.snapshot())
+        if self.layers is None:
+            raise RefusedError("keep: there is no picture yet")
+        return self.layers
+
+    def _pixel(self, event: protocol.AskPixel) -> dict[str, Any]:
+        layers = self.layers
+        if layers is None or (self.live and self.film is None):
+            raise RefusedError("pixel: there are no samples yet")
+        width, height = layers.size
+        if event.x >= width or event.y >= height:
+            raise RefusedError(f"pixel: the picture has {width} x {height}")
+        values = layers.values(event.x, event.y)
+        return {
+            "is": "pixel", "x": event.x, "y": event.y,
+            "values": {name: [_number(n) for n in value] for name, value in values.items()},
+        }  # fmt: skip
+
+
+def _of_render(live: LiveScene) -> dict[str, Any]:
+    """How far the render is, and how it ended."""
+    job, options = live.job, live.movable.options
+    found: dict[str, Any] = {"asked": options.error, "lens": _lens(live)}
+    if job is None:
+        return found
+    verdict = job.verdict
+    return found | {
+        "target": job.schedule.total_spp,
+        "seconds": job.seconds,
+        "rate": job.samples / job.seconds / 1e6 if job.seconds > 0.0 else 0.0,
+        "word": verdict.word if verdict else "",
+        "line": verdict.line if verdict else "",
+    }
+
+
+def _lens(live: LiveScene) -> dict[str, float]:
+    """The numbers of the camera that the page shows."""
+    fields = dict(live.pose.camera)
+    return {name: fields[name] for name in ("fov", "height") if name in fields}
+
+
+def _number(value: float) -> float | None:
+    """Plain JSON knows no NaN and no infinity."""
+    return float(value) if math.isfinite(value) else None

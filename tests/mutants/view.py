@@ -1,0 +1,32 @@
+"""Bugs of the live view: other bits than those of a render, and doors left open."""
+
+from tests.mutants.mutant import Mutant
+
+SESSION, SERVER = "tests/view/test_session.py", "tests/view/test_server.py"
+
+VIEW = (
+    Mutant(
+        "a camera that was moved keeps the name of the scene before",
+        "view/movable.py",
+        (("content_hash=content_hash(flat),", "content_hash=compiled.content_hash,"),),
+        f"{SESSION}::test_the_saved_scene_gives_the_same_picture",
+    ),
+    Mutant(
+        "a settled film without the effect of its depth cap",
+        "view/live.py",
+        (("        job.record_biases()\n", ""),),
+        f"{SESSION}::test_the_settled_film_is_that_of_a_render[plain]",
+    ),
+    Mutant(
+        "sockets for the pages of strangers",
+        "view/access.py",
+        (('origin in (f"http://{host}", f"https://{host}") and ', ""),),
+        f"{SERVER}::test_a_strangers_page_gets_no_socket",
+    ),
+    Mutant(
+        "any name for this machine will do",
+        "view/access.py",
+        (("            return name in LOOPBACK\n", "            return True\n"),),
+        f"{SERVER}::test_a_strangers_name_for_this_machine_is_refused",
+    ),
+)

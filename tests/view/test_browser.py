@@ -1,0 +1,158 @@
+"""The page in a real browser: every control, the keyboard, a narrow window, a server that restarts.
+
+Skipped where there is no Playwright or no Chromium.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import pytest
+
+playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
+
+TOKEN = "a-token-of-ours"
+SETTLED = "body[data-phase=done][data-connected=true]"
+
+
+@contextmanager
+def served(*words):
+    """A server in a process of its own; gives the address of its page."""
+    command = [sys.executable, "-u", "-m", "alight", "view", *words, "--no-browser"]
+    process = subprocess.Popen(
+        [*command, "--token", TOKEN], stdout=subprocess.PIPE, text=True, env=dict(os.environ)
+    )
+    try:
+        line = process.stdout.readline()
+        yield re.search(r"http\S+", line)[0]
+    finally:
+        process.terminate()
+        process.wait(20)
+        process.stdout.close()
+
+
+SCENE = ("cornell-box", "--size", "48x32", "--spp", "8", "--aov", "normal,depth")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as started:
+        made = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield made
+        made.close()
+
+
+def opened(browser, address, width=1200):
+    """A page that has settled, and the errors that it notes from now on."""
+    page, errors = browser.new_page(viewport={"width": width, "height": 760}), []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("console", lambda m: errors.append(m.text) if m.type in ("error", "warning") else None)
+    page.goto(address)
+    page.wait_for_selector(SETTLED, timeout=300_000)
+    return page, errors
+
+
+def until(page, script, seconds=60.0):
+    """Wait for an expression to hold; the page's own rules forbid Playwright to do it there."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(script):
+        assert time.monotonic() < end, script
+        page.wait_for_timeout(20)
+
+
+def view_of(page):
+    return int(page.evaluate("document.body.dataset.view"))
+
+
+def pixels_of(page):
+    return page.evaluate("document.getElementById('shown').toDataURL()")
+
+
+def test_every_control_of_a_scene(browser):
+    with served(*SCENE) as address:
+        page, errors = opened(browser, address)
+        stage = page.locator("#picture").bounding_box()
+        middle = stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2
+
+        page.mouse.click(*middle)
+        page.wait_for_selector("#pixel tr >> nth=3")
+        assert "standard error" in page.inner_text("#pixel")
+
+        def moves(act):
+            before, picture = view_of(page), pixels_of(page)
+            act()
+            until(page, f"Number(document.body.dataset.view) > {before}")
+            page.wait_for_selector(SETTLED)
+            until(page, "document.body.dataset.drawn === document.body.dataset.view")
+            page.wait_for_timeout(100)
+            assert pixels_of(page) != picture
+
+        def drag(button="left"):
+            page.mouse.move(*middle)
+            page.mouse.down(button=button)
+            page.mouse.move(middle[0] + 60, middle[1] + 20, steps=5)
+            page.mouse.up(button=button)
+
+        moves(drag)
+        moves(lambda: drag("right"))
+        moves(lambda: page.mouse.wheel(0, -200))
+        for key in ("w", "a", "s", "d", "r", "f", "q", "e", "[", "]", "ArrowLeft", "ArrowUp"):
+            moves(lambda key=key: page.keyboard.press(key))
+        for control in ("#narrow", "#wide", "#roll-left", "#roll-right", "#reset"):
+            moves(lambda control=control: page.click(control))
+
+        for layer in ("error", "samples", "normal", "depth", "picture"):
+            picture = pixels_of(page)
+            page.select_option("#layer", layer)
+            until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
+            scaled = layer in ("error", "samples", "depth")
+            page.wait_for_selector("#scale", state="visible" if scaled else "hidden")
+        page.fill("#exposure", "2")
+        until(page, "document.getElementById('stops').textContent === '2.00'")
+        page.select_option("#tone", "agx")
+        page.click("#keep")
+        page.wait_for_selector("#of-split")
+        page.fill("#split", "20")
+        assert page.evaluate("document.getElementById('divider').style.left") == "20%"
+        page.click("#drop")
+        page.wait_for_selector("#of-split", state="hidden")
+        page.click("#more")
+        until(page, "document.getElementById('phase').textContent.includes('16')")
+        with page.expect_download() as download:
+            page.click("text=Film")
+        assert download.value.suggested_filename == "cornell-box.alight"
+        page.click("#fold")
+        assert page.is_hidden("#panel")
+        assert not errors
+
+
+def test_two_browsers_see_the_same_and_a_narrow_window_holds_everything(browser):
+    with served(*SCENE) as address:
+        one, errors = opened(browser, address)
+        other, more_errors = opened(browser, address, width=400)
+        one.keyboard.press("ArrowRight")
+        for page in (one, other):
+            until(page, "document.body.dataset.drawn === '1'")
+            page.wait_for_selector(SETTLED)
+        one.wait_for_timeout(300)
+        assert pixels_of(one) == pixels_of(other)
+        assert other.evaluate("document.documentElement.scrollWidth") <= 400
+        assert other.evaluate("document.getElementById('panel').scrollWidth") <= 400
+        assert not errors + more_errors
+
+
+def test_the_page_finds_a_server_that_was_started_again(browser):
+    with served(*SCENE) as address:
+        page, _ = opened(browser, address)
+        port = re.search(r":(\d+)/", address)[1]
+    page.wait_for_selector("body[data-connected=false]")
+    with served(*SCENE, "--port", port):
+        page.wait_for_selector(SETTLED, timeout=60_000)
+        page.keyboard.press("ArrowRight")
+        until(page, "document.body.dataset.drawn === '1'")
