@@ -89,7 +89,8 @@ class Pace:
     Parameters
     ----------
     spp_per_pass : int, optional
-        Fixed size; by default passes grow until one takes `PASS_SECONDS`.
+        Fixed size; by default passes grow until one takes `seconds`.
+    seconds : float
 
     Attributes
     ----------
@@ -97,10 +98,10 @@ class Pace:
         Samples per pixel of the next pass, about.
     """
 
-    def __init__(self, spp_per_pass: int | None) -> None:
+    def __init__(self, spp_per_pass: int | None, seconds: float = PASS_SECONDS) -> None:
         self._fixed = spp_per_pass is not None
         self._exact = self._fixed
-        self.step = spp_per_pass or 1
+        self.step, self._seconds = spp_per_pass or 1, seconds
 
     def count(self, missing: int) -> int:
         """Samples per pixel of the next pass, given how many are missing."""
@@ -124,7 +125,7 @@ class Pace:
         if self._fixed:
             return
         seconds = max(seconds, 1e-9)
-        self.step = max(1, min(16 * count, int(count * PASS_SECONDS / seconds)))
+        self.step = max(1, min(16 * count, int(count * self._seconds / seconds)))
         self._exact = left is not None
         if left is not None:
             self.step = max(1, min(self.step, int(left / seconds * count)))

@@ -18,8 +18,8 @@ from alight.options.plugins import load_plugins
 from alight.options.resume import ResumeOptions
 from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoint_writer import CheckpointWriter
+from alight.rendering.executors import Threads
 from alight.rendering.main_loop import Clock, make_job, run
-from alight.rendering.passes import Pace
 from alight.rendering.schedules import promise_of, restored_schedule
 from alight.rendering.steering import towards
 from alight.rendering.writing import Targets, finish
@@ -144,7 +144,7 @@ def _go_on(saved: Checkpoint, options: ResumeOptions) -> Film:
         origin = replace(origin, recipe=saved.origin.recipe)
     writer = CheckpointWriter(options.checkpoint or saved.path, options.every, origin)
     return run(
-        job, clock, Pace(options.spp_per_pass), writer=writer, progress=options.progress,
+        job, clock, Threads(), options.spp_per_pass, writer=writer, progress=options.progress,
         cancel=options.cancel,
     )  # fmt: skip
 
