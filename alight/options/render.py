@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from alight.core.errors import OptionError
 from alight.options import scene
+from alight.options.cluster import ClusterOptions
 from alight.options.kinds import Anything, Choice, File, Files, Names, Switch, Text
 from alight.options.quantities import Part, Seconds, Share, Whole
 from alight.options.scene import SizedOptions
@@ -136,7 +137,9 @@ class LimitOptions(Options):
 
 
 @table
-class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions, SizedOptions):
+class RenderOptions(
+    DisplayOptions, PromiseOptions, LimitOptions, ClusterOptions, ThreadOptions, SizedOptions
+):
     """Everything that `alight.render` can be told.
 
     Every number is checked when the object is made, and contradictions are refused.

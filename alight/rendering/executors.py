@@ -42,15 +42,12 @@ Add = Callable[[PartialFilm, int], None]
 
 
 class Executor(Protocol):
-    """Renders the blocks of one job; a context, at whose end it lets go of what it holds.
+    """Renders the blocks of one job; a context, at whose end it lets go of what it holds."""
 
-    Attributes
-    ----------
-    pass_seconds : float
-        Length of a pass at which its overhead does not show.
-    """
-
-    pass_seconds: float
+    @property
+    def pass_seconds(self) -> float:
+        """Length of a pass at which its overhead does not show."""
+        ...
 
     def __enter__(self) -> Self: ...
     def __exit__(self, *raised: object) -> None: ...
@@ -85,6 +82,7 @@ class Threads:
     """The threads of this process; they keep their memory from pass to pass."""
 
     pass_seconds = PASS_SECONDS
+    _pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:
         """Nothing to open."""
@@ -92,7 +90,8 @@ class Threads:
 
     def __exit__(self, *raised: object) -> None:
         """End the threads."""
-        self._pool.shutdown()
+        if self._pool is not None:
+            self._pool.shutdown()
 
     def begin(self, job: Job) -> None:
         """Start the threads."""
@@ -117,7 +116,9 @@ class Threads:
                 local.scratch = Scratch()
             add(*render_tile(job.kernels, job.scene, settings, *block, local.scratch))
 
-        futures = [self._pool.submit(work, block) for block in blocks]
+        pool = self._pool
+        assert pool is not None
+        futures = [pool.submit(work, block) for block in blocks]
         try:
             for future in futures:
                 future.result()
@@ -125,7 +126,7 @@ class Threads:
         except BaseException:
             # Tiles that run are finished and added; those that wait are dropped.
             cancel.set()
-            self._pool.shutdown(wait=True, cancel_futures=True)
+            pool.shutdown(wait=True, cancel_futures=True)
             raise
 
     def statistics(self) -> dict[str, Any]:

@@ -19,7 +19,8 @@ from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.rendering.checkpoint import Origin
 from alight.rendering.checkpoint_writer import CheckpointWriter
-from alight.rendering.executors import Executor, Threads
+from alight.rendering.cluster_executor import executor_of
+from alight.rendering.executors import Executor
 from alight.rendering.job import Job, Progress
 from alight.rendering.largest_sample import largest_sample
 from alight.rendering.layers import layers_of
@@ -46,6 +47,11 @@ def render_film(scene: Scene, options: RenderOptions) -> Film:
         Those that decide samples, time, layers and checkpoints.
     """
     clock = Clock()
+    with executor_of(options) as executor:
+        return _render_with(executor, scene, options, clock)
+
+
+def _render_with(executor: Executor, scene: Scene, options: RenderOptions, clock: Clock) -> Film:
     job = make_job(
         scene, schedule_of(options, scene.source.remarks.spp), clock,
         seed=options.seed, threads=options.threads, replicates=options.replicates,
@@ -57,7 +63,7 @@ def render_film(scene: Scene, options: RenderOptions) -> Film:
         origin = Origin.of(scene, options.notes)
         writer = CheckpointWriter(options.checkpoint, options.every, origin)
     return run(
-        job, clock, Threads(), options.spp_per_pass, writer=writer, progress=options.progress,
+        job, clock, executor, options.spp_per_pass, writer=writer, progress=options.progress,
         cancel=options.cancel,
     )  # fmt: skip
 
@@ -106,6 +112,7 @@ def run(
         # Before the first second is spent: a file that cannot be written is found out now.
         writer.write(job.state(copy=False))
     job.start(progress)
+    executor.begin(job)
     clock.lap("compile")
     job.start_clock()
 
@@ -120,10 +127,8 @@ def run(
             reported = job.seconds
 
     try:
-        with executor:
-            executor.begin(job)
-            pace = Pace(spp_per_pass, executor.pass_seconds)
-            _passes(job, executor, pace, cancel or threading.Event(), report)
+        pace = Pace(spp_per_pass, executor.pass_seconds)
+        _passes(job, executor, pace, cancel or threading.Event(), report)
         job.stop_clock()
         clock.lap("render")
         # Of a cancelled render, too: the ledger's pilot takes less time than writing the picture.
