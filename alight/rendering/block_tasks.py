@@ -57,14 +57,11 @@ class SharedScene:
     scene : CompiledScene
     settings : Settings
         Of any seed.
-    kernels : Kernels, optional
-        Of this process.
     """
 
-    def __init__(
-        self, scene: CompiledScene, settings: Settings, kernels: Kernels | None = None
-    ) -> None:
-        self.scene, self.settings, self._kernels = scene, settings, kernels
+    def __init__(self, scene: CompiledScene, settings: Settings) -> None:
+        self.scene, self.settings = scene, settings
+        self._kernels: Kernels | None = None
         self._lock = threading.Lock()
 
     def __reduce__(self) -> tuple[Any, ...]:

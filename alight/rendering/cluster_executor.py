@@ -98,7 +98,7 @@ class ClusterExecutor:
                 self._bytes += len(data)
             return read_blocks(layout, task, data)
 
-        shared = SharedScene(job.scene, job.settings, job.kernels)
+        shared = SharedScene(job.scene, job.settings)
         self._dispatcher = Dispatcher(self._client, render_blocks, shared, read, self._patience)
         self._stack.callback(self._dispatcher.close)
         self._dispatcher.open()

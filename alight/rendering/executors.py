@@ -53,7 +53,7 @@ class Executor(Protocol):
     def __exit__(self, *raised: object) -> None: ...
 
     def begin(self, job: Job) -> None:
-        """Take a job whose kernels are compiled."""
+        """Take a job, whose kernels need not be compiled yet."""
         ...
 
     def render(

@@ -111,8 +111,8 @@ def run(
     if writer:
         # Before the first second is spent: a file that cannot be written is found out now.
         writer.write(job.state(copy=False))
-    job.start(progress)
     executor.begin(job)
+    job.start(progress)
     clock.lap("compile")
     job.start_clock()
 
