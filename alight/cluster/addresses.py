@@ -37,11 +37,7 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
     OptionError
         Also if Dask is not installed.
     """
-    try:
-        import distributed  # noqa: F401
-    except ImportError:
-        text = "needs the extra cluster: pip install 'alight[cluster]'"
-        raise OptionError(text, "cluster") from None
+    check_dask()
     if not isinstance(where, str):
         if not hasattr(where, "scheduler_info"):
             raise OptionError("must be an address or a client of Dask distributed", "cluster")
@@ -62,6 +58,20 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
     if found[1] == "tls" and keys is None:
         text = "{cluster} with tls:// needs {cluster_keys}, which alight cluster keys makes"
         raise OptionError(text, names=("cluster", "cluster_keys"))
+
+
+def check_dask() -> None:
+    """Refuse to go on without Dask.
+
+    Raises
+    ------
+    OptionError
+    """
+    try:
+        import distributed  # noqa: F401
+    except ImportError:
+        text = "needs the extra cluster: pip install 'alight[cluster]'"
+        raise OptionError(text, "cluster") from None
 
 
 def processes_of(where: str) -> int:

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from alight.cluster.worker import Answer, Refusal, Shared, perform
 from alight.core.errors import AlightError
-from lanewise.machine import describe_machine, fingerprint
+from lanewise.machine import describe_machine, differing, fingerprint
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -252,13 +252,8 @@ class Dispatcher:
     def _refuse(self, refusal: Refusal) -> None:
         if refusal.worker in self.refused:
             return
-        own = describe_machine()
-        differing = [
-            f"{name} is {refusal.machine.get(name)}, not {value}"
-            for name, value in own.items()
-            if refusal.machine.get(name) != value
-        ]
-        why = "; ".join(differing) or "its fingerprint is another one"
+        found = differing(refusal.machine, describe_machine())
+        why = "; ".join(found) or "its fingerprint is another one"
         self.refused[refusal.worker] = why
         _LOG.warning("the worker %s is refused: %s", refusal.worker, why)
 

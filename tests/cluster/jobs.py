@@ -47,15 +47,18 @@ def _is_first(folder, number):
 
 
 def become_another_machine():
-    """Let this process have another fingerprint."""
+    """Let this process have another fingerprint, of a machine with other lanes."""
     alight.cluster.worker.fingerprint = lambda: "another"
+    own = alight.cluster.worker.describe_machine()
+    alight.cluster.worker.describe_machine = lambda: {**own, "lanes": "another"}
 
 
 def become_this_machine():
     """Undo it."""
-    from lanewise.machine import fingerprint
+    from lanewise.machine import describe_machine, fingerprint
 
     alight.cluster.worker.fingerprint = fingerprint
+    alight.cluster.worker.describe_machine = describe_machine
 
 
 def kept():
