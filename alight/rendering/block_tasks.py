@@ -25,6 +25,9 @@ from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
 #: Units of limb 0 that a sample adds at most, with its carry.
 _LARGEST = int(MAX_VALUE * HIGH_SCALE) + 1
 
+#: Bytes of an answer's header for each block, at most.
+_HEADER = 2**16
+
 
 class BlockTask(NamedTuple):
     """Blocks that one thread renders.
@@ -109,6 +112,13 @@ class Layout(NamedTuple):
     channels: int
     aovs: Mapping[str, Sequence[str]]
 
+    def most_bytes(self, task: BlockTask) -> int:
+        """How long an answer can be: all its numbers as they are, and a header."""
+        pixels = sum((b.tile.x1 - b.tile.x0) * (b.tile.y1 - b.tile.y0) for b in task.blocks)
+        numbers = self.replicates * (2 * self.channels + 1)
+        numbers += 2 * sum(map(len, self.aovs.values()))
+        return 8 * numbers * pixels + _HEADER * len(task.blocks)
+
 
 def read_blocks(layout: Layout, task: BlockTask, data: Any) -> list[tuple[PartialFilm, int]]:
     """Read the answer to a task, and refuse what cannot be one.
@@ -126,6 +136,8 @@ def read_blocks(layout: Layout, task: BlockTask, data: Any) -> list[tuple[Partia
     """
     if not isinstance(data, bytes):
         raise FilmError(f"a worker's answer is {type(data).__name__}, not bytes")
+    if len(data) > layout.most_bytes(task):
+        raise FilmError(f"a worker's answer is {len(data)} bytes long: too long for its blocks")
     try:
         content, arrays = unpack_archive("a worker's answer", memoryview(data))
         if content["task"] != task.digest:
