@@ -173,7 +173,10 @@ def _block(
     if not all(type(value) is int and value >= 0 for value in values):
         raise FilmError(f"a worker's answer has the tallies {values}")
     invalid, saturated, rays = values
-    partial = PartialFilm(tile.x0, tile.y0, sums, counts, invalid, saturated, block.ranges, aovs)
+    partial = PartialFilm(
+        x0=tile.x0, y0=tile.y0, sums=sums, counts=counts, invalid=invalid, saturated=saturated,
+        ranges=block.ranges, aovs=aovs,
+    )  # fmt: skip
     return partial, rays
 
 
