@@ -263,7 +263,8 @@ class Dispatcher:
         number = next(n for n, one in self._issues.items() if one is issue)
         unwanted = without | self.refused.keys()
         allowed = [worker for worker in self._threads if worker not in unwanted]
-        if unwanted and not allowed:
+        if (unwanted and not allowed) or self._client.status != "running":
+            # It is late from now on, or the cluster is lost.
             return
         future = self._client.submit(
             perform, self._function, self._shared.digest, self._asked, issue.task,
@@ -326,6 +327,9 @@ class Dispatcher:
     def _failed(self, number: int, issue: _Issue, error: BaseException, take: Any) -> None:
         from distributed import KilledWorker
 
+        if self._client.status != "running":
+            # No fault of the task: it is left for later, as the look at the cluster decides.
+            return
         issue.failures += MOST_FAILURES if isinstance(error, KilledWorker) else 1
         self.counts["failed"] += 1
         _LOG.warning("a task failed on the cluster: %s: %s", type(error).__name__, error)
