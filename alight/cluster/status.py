@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from alight.cluster.worker import machine_here
 from lanewise.machine import differing
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 #: Seconds for which one worker's answer is waited for, and how many are asked at a time.
 _WAIT, _AT_A_TIME = 5.0, 16
@@ -42,8 +39,8 @@ class WorkerStatus(NamedTuple):
         return f"{line}, refused: {self.trouble}" if self.trouble else line
 
 
-def workers_of(client: Client | Any) -> list[WorkerStatus]:
-    """Ask the scheduler, and each worker what machine it is, by address."""
+def workers_of(client: Any) -> list[WorkerStatus]:
+    """Ask the scheduler of a `distributed.Client`, and each worker what machine it is."""
     known = client.scheduler_info(n_workers=-1)["workers"]
     held = client.processing()
 
