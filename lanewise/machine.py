@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -56,6 +57,15 @@ def _describe(package: Application) -> dict[str, str]:
         "NUMBA_CPU_NAME": os.environ.get("NUMBA_CPU_NAME", ""),
         "NUMBA_CPU_FEATURES": os.environ.get("NUMBA_CPU_FEATURES", ""),
     }
+
+
+def differing(machine: Mapping[str, str], own: Mapping[str, str]) -> list[str]:
+    """Say what another machine's description has otherwise than our own."""
+    return [
+        f"{name} is {machine.get(name)}, not {value}"
+        for name, value in own.items()
+        if machine.get(name) != value
+    ]
 
 
 def fingerprint() -> str:

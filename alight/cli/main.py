@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from alight import __version__
+from alight.cli import cluster as cluster_commands
 from alight.cli.check import MutantCommand, check
 from alight.cli.compare import compare
 from alight.cli.convert import convert
@@ -61,6 +62,11 @@ app.command(cls=MutantCommand)(reporting_errors(check))
 scene = typer.Typer(name="scene", help="Generate scenes.", no_args_is_help=True)
 scene.command()(reporting_errors(random))
 app.add_typer(scene)
+
+cluster = typer.Typer(name="cluster", help="Clusters of many machines.", no_args_is_help=True)
+for command in (cluster_commands.keys, cluster_commands.status):
+    cluster.command()(reporting_errors(command))
+app.add_typer(cluster)
 
 
 def _show_version(asked: bool) -> None:

@@ -23,10 +23,15 @@ def merge(
             "-o", "--output", help="Picture, or film (.alight) to merge again. Repeatable."
         ),
     ],
+    spp: Annotated[
+        int | None,
+        typer.Option(min=1, help="Refuse unless every pixel has exactly so many samples."),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Merge films of different samples of the same picture, or convert a single film."""
     from alight.cli.reporting import warn
+    from alight.films.merging import check_samples
     from alight.rendering import merge as merge_films
     from alight.rendering.summary import bias_lines, error_line, warnings_of
     from alight.rendering.writing import Targets, write_outputs
@@ -34,6 +39,8 @@ def merge(
     targets = Targets(output, options.display, options.denoise)
     targets.check()
     film = merge_films(*films)
+    if spp is not None:
+        check_samples(film, spp)
     denoiser = write_outputs(film, targets)
     for warning in warnings_of(film):
         warn(warning)

@@ -16,7 +16,7 @@ def render(options: RenderOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quie
     from alight.rendering.render import prepare
     from alight.rendering.schedules import time_limit_of
 
-    output = options.output or Path(f"{Path(scene).stem}.png")
+    output = options.output or _own_name(Path(scene).stem, options.part)
     prepared = prepare(scene, options.changed(output=output))
     if not quiet:
         note_unused(scene, prepared.scene)
@@ -27,3 +27,10 @@ def render(options: RenderOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quie
         prepared.render, prepared.targets, warnings=warnings, quiet=quiet,
         time_limit=time_limit_of(options),
     )  # fmt: skip
+
+
+def _own_name(stem: str, part: tuple[int, int] | None) -> Path:
+    """The file that is written where none is named: a part of a render is a film."""
+    if part is None:
+        return Path(f"{stem}.png")
+    return Path(f"{stem}.part-{part[0]}-of-{part[1]}.alight")

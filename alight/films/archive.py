@@ -21,7 +21,7 @@ import json
 import os
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from pathlib import Path
@@ -67,13 +67,25 @@ def write_archive(
     Raises
     ------
     OutputError
-        If it cannot be written; a file that was there before is then untouched.
+        If it cannot be written.
     """
-    taken_apart = [_planes(name, array) for name, array in arrays.items()]
-    planes = [plane for _, of_array in taken_apart for plane in of_array]
     # Nothing here holds the interpreter's lock for long.
     with ThreadPoolExecutor(_THREADS) as pool:
-        packed = list(pool.map(_pack, planes))
+        pieces = pack_archive(content, arrays, pool.map)
+    with replacing(path) as beside, beside.open("wb") as file:
+        file.writelines(pieces)
+    return sum(map(len, pieces))
+
+
+def pack_archive(
+    content: Mapping[str, Any],
+    arrays: Mapping[str, np.ndarray],
+    map_planes: Callable[..., Iterable[tuple[str, bytes]]] = map,
+) -> list[bytes]:
+    """Give the bytes of a file, in pieces; `map_planes` may pack the planes on several threads."""
+    taken_apart = [_planes(name, array) for name, array in arrays.items()]
+    planes = [plane for _, of_array in taken_apart for plane in of_array]
+    packed = list(map_planes(_pack, planes))
     pieces = iter(packed)
     described = [
         {**about, "planes": [[kind, len(piece)] for kind, piece in islice(pieces, len(of_array))]}
@@ -84,9 +96,7 @@ def write_archive(
     digest = hashlib.sha256()
     for part in parts:
         digest.update(part)
-    with replacing(path) as beside, beside.open("wb") as file:
-        file.writelines([MAGIC, digest.digest(), *parts])
-    return len(MAGIC) + digest.digest_size + sum(map(len, parts))
+    return [MAGIC, digest.digest(), *parts]
 
 
 def read_archive(path: str | os.PathLike[str]) -> Archive:
@@ -106,6 +116,17 @@ def read_archive(path: str | os.PathLike[str]) -> Archive:
         raise OutputError(f"cannot read {name}: there is no such file") from error
     except OSError as error:
         raise OutputError(f"cannot read {name}: {error.strerror or error}") from error
+    return unpack_archive(name, data)
+
+
+def unpack_archive(name: str, data: memoryview) -> Archive:
+    """Read the bytes of a file; messages call it `name`.
+
+    Raises
+    ------
+    FilmError
+        If they are none, damaged or cut off, or of a newer format.
+    """
     start = len(MAGIC) + hashlib.sha256().digest_size
     if bytes(data[: len(MAGIC)]) != MAGIC[: len(data)]:
         raise FilmError(f"{name} is not a film or checkpoint of alight")

@@ -63,6 +63,25 @@ def add(film: Film, other: Film) -> None:
         film.invalid, film.saturated = merged.invalid, merged.saturated
 
 
+def check_samples(film: Film, spp: int) -> None:
+    """Refuse a film with another number of samples in any pixel: a part is missing.
+
+    Raises
+    ------
+    FilmError
+        It says which samples there are.
+    """
+    count = film.sample_count
+    if (count == spp).all():
+        return
+    cells = film.cells[cells_of(*film.crop)]
+    held = next(cell for cell in cells.flat if cell.count != spp)
+    raise FilmError(
+        f"there are {count.min()} to {count.max()} samples per pixel, not {spp}; "
+        f"a cell holds the samples {held}"
+    )
+
+
 def _planes(result: Film, part: Film) -> list[tuple[np.ndarray, np.ndarray]]:
     named = [(plane, part.aov_sums[name]) for name, plane in result.aov_sums.items()]
     return [(result.sums, part.sums), *named]

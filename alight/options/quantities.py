@@ -164,3 +164,30 @@ def _number_or_text(text: str) -> float | str:
 
 def _plain(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else show_value(value)
+
+
+class Part(Kind):
+    """One of several equal parts: (number, of how many), counted from 1, or a text as ``3/40``.
+
+    Examples
+    --------
+    >>> Part().check("3/40")
+    (3, 40)
+    """
+
+    metavar = "I/N"
+
+    def check(self, value: Any) -> tuple[int, int]:
+        """Read both."""
+        shown = show_value(value)
+        if isinstance(value, str):
+            found = re.fullmatch(r"(\d{1,9})/(\d{1,9})", value.strip())
+            value = found and (int(found[1]), int(found[2]))
+        whole = isinstance(value, tuple | list) and all(type(number) is int for number in value)
+        if not whole or len(value) != 2 or not 1 <= value[0] <= value[1]:
+            raise ValueError(f"must be I/N with 1 <= I <= N, as 3/40, got {shown}")
+        return value[0], value[1]
+
+    def write(self, value: Any) -> str:
+        """With a slash."""
+        return f"{value[0]}/{value[1]}"

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from alight.core.errors import OptionError
 from alight.options import scene
+from alight.options.cluster import ClusterOptions
 from alight.options.kinds import Anything, Choice, File, Files, Names, Switch, Text
-from alight.options.quantities import Seconds, Share, Whole
+from alight.options.quantities import Part, Seconds, Share, Whole
 from alight.options.scene import SizedOptions
 from alight.options.table import PICTURE, PROMISE, SAMPLING, Options, option, table
 
@@ -136,7 +137,9 @@ class LimitOptions(Options):
 
 
 @table
-class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions, SizedOptions):
+class RenderOptions(
+    DisplayOptions, PromiseOptions, LimitOptions, ClusterOptions, ThreadOptions, SizedOptions
+):
     """Everything that `alight.render` can be told.
 
     Every number is checked when the object is made, and contradictions are refused.
@@ -170,6 +173,10 @@ class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions,
     first_sample: int = option(
         Whole(0, MOST_SAMPLES), "Index of the first sample, to extend a film.",
         default=0, panel=SAMPLING,
+    )  # fmt: skip
+    part: tuple[int, int] | str | None = option(
+        Part(), "Render only one of N equal ranges of the samples; alight merge adds the films.",
+        default=None, shown="all of them", panel=SAMPLING,
     )  # fmt: skip
     replicates: int | None = option(
         Whole(1, 1024), "Independent scrambles for the error bars.",
@@ -224,6 +231,8 @@ class RenderOptions(DisplayOptions, PromiseOptions, LimitOptions, ThreadOptions,
             for name in self.given("error", "adaptive", "criterion", "max_spp"):
                 problem = "{schedule} decides itself which samples are rendered; leave out {%s}"
                 raise OptionError(problem % name, names=("schedule", name))
+        if self.part is not None:
+            check_part(self)
         if self.criterion == "pilot":
             check_end(self.error, self.spp, self.max_spp)
 
@@ -241,3 +250,16 @@ def check_end(error: float | None, spp: int | None, max_spp: int | None) -> None
     if error is not None and spp is not None:
         text = "{error} and {spp} contradict each other; the limit is {max_spp}"
         raise OptionError(text, names=("error", "spp", "max_spp"))
+
+
+def check_part(options: RenderOptions) -> None:
+    """Refuse a part of a render whose samples only the render itself decides.
+
+    Raises
+    ------
+    OptionError
+    """
+    for name in options.given("schedule", "error", "adaptive", "criterion", "time_limit",
+                              "max_time"):  # fmt: skip
+        text = "{part} is a share of a fixed number of samples; leave out {%s} and give {spp}"
+        raise OptionError(text % name, names=("part", name, "spp"))

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from alight.options.cluster import ClusterOptions
 from alight.options.kinds import Anything, File, Files, Text
 from alight.options.quantities import Seconds, Whole
 from alight.options.render import EVERY, MOST_SAMPLES, PromiseOptions, check_end
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @table
-class ResumeOptions(PromiseOptions):
+class ResumeOptions(PromiseOptions, ClusterOptions):
     """Everything that `alight.resume` can be told."""
 
     output: Sequence[str | PathLike[str]] | str | PathLike[str] = option(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,17 +12,17 @@ import numpy as np
 
 from alight.compiled.scene import CompiledScene
 from alight.core.version import VERSION
-from alight.films import Film, merging
+from alight.films import Film, PartialFilm, merging
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
+from alight.rendering.executors import Block, Executor
 from alight.rendering.layers import AOVS
 from alight.rendering.light_paths import UNSEEN, check_light_paths, parts_of
 from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedule import Goal, Schedule, Verdict
 from alight.rendering.seeds import PILOT, seed_of_round
-from alight.rendering.tile import Scratch, make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tiles import tiles_of
 from alight.rendering.training import Training
 from lanewise.machine import fingerprint
@@ -137,8 +136,6 @@ class Job:
         if self.splats:
             check_light_paths(scene, schedule)
         self.tiles = parts_of(window, threads) if self.splats else tiles_of(window)
-        # The pool keeps its threads from pass to pass, and they their memory.
-        self.local = threading.local()
         self._lock = threading.Lock()
 
     def _new_film(self, round: int = 0) -> Film:
@@ -264,7 +261,7 @@ class Job:
 
     def run_pass(
         self,
-        pool: ThreadPoolExecutor,
+        executor: Executor,
         ranges: np.ndarray,
         cancel: threading.Event,
         report: Callable[[], None],
@@ -284,33 +281,16 @@ class Job:
         # Each light path may add to any pixel: a picture of some of a pass would lack the others.
         target = film.empty_like() if self.splats else film
 
-        def work(tile: Tile) -> None:
-            if cancel.is_set():
-                return
-            mine = ranges_of(tile, ranges)
-            if not mine[..., 1].any():
-                return
-            if not hasattr(self.local, "scratch"):
-                self.local.scratch = Scratch()
-            partial, rays = render_tile(
-                self.kernels, self.scene, settings, tile, mine, self.local.scratch
-            )
+        def add(partial: PartialFilm, rays: int) -> None:
             samples = int(partial.counts.sum())
             target.add_tile(partial, self.kernels.add_rows)
             with self._lock:
                 self.rays += rays
                 self.samples += samples
 
-        futures = [pool.submit(work, tile) for tile in self.tiles]
-        try:
-            for future in futures:
-                future.result()
-                report()
-        except BaseException:
-            # Tiles that run are finished and added; those that wait are dropped.
-            cancel.set()
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+        blocks = [Block(tile, ranges_of(tile, ranges)) for tile in self.tiles]
+        wanted = [block for block in blocks if block.ranges[..., 1].any()]
+        executor.render(settings, wanted, add, cancel, report)
         if self.splats and not cancel.is_set():
             merging.add(film, target)
 

@@ -1,10 +1,10 @@
-"""The main loop: passes over tiles on a pool of threads, until the schedule says that it is enough.
+"""The main loop: passes over tiles, until the schedule says that it is enough.
 
 ::
 
     while the schedule has a goal:                      schedule.py
         cut a pass off what the films lack of it        passes.py
-        render its tiles on all threads                 job.py
+        render its tiles on all threads, or a cluster   executors.py
         now and then: report, write a checkpoint        checkpoint_writer.py
 """
 
@@ -13,13 +13,14 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.rendering.checkpoint import Origin
 from alight.rendering.checkpoint_writer import CheckpointWriter
+from alight.rendering.cluster_executor import executor_of
+from alight.rendering.executors import Executor
 from alight.rendering.job import Job, Progress
 from alight.rendering.largest_sample import largest_sample
 from alight.rendering.layers import layers_of
@@ -46,6 +47,11 @@ def render_film(scene: Scene, options: RenderOptions) -> Film:
         Those that decide samples, time, layers and checkpoints.
     """
     clock = Clock()
+    with executor_of(options) as executor:
+        return _render_with(executor, scene, options, clock)
+
+
+def _render_with(executor: Executor, scene: Scene, options: RenderOptions, clock: Clock) -> Film:
     job = make_job(
         scene, schedule_of(options, scene.source.remarks.spp), clock,
         seed=options.seed, threads=options.threads, replicates=options.replicates,
@@ -57,7 +63,7 @@ def render_film(scene: Scene, options: RenderOptions) -> Film:
         origin = Origin.of(scene, options.notes)
         writer = CheckpointWriter(options.checkpoint, options.every, origin)
     return run(
-        job, clock, Pace(options.spp_per_pass), writer=writer, progress=options.progress,
+        job, clock, executor, options.spp_per_pass, writer=writer, progress=options.progress,
         cancel=options.cancel,
     )  # fmt: skip
 
@@ -110,7 +116,8 @@ def job_of(
 def run(
     job: Job,
     clock: Clock,
-    pace: Pace,
+    executor: Executor,
+    spp_per_pass: int | None = None,
     *,
     writer: CheckpointWriter | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -120,6 +127,7 @@ def run(
     if writer:
         # Before the first second is spent: a file that cannot be written is found out now.
         writer.write(job.state(copy=False))
+    executor.begin(job)
     job.start(progress)
     clock.lap("compile")
     job.start_clock()
@@ -135,7 +143,8 @@ def run(
             reported = job.seconds
 
     try:
-        render_passes(job, pace, cancel or threading.Event(), report)
+        pace = Pace(spp_per_pass, executor.pass_seconds)
+        render_passes(job, executor, pace, cancel or threading.Event(), report)
         job.stop_clock()
         clock.lap("render")
         # Of a cancelled render, too: the ledger's pilot takes less time than writing the picture.
@@ -149,31 +158,30 @@ def run(
         if progress:
             progress(job.progress())
     film = job.film
-    film.stats = job.statistics(clock.laps)
+    film.stats = job.statistics(clock.laps) | executor.statistics()
     if writer:
         film.stats["checkpoint"] = writer.statistics()
     return film
 
 
 def render_passes(
-    job: Job, pace: Pace, cancel: threading.Event, report: Callable[[], None]
+    job: Job, executor: Executor, pace: Pace, cancel: threading.Event, report: Callable[[], None]
 ) -> None:
     """Passes until the schedule's verdict, the end of the time or a cancellation."""
-    with ThreadPoolExecutor(job.threads) as pool:
-        work = job.next_work()
-        while work is not None:
-            left = job.seconds_left
-            if cancel.is_set():
-                return job.end("cancelled")
-            # A time limit leaves time for one pass at least, or there would be no picture.
-            if job.samples and left is not None and left <= 0:
-                return job.end("time")
-            count, started = pace.count(work.left), time.perf_counter()
-            job.run_pass(pool, work.take(count), cancel, report)
-            if not cancel.is_set():
-                pace.adapt(count, time.perf_counter() - started, job.seconds_left)
-                if not work.left:
-                    work = job.next_work()
+    work = job.next_work()
+    while work is not None:
+        left = job.seconds_left
+        if cancel.is_set():
+            return job.end("cancelled")
+        # A time limit leaves time for one pass at least, or there would be no picture.
+        if job.samples and left is not None and left <= 0:
+            return job.end("time")
+        count, started = pace.count(work.left), time.perf_counter()
+        job.run_pass(executor, work.take(count), cancel, report)
+        if not cancel.is_set():
+            pace.adapt(count, time.perf_counter() - started, job.seconds_left)
+            if not work.left:
+                work = job.next_work()
     return None
 
 

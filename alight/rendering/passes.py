@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from alight.films import CELL_SIZE, Film, SampleRanges
@@ -12,6 +14,9 @@ from alight.rendering.tile_kernel import Tile
 #: A pass is long enough for its overhead not to show: adding its sums to a film of 512x512 pixels
 #: and 4 replicates takes 50 ms. Progress, checkpoints and cancelling do not wait for its end.
 PASS_SECONDS = 2.0
+
+#: Samples per pixel of a pass without an end: more than a film has room for.
+_ENDLESS = 2**40
 
 
 class Work:
@@ -89,7 +94,8 @@ class Pace:
     Parameters
     ----------
     spp_per_pass : int, optional
-        Fixed size; by default passes grow until one takes `PASS_SECONDS`.
+        Fixed size; by default passes grow until one takes `seconds`.
+    seconds : float
 
     Attributes
     ----------
@@ -97,10 +103,13 @@ class Pace:
         Samples per pixel of the next pass, about.
     """
 
-    def __init__(self, spp_per_pass: int | None) -> None:
+    def __init__(self, spp_per_pass: int | None, seconds: float = PASS_SECONDS) -> None:
         self._fixed = spp_per_pass is not None
         self._exact = self._fixed
-        self.step = spp_per_pass or 1
+        # Where passes have no end, the first one is all.
+        self._endless = math.isinf(seconds)
+        self._seconds = seconds
+        self.step = spp_per_pass or (_ENDLESS if self._endless else 1)
 
     def count(self, missing: int) -> int:
         """Samples per pixel of the next pass, given how many are missing."""
@@ -121,10 +130,10 @@ class Pace:
         left : float or None
             Seconds until the time limit.
         """
-        if self._fixed:
+        if self._fixed or self._endless:
             return
         seconds = max(seconds, 1e-9)
-        self.step = max(1, min(16 * count, int(count * PASS_SECONDS / seconds)))
+        self.step = max(1, min(16 * count, int(count * self._seconds / seconds)))
         self._exact = left is not None
         if left is not None:
             self.step = max(1, min(self.step, int(left / seconds * count)))

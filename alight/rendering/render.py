@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from alight.core.errors import OptionError
 from alight.films import Film
 from alight.films.denoising import FEATURES
+from alight.films.storage import is_film_file
 from alight.options.entry import takes
 from alight.options.loading import scene_of
 from alight.options.render import RenderOptions
@@ -67,6 +68,9 @@ def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Pr
         options.plugins,
     )  # fmt: skip
     targets.check()
+    if options.part and options.output and not any(map(is_film_file, options.output)):
+        text = "{part} makes a film to be merged: give {output} FILE.alight"
+        raise OptionError(text, names=("part", "output"))
     description = scene_of(scene, options)
     useless = targets.useless(options.aovs) if options.output else []
     layers = options.aovs

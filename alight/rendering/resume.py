@@ -18,8 +18,9 @@ from alight.options.plugins import load_plugins
 from alight.options.resume import ResumeOptions
 from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoint_writer import CheckpointWriter
+from alight.rendering.cluster_executor import executor_of
+from alight.rendering.executors import Executor
 from alight.rendering.main_loop import Clock, make_job, run
-from alight.rendering.passes import Pace
 from alight.rendering.schedules import promise_of, restored_schedule
 from alight.rendering.steering import towards
 from alight.rendering.writing import Targets, finish
@@ -118,6 +119,13 @@ def resume(path: str | os.PathLike[str] | Checkpoint, options: ResumeOptions) ->
 def _go_on(saved: Checkpoint, options: ResumeOptions) -> Film:
     """Render what is left."""
     clock = Clock()
+    with executor_of(options) as executor:
+        return _go_on_with(executor, saved, options, clock)
+
+
+def _go_on_with(
+    executor: Executor, saved: Checkpoint, options: ResumeOptions, clock: Clock
+) -> Film:
     _check_machine(saved)
     scene = _load_scene(saved, options.scene, options.root)
     state, film = saved.state, saved.state.rounds[0]
@@ -144,7 +152,7 @@ def _go_on(saved: Checkpoint, options: ResumeOptions) -> Film:
         origin = replace(origin, recipe=saved.origin.recipe)
     writer = CheckpointWriter(options.checkpoint or saved.path, options.every, origin)
     return run(
-        job, clock, Pace(options.spp_per_pass), writer=writer, progress=options.progress,
+        job, clock, executor, options.spp_per_pass, writer=writer, progress=options.progress,
         cancel=options.cancel,
     )  # fmt: skip
 

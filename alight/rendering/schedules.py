@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from alight.core.errors import FilmError, unknown_name
+from alight.core.errors import FilmError, OptionError, unknown_name
 from alight.options.render import PromiseOptions, RenderOptions
 from alight.rendering.cycles import MOST, THRESHOLD, Cycles
 from alight.rendering.schedule import Schedule, Uniform
@@ -64,4 +64,28 @@ def schedule_of(options: RenderOptions, own_spp: int | None) -> Schedule:
         return Steered(first, options.max_spp, promise, options.adaptive)
     if options.adaptive:
         return Steered(first, spp or own_spp or SPP, None, True)
-    return Uniform(first, spp or (None if time_limit_of(options) else own_spp or SPP))
+    whole = Uniform(first, spp or (None if time_limit_of(options) else own_spp or SPP))
+    return whole if options.part is None else part_of(whole, *options.part)
+
+
+def part_of(whole: Uniform, number: int, parts: int) -> Uniform:
+    """One of the equal ranges that the samples of a render are cut into.
+
+    Parameters
+    ----------
+    whole : Uniform
+        With a number of samples.
+    number, parts : int
+        Which range, counted from 1, and of how many.
+
+    Raises
+    ------
+    OptionError
+        If there are more parts than samples per pixel.
+    """
+    assert whole.spp is not None
+    if parts > whole.spp:
+        text = f"there are only {whole.spp} samples per pixel for {parts} parts"
+        raise OptionError(text, "part")
+    begin, end = (whole.spp * n // parts for n in (number - 1, number))
+    return Uniform(whole.first + begin, end - begin)

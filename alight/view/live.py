@@ -24,6 +24,7 @@ from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.outputs.picture import as_picture
 from alight.rendering.job import Job
+from alight.rendering.executors import Threads
 from alight.rendering.main_loop import REPORT_EVERY, render_passes
 from alight.rendering.passes import Pace
 from alight.scene import Scene
@@ -244,7 +245,9 @@ class LiveScene:
         """Render one sample of a small picture, and show it if it is still wanted."""
         job = self.movable.coarse_job(wish.pose or self.pose, 1)
         job.start(None)
-        render_passes(job, Pace(1), cancel, lambda: None)
+        with Threads() as threads:
+            threads.begin(job)
+            render_passes(job, threads, Pace(1), cancel, lambda: None)
         if not cancel.is_set():
             image = job.film.image
             self._small = wish.number, image
@@ -277,7 +280,11 @@ class LiveScene:
 
         job.start_clock()
         try:
-            render_passes(job, Pace(self.movable.options.spp_per_pass), cancel, report)
+            with Threads() as threads:
+                threads.begin(job)
+                render_passes(
+                    job, threads, Pace(self.movable.options.spp_per_pass), cancel, report
+                )
         finally:
             job.stop_clock()
         if not cancel.is_set():

@@ -34,7 +34,7 @@ def test_alight_commands_and_options_exist(line):
     if words[0].startswith("-"):
         return
     # `alight scene random` is a command of two words.
-    name = words[:2] if words[0] == "scene" else words[:1]
+    name = words[:2] if words[0] in ("scene", "cluster") else words[:1]
     shown = CliRunner().invoke(app, [*name, "--help"], env={"COLUMNS": "200"})
     assert shown.exit_code == 0, line
     for option in (word.split("=")[0] for word in words[1:] if word.startswith("-")):

@@ -2,6 +2,7 @@
 
 from tests.mutants.agreement import AGREEMENT
 from tests.mutants.both_ends import BOTH_ENDS
+from tests.mutants.cluster import CLUSTER
 from tests.mutants.compiler import COMPILER
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
@@ -53,5 +54,6 @@ MUTANTS = (
     + GUIDING
     + FORMATS
     + VIEW
+    + CLUSTER
     + SLIPS
 )

@@ -13,7 +13,7 @@ from alight.options.kinds import (
     Texts,
     listed,
 )
-from alight.options.quantities import Number, Seconds, Share, Whole
+from alight.options.quantities import Number, Part, Seconds, Share, Whole
 
 
 def example(option):
@@ -25,6 +25,7 @@ def example(option):
         Number: lambda: 0.375,
         Size: lambda: (24, 16),
         Crop: lambda: (4, 2, 8, 8),
+        Part: lambda: (3, 40),
         Switch: lambda: not option.default,
         File: lambda: "some/file.png",
         Files: lambda: ["a b.png", "c.png"],
@@ -45,6 +46,7 @@ WRONG = {
     Number: [(1000.0, "1000"), ("many", "many"), (True, None), (float("nan"), "nan")],
     Size: [("big", "big"), ((1, 2, 3), None), (1.5, None)],
     Crop: [("1,2,3", "1,2,3"), ((1, 2, 3), None)],
+    Part: [("0/3", "0/3"), ((4, 3), None), ((True, 3), None), (2, None)],
     Switch: [(1, None), ("yes", None)],
     File: [(3, None)],
     Files: [(3, None), ([3], None)],

@@ -1,0 +1,137 @@
+"""Where a cluster is: processes of this machine, or a scheduler that is found by its address."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from alight.cluster.keys import security_of
+from alight.core.errors import AlightError, OptionError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: Most processes of this machine.
+_MOST = 1024
+
+#: Seconds after which a scheduler that does not answer is not waited for.
+_CONNECT = 20.0
+
+
+def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> None:
+    """Refuse an address that is none, or at which others could listen.
+
+    Parameters
+    ----------
+    where : str or distributed.Client
+        ``local:N``, ``tls://HOST:PORT``, or on this machine ``tcp://HOST:PORT``.
+    keys : path, optional
+        Folder that ``alight cluster keys`` made.
+
+    Raises
+    ------
+    OptionError
+        Also if Dask is not installed.
+    """
+    check_dask()
+    if not isinstance(where, str):
+        if not hasattr(where, "scheduler_info"):
+            raise OptionError("must be an address or a client of Dask distributed", "cluster")
+        return
+    if processes_of(where):
+        return
+    found = re.fullmatch(r"(tcp|tls)://(\[[0-9a-fA-F:]+\]|[^:/\[\]]+):(\d{1,5})", where)
+    if found is None:
+        raise OptionError(
+            f'must be local:N, tls://HOST:PORT or tcp://127.0.0.1:PORT, got "{where}"', "cluster"
+        )
+    if found[1] == "tcp" and not _is_this_machine(found[2]):
+        raise OptionError(
+            "tcp:// is neither encrypted nor closed to strangers, and only for this machine: use "
+            "tls:// and {cluster_keys}",
+            "cluster", names=("cluster_keys",),
+        )  # fmt: skip
+    if found[1] == "tls" and keys is None:
+        text = "{cluster} with tls:// needs {cluster_keys}, which alight cluster keys makes"
+        raise OptionError(text, names=("cluster", "cluster_keys"))
+
+
+def check_dask() -> None:
+    """Refuse to go on without Dask.
+
+    Raises
+    ------
+    OptionError
+    """
+    try:
+        import distributed  # noqa: F401
+    except ImportError:
+        text = "needs the extra cluster: pip install 'alight[cluster]'"
+        raise OptionError(text, "cluster") from None
+
+
+def processes_of(where: str) -> int:
+    """N of ``local:N``, or 0.
+
+    Raises
+    ------
+    OptionError
+        If it is not in the range.
+    """
+    if not where.startswith("local:"):
+        return 0
+    found = re.fullmatch(r"local:(\d{1,4})", where)
+    if found is None or not 1 <= int(found[1]) <= _MOST:
+        raise OptionError(f'local:N needs N in [1, {_MOST}], got "{where}"', "cluster")
+    return int(found[1])
+
+
+def _is_this_machine(host: str) -> bool:
+    return host in ("localhost", "[::1]") or re.fullmatch(r"127(\.\d{1,3}){3}", host) is not None
+
+
+@contextmanager
+def connected(where: Any, keys: str | os.PathLike[str] | None = None) -> Iterator[Client]:
+    """A client of the cluster at an address that `check_address` has let pass.
+
+    A client that was given is given back, and stays open.
+
+    Raises
+    ------
+    AlightError
+        If there is no scheduler.
+    """
+    from distributed import Client
+
+    if not isinstance(where, str):
+        yield where
+        return
+    processes = processes_of(where)
+    if processes:
+        with _local_cluster(processes) as cluster, Client(cluster) as client:
+            yield client
+        return
+    security = None if keys is None else security_of(Path(keys))
+    try:
+        client = Client(where, security=security, timeout=_CONNECT, set_as_default=False)
+    except (OSError, TimeoutError) as error:
+        raise AlightError(f"no scheduler answers at {where}: {error}") from None
+    with client:
+        yield client
+
+
+def _local_cluster(processes: int) -> Any:
+    """Processes of one thread each, behind TLS with keys that live as long as they do."""
+    import logging
+
+    from distributed import LocalCluster, Security
+
+    return LocalCluster(
+        n_workers=processes, threads_per_worker=1, processes=True, host="127.0.0.1",
+        protocol="tls://", security=Security.temporary(), dashboard_address="127.0.0.1:0",
+        memory_limit=0, silence_logs=logging.ERROR,
+    )  # fmt: skip

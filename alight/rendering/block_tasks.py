@@ -1,0 +1,209 @@
+"""Blocks of samples as tasks of a cluster: what a worker renders, and how the client checks it.
+
+An answer is an archive (`alight.films.archive`), which holds no code and its own checksum: the
+canonical sums of each block, and the digest of the task that they answer.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from alight.compiled.scene import CompiledScene
+from alight.core.errors import FilmError
+from alight.films import CELL_SIZE, PartialFilm
+from alight.films.archive import pack_archive, unpack_archive
+from alight.films.fixed_point import HIGH_SCALE, LOW_MASK, MAX_VALUE, carry
+from alight.integrators.walk import Settings
+from alight.rendering.executors import Block
+from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
+
+#: Units of limb 0 that a sample adds at most, with its carry.
+_LARGEST = int(MAX_VALUE * HIGH_SCALE) + 1
+
+#: Bytes of an answer's header for each block, at most.
+_HEADER = 2**16
+
+
+class BlockTask(NamedTuple):
+    """Blocks that one thread renders.
+
+    Attributes
+    ----------
+    seed : int
+        Of the film.
+    blocks : tuple of Block
+    """
+
+    seed: int
+    blocks: tuple[Block, ...]
+
+    @property
+    def digest(self) -> str:
+        """Names seed, tiles and ranges."""
+        found = hashlib.sha256(str(self.seed).encode())
+        for tile, ranges in self.blocks:
+            found.update(repr((tuple(map(int, tile)), ranges.shape)).encode())
+            found.update(np.ascontiguousarray(ranges, np.int64).tobytes())
+        return found.hexdigest()
+
+
+class SharedScene:
+    """What all tasks of a render need; kernels are made, or read from the cache, where it is used.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    settings : Settings
+        Of any seed.
+    """
+
+    def __init__(self, scene: CompiledScene, settings: Settings) -> None:
+        self.scene, self.settings = scene, settings
+        self._kernels: Kernels | None = None
+        self._lock = threading.Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SharedScene, (self.scene, self.settings)
+
+    @property
+    def kernels(self) -> Kernels:
+        """Machine code of this process."""
+        with self._lock:
+            if self._kernels is None:
+                self._kernels = make_kernels(self.scene)
+            return self._kernels
+
+
+def render_blocks(shared: SharedScene, task: BlockTask) -> bytes:
+    """Render a task: a pure function of scene, settings, seed, tiles and ranges."""
+    settings, scratch = shared.settings._replace(seed=task.seed), Scratch()
+    arrays: dict[str, np.ndarray] = {}
+    described = []
+    for number, block in enumerate(task.blocks):
+        partial, rays = render_tile(shared.kernels, shared.scene, settings, *block, scratch)
+        tally = {"invalid": partial.invalid, "saturated": partial.saturated, "rays": rays}
+        described.append(tally)
+        arrays[f"{number}.counts"] = partial.counts.copy()
+        for name, sums in {"": partial.sums, **(partial.aovs or {})}.items():
+            carry(sums)
+            # Limbs apart: their bytes have nothing in common that could be left out.
+            arrays[f"{number}.{name}.high"] = sums[..., 0].copy()
+            arrays[f"{number}.{name}.low"] = sums[..., 1].copy()
+    content = {"task": task.digest, "blocks": described}
+    return b"".join(pack_archive(content, arrays))
+
+
+class Layout(NamedTuple):
+    """Shapes of the sums of a film's pixels.
+
+    Attributes
+    ----------
+    replicates, channels : int
+    aovs : mapping of str to sequence of str
+        Channels of each layer.
+    """
+
+    replicates: int
+    channels: int
+    aovs: Mapping[str, Sequence[str]]
+
+    def most_bytes(self, task: BlockTask) -> int:
+        """How long an answer can be: all its numbers as they are, and a header."""
+        pixels = sum((b.tile.x1 - b.tile.x0) * (b.tile.y1 - b.tile.y0) for b in task.blocks)
+        numbers = self.replicates * (2 * self.channels + 1)
+        numbers += 2 * sum(map(len, self.aovs.values()))
+        return 8 * numbers * pixels + _HEADER * len(task.blocks)
+
+
+def read_blocks(layout: Layout, task: BlockTask, data: Any) -> list[tuple[PartialFilm, int]]:
+    """Read the answer to a task, and refuse what cannot be one.
+
+    Returns
+    -------
+    list of (PartialFilm, int)
+        Sums and rays of each block.
+
+    Raises
+    ------
+    FilmError
+        If it is damaged, that of another task, or has arrays of another shape or type, other
+        numbers of samples, or sums that so many samples cannot have.
+    """
+    if not isinstance(data, bytes):
+        raise FilmError(f"a worker's answer is {type(data).__name__}, not bytes")
+    if len(data) > layout.most_bytes(task):
+        raise FilmError(f"a worker's answer is {len(data)} bytes long: too long for its blocks")
+    try:
+        content, arrays = unpack_archive("a worker's answer", memoryview(data))
+        if content["task"] != task.digest:
+            raise FilmError("a worker's answer is that of another task")
+        tallies = content["blocks"]
+        if len(tallies) != len(task.blocks):
+            raise FilmError(f"a worker answered {len(tallies)} blocks, not {len(task.blocks)}")
+        return [
+            _block(layout, block, tally, number, arrays)
+            for number, (block, tally) in enumerate(zip(task.blocks, tallies, strict=True))
+        ]
+    except (KeyError, TypeError, ValueError) as error:
+        if isinstance(error, FilmError):
+            raise
+        raise FilmError(f"a worker's answer cannot be read: {error!r}") from error
+
+
+def _block(
+    layout: Layout, block: Block, tally: Mapping[str, Any], number: int, arrays: Any
+) -> tuple[PartialFilm, int]:
+    tile, expected = block.tile, samples_of(block, layout.replicates)
+    counts = _array(arrays, f"{number}.counts", expected.shape)
+    if (counts != expected).any():
+        raise FilmError("a worker's answer has other samples than were asked for")
+    most = expected.sum(axis=2)
+    shape = (*expected.shape, layout.channels)
+    sums = _sums(arrays, f"{number}.", shape, expected[..., None])
+    aovs = {
+        name: _sums(arrays, f"{number}.{name}", (*most.shape, len(names)), most[..., None])
+        for name, names in layout.aovs.items()
+    }
+    values = [tally[name] for name in ("invalid", "saturated", "rays")]
+    if not all(type(value) is int and value >= 0 for value in values):
+        raise FilmError(f"a worker's answer has the tallies {values}")
+    invalid, saturated, rays = values
+    partial = PartialFilm(
+        x0=tile.x0, y0=tile.y0, sums=sums, counts=counts, invalid=invalid, saturated=saturated,
+        ranges=block.ranges, aovs=aovs,
+    )  # fmt: skip
+    return partial, rays
+
+
+def samples_of(block: Block, replicates: int) -> np.ndarray:
+    """Samples of each pixel and replicate, int64, shape (height, width, replicates)."""
+    tile, ranges = block
+    rows = np.arange(tile.y0, tile.y1) // CELL_SIZE - tile.y0 // CELL_SIZE
+    columns = np.arange(tile.x0, tile.x1) // CELL_SIZE - tile.x0 // CELL_SIZE
+    of_pixel = ranges[rows[:, None], columns[None, :]]
+    first, end = of_pixel[..., 0, None], of_pixel.sum(axis=-1)[..., None]
+    # Indices i < n with i mod R = r are ceil((n - r) / R).
+    replicate = np.arange(replicates)
+    return -((replicate - end) // replicates) + (replicate - first) // replicates
+
+
+def _sums(arrays: Any, name: str, shape: tuple[int, ...], samples: np.ndarray) -> np.ndarray:
+    high, low = (_array(arrays, f"{name}.{limb}", shape) for limb in ("high", "low"))
+    if ((low < 0) | (low > LOW_MASK)).any() or (abs(high) > _LARGEST * samples).any():
+        raise FilmError("a worker's answer has sums that its samples cannot have")
+    return np.stack([high, low], axis=-1)
+
+
+def _array(arrays: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    array = arrays[name]
+    if array.shape != shape or array.dtype != np.int64:
+        raise FilmError(
+            f"a worker's answer has {name} of shape {array.shape} and type {array.dtype}, "
+            f"not {shape} and int64"
+        )
+    return array

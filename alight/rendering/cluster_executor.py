@@ -1,0 +1,229 @@
+"""The executor of a cluster: blocks go out as tasks of some seconds, exact sums come back."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from alight.cluster.addresses import check_address, connected
+from alight.core.errors import OptionError
+from alight.core.registry import REGISTERED
+from alight.integrators.walk import Settings
+from alight.rendering.block_tasks import BlockTask, Layout, SharedScene, read_blocks, render_blocks
+from alight.rendering.executors import Add, Block, Executor, Threads
+
+if TYPE_CHECKING:
+    from alight.cluster.dispatch import Patience
+    from alight.options.cluster import ClusterOptions
+    from alight.rendering.job import Job
+
+#: Seconds of a task while there is much to do, and of the last ones at least. A task costs the
+#: scheduler about a millisecond.
+LONGEST, SHORTEST = 2.0, 0.1
+
+#: The rest is cut into so many tasks for each thread at least, so that all end together.
+_SHARES = 3
+
+#: Samples per second of a thread, until that is measured.
+_SPEED = 1e5
+
+#: A pass of a render with a time limit.
+_TIMED_PASS = 20.0
+
+
+class ClusterExecutor:
+    """Renders the blocks of a job on the workers of a Dask cluster.
+
+    Parameters
+    ----------
+    where : str or distributed.Client
+    keys : path, optional
+        See `alight.cluster.addresses.check_address`.
+    patience : Patience, optional
+
+    Raises
+    ------
+    OptionError
+        If the address is none, or there is no Dask.
+    """
+
+    def __init__(
+        self, where: Any, keys: str | PathLike[str] | None = None, patience: Patience | None = None
+    ) -> None:
+        check_address(where, keys)
+        if any(REGISTERED.values()):
+            raise OptionError("models of scripts do not reach the workers of a cluster", "cluster")
+        self._where, self._keys, self._patience = where, keys, patience
+        self._stack, self._speed, self._bytes = ExitStack(), _SPEED, 0
+        self._lock = threading.Lock()
+        self._threads: Threads | None = None
+
+    def __enter__(self) -> Self:
+        """Connect."""
+        self._client = self._stack.enter_context(connected(self._where, self._keys))
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        """Disconnect; processes that were started for this render end."""
+        self._stack.close()
+
+    def begin(self, job: Job) -> None:
+        """Send the scene to the workers.
+
+        Raises
+        ------
+        OptionError
+            If paths start at lights: their sums are whole pictures.
+        AlightError
+            If there are no workers.
+        """
+        from alight.cluster.dispatch import Dispatcher
+
+        if job.splats:
+            name = job.scene.integrator.type_name()
+            text = f"does not render with the integrator {name}; {{part}} does"
+            raise OptionError(text, "cluster", names=("part",))
+        self._job = job
+        film = job.rounds[0]
+        layout = Layout(film.replicates, len(film.channels), film.aov_channels)
+
+        def read(task: BlockTask, data: Any) -> Any:
+            with self._lock:
+                self._bytes += len(data)
+            return read_blocks(layout, task, data)
+
+        shared = SharedScene(job.scene, job.settings)
+        self._dispatcher = Dispatcher(self._client, render_blocks, shared, read, self._patience)
+        self._stack.callback(self._dispatcher.close)
+        self._dispatcher.open()
+
+    @property
+    def pass_seconds(self) -> float:
+        """Without an end where no time limit is: answers come all the time."""
+        return math.inf if self._job.time_limit is None else _TIMED_PASS
+
+    def render(
+        self,
+        settings: Settings,
+        blocks: Sequence[Block],
+        add: Add,
+        cancel: threading.Event,
+        report: Callable[[], None],
+    ) -> None:
+        """Render blocks on the workers; if the cluster is lost, here. See `Executor`."""
+        queue = BlockQueue(blocks)
+
+        def draw() -> BlockTask | None:
+            threads = 0 if self._threads else self._dispatcher.threads
+            cut = queue.cut(self._speed, threads)
+            return BlockTask(settings.seed, cut) if cut else None
+
+        def take(task: BlockTask, sums: Any, seconds: float) -> None:
+            rate = sum(samples_in(block) for block in task.blocks) / max(seconds, 1e-6)
+            self._speed += 0.3 * (rate - self._speed)
+            for partial, rays in sums:
+                add(partial, rays)
+
+        left: Sequence[BlockTask] = ()
+        if self._threads is None:
+            left = self._dispatcher.run(draw, take, cancel, report)
+            if cancel.is_set():
+                return
+        rest = [block for task in left for block in task.blocks] + queue.blocks
+        if rest:
+            self._here().render(settings, rest, add, cancel, report)
+
+    def _here(self) -> Threads:
+        if self._threads is None:
+            self._threads = self._stack.enter_context(Threads())
+            self._threads.begin(self._job)
+        return self._threads
+
+    def statistics(self) -> dict[str, Any]:
+        """Tasks, bytes and workers, as ``cluster``."""
+        dispatcher = self._dispatcher
+        counts = {name.replace(" ", "_"): n for name, n in sorted(dispatcher.counts.items())}
+        workers = {name: dict(of) for name, of in sorted(dispatcher.workers.items())}
+        return {"cluster": {**counts, "bytes": self._bytes, "workers": workers,
+                            "refused": dispatcher.refused}}  # fmt: skip
+
+
+class BlockQueue:
+    """Blocks that no task has yet.
+
+    Parameters
+    ----------
+    blocks : sequence of Block
+
+    Attributes
+    ----------
+    blocks : list of Block
+        From the last one to the next one.
+    """
+
+    def __init__(self, blocks: Sequence[Block]) -> None:
+        self.blocks = list(reversed(blocks))
+        self._left = sum(map(samples_in, blocks))
+
+    def cut(self, speed: float, threads: int) -> tuple[Block, ...]:
+        """Take blocks, or a share of the samples of one, for one task; empty at the end.
+
+        Parameters
+        ----------
+        speed : float
+            Samples per second of a thread.
+        threads : int
+            That share what is left.
+        """
+        seconds = self._left / (speed * max(threads, 1) * _SHARES)
+        room = speed * min(max(seconds, SHORTEST), LONGEST)
+        found: list[Block] = []
+        while self.blocks and (
+            room > 0.0 if not found else room > 0.5 * samples_in(self.blocks[-1])
+        ):
+            block = self.blocks.pop()
+            share = room / samples_in(block)
+            if share < 0.67 and block.ranges[..., 1].max() > 1:
+                block, rest = split(block, share)
+                if samples_in(rest):
+                    self.blocks.append(rest)
+            found.append(block)
+            room -= samples_in(block)
+        self._left -= sum(map(samples_in, found))
+        return tuple(found)
+
+
+def split(block: Block, share: float) -> tuple[Block, Block]:
+    """Cut off a share of the samples of each cell, rounded up: the first of them."""
+    first, count = block.ranges[..., 0], block.ranges[..., 1]
+    taken = np.minimum(np.ceil(share * count).astype(np.int64), count)
+    head = np.stack([first, taken], axis=-1)
+    rest = np.stack([first + taken, count - taken], axis=-1)
+    return Block(block.tile, head), Block(block.tile, rest)
+
+
+def samples_in(block: Block) -> float:
+    """Samples of a block, about: as if cells at its edges were whole."""
+    tile = block.tile
+    return float(block.ranges[..., 1].mean()) * (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
+
+
+def executor_of(options: ClusterOptions) -> Executor:
+    """The executor that the options ask for: threads, or a cluster.
+
+    Raises
+    ------
+    OptionError
+    """
+    if options.cluster is None:
+        if options.cluster_keys is not None:
+            raise OptionError("{cluster_keys} are those of {cluster}",
+                              names=("cluster_keys", "cluster"))  # fmt: skip
+        return Threads()
+    return ClusterExecutor(options.cluster, options.cluster_keys)

@@ -1,0 +1,66 @@
+"""Tasks that workers of the tests run, and faults that are planted in their processes."""
+
+import os
+import time
+from pathlib import Path
+
+import alight.cluster.worker
+
+
+def multiplied(factor, number):
+    """Take some time for it, so that workers can be lost meanwhile."""
+    time.sleep(0.02)
+    return factor * number
+
+
+def failing(folder, number):
+    """Fail for multiples of 3 on every worker, for 5 on the first attempt."""
+    if number % 3 == 0 and alight.cluster.worker._kept:
+        raise ValueError("planted")
+    if number == 5 and _is_first(folder, number):
+        raise OSError("planted")
+    return number
+
+
+def deadly(folder, number):
+    """End the worker's process at the first attempt of task 4."""
+    if number == 4 and _is_first(folder, number):
+        os._exit(1)
+    return number
+
+
+def stuck(folder, number):
+    """Take very long at the first attempt of task 2."""
+    if number == 2 and _is_first(folder, number):
+        time.sleep(5.0)
+    time.sleep(0.01)
+    return number
+
+
+def _is_first(folder, number):
+    mark = Path(folder) / str(number)
+    try:
+        mark.touch(exist_ok=False)
+    except FileExistsError:
+        return False
+    return True
+
+
+def become_another_machine():
+    """Let this process have another fingerprint, of a machine with other lanes."""
+    alight.cluster.worker.fingerprint = lambda: "another"
+    own = alight.cluster.worker.describe_machine()
+    alight.cluster.worker.describe_machine = lambda: {**own, "lanes": "another"}
+
+
+def become_this_machine():
+    """Undo it."""
+    from lanewise.machine import describe_machine, fingerprint
+
+    alight.cluster.worker.fingerprint = fingerprint
+    alight.cluster.worker.describe_machine = describe_machine
+
+
+def kept():
+    """How many shared objects this process keeps."""
+    return len(alight.cluster.worker._kept)

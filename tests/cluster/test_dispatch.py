@@ -1,0 +1,168 @@
+"""Each task is answered once, whatever happens to the workers."""
+
+import functools
+import os
+import signal
+import threading
+import time
+
+import pytest
+
+from alight.cluster.dispatch import AHEAD, Dispatcher, Patience
+from alight.cluster.worker import KEPT
+from alight.core.errors import AlightError
+from tests.cluster import jobs
+from tests.cluster.workers import two_workers
+
+#: A second is long for tasks of a few milliseconds.
+SHORT = Patience(task=1.0, times=4.0, fetch=2.0, cluster=20.0)
+
+
+@pytest.fixture(scope="module")
+def client():
+    with two_workers() as client:
+        yield client
+
+
+def same(task, value):
+    return value
+
+
+def answers_of(client, function, thing, count, check=same, on_answer=None, patience=SHORT):
+    """Values by task, each taken once; and the dispatcher."""
+    dispatcher = Dispatcher(client, function, thing, check, patience)
+    tasks, found = iter(range(count)), {}
+
+    def take(task, value, seconds):
+        assert task not in found, "counted twice"
+        found[task] = value
+        if on_answer:
+            on_answer(len(found))
+
+    dispatcher.open()
+    try:
+        left = dispatcher.run(functools.partial(next, tasks, None), take,
+                              threading.Event(), lambda: None)  # fmt: skip
+    finally:
+        dispatcher.close()
+    assert left == []
+    assert not dispatcher._issues
+    return found, dispatcher
+
+
+def pids(client):
+    return client.run(os.getpid)
+
+
+def test_every_task_is_answered_once(client):
+    found, dispatcher = answers_of(client, jobs.multiplied, 7, 40)
+    assert found == {n: 7 * n for n in range(40)}
+    assert sum(of["tasks"] for of in dispatcher.workers.values()) == 40
+    assert len(dispatcher.workers) == 2
+    assert dispatcher.counts["failed"] == dispatcher.counts["issued again"] == 0
+
+
+def test_few_tasks_are_drawn_ahead_and_results_are_released(client):
+    drawn = iter(range(30))
+    dispatcher = Dispatcher(client, jobs.multiplied, 1, same, SHORT)
+    open_tasks, most = 0, 0
+
+    def draw():
+        nonlocal open_tasks, most
+        task = next(drawn, None)
+        open_tasks += task is not None
+        most = max(most, open_tasks)
+        return task
+
+    def take(task, value, seconds):
+        nonlocal open_tasks
+        open_tasks -= 1
+
+    dispatcher.open()
+    dispatcher.run(draw, take, threading.Event(), lambda: None)
+    dispatcher.close()
+    assert most <= AHEAD * 2
+    assert not client.futures
+
+
+def test_a_failing_task_is_tried_again_and_at_last_done_here(client, tmp_path):
+    found, dispatcher = answers_of(client, jobs.failing, str(tmp_path), 8)
+    assert found == {n: n for n in range(8)}
+    # 0, 3 and 6 failed thrice; 5 failed once.
+    assert dispatcher.counts["done here"] == 3
+    assert dispatcher.counts["failed"] == 10
+
+
+def test_a_malformed_answer_is_refused_and_the_task_done_again(client):
+    seen = []
+
+    def check(task, value):
+        seen.append(task)
+        if task == 3 and seen.count(3) == 1:
+            raise ValueError("too much")
+        return value
+
+    found, dispatcher = answers_of(client, jobs.multiplied, 2, 6, check=check)
+    assert found == {n: 2 * n for n in range(6)}
+    assert dispatcher.counts["failed"] == 1
+
+
+def test_a_worker_that_dies_loses_nothing(client, tmp_path):
+    found, _ = answers_of(client, jobs.deadly, str(tmp_path), 12)
+    assert found == {n: n for n in range(12)}
+
+
+def test_a_killed_worker_is_replaced_and_knows_the_shared_object(client):
+    def kill(count):
+        if count == 5:
+            os.kill(next(iter(pids(client).values())), signal.SIGKILL)
+
+    found, _ = answers_of(client, jobs.multiplied, 3, 60, on_answer=kill)
+    assert found == {n: 3 * n for n in range(60)}
+
+
+def test_a_worker_of_another_fingerprint_is_refused(client, caplog):
+    client.wait_for_workers(2, timeout=20)
+    one, _ = client.nthreads()
+    client.run(jobs.become_another_machine, workers=[one])
+    try:
+        found, dispatcher = answers_of(client, jobs.multiplied, 2, 20)
+        assert found == {n: 2 * n for n in range(20)}
+        assert set(dispatcher.refused) == {one}
+        assert set(dispatcher.workers).isdisjoint({one})
+        assert f"the worker {one} is refused" in caplog.text
+        client.run(jobs.become_another_machine)
+        with pytest.raises(AlightError, match="no worker gives this machine's bits"):
+            answers_of(client, jobs.multiplied, 2, 20)
+    finally:
+        client.run(jobs.become_this_machine)
+
+
+def test_a_worker_keeps_few_shared_objects(client):
+    for thing in range(4):
+        answers_of(client, jobs.multiplied, thing, 6)
+    assert all(count <= KEPT for count in client.run(jobs.kept).values())
+
+
+def test_a_cancelled_run_ends_at_once(client):
+    cancel, dispatcher = threading.Event(), Dispatcher(client, jobs.multiplied, 2, same, SHORT)
+    dispatcher.open()
+    numbers, taken = iter(range(10**6)), []
+
+    def take(task, value, seconds):
+        taken.append(task)
+        cancel.set()
+
+    assert dispatcher.run(numbers.__next__, take, cancel, lambda: None) == []
+    dispatcher.close()
+    assert len(taken) <= AHEAD * 2
+    assert next(numbers) < 20
+
+
+def test_a_late_task_is_issued_again_and_its_first_answer_counts(client, tmp_path):
+    # The last test: its worker is busy for a while.
+    begin = time.perf_counter()
+    found, dispatcher = answers_of(client, jobs.stuck, str(tmp_path), 10)
+    assert found == {n: n for n in range(10)}
+    assert dispatcher.counts["issued again"] >= 1
+    assert time.perf_counter() - begin < 5.0

@@ -1,0 +1,81 @@
+"""Bugs of renders by several processes or machines."""
+
+from tests.mutants.mutant import Mutant
+
+PARTS = "tests/cli/test_parts.py"
+TASKS = "tests/cluster/test_block_tasks.py"
+DISPATCH = "tests/cluster/test_dispatch.py"
+
+CLUSTER = (
+    Mutant(
+        "parts that forget the first sample",
+        "rendering/schedules.py",
+        (("Uniform(whole.first + begin, end - begin)", "Uniform(begin, end - begin)"),),
+        f"{PARTS}::test_parts_hold_each_sample_once_and_are_equal_but_for_one",
+    ),
+    Mutant(
+        "a missing part merged all the same",
+        "films/merging.py",
+        (("if (count == spp).all():", "if (count <= spp).all():"),),
+        f"{PARTS}::test_a_missing_part_is_told_by_the_exit_code",
+    ),
+    Mutant(
+        "a cut block whose halves share a sample",
+        "rendering/cluster_executor.py",
+        (
+            (
+                "np.stack([first + taken, count - taken]",
+                "np.stack([first + taken - 1, count - taken]",
+            ),
+        ),
+        f"{TASKS}::test_tasks_hold_each_sample_once",
+    ),
+    Mutant(
+        "the rest of a cut block forgotten",
+        "rendering/cluster_executor.py",
+        (("self.blocks.append(rest)", "pass"),),
+        f"{TASKS}::test_tasks_hold_each_sample_once",
+    ),
+    Mutant(
+        "workers with a seed of their own",
+        "rendering/block_tasks.py",
+        (("shared.settings._replace(seed=task.seed)", "shared.settings"),),
+        f"{TASKS}::test_an_answer_is_the_sums_of_its_blocks",
+    ),
+    Mutant(
+        "answers with other samples than asked for let in",
+        "rendering/block_tasks.py",
+        (("if (counts != expected).any():", "if False:"),),
+        f"{TASKS}::test_a_malformed_answer_is_refused",
+    ),
+    Mutant(
+        "answers of another task let in",
+        "rendering/block_tasks.py",
+        (('if content["task"] != task.digest:', "if False:"),),
+        f"{TASKS}::test_a_malformed_answer_is_refused",
+    ),
+    Mutant(
+        "an answer that leaves its task open, to be answered again",
+        "cluster/dispatch.py",
+        (("        self._forget(number)\n        take(", "        take("),),
+        f"{DISPATCH}::test_every_task_is_answered_once",
+    ),
+    Mutant(
+        "a failing task sent once too often",
+        "cluster/dispatch.py",
+        (("if issue.failures < MOST_FAILURES:", "if issue.failures <= MOST_FAILURES:"),),
+        f"{DISPATCH}::test_a_failing_task_is_tried_again_and_at_last_done_here",
+    ),
+    Mutant(
+        "workers of any fingerprint let in",
+        "cluster/worker.py",
+        (("if fingerprint() != asked:", "if False:"),),
+        f"{DISPATCH}::test_a_worker_of_another_fingerprint_is_refused",
+    ),
+    Mutant(
+        "late tasks not issued again",
+        "cluster/dispatch.py",
+        (("if not late:", "if True:"),),
+        f"{DISPATCH}::test_a_late_task_is_issued_again_and_its_first_answer_counts",
+    ),
+)
