@@ -24,7 +24,7 @@ from alight.integrators.connection_weights import (
     weight_beside,
 )
 from alight.integrators.light_walk import set_out_by, write_arrive, write_follow, write_turn
-from alight.integrators.splats import lens_numbers, write_show
+from alight.integrators.splats import dimmed, lens_numbers, write_show
 from alight.integrators.walk import (
     count_lanes,
     to_local,
@@ -157,11 +157,12 @@ def write_extend_light(program):
         # The camera sees the point: t = 1.
         c = connect_camera(scene, surface.p, lens_numbers(sampler, depth))
         seen = path.active & (depth < settings.max_depth)
-        f_cos, reverse = evaluate_bsdf(scene, surface, to_local(surface, c.w), arrival.wl, seen)
+        wc = to_local(surface, c.w)
+        f_cos, reverse = evaluate_bsdf(scene, surface, wc, arrival.wl, seen)
         geometry = absolute(dot(surface.ng, c.w)) * c.importance
         w = weight_beside(geometry / paths * all_behind(behind, reverse))
         at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
-        value = vertex.beta * f_cos * (geometry * w)
+        value = dimmed(scene, surface, wc, c, vertex.beta * f_cos * (geometry * w))
         splat, more = show(scene, settings, at, c.distance, seen, value)
 
         # Where the path continues.
