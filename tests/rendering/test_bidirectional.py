@@ -139,8 +139,8 @@ def test_shapes_without_bounds_stop_light_from_infinity():
 
 @pytest.mark.parametrize("integrator", [Bidirectional, Light])
 def test_stained_water_dims_what_the_camera_sees_in_it(integrator):
-    mine = pictures(STAINED_WATER, integrator(max_depth=4), 256, 1)
-    expected = pictures(STAINED_WATER, Path(max_depth=4), 256, 2)
+    mine = pictures(STAINED_WATER, integrator(max_depth=4), 2048, 1)
+    expected = pictures(STAINED_WATER, Path(max_depth=4), 512, 2)
     assert p_value(mine, expected) > SIGNIFICANCE
     assert p_value(0.9 * mine, expected) < SIGNIFICANCE
 
