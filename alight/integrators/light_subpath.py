@@ -8,6 +8,7 @@ vertex, beside those of the camera path.
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
 
 from alight.accel import is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf
@@ -133,14 +134,14 @@ def behind_first(scene, e, p, d, per_cos):
     return Techniques(near, where(on_shape | around, per_density, 0.0)), known
 
 
-def write_extend_light(program):
+def write_extend_light(program, tell: Any = None):
     """``(scene, settings, walk, e, paths) -> (Walk, LightVertex, Splat)``: one more vertex.
 
     e: `Emission` that the paths began with; paths: how many light paths there are for each pixel,
     as weights count them. The settings are those of `joined_up_to`.
     """
     arrive, turn, follow = write_arrive(program), write_turn(program), write_follow(program)
-    show, holes = write_show(program), has_null(program)
+    show, holes, told = write_show(program), has_null(program), tell is not None
 
     @kernel
     def extend_light(scene, settings, walk, e, paths):
@@ -164,6 +165,9 @@ def write_extend_light(program):
         at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
         value = dimmed(scene, surface, wc, c, vertex.beta * f_cos * (geometry * w))
         splat, more = show(scene, settings, at, c.distance, seen, value)
+        if told:
+            place, technique = (splat.x, splat.y), (depth + 1, depth + 1)
+            tell(scene, place, technique, splat.lit, splat.value * (1.0 / paths), w)
 
         # Where the path continues.
         path = replace(path, active=path.active & (depth + 1 < settings.max_depth))

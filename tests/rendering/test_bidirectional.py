@@ -348,6 +348,6 @@ def test_media_and_traces_are_refused():
     with pytest.raises(OptionError, match="no path of bidirectional starts at a pixel alone"):
         alight.trace(small(SHORT), (1, 1))
     with pytest.raises(OptionError, match="does not record where its light comes from"):
-        alight.why(small(SHORT))
+        alight.why(small(Light(max_depth=4)))
     with pytest.raises(OptionError, match="takes the same samples everywhere"):
         alight.plan(small(SHORT), error=0.1)
