@@ -7,7 +7,8 @@ determines the body that contains it: if the segment arrives at the inner side o
 surface's material absorbs along the whole segment. No list of media is kept, so this is right for
 closed bodies, nested ones included if each boundary is one surface that names the media on both
 sides (`int_ior`, `ext_ior`); light from opaque things inside a body is dimmed on its way out, but
-not the light that comes to them. Shadow rays do not pass boundaries that refract.
+not the light that comes to them. Shadow rays do not pass boundaries that refract. Segments arrive
+as seen from the camera: light paths are dimmed by the surface that they leave.
 
 Source: Lambert, Photometria (1760); PBR4 section 11.2.
 """

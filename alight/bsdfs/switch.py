@@ -307,24 +307,38 @@ def absorbs(program) -> bool:
 
 
 @specialised
-def transmittance(program):
-    """``(scene, surface, wo, t) -> Vec3``: what the body around a piece of a path leaves of it.
+def absorption(program):
+    """``(scene, surface, w) -> Vec3``: absorption of the body that w (local frame) leads into.
 
-    The piece of length t ends at the surface, coming from wo (local frame). Glass that is a part of
-    a blend absorbs nothing.
+    Per metre. Glass that is a part of a blend absorbs nothing.
     """
     bodies = [model for model in models_of(program) if model.absorption is not None]
     answers = _answers(program, bodies, _absorption_of)
 
     @kernel
-    def transmittance(scene, surface, wo, t):
-        inside = wo.z < 0.0
+    def absorption(scene, surface, w):
+        inside = w.z < 0.0
         kind = _kind(scene, surface.bsdf)
         sigma = answers(scene, surface, kind, surface.bsdf, inside, lanes_vec3(0.0))
-        sigma = where(inside, sigma, 0.0)
-        return Vec3(exp(-sigma.x * t), exp(-sigma.y * t), exp(-sigma.z * t))
+        return where(inside, sigma, 0.0)
 
-    return transmittance
+    return absorption
+
+
+@kernel
+def left_after(sigma, t):
+    """What remains of light after t metres at the absorption sigma per metre."""
+    return Vec3(exp(-sigma.x * t), exp(-sigma.y * t), exp(-sigma.z * t))
+
+
+@kernel
+def transmittance(scene, surface, wo, t):
+    """What the body around a piece of a path leaves of its light, a Vec3.
+
+    The piece of length t ends at the surface, on a path from the camera, coming from wo (local
+    frame).
+    """
+    return left_after(absorption(scene, surface, wo), t)
 
 
 def _absorption_of(model, base_of):

@@ -24,7 +24,7 @@ transport simulation, chapter 10.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from alight.core.noise_only import NoiseOnly
 from alight.integrators.camera_subpath import begin_camera, write_extend_camera, write_join
@@ -69,12 +69,15 @@ EXAMPLES = (
 )
 
 
-def both_ends(program):
-    """The kernels of both halves, for the options of a program."""
+def both_ends(program, tell: Any = None):
+    """The kernels of both halves, for the options of a program.
+
+    `tell`, of `alight.integrators.strategies`, is called wherever they add light.
+    """
     return BothEnds(
         begin_light=write_begin_light(program),
-        extend_light=write_extend_light(program),
+        extend_light=write_extend_light(program, tell),
         begin_camera=begin_camera,
-        extend_camera=write_extend_camera(program),
-        join=write_join(program),
+        extend_camera=write_extend_camera(program, tell),
+        join=write_join(program, tell),
     )

@@ -7,6 +7,7 @@ a light path: techniques s = 0, s = 1 and the others of `alight.integrators.bidi
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
@@ -50,7 +51,7 @@ from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
-from lanewise.simd import absolute, any_lane, lanes, lanes_mask, lanes_u32, sqrt, where
+from lanewise.simd import absolute, any_lane, lanes, lanes_mask, lanes_u32, sqrt, to_float, where
 
 #: Where camera paths have met surfaces. wo: local direction that they came from; beta: throughput;
 #: behind: `Techniques`; depth: u32, edges from the camera; active: mask.
@@ -67,6 +68,12 @@ def begin_camera(rays):
     return Walk(path, nothing_behind())
 
 
+@kernel
+def place_of(path):
+    """Where a camera path adds to the picture, for `alight.integrators.strategies`."""
+    return to_float(path.sampler.x), to_float(path.sampler.y)
+
+
 # ---------------------------------------------------------------- light
 
 
@@ -77,7 +84,7 @@ def weight_of_hit(behind, direct, emission, depth):
     return weight_beside(together(direct * behind.near, by_light_paths))
 
 
-def write_leave(program):
+def write_leave(program, tell: Any):
     """``(scene, walk, missed) -> PathState``: light of the environment, where rays left."""
     if not environments_of(program):
 
@@ -86,6 +93,7 @@ def write_leave(program):
             return walk.path
 
         return into_the_dark
+    told = tell is not None
 
     @kernel
     def leave(scene, walk, missed):
@@ -97,12 +105,14 @@ def write_leave(program):
             w = weight_of_hit(walk.behind, environment_pdf(scene, path.p, d), emission, depth)
             found = path.beta * environment_radiance(scene, d) * w
             path = gather_light(path, found, missed, lanes_mask(False))
+            if told:
+                tell(scene, place_of(path), (lanes_u32(0), depth), missed, found, w)
         return path
 
     return leave
 
 
-def write_reach(program):
+def write_reach(program, tell: Any):
     """``(scene, walk, surface, active) -> PathState``: light of surfaces that rays hit."""
     if not on_shapes(program):
 
@@ -111,6 +121,7 @@ def write_reach(program):
             return walk.path
 
         return all_dark
+    told = tell is not None
 
     @kernel
     def reach(scene, walk, surface, active):
@@ -125,12 +136,14 @@ def write_reach(program):
             w = weight_of_hit(walk.behind, direct, emission, depth)
             found = path.beta * emitted(scene, surface, -path.d) * w
             path = gather_light(path, found, shining, lanes_mask(False))
+            if told:
+                tell(scene, place_of(path), (lanes_u32(0), depth), shining, found, w)
         return path
 
     return reach
 
 
-def write_add_direct_light(program):
+def write_add_direct_light(program, tell: Any):
     """``(scene, settings, path, v) -> PathState``: light sampling at the vertices v, s = 1."""
     if not program.lights:
 
@@ -139,7 +152,7 @@ def write_add_direct_light(program):
             return path
 
         return without_lights
-    holes = has_null(program)
+    holes, told = has_null(program), tell is not None
 
     @kernel
     def add_direct_light(scene, settings, path, v):
@@ -174,8 +187,11 @@ def write_add_direct_light(program):
             others = together(by_bsdf, emission * all_behind(v.behind, reverse))
             direct = direct_density_of_sample(scene, light, index)
             others = others / where(direct > 0.0, direct, 1.0)
-            w = share * weight_beside(others) * per_pdf
-            path = gather_light(path, v.beta * f_cos * light.radiance * w, lit, lanes_mask(False))
+            w = weight_beside(others)
+            found = v.beta * f_cos * light.radiance * (share * w * per_pdf)
+            path = gather_light(path, found, lit, lanes_mask(False))
+            if told:
+                tell(scene, place_of(path), (lanes_u32(1), v.depth + 1), lit, found, w)
         return replace(path, rays=rays)
 
     return add_direct_light
@@ -184,13 +200,13 @@ def write_add_direct_light(program):
 # ---------------------------------------------------------------- paths
 
 
-def write_extend_camera(program):
+def write_extend_camera(program, tell: Any = None):
     """``(scene, settings, walk, paths) -> (Walk, CameraVertex)``: one more vertex of camera paths.
 
     Adds the light that is found without a light path; `paths` as for `write_extend_light`.
     """
     leave, reach, add_direct_light = (
-        write(program) for write in (write_leave, write_reach, write_add_direct_light)
+        write(program, tell) for write in (write_leave, write_reach, write_add_direct_light)
     )
     absorbing, refracting, holes = absorbs(program), refracts(program), has_null(program)
     roulette = program.option("russian_roulette") == "throughput"
@@ -256,12 +272,12 @@ def write_extend_camera(program):
     return extend_camera
 
 
-def write_join(program):
+def write_join(program, tell: Any = None):
     """``(scene, settings, path, z, y) -> PathState``: with what comes to z from y.
 
     z is a `CameraVertex`, y a `LightVertex`; the settings are those of `joined_up_to`.
     """
-    absorbing, holes = absorbs(program), has_null(program)
+    absorbing, holes, told = absorbs(program), has_null(program), tell is not None
 
     @kernel
     def join(scene, settings, path, z, y):
@@ -298,9 +314,11 @@ def write_join(program):
                 # Densities of y from z, and of z from y, per square metre.
                 by_camera = pdf_z * cos_y * per_squared * all_behind(y.behind, back_y)
                 by_light = pdf_y * cos_z * per_squared * all_behind(z.behind, back_z)
-                share = share * weight_beside(together(by_camera, by_light))
-                found = z.beta * y.beta * f * share
+                weight = weight_beside(together(by_camera, by_light))
+                found = z.beta * y.beta * f * (share * weight)
                 path = gather_light(path, found, lit, lanes_mask(False))
+                if told:
+                    tell(scene, place_of(path), (y.depth + 1, edges), lit, found, weight)
         return replace(path, rays=rays)
 
     return join

@@ -27,7 +27,7 @@ from alight.core.constants import INFINITY
 from alight.core.vec import dot
 from alight.integrators.light_walk import set_out, write_arrive, write_leave
 from alight.integrators.options import PathLengths
-from alight.integrators.splats import Splat, lens_numbers, write_show
+from alight.integrators.splats import Splat, dimmed, lens_numbers, write_show
 from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
@@ -147,10 +147,12 @@ def extend(program):
         # The camera sees the point.
         c = connect_camera(scene, surface.p, lens_numbers(sampler, depth))
         seen = path.active & (depth < settings.max_depth)
-        f_cos, _ = evaluate_bsdf(scene, surface, to_local(surface, c.w), wl, seen)
+        wc = to_local(surface, c.w)
+        f_cos, _ = evaluate_bsdf(scene, surface, wc, wl, seen)
         corrected = absolute(dot(surface.ng, c.w)) * per_cos * c.importance
         at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
-        splat, more = show(scene, settings, at, c.distance, seen, path.beta * f_cos * corrected)
+        value = dimmed(scene, surface, wc, c, path.beta * f_cos * corrected)
+        splat, more = show(scene, settings, at, c.distance, seen, value)
 
         path, _ = leave(scene, settings, path, arrival)
         return replace(path, rays=path.rays + more), splat

@@ -8,6 +8,7 @@ vertex, beside those of the camera path.
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
 
 from alight.accel import is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf
@@ -24,7 +25,7 @@ from alight.integrators.connection_weights import (
     weight_beside,
 )
 from alight.integrators.light_walk import set_out_by, write_arrive, write_follow, write_turn
-from alight.integrators.splats import lens_numbers, write_show
+from alight.integrators.splats import dimmed, lens_numbers, write_show
 from alight.integrators.walk import (
     count_lanes,
     to_local,
@@ -133,14 +134,14 @@ def behind_first(scene, e, p, d, per_cos):
     return Techniques(near, where(on_shape | around, per_density, 0.0)), known
 
 
-def write_extend_light(program):
+def write_extend_light(program, tell: Any = None):
     """``(scene, settings, walk, e, paths) -> (Walk, LightVertex, Splat)``: one more vertex.
 
     e: `Emission` that the paths began with; paths: how many light paths there are for each pixel,
     as weights count them. The settings are those of `joined_up_to`.
     """
     arrive, turn, follow = write_arrive(program), write_turn(program), write_follow(program)
-    show, holes = write_show(program), has_null(program)
+    show, holes, told = write_show(program), has_null(program), tell is not None
 
     @kernel
     def extend_light(scene, settings, walk, e, paths):
@@ -157,12 +158,16 @@ def write_extend_light(program):
         # The camera sees the point: t = 1.
         c = connect_camera(scene, surface.p, lens_numbers(sampler, depth))
         seen = path.active & (depth < settings.max_depth)
-        f_cos, reverse = evaluate_bsdf(scene, surface, to_local(surface, c.w), arrival.wl, seen)
+        wc = to_local(surface, c.w)
+        f_cos, reverse = evaluate_bsdf(scene, surface, wc, arrival.wl, seen)
         geometry = absolute(dot(surface.ng, c.w)) * c.importance
         w = weight_beside(geometry / paths * all_behind(behind, reverse))
         at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
-        value = vertex.beta * f_cos * (geometry * w)
+        value = dimmed(scene, surface, wc, c, vertex.beta * f_cos * (geometry * w))
         splat, more = show(scene, settings, at, c.distance, seen, value)
+        if told:
+            place, technique = (splat.x, splat.y), (depth + 1, depth + 1)
+            tell(scene, place, technique, splat.lit, splat.value * (1.0 / paths), w)
 
         # Where the path continues.
         path = replace(path, active=path.active & (depth + 1 < settings.max_depth))

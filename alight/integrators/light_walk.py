@@ -12,6 +12,10 @@ quotient of the geometric cosines is Veach's correction for shading normals: wit
 directions of a path would carry different light. Flux is not concentrated in glass as radiance is:
 where a lobe of Dirac refracts, its weight's 1 / eta^2 is taken back.
 
+What dims an edge in absorbing glass is decided by its end on the light's side, at which a path from
+the camera would arrive (`alight.bsdfs.absorption`). `PathState.L_direct` carries it along, per
+metre.
+
 Source: Veach 1997, Robust Monte Carlo methods for light transport simulation, sections 5.2 and 5.3.
 """
 
@@ -22,7 +26,14 @@ from collections import namedtuple
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import absorbs, has_null, refracts, squared_index, transmittance
+from alight.bsdfs.switch import (
+    absorbs,
+    absorption,
+    has_null,
+    left_after,
+    refracts,
+    squared_index,
+)
 from alight.core.constants import INFINITY
 from alight.core.vec import dot, max_component
 from alight.integrators.roulette import play_roulette
@@ -43,15 +54,16 @@ from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
-from lanewise.simd import absolute, any_lane, lanes, lanes_u32, where
+from lanewise.simd import absolute, any_lane, lanes, lanes_u32, lanes_vec3, where
 
 #: Where light arrives. surface; wl: unit direction that it comes from, in the shading frame;
 #: per_cos: float, 1 / |wl . n_g|.
 Arrival = namedtuple("Arrival", "surface wl per_cos")
 
 #: Where light goes on. d: unit direction; weight: factor of the flux; pdf: per steradian, `reverse`
-#: that of the way back (0 of a lobe of Dirac); flags: of `sample_bsdf`.
-Turn = namedtuple("Turn", "d weight pdf reverse flags")
+#: that of the way back (0 of a lobe of Dirac); flags: of `sample_bsdf`; absorption: Vec3, per
+#: metre of the edge that begins.
+Turn = namedtuple("Turn", "d weight pdf reverse flags absorption")
 
 
 @kernel
@@ -102,7 +114,7 @@ def write_arrive(program):
         # The viewer's side of a path from the camera is the far one here.
         wl, beta = to_local(surface, -path.d), path.beta
         if absorbing:
-            share = transmittance(scene, surface, wl, where(active, hit.t, 0.0))
+            share = left_after(path.L_direct, where(active, hit.t, 0.0))
             beta = where(active, beta * share, beta)
         cos_l = absolute(dot(surface.ng, path.d))
         active = active & (cos_l > 0.0)
@@ -136,7 +148,7 @@ def write_turn(program):
 
     They are chosen by the random numbers from `dimension` on.
     """
-    refracting = refracts(program)
+    absorbing, refracting = absorbs(program), refracts(program)
 
     @kernel
     def turn(scene, path, arrival, dimension):
@@ -159,7 +171,8 @@ def write_turn(program):
             inside, outside = squared_index(scene, surface, wo), squared_index(scene, surface, wl)
             turned = turned * inside / outside
         weight = where(delta & ((flags & NULL) == 0), weight * turned, weight)
-        return Turn(d, weight, pdf, reverse, flags)
+        dim = absorption(scene, surface, wo) if absorbing else lanes_vec3(0.0)
+        return Turn(d, weight, pdf, reverse, flags, dim)
 
     return turn
 
@@ -177,13 +190,16 @@ def write_follow(program):
         # Not "brightness > 0": a NaN must live on and be counted by the film.
         active = active & ~(brightness <= 0.0) & (depth + 1 < settings.max_depth)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
-        on = replace(path, o=o, d=d, p=surface.p, beta=beta, depth=depth, active=active)
+        dim = turn.absorption
+        on = replace(
+            path, o=o, d=d, p=surface.p, beta=beta, L_direct=dim, depth=depth, active=active
+        )
         if roulette:
             # Of the flux that the path began with.
             on = play_roulette(settings, on, dimension, brightness / path.pdf)
         if holes:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
-            unseen = replace(path, o=beyond, beta=beta, depth=depth, active=active)
+            unseen = replace(path, o=beyond, beta=beta, L_direct=dim, depth=depth, active=active)
             on = where((turn.flags & NULL) != 0, unseen, on)
         return replace(on, sampler=path.sampler, rays=path.rays)
 

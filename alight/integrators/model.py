@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from alight.core.registry import Kernel, Record, Records, record_of
 
 #: Modules of this package that can replace an integrator.
-PASSES = ("contributions",)
+PASSES = ("contributions", "strategies")
 
 
 class BothEnds(NamedTuple):
@@ -51,6 +51,9 @@ class IntegratorModel(Record):
     extend : (program) -> kernel
         Of the same: ``extend(scene, settings, path) -> (path, splat)``, one more vertex of every
         path. See `alight.integrators.light`.
+    both_ends : (program, tell=None) -> BothEnds
+        Of integrators that join paths from both ends; `tell` is told what each technique adds, see
+        `alight.integrators.strategies`.
     """
 
     step: Callable[..., Kernel] | None = None
@@ -59,7 +62,7 @@ class IntegratorModel(Record):
     start_paths: Kernel | None = None
     begin: Callable[[Any], Kernel] | None = None
     extend: Callable[[Any], Kernel] | None = None
-    both_ends: Callable[[Any], BothEnds] | None = None
+    both_ends: Callable[..., BothEnds] | None = None
 
 
 #: All integrators, by name.

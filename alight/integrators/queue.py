@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from alight.bsdfs.switch import absorbs
 from alight.core.vec import Vec3
+from alight.integrators.guided import is_guided
+from alight.integrators.model import model_of
 from alight.integrators.walk import count_lanes, empty_paths
 from lanewise.jit import kernel, specialised
 from lanewise.records import local_records, put_records, records_at, replace
@@ -16,16 +19,22 @@ ROOM = 32
 NO_HIT = ()
 
 
+def _keeps_direct(program) -> bool:
+    """Whether `L_direct` is in use: light paths carry there what dims them in absorbing glass."""
+    from_lights = is_guided(program) or model_of(program).begin is not None
+    return "direct" in program.aovs or (absorbs(program) and from_lights)
+
+
 @specialised
 def kept(program):
     """``kept(path)``: a path without what it can be given anew; uniform numbers do not wait."""
-    split_direct = "direct" in program.aovs
+    keeps_direct = _keeps_direct(program)
 
     @kernel
     def kept(path):
         sampler = replace(path.sampler, seed=0)
         path = replace(path, sampler=sampler, active=True, rays=0)
-        if not split_direct:
+        if not keeps_direct:
             path = replace(path, L_direct=Vec3(0.0, 0.0, 0.0))
         return path
 
@@ -35,13 +44,13 @@ def kept(program):
 @specialised
 def restored(program):
     """``restored(settings, path, count)``: the path of which `kept` has kept a part."""
-    split_direct = "direct" in program.aovs
+    keeps_direct = _keeps_direct(program)
 
     @kernel
     def restored(settings, path, count):
         sampler = replace(path.sampler, seed=lanes_u32(settings.seed))
         path = replace(path, sampler=sampler, active=lane_index() < count, rays=as_int(0))
-        if not split_direct:
+        if not keeps_direct:
             path = replace(path, L_direct=lanes_vec3(0.0))
         return path
 

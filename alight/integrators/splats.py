@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.accel import is_occluded
-from alight.bsdfs.switch import has_null
+from alight.bsdfs.switch import absorbs, has_null, transmittance
 from alight.core.vec import max_component
 from alight.filters.splatting import choose_pixel
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import count_lanes, vertex_dimension
 from alight.samplers.sampling import get_2d
-from lanewise.jit import kernel
+from lanewise.jit import kernel, specialised
 from lanewise.simd import absolute, any_lane, lanes_u32, lanes_vec3, where
 
 #: Further places among the dimensions of a vertex: the pixel that a point belongs to, the lens.
@@ -50,6 +50,27 @@ def write_show(program):
         return Splat(x, y, where(lit, value, lanes_vec3(0.0)), lit), rays
 
     return show
+
+
+@specialised
+def dimmed(program):
+    """``dimmed(scene, surface, wc, c, value)``: what absorbing glass leaves for the camera.
+
+    wc: local direction to it; c: the `Connection`.
+    """
+    if not absorbs(program):
+
+        @kernel
+        def all_of_it(scene, surface, wc, c, value):
+            return value
+
+        return all_of_it
+
+    @kernel
+    def the_rest(scene, surface, wc, c, value):
+        return value * transmittance(scene, surface, wc, where(c.visible, c.distance, 0.0))
+
+    return the_rest
 
 
 @kernel

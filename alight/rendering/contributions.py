@@ -13,6 +13,7 @@ from alight.compiled.scene import CompiledScene, SceneTables
 from alight.films import CELL_SIZE
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.contributions import FIELDS, HALF, PASS, RECORDED, Log
+from alight.integrators.strategies import StrategyLog
 from alight.integrators.walk import Settings, make_settings
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import Tile, render_tile_kernel
@@ -27,7 +28,9 @@ RecordedTables = namedtuple("RecordedTables", (*SceneTables._fields, "log"))
 RecordedMotion = namedtuple("RecordedMotion", (*SceneTables._fields, "motions", "log"))
 
 
-def recorded_tables(scene: CompiledScene, log: Log) -> RecordedTables | RecordedMotion:
+def recorded_tables(
+    scene: CompiledScene, log: Log | StrategyLog
+) -> RecordedTables | RecordedMotion:
     """A scene's tables with a log."""
     kind = RecordedMotion if scene.program.motion else RecordedTables
     return kind(*scene.tables, log)

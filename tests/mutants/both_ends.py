@@ -5,6 +5,9 @@ from tests.mutants.mutant import Mutant
 TESTS = "tests/rendering/test_bidirectional.py"
 FINDS = f"{TESTS}::test_it_finds_what_path_tracing_finds"
 HIDDEN = f"{TESTS}::test_it_finds_what_hides_in_glass_and_among_many_lamps"
+PYRAMID = "tests/lab/test_pyramid.py"
+LONGEST = f"{TESTS}::test_no_path_is_longer_than_the_longest"
+STAINED = f"{TESTS}::test_stained_water_dims_what_the_camera_sees_in_it"
 WEIGHTS = f"{TESTS}::test_weights_are_the_shares_of_densities_and_sum_to_one"
 
 BOTH_ENDS = (
@@ -85,6 +88,41 @@ BOTH_ENDS = (
         "lights/emission_density.py",
         (("where(light.delta, choice_of(scene, lanes_u32(0) + index), light.pdf)", "light.pdf"),),
         f"{HIDDEN}[many]",
+    ),
+    Mutant(
+        "joined paths one edge too long",
+        "integrators/camera_subpath.py",
+        (("(edges <= settings.max_depth)", "(edges <= settings.max_depth + 1)"),),
+        f"{LONGEST}[Bidirectional]",
+    ),
+    Mutant(
+        "the pyramid counts a splat as often as there are pixels",
+        "integrators/light_subpath.py",
+        (("splat.value * (1.0 / paths)", "splat.value"),),
+        f"{PYRAMID}::test_weighted_techniques_add_up_to_the_picture",
+    ),
+    Mutant(
+        "joined paths are told apart by one vertex too few",
+        "integrators/camera_subpath.py",
+        (("(y.depth + 1, edges)", "(y.depth, edges)"),),
+        f"{PYRAMID}::test_each_technique_alone_finds_all_light_of_its_length",
+    ),
+    Mutant(
+        "absorbing glass dims the way from a lamp inside it",
+        "integrators/light_walk.py",
+        (
+            (
+                "left_after(path.L_direct, where(active, hit.t, 0.0))",
+                "left_after(absorption(scene, surface, wl), where(active, hit.t, 0.0))",
+            ),
+        ),
+        f"{HIDDEN}[in stained glass]",
+    ),
+    Mutant(
+        "water around the camera does not dim what it sees of light paths",
+        "integrators/splats.py",
+        (("value * transmittance(", "value + 0.0 * transmittance("),),
+        f"{STAINED}[Light]",
     ),
     Mutant(
         "light from infinity starts behind what would stop it",

@@ -78,6 +78,24 @@ nodes:
     transform: [{rotate: {axis: x, angle: 90}}, {scale: 2}, {translate: [0, 3, 0]}]
 """
 
+#: The same water, stained and rough, seen from below.
+STAINED = (
+    "{type: rough_dielectric, alpha: 0.5, int_ior: 1.2, "
+    "attenuation_color: [0.8, 0.3, 0.5], attenuation_distance: 1}"
+)
+STAINED_WATER = UNDER_WATER.replace(
+    "origin: [0, 1, 2], target: [0, 0, 0]", "origin: [0, 0.4, 0.5], target: [0, 1.5, 0]"
+).replace("{type: dielectric, int_ior: 1.5}", STAINED)
+
+#: The lamp shines at the ceiling, which lights the floor: light comes over three edges at least.
+CEILING = """
+  ceiling:
+    shape: rectangle
+    bsdf: {type: diffuse, reflectance: 0.8}
+    transform: [{rotate: {axis: x, angle: 90}}, {scale: 4}, {translate: [0, 4, 0]}]
+"""
+BY_THE_CEILING = SCENE % ("box", PINHOLE) + LAMP.replace("angle: 90", "angle: -90") + CEILING
+
 CASES = {
     "a lamp": SCENE % ("box", PINHOLE) + BALL % "{type: phong}" + LAMP,
     "points and directions by a lens, shading normals": SCENE % ("tent", LENS) + GEM + SPOT,

@@ -22,6 +22,7 @@ from alight.integrators.connection_weights import (
     together,
     weight_beside,
 )
+from alight.integrators.light import Light
 from alight.integrators.path import Path
 from alight.laws.integrators import REPLICATES as FEW_REPLICATES
 from alight.laws.integrators import picture
@@ -31,6 +32,7 @@ from alight.scene import flatten
 from lanewise.jit import instantiate
 from tests.rendering.light_scenes import (
     BALL,
+    BY_THE_CEILING,
     CASES,
     DEPTH,
     GEM,
@@ -41,6 +43,7 @@ from tests.rendering.light_scenes import (
     PINHOLE,
     SCENE,
     SKY,
+    STAINED_WATER,
     p_value,
     pictures,
     same,
@@ -66,6 +69,11 @@ IN_GLASS = (
     bsdf: {type: diffuse, reflectance: 0.5}
     transform: [{scale: [4, 4, 6]}, {translate: [0, 3.99, 0]}]
 """
+)
+
+#: Glass that dims what leaves the lamp, but for the piece of the way that ends at the lamp.
+IN_STAINED_GLASS = IN_GLASS.replace(
+    "int_ior: 1.5}", "int_ior: 1.5, attenuation_color: [0.9, 0.4, 0.2], attenuation_distance: 0.4}"
 )
 
 #: Lamps of every kind, so many that a light tree is walked.
@@ -111,9 +119,12 @@ def test_it_finds_what_path_tracing_finds(name):
     assert p_value(0.97 * mine, expected) < SIGNIFICANCE
 
 
-@pytest.mark.parametrize("name", ["in glass", "many"])
+HIDDEN = {"in glass": IN_GLASS, "in stained glass": IN_STAINED_GLASS, "many": MANY}
+
+
+@pytest.mark.parametrize("name", HIDDEN)
 def test_it_finds_what_hides_in_glass_and_among_many_lamps(name):
-    mine, expected = agreement({"in glass": IN_GLASS, "many": MANY}[name], heuristic="balance")
+    mine, expected = agreement(HIDDEN[name], heuristic="balance")
     assert p_value(mine, expected) > SIGNIFICANCE
     assert p_value(0.97 * mine, expected) < SIGNIFICANCE
 
@@ -124,6 +135,25 @@ def test_shapes_without_bounds_stop_light_from_infinity():
     sky = "\nenvironment: {type: constant, radiance: 1}\n"
     mine, expected = agreement(SCENE % ("box", PINHOLE) + roof + sky, depth=4, spp=128)
     assert p_value(mine, expected) > SIGNIFICANCE
+
+
+@pytest.mark.parametrize("integrator", [Bidirectional, Light])
+def test_stained_water_dims_what_the_camera_sees_in_it(integrator):
+    mine = pictures(STAINED_WATER, integrator(max_depth=4), 2048, 1)
+    expected = pictures(STAINED_WATER, Path(max_depth=4), 512, 2)
+    assert p_value(mine, expected) > SIGNIFICANCE
+    assert p_value(0.9 * mine, expected) < SIGNIFICANCE
+
+
+@pytest.mark.parametrize("integrator", [Bidirectional, Light])
+def test_no_path_is_longer_than_the_longest(integrator):
+    scene = loads(BY_THE_CEILING, "scene.yaml")
+    short, long = (
+        alight.render(scene.replaced(integrator=integrator(max_depth=depth)), spp=4).image
+        for depth in (2, 3)
+    )
+    assert not short.any()
+    assert long.mean() > 0.0
 
 
 @pytest.mark.proofs
@@ -318,6 +348,6 @@ def test_media_and_traces_are_refused():
     with pytest.raises(OptionError, match="no path of bidirectional starts at a pixel alone"):
         alight.trace(small(SHORT), (1, 1))
     with pytest.raises(OptionError, match="does not record where its light comes from"):
-        alight.why(small(SHORT))
+        alight.why(small(Light(max_depth=4)))
     with pytest.raises(OptionError, match="takes the same samples everywhere"):
         alight.plan(small(SHORT), error=0.1)

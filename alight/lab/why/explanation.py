@@ -9,7 +9,10 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from alight.integrators.model import INTEGRATORS
 from alight.lab.why.maps import check_maps, draw_maps, write_maps
+from alight.lab.why.pyramid import Pyramid, pyramid_of
+from alight.lab.why.pyramid_sheet import write_pyramid
 from alight.lab.why.shares import Part, Shares, shares_of
 from alight.lab.why.trials import Trial, try_alternatives
 from alight.lab.why.words import plain, ranked, share_lines, share_tables, trial_lines
@@ -36,12 +39,15 @@ class Explanation:
         Changes for which there was no time.
     measured : bool
         Whether anything was to be tried.
+    pyramid : Pyramid or None
+        Of paths from both ends: what each technique adds.
     """
 
     shares: Shares
     trials: Sequence[Trial] = ()
     not_tried: Sequence[str] = ()
     measured: bool = False
+    pyramid: Pyramid | None = None
 
     @property
     def parts(self) -> list[Part]:
@@ -50,23 +56,29 @@ class Explanation:
 
     def __str__(self) -> str:
         """What ``alight why`` prints."""
-        return "\n".join([*share_lines(self.shares), *self._advice()])
+        table = self.pyramid.lines() if self.pyramid else ()
+        return "\n".join([*share_lines(self.shares), *table, *self._advice()])
 
     def _advice(self) -> list[str]:
         return list(trial_lines(self.trials, self.not_tried)) if self.measured else []
 
     def to_dict(self) -> dict[str, Any]:
         """All numbers, ready for JSON."""
-        return plain(self.shares, self.trials, self.not_tried)
+        found = plain(self.shares, self.trials, self.not_tried)
+        return found | ({"pyramid": self.pyramid.to_dict()} if self.pyramid else {})
 
     def save_maps(self, path: str | os.PathLike[str]) -> Path:
         """Write the picture, the map of its noise and those of the largest parts as PNG.
+
+        Of paths from both ends: the pictures of all techniques, weighted and not.
 
         Raises
         ------
         OutputError
             If it cannot be written.
         """
+        if self.pyramid:
+            return write_pyramid(Path(path), self.pyramid)
         return write_maps(Path(path), self.shares, self.parts)
 
     def _repr_html_(self) -> str:
@@ -84,6 +96,8 @@ class Explanation:
 @takes(WhyOptions)
 def why(scene: Scene | str | os.PathLike[str], options: WhyOptions) -> Explanation:
     """Explain a picture's noise by path depth, technique, light and first material.
+
+    Pictures of paths from both ends are divided by the techniques (s, t).
 
     Parameters
     ----------
@@ -109,15 +123,20 @@ def why(scene: Scene | str | os.PathLike[str], options: WhyOptions) -> Explanati
     progress = options.progress or (lambda text: None)
     description = scene_of(scene, options)
     progress("contributions of all paths")
-    shares = shares_of(description, size=options.size, spp=options.spp, seed=options.seed)
-    cause = next(iter(ranked(shares)), None)
-    found = Explanation(shares)
+    numbers = {"size": options.size, "spp": options.spp, "seed": options.seed}
+    if INTEGRATORS[description.integrator.type_name()].both_ends is not None:
+        # Nothing is tried: the techniques are what there is to choose from, and all are in use.
+        pyramid = pyramid_of(description, **numbers)
+        found, cause = Explanation(pyramid.shares, pyramid=pyramid), None
+    else:
+        shares = shares_of(description, **numbers)
+        found, cause = Explanation(shares), next(iter(ranked(shares)), None)
     if options.measure and cause is not None:
         trials, left = try_alternatives(
             description, cause=cause, seed=options.seed, limit=options.time_limit,
             progress=progress,
         )  # fmt: skip
-        found = Explanation(shares, trials, left, True)
+        found = Explanation(found.shares, trials, left, True)
     if options.output is not None:
         found.save_maps(options.output)
     return found

@@ -197,7 +197,7 @@ def _check(scene: Scene, size: int, spp: int) -> None:
     if not can_record(kind):
         raise OptionError(
             f"the integrator {kind} does not record where its light comes from; "
-            "path, direct and random_walk do"
+            "path, direct, random_walk and bidirectional do"
         )
     WhyOptions.of({"size": size, "spp": spp})
 

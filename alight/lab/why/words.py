@@ -48,6 +48,8 @@ def share_tables(shares: Shares) -> Iterator[tuple[str, list[tuple[str, str]]]]:
     """A table for each property of a path: its title, and what each value's share is."""
     for name, title in _TABLES:
         groups = shares.by(name)
+        if all(getattr(part, name) is None for part in groups):
+            continue
         rows = [
             (_label(name, part), _percent(share))
             for part, share in list(groups.items())[:MOST]
