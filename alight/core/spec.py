@@ -320,11 +320,15 @@ class Integrator(Spec):
         """Whether a guide is trained before the picture is rendered."""
         return False
 
+    @property
+    def guide_must_pay(self) -> bool:
+        """Whether the picture does without a guide that would not pay."""
+        return False
+
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.
 
-        `radiance` is that of the brightest light, `weight` the largest weight f cos / pdf of a
-        sampled direction, `start` that of a camera ray.
+        `radiance` is the brightest light's, `weight` the largest f cos / pdf, `start` a camera's.
         """
         return None
 

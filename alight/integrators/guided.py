@@ -150,11 +150,11 @@ def survival_of(settings, path, here, only_delta):
     left = (
         absolute(luminance(path.beta)) * here.gain / pixel_luminance(settings.guide, path.sampler)
     )
-    # Without anything learnt, nothing is known to be small.
+    # Without anything learnt, ordinary roulette is played (`alight.integrators.path`).
     playing = (here.gain > 0.0) & (path.depth > 0)
     survival = where(playing, minimum(maximum(left * WINDOW, LEAST), 1.0), 1.0)
     in_glass = where(path.depth >= settings.rr_depth, MAX_SURVIVAL, 1.0)
-    return where(only_delta, in_glass, survival)
+    return where(only_delta & (here.gain > 0.0), in_glass, survival)
 
 
 @kernel

@@ -106,21 +106,26 @@ class Path(PathTracing):
     ----------
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
-    guiding : {"off", "on"}, default "off"
+    guiding : {"off", "on", "auto"}, default "off"
         Whether paths also follow a guide, which learns before the picture where light comes from
-        (`alight.guiding`). Roulette then ends those that the guide expects to add little, from the
-        second vertex on.
+        (`alight.guiding`); "auto": where training finds that it pays. Roulette then ends paths that
+        the guide expects to add little, from the second vertex on.
     """
 
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
-    guiding: Annotated[Literal["off", "on"], NoiseOnly()] = "off"
+    guiding: Annotated[Literal["off", "on", "auto"], NoiseOnly()] = "off"
 
     @property
     def wants_guide(self) -> bool:
         """As `guiding` says."""
-        return self.guiding == "on"
+        return self.guiding != "off"
+
+    @property
+    def guide_must_pay(self) -> bool:
+        """As `guiding` says."""
+        return self.guiding == "auto"
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
@@ -226,15 +231,15 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides = program.option("hide_emitters", False)
-    absorbing, refracting = absorbs(program), refracts(program)
+    absorbing = absorbs(program)
     guided = is_guided(program)
     next_direction = write_guided_scatter(roulette) if guided else _write_scatter(scatter)
+    end_dim_paths = _write_end_dim_paths(program)
 
     @kernel
     def shade(scene, settings, path, hit):
         """One more vertex, where the rays of active paths met a surface."""
         active, depth = path.active, path.depth + 1
-        dimension = vertex_dimension(depth)
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
         if absorbing:
@@ -274,11 +279,16 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active)
-        if roulette and not guided:
-            if refracting:
-                # A path in glass is not dim: it regains on the way out what it lost on the way in.
-                brightness = brightness * concentration(scene, surface, wi)
-            on = play_roulette(settings, on, dimension, brightness)
+        if roulette:
+            if guided:
+                # Where a guide has learnt what a vertex may gain, paths have played already.
+                unlearnt = here.gain == 0.0
+                if any_lane(active & unlearnt):
+                    left = end_dim_paths(scene, settings, on, surface, wi, brightness)
+                    beta = where(unlearnt, left.beta, on.beta)
+                    on = replace(on, beta=beta, active=on.active & (left.active | ~unlearnt))
+            else:
+                on = end_dim_paths(scene, settings, on, surface, wi, brightness)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
@@ -289,6 +299,20 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         return replace(vertex, sampler=path.sampler, rays=path.rays)
 
     return shade
+
+
+def _write_end_dim_paths(program):
+    """Roulette by throughput, ``(scene, settings, path, surface, wi, brightness) -> path``."""
+    refracting = refracts(program)
+
+    @kernel
+    def end_dim_paths(scene, settings, path, surface, wi, brightness):
+        if refracting:
+            # A path in glass is not dim: it regains on the way out what it lost on the way in.
+            brightness = brightness * concentration(scene, surface, wi)
+        return play_roulette(settings, path, vertex_dimension(path.depth), brightness)
+
+    return end_dim_paths
 
 
 def _write_scatter(scatter):

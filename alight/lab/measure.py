@@ -47,7 +47,10 @@ class Rung(NamedTuple):
 
 
 def compiled_kernels(scene: CompiledScene) -> Kernels:
-    """The kernels of a scene, run once without a sample so that machine code is there."""
+    """The kernels of a scene, run once without a sample so that machine code is there.
+
+    Of a scene that wants a guide, those that follow it.
+    """
     scene = untrained(scene) if is_to_be_guided(scene) else scene
     kernels = make_kernels(scene)
     tile = tiles_of(film_for(scene, 0, 1).crop)[0]
@@ -77,7 +80,7 @@ def render_ladder(
         Rising numbers of samples per pixel.
     threads : int
     """
-    scene, seconds = made_ready(scene, seed, threads)
+    scene, kernels, seconds = made_ready(scene, kernels, seed, threads)
     film = film_for(scene, seed, replicates)
     settings = make_settings(scene.integrator, seed=seed, replicates=replicates, guide=scene.guide)
     tiles = tiles_of(film.crop)
@@ -92,12 +95,17 @@ def render_ladder(
         yield Rung(spp, seconds, film.mean[..., :3].astype(np.float32), film.invalid)
 
 
-def made_ready(scene: CompiledScene, seed: int, threads: int) -> tuple[CompiledScene, float]:
-    """A scene with its guide, if it wants one, and the CPU seconds of training it."""
+def made_ready(
+    scene: CompiledScene, kernels: Kernels, seed: int, threads: int
+) -> tuple[CompiledScene, Kernels, float]:
+    """A scene with its guide, if it wants one, its kernels, and the CPU seconds of training.
+
+    A scene whose guide would not pay has other kernels than the given ones.
+    """
     if not is_to_be_guided(scene):
-        return scene, 0.0
-    guided, training = trained(scene, seed=seed, threads=threads)
-    return guided, training.cpu_seconds
+        return scene, kernels, 0.0
+    scene, training = trained(scene, seed=seed, threads=threads)
+    return scene, kernels if training.used else compiled_kernels(scene), training.cpu_seconds
 
 
 def add_tiles(

@@ -90,7 +90,7 @@ def steered_ladder(
     option : str or mapping
         See `problem_of`.
     """
-    scene, training = made_ready(scene, seed, threads)
+    scene, kernels, training = made_ready(scene, kernels, seed, threads)
     for spp in ladder:
         begin = time.thread_time()
         settings = make_settings(

@@ -330,7 +330,7 @@ class Job:
             "peak_rss_mb": peak_memory_mb(),
             "program": self.scene.program._asdict(),
             "accelerator": self.scene.stats,
-            **({"guide": self.training._asdict()} if self.training else {}),
+            **({"guide": self.training.state()} if self.training else {}),
             "notes": self.notes,
             "biases": [bias.state() for bias in self.film.biases],
             "verdict": {"word": verdict.word, "line": verdict.line, **verdict.figures},

@@ -26,7 +26,14 @@ def summary_lines(
     lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
     known = not math.isnan(error.relmse.value)
     doubts = unsure_lines(unsure) if known else []
-    return [*lines, error_line(error), *doubts, *bias_lines(film, further), *verdict_lines(film)]
+    lines += [error_line(error), *doubts, *guide_lines(film)]
+    return [*lines, *bias_lines(film, further), *verdict_lines(film)]
+
+
+def guide_lines(film: Film) -> list[str]:
+    """Say what a guide gains, if one was trained."""
+    guide = film.stats.get("guide")
+    return [guide["line"]] if guide else []
 
 
 def bias_lines(film: Film, further: Sequence[Bias] = ()) -> list[str]:

@@ -1,72 +1,32 @@
-"""Training a guide: rounds of paths, each with twice the samples of the one before.
-
-Paths come from both ends. Those of the camera tell what directions gained; those of the lights tell
-where there is light that camera paths do not find.
+"""Training a guide, and the scene that follows it.
 
 Paths start at a small picture of the same view, whatever the film's size, so that the guide does
 not depend on how much is rendered. Their samples are thrown away: the picture is unbiased, given
-the guide, and each of its samples independent of all others, given the guide. A guide is a function
-of scene and seed alone; a resumed render makes its own again.
+the guide, and each of its samples independent of all others, given the guide. A guide, and whether
+it pays, are functions of scene and seed alone; a resumed render makes its own again.
 """
 
 from __future__ import annotations
 
 import hashlib
-import threading
-import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeVar
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from alight.compiled.scene import CompiledScene
-from alight.films import CELL_SIZE
-from alight.guiding.light_records import add_arrivals
-from alight.guiding.records import Totals, add_records
-from alight.guiding.tables import GUIDED, LIGHT_RECORD, RECORD, Frame, Guide, LightLog, Log
+from alight.guiding.tables import GUIDED, Guide
 from alight.guiding.tree import Tree
-from alight.integrators.walk import GuidedSettings, Settings, make_settings
-from alight.lights.tables import EmittingLights
-from alight.rendering.light_training import record_light_paths
-from alight.rendering.seeds import LIGHT_TRAINING, TRAINING, seed_of_round
-from alight.rendering.tile import Scratch
-from alight.rendering.tile_kernel import Tile, render_tile_kernel
-from alight.rendering.tiles import SMALL, tiles_of
-from lanewise.jit import instantiate
+from alight.lights.tables import LightTables
+from alight.rendering.trainer import EVERYWHERE, Trainer, framed
 from lanewise.view import View
 
 #: Rounds of training: 1, 2, 4 ... samples a pixel.
 ROUNDS = 7
 
-#: After this round leaves learn how far their light comes from.
-FOCUS_ROUND = 1
-
-#: Samples a pixel that a tile renders before its vertices are added; vertices a path, at first,
-#: that there is room for.
-AT_ONCE, DEPTH = 8, 24
-
-#: Side of the blocks of pixels that share a mean; no block is darker than this part of the median.
-BLOCK, DARKEST = 4, 0.01
-
-#: Of the extent of all vertices, left free around them.
-MARGIN = 1e-4
-
-#: Most nodes of all quadtrees: 8 bytes each in the guide, and 64 a thread while it is trained.
-MOST_NODES = 1 << 19
-
-
-#: What a kernel logs.
-L = TypeVar("L", Log, LightLog)
-
-#: `Guide.box` of a guide with a single leaf.
-_EVERYWHERE = np.array([0, 0, 0, 1, 1, 1], np.float32)
-
 
 class Training(NamedTuple):
-    """What training a guide took.
+    """What training a guide took, and what came of it.
 
     Attributes
     ----------
@@ -76,8 +36,12 @@ class Training(NamedTuple):
         Paths from the camera, the vertices that they taught, and those of light paths.
     leaves, nodes, bytes : int
         Of the guide.
+    gain : float
+        How many rays without the guide one with it is worth, see `Trainer.gain`.
+    used : bool
+        Whether the picture's paths follow the guide.
     hash : str
-        Names the guide.
+        Names the guide that they follow.
     """
 
     cpu_seconds: float
@@ -87,7 +51,19 @@ class Training(NamedTuple):
     leaves: int
     nodes: int
     bytes: int
+    gain: float
+    used: bool
     hash: str
+
+    @property
+    def line(self) -> str:
+        """What the guide gains, and what follows, in words."""
+        worth = f"a ray with it is worth {self.gain:.2g} without"
+        return f"guide: {worth}" if self.used else f"guide: not used, as {worth}"
+
+    def state(self) -> dict[str, Any]:
+        """As JSON."""
+        return {**self._asdict(), "line": self.line}
 
 
 def is_to_be_guided(scene: CompiledScene) -> bool:
@@ -102,9 +78,15 @@ def with_guide(scene: CompiledScene, guide: Guide) -> CompiledScene:
     return replace(scene, program=program, guide=guide)
 
 
+def without_guide(scene: CompiledScene) -> CompiledScene:
+    """A scene that asks for no guide any more: it has the tables of one that never did."""
+    lights = LightTables(*scene.tables.lights[: len(LightTables._fields)])
+    return replace(scene, tables=scene.tables._replace(lights=lights), small_view=None)
+
+
 def untrained(scene: CompiledScene) -> CompiledScene:
     """A scene with a guide that is never asked: it has the kernels of a trained one."""
-    frame = _framed(_EVERYWHERE, np.ones((1, 1), np.float32), scene.size)
+    frame = framed(EVERYWHERE, np.ones((1, 1), np.float32), scene.size)
     return with_guide(scene, Tree.new().guide(frame))
 
 
@@ -125,16 +107,13 @@ def trained(
     Returns
     -------
     CompiledScene
-        With the guide.
+        With the guide, or without one where it would not pay and the scene leaves the choice.
     Training
     """
-    trainer = _Trainer(scene, threads)
-    guide = trainer.train(seed, rounds)
+    trainer = Trainer(untrained(scene), threads)
+    guide = trainer.train(seed, rounds, choose=scene.integrator.guide_must_pay)
     arrays = [table.array for table in guide]
     digest = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
-    # Trained in another picture: the film has other pixels.
-    film = _framed(guide.box.array, guide.picture.shaped, scene.size)
-    guide = guide._replace(blocks=View(film.blocks))
     took = Training(
         cpu_seconds=sum(trainer.seconds),
         paths=trainer.paths,
@@ -143,251 +122,12 @@ def trained(
         leaves=guide.roots.size,
         nodes=len(guide.nodes.shaped),
         bytes=sum(array.nbytes for array in arrays),
-        hash=digest[:16],
+        gain=trainer.gain,
+        used=trainer.pays,
+        hash=digest[:16] if trainer.pays else "none",
     )
-    return with_guide(scene, guide), took
-
-
-@dataclass
-class _Round:
-    """What a round has found so far; `squares` are sums of squared luminances of pixels."""
-
-    totals: Totals
-    squares: NDArray[np.float64]
-    low: NDArray[np.float32]
-    high: NDArray[np.float32]
-
-
-class _Trainer:
-    """The rounds of one training."""
-
-    def __init__(self, scene: CompiledScene, threads: int) -> None:
-        assert scene.small_view is not None
-        self.scene, self.threads, self.size = scene, threads, scene.small_view.size
-        self.tables = scene.tables._replace(camera=scene.small_view.camera)
-        self.tiles = tiles_of((0, 0, *self.size), SMALL)
-        program = untrained(scene).program._replace(aovs=())
-        self.kernel = instantiate(render_tile_kernel, program)
-        self.add = instantiate(add_records)
-        self.local = threading.local()
-        self.unit = self.light_unit = 0.0
-        self.emits = isinstance(scene.tables.lights, EmittingLights)
-        if self.emits:
-            self.light_kernel = instantiate(record_light_paths, program)
-            self.add_light = instantiate(add_arrivals)
-        # Threads append, which loses nothing.
-        self.seconds: list[float] = []
-        self.paths = self.vertices = self.arrivals = 0
-
-    def train(self, seed: int, rounds: int) -> Guide:
-        """Run all rounds."""
-        began = time.thread_time()
-        tree = Tree.new()
-        frame = _framed(_EVERYWHERE, np.ones((1, 1), np.float32), self.size)
-        with ThreadPoolExecutor(self.threads) as pool:
-            for number in range(rounds):
-                settings = make_settings(
-                    self.scene.integrator,
-                    seed=seed_of_round(seed, TRAINING + number),
-                    replicates=1,
-                    guide=tree.guide(frame),
-                )
-                assert isinstance(settings, GuidedSettings)
-                found = self._round(pool, tree, settings, 2**number)
-                # The bounds stay: later rounds divide what the first has bounded.
-                box = frame.box if number else _box(found)
-                picture = _blocks(found.squares / 2**number)
-                frame = _framed(box, picture, self.size)
-                if self.emits:
-                    self._light_round(pool, tree.guide(frame), found.totals, seed, number)
-                tree.learn(found.totals, self.unit, asked=number > 0)
-                if number == FOCUS_ROUND:
-                    tree = tree.focused(found.totals, box)
-                if number + 1 < rounds:
-                    tree = tree.grown(found.totals.leaves.shaped[:, 0], MOST_NODES)
-        self.seconds.append(time.thread_time() - began)
-        return tree.guide(frame)
-
-    def _round(
-        self, pool: ThreadPoolExecutor, tree: Tree, settings: GuidedSettings, samples: int
-    ) -> _Round:
-        found = _Round(
-            tree.empty_totals(),
-            np.zeros(self.size[::-1]),
-            np.full(3, np.inf, np.float32),
-            np.full(3, -np.inf, np.float32),
-        )
-        densities = tree.densities()
-        for first in range(0, samples, AT_ONCE):
-            count = min(AT_ONCE, samples - first)
-            logs = list(
-                pool.map(lambda tile: self._tile(settings, tile, first, count), self.tiles)  # noqa: B023
-            )
-            if self.unit == 0.0:
-                self.unit = _typical_gain(logs)
-            shares = [logs[i :: self.threads] for i in range(self.threads)]
-            for totals in pool.map(
-                lambda part: self._sums(settings.guide, densities, tree, part), shares
-            ):
-                found.totals.cells.array[:] += totals.cells.array
-                found.totals.leaves.array[:] += totals.leaves.array
-                found.totals.middles.array[:] += totals.middles.array
-            for tile, log in zip(self.tiles, logs, strict=True):
-                _look(found, tile, log)
-                self.paths += log.ends.size
-                self.vertices += int(log.count.array[0])
-        return found
-
-    def _tile(self, settings: GuidedSettings, tile: Tile, first: int, count: int) -> Log:
-        """Render samples of a tile, and keep what their paths met."""
-        began = time.thread_time()
-        samples = _pixels(tile) * count
-        window = [tile.x0, tile.y0, tile.x1 - tile.x0, first, count, settings.replicates]
-        if not hasattr(self.local, "scratch"):
-            self.local.scratch = Scratch()
-
-        def run(rows: View, counted: View) -> Log:
-            ends = View(np.zeros(samples, np.float32))
-            log = Log(rows, counted, ends, View(np.array(window, np.uint32)))
-            film = self.local.scratch.film(settings, tile, False)
-            ranges = _ranges(tile, first, count)
-            self.kernel(self.tables, settings._replace(log=log), tile, ranges, film)
-            return log
-
-        log = _logged(run, samples, RECORD)
-        self.seconds.append(time.thread_time() - began)
-        return log
-
-    def _light_round(
-        self, pool: ThreadPoolExecutor, guide: Guide, totals: Totals, seed: int, number: int
-    ) -> None:
-        """Trace light paths, as many as the round has camera paths, and add where they arrive."""
-        settings = make_settings(
-            self.scene.integrator, seed=seed_of_round(seed, LIGHT_TRAINING + number), replicates=1
-        )
-        for first in range(0, 2**number, AT_ONCE):
-            count = min(AT_ONCE, 2**number - first)
-            logs = list(
-                pool.map(lambda tile: self._light_tile(settings, tile, first, count), self.tiles)  # noqa: B023
-            )
-            if self.light_unit == 0.0:
-                self.light_unit = _typical([log.rows.shaped[:, 6] for log in logs])
-            shares = [logs[i :: self.threads] for i in range(self.threads)]
-            for part in pool.map(lambda part: self._light_sums(guide, totals, part), shares):
-                totals.lit.array[:] += part.lit.array
-                totals.near.array[:] += part.near.array
-            self.arrivals += sum(int(log.count.array[0]) for log in logs)
-
-    def _light_tile(self, settings: Settings, tile: Tile, first: int, count: int) -> LightLog:
-        began = time.thread_time()
-
-        def run(rows: View, counted: View) -> LightLog:
-            log = LightLog(rows, counted)
-            self.light_kernel(self.tables, settings, tile, _ranges(tile, first, count), log)
-            return log
-
-        log = _logged(run, _pixels(tile) * count, LIGHT_RECORD)
-        self.seconds.append(time.thread_time() - began)
-        return log
-
-    def _light_sums(self, guide: Guide, totals: Totals, logs: Sequence[LightLog]) -> Totals:
-        began = time.thread_time()
-        mine = totals._replace(lit=_zeros_like(totals.lit), near=_zeros_like(totals.near))
-        for log in logs:
-            if log.rows.size:
-                self.add_light(guide, log, mine, np.float32(self.light_unit))
-        self.seconds.append(time.thread_time() - began)
-        return mine
-
-    def _sums(self, guide: Guide, densities: View, tree: Tree, logs: Sequence[Log]) -> Totals:
-        began = time.thread_time()
-        totals = tree.empty_totals()
-        for log in logs:
-            if log.rows.size:
-                self.add(guide, densities, log, totals, np.float32(self.unit or 1.0))
-        self.seconds.append(time.thread_time() - began)
-        return totals
-
-
-def _look(found: _Round, tile: Tile, log: Log) -> None:
-    """Add a tile's pixels to the squares, and its vertices to the bounds."""
-    ends = log.ends.array.reshape(tile.y1 - tile.y0, tile.x1 - tile.x0, -1).astype(np.float64)
-    found.squares[tile.y0 : tile.y1, tile.x0 : tile.x1] += (ends**2).sum(2)
-    p = log.rows.shaped[:, :3]
-    if len(p):
-        found.low, found.high = np.minimum(found.low, p.min(0)), np.maximum(found.high, p.max(0))
-
-
-def _box(found: _Round) -> NDArray[np.float32]:
-    """`Guide.box` around all vertices of a round."""
-    if not (found.low <= found.high).all():
-        return _EVERYWHERE
-    extent = found.high - found.low
-    # Light paths meet the same surfaces, at points that are rounded otherwise.
-    margin = max(float(extent.max()) * MARGIN, 1e-30)
-    return np.concatenate([found.low - margin, 1.0 / (extent + 2.0 * margin)]).astype(np.float32)
-
-
-def _blocks(squares: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Root mean square of blocks of pixels, none of them dark."""
-    height, width = squares.shape
-    rows, columns = -(-height // BLOCK), -(-width // BLOCK)
-    padded = np.pad(squares, ((0, rows * BLOCK - height), (0, columns * BLOCK - width)), "edge")
-    means = padded.reshape(rows, BLOCK, columns, BLOCK).mean((1, 3))
-    # Never 0: then no path is worth following, and none is ended.
-    least = max(DARKEST * float(np.median(means)), DARKEST**2 * float(means.max()), 1e-30)
-    return np.sqrt(np.maximum(means, least)).astype(np.float32)
-
-
-def _framed(box: NDArray, picture: NDArray, size: tuple[int, int]) -> Frame:
-    """A frame for films of this size."""
-    rows, columns = picture.shape
-    scale = np.array([columns / size[0], rows / size[1]], np.float32)
-    return Frame(box, picture, np.array([columns, *scale.view(np.uint32)], np.uint32))
-
-
-def _typical_gain(logs: Sequence[Log]) -> float:
-    """As `_typical`, of what vertices gain."""
-    gains: list[Any] = []
-    for log in logs:
-        rows = log.rows.shaped
-        end = log.ends.array[rows[:, 11].copy().view(np.uint32)]
-        with np.errstate(all="ignore"):
-            gains.append(rows[:, 8] * (end - rows[:, 10]) / rows[:, 9])
-    return _typical(gains)
-
-
-def _typical(parts: Sequence[NDArray[np.float32]]) -> float:
-    """A power of two near the median of all positive values; 0 if there are none."""
-    values = np.concatenate(parts)
-    values = values[np.isfinite(values) & (values > 0.0)]
-    return float(2.0 ** np.floor(np.log2(np.median(values)))) if len(values) else 0.0
-
-
-def _zeros_like(table: View) -> View:
-    return View(np.zeros_like(table.shaped))
-
-
-def _pixels(tile: Tile) -> int:
-    return (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
-
-
-def _ranges(tile: Tile, first: int, count: int) -> View:
-    """The same samples of all pixels of a tile, as `render_tile_kernel` takes them."""
-    rows = -(-tile.y1 // CELL_SIZE) - tile.y0 // CELL_SIZE
-    columns = -(-tile.x1 // CELL_SIZE) - tile.x0 // CELL_SIZE
-    return View(np.tile(np.array([first, count], np.int64), (rows, columns, 1)))
-
-
-def _logged(run: Callable[[View, View], L], paths: int, size: int) -> L:
-    """What a kernel logs of so many paths; again, with more room, if it did not fit.
-
-    A log without room would depend on which paths came first, and so on the packets' width.
-    """
-    room = paths * DEPTH
-    while True:
-        log = run(View(np.zeros((room, size), np.float32)), View(np.zeros(2, np.int64)))
-        found, lost = log.count.array
-        if not lost:
-            return log._replace(rows=View(log.rows.shaped[:found].copy()))
-        room = int(found + lost)
+    if not trainer.pays:
+        return without_guide(scene), took
+    # Trained in another picture: the film has other pixels.
+    film = framed(guide.box.array, guide.picture.shaped, scene.size)
+    return with_guide(scene, guide._replace(blocks=View(film.blocks))), took

@@ -13,7 +13,7 @@ from alight.guiding.records import CHOICES, LEAF_SUMS, MOST, UNITS, add_records
 from alight.guiding.tables import LEAF_ROW, RECORD, Frame, Log
 from alight.integrators.guided import pixel_luminance
 from alight.laws.statistics import LARGEST_Z
-from alight.rendering import training
+from alight.rendering import trainer, training
 from alight.samplers.state import SamplerState
 from alight.scene import flatten
 from lanewise.jit import instantiate
@@ -140,12 +140,14 @@ def logs():
                 count = int(log.count.array[0])
                 rows = log.rows.shaped.reshape(-1, RECORD)[:count].astype(float)
                 number = log.rows.shaped.reshape(-1, RECORD)[:count, 11].copy().view(np.uint32)
-                found.append((guide, rows, number, log.ends.array.copy(), log.window.array.copy()))
+                if count:
+                    ends, window = log.ends.array.copy(), log.window.array.copy()
+                    found.append((guide, rows, number, ends, window))
                 made(guide, densities, log, totals, unit)
 
             return add
 
-        patch.setattr(training, "instantiate", watched)
+        patch.setattr(trainer, "instantiate", watched)
         scene = compile_scene(flatten(loads(FURNACE, "furnace.yaml")))
         guided, report = training.trained(scene, seed=5, threads=1, rounds=ROUNDS)
     assert sum(len(rows) for _, rows, *_ in found) == report.vertices

@@ -10,7 +10,8 @@ from alight.guiding.light_records import add_arrivals
 from alight.guiding.lookup import leaf_at
 from alight.guiding.tables import LIGHT_RECORD, LightLog
 from alight.integrators.walk import make_settings
-from alight.rendering.training import _Trainer
+from alight.rendering.trainer import Trainer
+from alight.rendering.training import untrained
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from lanewise.view import View
@@ -49,7 +50,7 @@ LAMP = """
 def arrivals(light, *, sampling="mis", wall="diffuse", depth=4, samples=16):
     """Rows of a log, and the number of paths."""
     text = MIRROR.format(light=light, sampling=sampling, wall=wall, depth=depth)
-    trainer = _Trainer(compile_scene(flatten(loads(text, "mirror.yaml"))), 1)
+    trainer = Trainer(untrained(compile_scene(flatten(loads(text, "mirror.yaml")))), 1)
     settings = make_settings(trainer.scene.integrator, seed=5, replicates=1)
     logs = [trainer._light_tile(settings, tile, 0, samples) for tile in trainer.tiles]
     rows = np.concatenate([log.rows.shaped for log in logs]).astype(np.float64)

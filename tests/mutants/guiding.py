@@ -4,6 +4,7 @@ from tests.mutants.mutant import Mutant
 
 TREE = "tests/guiding/test_tree.py"
 LAWS = "tests/guiding/test_laws_of_training.py"
+GAIN = "tests/guiding/test_gain.py"
 LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
 SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
@@ -68,18 +69,18 @@ GUIDING = (
     ),
     Mutant(
         "training that looks up the pixels of the film",
-        "rendering/training.py",
+        "rendering/trainer.py",
         (
             (
-                "frame = _framed(box, picture, self.size)",
-                "frame = _framed(box, picture, self.scene.size)",
+                "frame = framed(box, picture, self.size)",
+                "frame = framed(box, picture, self.scene.size)",
             ),
         ),
         f"{RENDERS}::test_a_guide_is_the_same_for_any_threads_and_film_size",
     ),
     Mutant(
         "training with the picture's random numbers of a thread",
-        "rendering/training.py",
+        "rendering/trainer.py",
         (
             (
                 "seed=seed_of_round(seed, TRAINING + number)",
@@ -171,5 +172,23 @@ GUIDING = (
             ),
         ),
         f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
+    ),
+    Mutant(
+        "a product of densities that is one vertex too long",
+        "guiding/gain.py",
+        (("earlier = np.cumsum(ratio) - ratio", "earlier = np.cumsum(ratio)"),),
+        f"{GAIN}::test_the_second_moment_without_a_guide_is_exact",
+    ),
+    Mutant(
+        "a guide that is used whatever it is worth",
+        "rendering/trainer.py",
+        (("not choose or self.gain >= least", "True"),),
+        f"{GAIN}::test_a_guide_that_does_not_pay_is_left_out",
+    ),
+    Mutant(
+        "paths that nothing is known of never end",
+        "integrators/path.py",
+        (("if any_lane(active & unlearnt):", "if any_lane(active & unlearnt & ~unlearnt):"),),
+        f"{GAIN}::test_a_guide_that_knows_nothing_changes_nothing",
     ),
 )
