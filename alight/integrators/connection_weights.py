@@ -29,7 +29,8 @@ the distance d,
     \mathrm{far}' = \frac{c}{p\, c'} \bigl(\mathrm{near} \oplus q\, \mathrm{far}\bigr).
 
 A vertex with a lobe of Dirac can be joined to nothing: its near' is 0, and p and q cancel. Roots
-instead of powers keep float32 from overflowing.
+instead of powers keep float32 from overflowing, but for edges that run along a surface without
+bounds: all quotients end at `LARGEST`, since infinity times a density of 0 would be no number.
 
 Source: Veach 1997, Robust Monte Carlo methods for light transport simulation, chapter 10; Georgiev,
 Implementing vertex connection and merging, 2012 (dVCM and dVC are `near` and `far`); van
@@ -41,7 +42,10 @@ from __future__ import annotations
 from collections import namedtuple
 
 from lanewise.jit import kernel, specialised
-from lanewise.simd import sqrt, where
+from lanewise.simd import minimum, sqrt, where
+
+#: Of edges a million kilometres long; its square is a float32.
+LARGEST = 1e18
 
 #: What one end of a path carries along; see above.
 Techniques = namedtuple("Techniques", "near far")
@@ -83,7 +87,7 @@ def weight_beside(program):
 def techniques_at(techniques, distance, per_cos):
     """At the end of a ray, which meets a surface; per_cos: one over its cosine."""
     near = techniques.near * (distance * distance * per_cos)
-    return Techniques(near, techniques.far * per_cos)
+    return Techniques(minimum(near, LARGEST), minimum(techniques.far * per_cos, LARGEST))
 
 
 @kernel
@@ -101,11 +105,11 @@ def techniques_beyond(techniques, cosine, pdf, reverse, delta):
         It was chosen by a lobe of Dirac.
     """
     per_pdf = 1.0 / pdf
-    far = (cosine * per_pdf) * all_behind(techniques, reverse)
+    far = minimum((cosine * per_pdf) * all_behind(techniques, reverse), LARGEST)
     return Techniques(where(delta, 0.0, per_pdf), where(delta, cosine * techniques.far, far))
 
 
 @kernel
 def all_behind(techniques, reverse):
     """Quotient of all techniques behind a vertex, but for its own density from the other side."""
-    return together(techniques.near, reverse * techniques.far)
+    return minimum(together(techniques.near, reverse * techniques.far), LARGEST)

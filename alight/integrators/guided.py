@@ -15,6 +15,7 @@ Source: Müller, Gross and Novák, Practical path guiding, EGSR 2017.
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
 
 from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
@@ -61,7 +62,7 @@ GUIDE = 8
 #: The guide at a vertex: `Place`, and the numbers of its leaf (`alight.guiding.tables`); `NOWHERE`
 #: without one.
 Here = namedtuple("Here", "place share gain")
-NOWHERE = ()
+NOWHERE: Any = ()
 
 
 def is_guided(program) -> bool:

@@ -6,7 +6,7 @@ from alight.core.distributions import sample_discrete
 from alight.lights.tables import INFO, STRIDE
 from alight.lights.tree import Choice, choose_by_tree, plain_probability
 from lanewise.jit import kernel, specialised
-from lanewise.simd import gather, lanes, where
+from lanewise.simd import as_int, as_uint, gather, horizontal_max, lanes, to_float, where
 
 
 @specialised
@@ -86,3 +86,14 @@ def lit_normal(program):
         return where(wo.z < 0.0, -ns, ns)
 
     return of_the_viewer
+
+
+@kernel
+def of_one_kind(mine, index):
+    """Rows of lights that are all of one kind, that of the rows in the lanes of `mine`.
+
+    Rows of other kinds say other things (where a map begins, not which shape shines), and would
+    lead out of the tables: those lanes ask about one of these lights too.
+    """
+    some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
+    return where(mine, index, some)

@@ -17,6 +17,7 @@ from alight.core.motion import direction_at_rest, inverse_rows, matrix_at, place
 from alight.core.switch import is_one_of
 from alight.core.vec import dot, gather_vec3, normalize
 from alight.lights.ball import middle_of
+from alight.lights.choice import of_one_kind
 from alight.lights.environment_emission import (
     arriving_pdf,
     emit_from_environment,
@@ -32,16 +33,12 @@ from lanewise.jit import kernel, specialised
 from lanewise.records import replace
 from lanewise.simd import (
     any_lane,
-    as_int,
-    as_uint,
     gather,
-    horizontal_max,
     lanes,
     lanes_mask,
     lanes_u32,
     lanes_vec3,
     maximum,
-    to_float,
     where,
 )
 
@@ -135,9 +132,7 @@ def _if_mine(own, number: int, others):
         result = others(scene, index, u, u2, v2)
         mine = gather(scene.lights.info, index * INFO) == number
         if any_lane(mine):
-            # Other lanes ask about a light of this kind too, see `alight.lights.sampling`.
-            some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
-            result = where(mine, own(scene, where(mine, index, some), u, u2, v2), result)
+            result = where(mine, own(scene, of_one_kind(mine, index), u, u2, v2), result)
         return result
 
     return choose
@@ -268,8 +263,7 @@ def emission_towards(program):
         mine = is_on_shape(lanes_u32(0) + gather(scene.lights.info, index * INFO))
         count = scene.lights.info.size // INFO
         _, choice, rest = sample_discrete(scene.lights.emission, CHOICE, count, u)
-        some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
-        inside = where(mine, index, some)
+        inside = of_one_kind(mine, index)
         surface, pdf = place_on_shape(scene, inside, rest, u2)
         w = normalize(q - surface.p)
         cosine = maximum(dot(surface.ng, w), 0.0)
@@ -303,8 +297,7 @@ def _pdf_if_mine(own, number: int, others):
         result = others(scene, index, n, d)
         mine = gather(scene.lights.info, index * INFO) == number
         if any_lane(mine):
-            some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
-            result = where(mine, own(scene, where(mine, index, some), n, d), result)
+            result = where(mine, own(scene, of_one_kind(mine, index), n, d), result)
         return result
 
     return choose

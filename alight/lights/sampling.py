@@ -8,7 +8,7 @@ light, so `sample_light` agrees with `alight.lights.hits.light_pdf` and
 from __future__ import annotations
 
 from alight.core.vec import gather_vec3
-from alight.lights.choice import choose_light
+from alight.lights.choice import choose_light, of_one_kind
 from alight.lights.halves import one_after_another
 from alight.lights.misses import environment_pdf, environment_radiance
 from alight.lights.model import LIGHTS
@@ -19,16 +19,12 @@ from lanewise.jit import kernel, specialised
 from lanewise.records import replace
 from lanewise.simd import (
     any_lane,
-    as_int,
-    as_uint,
     gather,
-    horizontal_max,
     is_finite,
     lanes,
     lanes_mask,
     lanes_u32,
     lanes_vec3,
-    to_float,
     where,
 )
 
@@ -100,10 +96,7 @@ def _by_kind(names: tuple[str, ...]):
         result = others(scene, index, p, u, u2)
         mine = gather(scene.lights.info, index * INFO) == number
         if any_lane(mine):
-            # Rows of other kinds say other things (where a map begins, not which shape shines), and
-            # would lead out of the tables: those lanes ask about a light of this kind too.
-            some = as_uint(as_int(horizontal_max(where(mine, to_float(index), 0.0))))
-            result = where(mine, own(scene, where(mine, index, some), p, u, u2), result)
+            result = where(mine, own(scene, of_one_kind(mine, index), p, u, u2), result)
         return result
 
     return choose

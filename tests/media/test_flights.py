@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
+from alight.media.homogeneous import Homogeneous
 from alight.media.sampling import cross, fly
 from alight.media.tables import CHROMATIC, Segment, Stream
 from alight.scene import flatten
@@ -153,3 +154,21 @@ def test_a_flight_knows_what_the_shadow_ray_of_the_same_numbers_does(bench):
     # Some met nothing, and some several.
     kept = passed[:, 0] / light[:, 0]
     assert (kept == 1.0).any() and (kept < 0.9).any()
+
+
+def test_each_of_several_media_has_its_own_extinction_and_albedo(bench):
+    scene = bodies(0.5)
+    media = {
+        name: Homogeneous(sigma_t=1.0 + i, albedo=(0.9, 0.5, 0.1 + 0.2 * i))
+        for i, name in enumerate(scene.media)
+    }
+    assert len(media) >= 2
+    compiled = compile_scene(flatten(scene.replaced(media=media)), structure="list")
+    run = np.errstate(all="ignore")(instantiate(fly, compiled.program, compiled=False))
+    found = set()
+    for medium in range(1, len(media) + 1):
+        segment, u = bench.arguments(medium, (0.0, 0.0, 0.0), (0.0, 0.6, 0.8), 100.0)
+        flight = run(compiled.tables, segment, u, np.ones(COUNT, bool))
+        mean = float(np.mean(flight.t))
+        found.add((round(1.0 / mean), round(float(np.max(flight.albedo.z)), 3)))
+    assert found == {(1 + i, round(0.1 + 0.2 * i, 3)) for i in range(len(media))}

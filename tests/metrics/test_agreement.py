@@ -51,6 +51,15 @@ def test_the_figures_beside_a_verdict_are_those_of_its_blocks_and_pictures(bias)
         np.testing.assert_allclose(said, np.mean(side.mean, axis=(0, 1), where=both), rtol=1e-6)
 
 
+@pytest.mark.parametrize("scale", [0.0, 0.3, 1.0])
+def test_p_values_are_probabilities(scale):
+    """Also where pictures are closer to each other than chance would bring them."""
+    a, b = measured(1), measured(2)
+    near = Measured(a.mean + scale * (b.mean - a.mean), a.error, a.replicates)
+    for p in compare_measured(a, near, block=8).p_values.values():
+        assert 0.0 <= p <= 1.0
+
+
 def test_false_alarms_are_as_rare_as_promised():
     failed = sum(
         not compare_measured(measured(2 * s + 10), measured(2 * s + 11), block=8).passed

@@ -238,6 +238,13 @@ def test_doubts_about_error_and_brightness_add_up():
     assert low.quantile(0.025) == pytest.approx(0.25 * both.quantile(0.025))
 
 
+@pytest.mark.parametrize("confidence", [0.002, 0.01, 0.5, 0.95])
+def test_an_interval_holds_its_value_however_little_is_asked(confidence):
+    for figure in (Figure(3.0, 1e6, 4, 0.01), Figure(3.0, 1e6, 4, 0.01, 0.25)):
+        found = figure.interval(confidence)
+        assert found.low < found.value < found.high
+
+
 # ------------------------------------------------------------------------- surroundings
 
 

@@ -48,8 +48,8 @@ BOTH_ENDS = (
         "integrators/connection_weights.py",
         (
             (
-                "return Techniques(near, techniques.far * per_cos)",
-                "return Techniques(near, techniques.far)",
+                "minimum(techniques.far * per_cos, LARGEST)",
+                "minimum(techniques.far, LARGEST)",
             ),
         ),
         f"{WEIGHTS}[3-power]",

@@ -2,6 +2,7 @@
 
 #: Name of the mutant, as the campaign prints it: why no test could find it.
 EQUIVALENT: dict[str, str] = {
+    "accel/batch.py occluded_range: 1.0 -> 1.02": "whoever reads it asks whether it is positive",
     "accel/collapse.py assign_columns: 0 -> 1 (6)": (
         "how the levels of a tree are shared out among nodes, of which any way is right"
     ),
@@ -11,11 +12,17 @@ EQUIVALENT: dict[str, str] = {
     "accel/rays.py box_ray_of: vector_of(rays, ORIGIN, i) -> vector_of(rays, i, ORIGIN)": (
         "the sum of both is where it is read"
     ),
+    "accel/references.py bin_scale: 0.99999 -> 1.0199898": (
+        "`bin_of` keeps to the last bin: how finely a tree is divided, of which any way is right"
+    ),
     "accel/references.py fill_bins: 1 -> 0": (
         "a second guard: the bins' scale is 1e-5 smaller than would reach the bin beyond the last"
     ),
     "bsdfs/burley.py _values: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
         "stands in for directions that are invalid, whose result is thrown away"
+    ),
+    "bsdfs/coated_conductor.py sample: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
+        "stands in for directions from below, whose result is thrown away"
     ),
     "bsdfs/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; the quotient is thrown away"
@@ -23,16 +30,26 @@ EQUIVALENT: dict[str, str] = {
     "bsdfs/dispatch.py _layer: 0 -> 1 (7)": (
         "idle lanes read the second word of the table; what they find is thrown away"
     ),
+    "bsdfs/phong.py _chance_of_lobe: 1.0 -> 1.02": (
+        "divides 0 by something other than 0; the quotient is thrown away"
+    ),
     (
         "bsdfs/principled_lobes.py _chance_of_reflection.chance: where(view.side.inside, "
         "params.transmission, 1.0) * rest -> (rest)"
     ): "how often facets are reflected from inside; the estimate divides by this very chance",
+    "bsdfs/relief.py _frame: n.x -> n.y": "0 times the one or the other, for its lanes",
     (
         "core/distributions.py pmf_cell: pmf_discrete(cdf, offset + row * (columns + 1), column) "
         "-> pmf_discrete(cdf, column, offset + row * (columns + 1))"
     ): "the sum of both is where it is read",
+    "core/fresnel.py fresnel_dielectric: 1.0 -> 1.02 (4)": (
+        "divides something other than 0 by it, or is cut to 1 where light grazes"
+    ),
     "core/maths.py arctan2: 1.0 -> 1.02": (
         "divides 0 by something other than 0; the quotient is thrown away"
+    ),
+    "core/microfacet.py _halley_step: 0.5 * step -> (step)": (
+        "a step of Newton's instead, which ends within the error that is promised"
     ),
     "core/motion.py turn_at: k + BEGIN -> ((k) - (BEGIN))": (
         "BEGIN is 0: the first number of its row"
@@ -66,6 +83,9 @@ EQUIVALENT: dict[str, str] = {
     "lights/projector.py brightness_of: 1e-6 -> 1.02e-06": (
         "points within a millionth of the projector's own plane, which its picture never reaches"
     ),
+    "media/sampling.py _kind: medium * INFO + KIND -> ((medium * INFO) - (KIND))": (
+        "KIND is 0: the first number of its row"
+    ),
     "media/tables.py pick.the_first: v.x -> v.y": "chosen where all three channels are alike",
     "media/voxels.py color_at: 0 -> 1 (3)": (
         "idle lanes look up the first medium in place of none; nobody reads what they find"
@@ -85,6 +105,9 @@ EQUIVALENT: dict[str, str] = {
     ): (
         "the larger of two numbers, of which the first is above 0 wherever the fraction is "
         "evaluated"
+    ),
+    "metrics/statistics.py _beta_fraction: c * d - 1.0 -> ((c * d) + (1.0))": (
+        "goes on to its last term; the factors after convergence are 1"
     ),
     "metrics/statistics.py f_quantile: max(1.0, abs(low)) -> min(1.0, abs(low))": (
         "halves the interval a few more times"
@@ -111,9 +134,16 @@ EQUIVALENT: dict[str, str] = {
         "-> (((i ^ key) * ((key >> 15) | 1)) - (key >> 8))"
     ): "another bijection, as random as this one",
     (
+        "samplers/stratified.py make_kernels.get_1d: hash_1(a, b, dimension) -> hash_1(a, "
+        "dimension, b)"
+    ): "another order of the words of a hash, as random",
+    (
         "samplers/stratified.py make_kernels.get_1d: sample_keys(a, b, state.index) -> "
         "sample_keys(b, a, state.index)"
     ): "other keys of the hash, as random as these",
+    "shapes/cylinder.py sample: 1.0 -> 1.02 (3)": (
+        "a bound of an error, larger than it must be by 2 % more"
+    ),
     (
         "shapes/cylinder.py sample: _GAMMA_12 * dot(absolute_vec3(gather_vec3(data, k)), "
         "lanes_vec3(1.0)) -> (_GAMMA_12)"
@@ -125,6 +155,12 @@ EQUIVALENT: dict[str, str] = {
         "shapes/mesh.py triangle_error: larger(absolute_vec3(v1 - v0), absolute_vec3(v2 - v0)) -> "
         "larger(absolute_vec3(v2 - v0), absolute_vec3(v1 - v0))"
     ): "the larger of two is that of the two exchanged",
+    "shapes/quadric.py excess: two_sum(xx, -rr) -> two_sum(-rr, xx)": (
+        "the sum of two and its exact error, in either order"
+    ),
+    "shapes/sphere.py pdf: q * (1.0 / sqrt(length_squared(q))) -> (q)": (
+        "the point of a hit is on the unit sphere but for rounding"
+    ),
     "shapes/sphere.py sample: 1.0 -> 1.02 (5)": (
         "a bound of an error, larger than it must be by 2 % more"
     ),

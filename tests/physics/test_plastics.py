@@ -5,11 +5,13 @@ import pytest
 from scipy import special
 
 from alight.bsdfs.coating import STEPS, coat_row, diffuse_reflectance
+from alight.bsdfs.dispatch import albedo_bsdf
 from alight.bsdfs.flags import DELTA
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.rough_plastic import RoughPlastic
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.constant import Constant
+from lanewise.jit import instantiate
 from tests.sampling.materials import Material, direction, unit_interval
 from tests.sampling.statistics import unit_vectors
 
@@ -174,3 +176,14 @@ def test_textured_roughness_gives_what_a_number_gives(alpha, tolerance):
     np.testing.assert_allclose(constant, number, rtol=1e-5)
     # Rows of the table stand at (i / 32)^2; between them it is interpolated.
     np.testing.assert_allclose(textured, number, rtol=2e-6, atol=tolerance)
+
+
+def test_what_plastic_reflects_at_right_angles_has_a_closed_form():
+    eta, tint = 1.8, np.array(TINT)
+    material = Material(
+        Plastic(int_ior=eta, ext_ior=1.0, diffuse_reflectance=0.0, specular_reflectance=TINT)
+    )
+    albedo = instantiate(albedo_bsdf, material.program, compiled=False)
+    found = albedo(material.scene, material.surface(1), np.ones(1, bool))
+    mirrored = ((eta - 1.0) / (eta + 1.0)) ** 2
+    np.testing.assert_allclose(np.ravel([found.x, found.y, found.z]), tint * mirrored, rtol=1e-4)

@@ -258,3 +258,20 @@ def test_eon_loses_nothing(roughness):
     for cosine in (1.0, 0.5, 0.1):
         mean, error = power(Eon(reflectance=1.0, roughness=roughness), cosine)
         assert abs(mean - 1.0) < 4.0 * error + 1e-6
+
+
+def seen_from_above(**fields):
+    """f cos of what is black inside, looked at and lit along the normal."""
+    spec = Principled(base_color=0.0, roughness=0.4, **fields)
+    return Material(spec).evaluate(direction(1.0), direction(1.0))[0][:, 0].astype(float)
+
+
+def test_plastic_is_tinted_channel_by_channel():
+    tint = np.array([1.0, 0.6, 0.2])
+    found = seen_from_above(specular_color=tuple(tint))
+    np.testing.assert_allclose(found, tint * seen_from_above(), rtol=1e-4)
+    # A film that is too thin to interfere shows what is below it.
+    film = {"iridescence": 1.0, "iridescence_thickness": 0.0}
+    np.testing.assert_allclose(seen_from_above(**film), seen_from_above(), rtol=1e-2)
+    strong = seen_from_above(ior=2.5, specular_color=(1.0, 0.5, 0.25))
+    np.testing.assert_allclose(strong / strong[0], [1.0, 0.5, 0.25], rtol=1e-4)

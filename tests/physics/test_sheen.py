@@ -57,3 +57,11 @@ def test_the_lobe_is_its_formula_and_its_table_holds_its_integral(roughness):
         told = float(albedo(rows, np.float32(cosine)))
         # The table is interpolated between 48 cosines, which is coarse where the lobe is a line.
         assert integral == pytest.approx(told, abs=2e-3)
+
+
+@pytest.mark.parametrize("roughness", [0.15, 0.6])
+def test_at_the_cosines_of_the_table_the_albedo_is_what_stands_there(roughness):
+    albedo = instantiate(sheen_albedo, Program(), compiled=False)
+    cosines = (np.arange(STEPS) / (STEPS - 1.0)) ** 2
+    found = albedo(rows_of(roughness), cosines.astype(np.float32))
+    np.testing.assert_allclose(found, sheen_rows(roughness)[:STEPS], rtol=1e-4)

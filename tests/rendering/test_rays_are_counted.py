@@ -1,11 +1,17 @@
 """How many rays a picture took, where that follows from the scene."""
 
+import numpy as np
 import pytest
 
 import alight
+from alight.compiled.scene import compile_scene
 from alight.formats import loads
+from alight.integrators.walk import make_settings
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.scene import flatten
 
-SIDE, SPP = 16, 4
+SIDE, SPP = 8, 4
 
 #: A grey room without windows, lit by a point in its middle.
 ROOM = f"""
@@ -47,8 +53,21 @@ CASES = {
 }  # fmt: skip
 
 
+def scene_of(name):
+    """The room with its integrator."""
+    text, integrator, _ = CASES[name]
+    return loads(f"{text}integrator: {integrator}\n", "room.yaml")
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_rays_are_as_many_as_the_edges_of_the_paths(name):
-    text, integrator, expected = CASES[name]
-    film = alight.render(loads(f"{text}integrator: {integrator}\n", "room.yaml"), spp=SPP)
-    assert film.stats["rays"] == expected * SPP * SIDE * SIDE
+    scene = compile_scene(flatten(scene_of(name)), structure="list")
+    settings = make_settings(scene.integrator, seed=0, replicates=SPP)
+    kernels, ranges = make_kernels(scene, compiled=False), np.array([[[0, SPP]]])
+    _, rays = render_tile(kernels, scene, settings, Tile(0, 0, SIDE, SIDE), ranges)
+    assert rays == CASES[name][2] * SPP * SIDE * SIDE
+
+
+def test_a_film_has_the_rays_of_all_tiles_and_passes():
+    film = alight.render(scene_of("occlusion"), spp=SPP, spp_per_pass=1)
+    assert film.stats["rays"] == CASES["occlusion"][2] * SPP * SIDE * SIDE
