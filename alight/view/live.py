@@ -23,8 +23,8 @@ from alight.core.errors import AlightError
 from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.outputs.picture import as_picture
-from alight.rendering.job import Job
 from alight.rendering.executors import Threads
+from alight.rendering.job import Job
 from alight.rendering.main_loop import REPORT_EVERY, render_passes
 from alight.rendering.passes import Pace
 from alight.scene import Scene
@@ -282,9 +282,7 @@ class LiveScene:
         try:
             with Threads() as threads:
                 threads.begin(job)
-                render_passes(
-                    job, threads, Pace(self.movable.options.spp_per_pass), cancel, report
-                )
+                render_passes(job, threads, Pace(self.movable.options.spp_per_pass), cancel, report)
         finally:
             job.stop_clock()
         if not cancel.is_set():
