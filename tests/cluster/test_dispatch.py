@@ -126,12 +126,17 @@ def test_a_worker_of_another_fingerprint_is_refused(client, monkeypatch):
     told = []
     # Dask and uvicorn configure logging as they like.
     monkeypatch.setattr(dispatch._LOG, "warning", lambda text, *values: told.append(text % values))
-    client.wait_for_workers(2, timeout=20)
-    one, _ = client.nthreads()
-    client.run(jobs.become_another_machine, workers=[one])
     try:
-        found, dispatcher = answers_of(client, jobs.multiplied, 2, 20)
-        assert found == {n: 2 * n for n in range(20)}
+        # Dask decides where tasks run, and may give a worker none of so few.
+        for _ in range(10):
+            client.run(jobs.become_this_machine)
+            client.wait_for_workers(2, timeout=20)
+            one, _ = client.nthreads()
+            client.run(jobs.become_another_machine, workers=[one])
+            found, dispatcher = answers_of(client, jobs.multiplied, 2, 40)
+            assert found == {n: 2 * n for n in range(40)}
+            if dispatcher.refused:
+                break
         assert set(dispatcher.refused) == {one}
         assert set(dispatcher.workers).isdisjoint({one})
         assert any(f"the worker {one} is refused" in line for line in told)
