@@ -31,6 +31,7 @@ _PUBLIC = {
     "check": "alight.laws.scene",
     "compare": "alight.lab.compare",
     "denoise": "alight.films.denoising",
+    "guide": "alight.lab.guide",
     "info": "alight.lab.info",
     "merge": "alight.rendering",
     "plan": "alight.rendering.plan",
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
     from alight.films.denoising import denoise
     from alight.formats import load, save
     from alight.lab.compare import compare
+    from alight.lab.guide import guide
     from alight.lab.info import info
     from alight.lab.report.outcome import study
     from alight.lab.why import why
@@ -92,6 +94,7 @@ __all__ = [
     "check_laws",
     "compare",
     "denoise",
+    "guide",
     "info",
     "load",
     "merge",

@@ -15,6 +15,7 @@ from alight.cli.check import MutantCommand, check
 from alight.cli.compare import compare
 from alight.cli.convert import convert
 from alight.cli.doctor import doctor
+from alight.cli.guide import guide
 from alight.cli.info import info
 from alight.cli.merge import merge
 from alight.cli.plan import plan
@@ -54,6 +55,7 @@ for command in (
     compare,
     doctor,
     why,
+    guide,
     view,
 ):
     app.command()(reporting_errors(command))

@@ -23,11 +23,11 @@ def why(
     """Explain a picture's noise by path depth, technique, light and first material."""
     import alight
     from alight.cli.reporting import warn
-    from alight.lab.why.maps import check_maps
+    from alight.lab.panels import check_sheet
     from alight.options.loading import scene_of
 
     target = options.output or Path(f"{Path(scene).stem}.why.png")
-    check_maps(target)
+    check_sheet(target)
     description = scene_of(scene, options)
     for warning in description.warnings:
         warn(warning)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 from collections.abc import Callable
 from typing import Annotated, Any, get_args
 
@@ -14,6 +15,7 @@ from alight.options.kinds import Switch
 from alight.options.table import Option, Options
 
 SceneName = Annotated[str, typer.Argument(help="Scene file, or a name that `alight scenes` lists.")]
+Pixel = Annotated[str, typer.Option(metavar="X,Y", help="Pixel of the film, from the top left.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")]
 
 DEFAULT_SCENE = "cornell-box"
@@ -92,3 +94,19 @@ def _parameter(one: Option) -> inspect.Parameter:
         one.name, inspect.Parameter.KEYWORD_ONLY, default=default,
         annotation=Annotated[kind, settings],
     )  # fmt: skip
+
+
+def parse_pixel(text: str) -> tuple[int, int]:
+    """Read ``x,y``; minus signs are left for the check against the film.
+
+    Examples
+    --------
+    >>> parse_pixel("12, 7")
+    (12, 7)
+    """
+    from alight.core.errors import OptionError, quote
+
+    found = re.fullmatch(r"(-?\d{1,9}),(-?\d{1,9})", text.replace(" ", ""))
+    if found is None:
+        raise OptionError(f"must be X,Y in pixels, such as 12,7, got {quote(text)}", "--pixel")
+    return int(found[1]), int(found[2])

@@ -1,4 +1,4 @@
-"""The options of the laboratory: of `info`, `plan`, `check`, `why`, `compare`, `study`, `trace`."""
+"""The options of the laboratory, command by command."""
 
 from __future__ import annotations
 
@@ -157,6 +157,23 @@ class TraceOptions(SizedOptions):
         panel=SCENE,
         default=None,
     )
+
+
+@table
+class GuideOptions(SceneOptions):
+    """Everything that `alight.guide` can be told."""
+
+    output: str | PathLike[str] | None = option(
+        File(), "PNG of the disks.", flag="--output -o",
+        shown="SCENE.guide.png, in Python none", default=None
+    )  # fmt: skip
+    spp: int = option(
+        Whole(2, MOST_SAMPLES), "Samples of the light from each direction, rounded down to even.",
+        default=64,
+    )  # fmt: skip
+    seed: int = _seed()
+    camera: str | int | None = scene.camera()
+    progress: Callable[[str], None] | None = _told()
 
 
 @table

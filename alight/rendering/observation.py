@@ -126,6 +126,18 @@ def lane_of(value: Any, lane: int) -> Any:
     return value
 
 
+def lanes_of(value: Any, n: int) -> Any:
+    """The same value in n lanes of the twin, as kernels take it: the inverse of `lane_of`."""
+    if isinstance(value, tuple):
+        parts = [lanes_of(part, n) for part in value]
+        if hasattr(value, "_fields"):
+            return type(value)(*parts)
+        # Vectors have become triples; what a scene does not have is an empty tuple.
+        return Vec3(*parts) if len(parts) == 3 else tuple(parts)
+    kind = np.bool_ if isinstance(value, bool) else np.uint32 if isinstance(value, int) else None
+    return np.full(n, value, kind or np.float32)
+
+
 # ---------------------------------------------------------------- all triangles at once
 
 

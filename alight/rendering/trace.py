@@ -10,57 +10,18 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Any
 
 import numpy as np
 
-from alight.accel import intersect_closest, is_occluded
-from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
-from alight.compiled.scene import compile_scene
-from alight.compiled.shapes import compile_shapes
-from alight.core.errors import OptionError
 from alight.films.fixed_point import carry, to_float
-from alight.integrators.shadow_rays import come_through
-from alight.integrators.walk import make_settings, step
-from alight.lights.hits import emitted, light_pdf
-from alight.lights.misses import environment_pdf, environment_radiance
-from alight.lights.sampling import sample_light
-from alight.media.sampling import evaluate_phase, fly, sample_phase
 from alight.options.entry import takes
 from alight.options.laboratory import TraceOptions
 from alight.options.loading import scene_of
-from alight.rendering.observation import Event, Observer
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile, add_finished
+from alight.rendering.observation import Event
+from alight.rendering.observed_sample import SurfaceNames, observe_sample, path_of
 from alight.rendering.traced_path import Emission, LightSample, Scattering, Trace, Vertex
-from alight.scene import FlatScene, Scene, flatten
-from alight.shapes.surfaces import make_surface
-
-#: Without a tree every ray tests every triangle: this many take about ten seconds a ray.
-MOST_TRIANGLES = 30_000_000
-
-WATCHED = {
-    "add_finished": add_finished,
-    "come_through": come_through,
-    "emitted": emitted,
-    "environment_pdf": environment_pdf,
-    "environment_radiance": environment_radiance,
-    "evaluate_bsdf": evaluate_bsdf,
-    "evaluate_phase": evaluate_phase,
-    "fly": fly,
-    "intersect_closest": intersect_closest,
-    "is_occluded": is_occluded,
-    "light_pdf": light_pdf,
-    "make_surface": make_surface,
-    "sample_bsdf": sample_bsdf,
-    "sample_light": sample_light,
-    "sample_phase": sample_phase,
-    "step": step,
-}
-
-#: Kernels that integrators write for themselves; any that has functions of these names is shown.
-WEIGHTS = ("bsdf_weight", "light_weight")
+from alight.scene import Scene
 
 
 @takes(TraceOptions)
@@ -88,59 +49,34 @@ def trace(
         For a scene, pixel or number that is wrong.
     """
     scene = scene_of(scene, options)
-    if scene.integrator.splats:
-        alone = " alone" if scene.integrator.transports else ""
-        raise OptionError(f"no path of {scene.integrator.type_name()} starts at a pixel{alone}")
-    x, y = _checked_pixel(pixel, scene.film.size)
-    sample, seed = options.sample, options.seed
-    flat = flatten(scene)
-    _check_triangles(flat)
-    compiled = compile_scene(flat, structure="list")
-    observer = Observer(WATCHED, WEIGHTS)
-    kernels = make_kernels(compiled, compiled=False, observe=observer)
-    replicates = flat.film.replicates
-    settings = make_settings(compiled.integrator, seed=seed, replicates=replicates)
-    tile, ranges = Tile(x, y, x + 1, y + 1), np.array([[[sample, 1]]], np.int64)
-    film, rays = render_tile(kernels, compiled, settings, tile, ranges)
-    carry(film.sums)
-    value = to_float(film.sums)[0, 0].sum(axis=0)
-    (finished,) = (event for event in observer.events if event.name == "add_finished")
-    steps = [event for event in observer.events if event.name == "step"]
-    names = _Names(flat)
+    found = observe_sample(scene, pixel, sample=options.sample, seed=options.seed)
+    flat, events = found.flat, found.events
+    carry(found.film.sums)
+    value = to_float(found.film.sums)[0, 0].sum(axis=0)
+    (finished,) = (event for event in events if event.name == "add_finished")
+    steps = found.steps
+    names = SurfaceNames(flat)
     return Trace(
         scene=str(scene.source.name or "scene"),
         integrator=flat.integrator.type_name(),
         sampler=flat.sampler.type_name(),
         filter=flat.film.filter.type_name(),
         size=flat.film.size,
-        pixel=(x, y),
-        sample=sample,
-        seed=seed,
-        replicate=sample % replicates,
-        weight=_path_of(steps[0]).beta[0],
+        pixel=found.pixel,
+        sample=options.sample,
+        seed=options.seed,
+        replicate=options.sample % flat.film.replicates,
+        weight=path_of(steps[0]).beta[0],
         vertices=tuple(_vertex(event, names) for event in steps),
-        radiance=_path_of(finished).L,
+        radiance=path_of(finished).L,
         value=tuple(value.tolist()),
-        valid=not film.invalid,
-        rays=rays,
+        valid=not found.film.invalid,
+        rays=found.rays,
     )
 
 
-class _Names:
-    """What the numbers of a surface are called in the scene."""
-
-    def __init__(self, flat: FlatScene) -> None:
-        self.shapes = [flat.shapes[row.source].name for row in compile_shapes(flat).rows]
-        self.bsdfs = [bsdf.type_name() for bsdf in flat.bsdfs]
-
-
-def _path_of(event: Event) -> Any:
-    """The paths that a kernel was given, whatever its argument is called."""
-    return next(value for value in event.arguments.values() if hasattr(value, "beta"))
-
-
-def _vertex(event: Event, names: _Names) -> Vertex:
-    before, after = _path_of(event), event.result
+def _vertex(event: Event, names: SurfaceNames) -> Vertex:
+    before, after = path_of(event), event.result
     hit = _first(event, "intersect_closest")
     t = math.inf if hit is None else hit.result.t
     collision = _collision(event)
@@ -249,21 +185,3 @@ def lobe_name(flags: int) -> str:
 
 def _first(event: Event, name: str) -> Event | None:
     return next(iter(event.calls(name)), None)
-
-
-def _checked_pixel(pixel: tuple[int, int], size: tuple[int, int]) -> tuple[int, int]:
-    width, height = size
-    whole = len(pixel) == 2 and all(isinstance(c, int | np.integer) for c in pixel)
-    if not whole or not (0 <= pixel[0] < width and 0 <= pixel[1] < height):
-        shown = ",".join(map(str, pixel))
-        allowed = f"x in [0, {width - 1}] and y in [0, {height - 1}]"
-        raise OptionError(f"must be x,y with {allowed}, got {shown}", "pixel")
-    return int(pixel[0]), int(pixel[1])
-
-
-def _check_triangles(flat: FlatScene) -> None:
-    count = sum(len(flat.geometries[s.geometry].faces) for s in flat.shapes if s.geometry >= 0)
-    if count > MOST_TRIANGLES:
-        raise OptionError(
-            f"trace tests each ray against every triangle: at most {MOST_TRIANGLES}, got {count}"
-        )

@@ -6,7 +6,7 @@ from PIL import Image
 
 import alight
 from alight.core.srgb import encode_srgb
-from alight.lab.why.maps import heat
+from alight.lab.panels import heat
 
 SIZE, SPP = (480, 360), 512
 GAP = 6

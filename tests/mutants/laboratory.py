@@ -52,6 +52,12 @@ LABORATORY = (
         f"{METRICS}::test_flip_shows_exposures_of_the_reference",
     ),
     Mutant(
+        "a side of the cube of arriving light with rows for columns",
+        "lab/guide/incidence.py",
+        (("picture[row, column]", "picture[column, row]"),),
+        "tests/lab/test_guide.py::test_light_arrives_from_where_it_is",
+    ),
+    Mutant(
         "a share of pixels without its margin",
         "rendering/stopping.py",
         (("return share - z * math.sqrt", "return share - 0.0 * math.sqrt"),),

@@ -26,6 +26,7 @@ ENTRIES = {
     "plan": laboratory.PlanOptions,
     "check": laboratory.CheckOptions,
     "why": laboratory.WhyOptions,
+    "guide": laboratory.GuideOptions,
     "compare": laboratory.CompareOptions,
     "study": laboratory.StudyOptions,
     "trace": laboratory.TraceOptions,

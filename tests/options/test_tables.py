@@ -16,7 +16,8 @@ from tests.options.examples import WRONG, example
 TABLES = [
     render.RenderOptions, render.DisplayOptions, resume.ResumeOptions,
     laboratory.InfoOptions, laboratory.PlanOptions, laboratory.CheckOptions,
-    laboratory.WhyOptions, laboratory.CompareOptions, laboratory.StudyOptions,
+    laboratory.WhyOptions, laboratory.GuideOptions, laboratory.CompareOptions,
+    laboratory.StudyOptions,
     laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
     view.ViewOptions,
 ]  # fmt: skip

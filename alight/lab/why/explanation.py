@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from alight.integrators.model import INTEGRATORS
-from alight.lab.why.maps import check_maps, draw_maps, write_maps
+from alight.lab.panels import check_sheet
+from alight.lab.why.maps import draw_maps, write_maps
 from alight.lab.why.pyramid import Pyramid, pyramid_of
 from alight.lab.why.pyramid_sheet import write_pyramid
 from alight.lab.why.shares import Part, Shares, shares_of
@@ -119,7 +120,7 @@ def why(scene: Scene | str | os.PathLike[str], options: WhyOptions) -> Explanati
     >>> print(alight.why("cornell-box", size=64, measure=False))  # doctest: +SKIP
     """
     if options.output is not None:
-        check_maps(options.output)
+        check_sheet(options.output)
     progress = options.progress or (lambda text: None)
     description = scene_of(scene, options)
     progress("contributions of all paths")
