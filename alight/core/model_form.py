@@ -113,6 +113,7 @@ FORMS = {
     "phases": Form(("parameter", "mean_cosine"), ("density", "sample")),
     "media": Form(("pack", "density_at"), ("fly", "cross")),
     "integrators": Form(),
+    "tone_curves": Form(("apply",), more_functions=("invert",)),
 }
 
 #: What a shape with a formula has, and what those have that can shine.

@@ -28,7 +28,8 @@ R = TypeVar("R", bound="Record")
 #: A function marked with `lanewise.jit.kernel`, or with `specialised`.
 Kernel = Callable[..., Any]
 
-FAMILIES = (
+#: Of what scenes are made.
+FAMILIES_OF_SCENES = (
     "shapes",
     "bsdfs",
     "textures",
@@ -40,6 +41,8 @@ FAMILIES = (
     "media",
     "integrators",
 )
+
+FAMILIES = (*FAMILIES_OF_SCENES, "tone_curves")
 
 #: What users have registered: family -> type name -> module; changed by `registration` only.
 REGISTERED: dict[str, dict[str, ModuleType]] = {family: {} for family in FAMILIES}

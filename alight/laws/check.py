@@ -19,6 +19,7 @@ from alight.laws import (
     samplers,
     shapes,
     textures,
+    tone_curves,
 )
 from alight.laws.compiled import compiled_bsdf_is_the_twins
 from alight.laws.materials import COSINES, Material
@@ -120,4 +121,5 @@ CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
     "textures": _simple(textures.LAWS, textures.COMPILED_LAWS),
     "filters": _simple(filters.LAWS, filters.COMPILED_LAWS),
     "cameras": _simple(cameras.LAWS, cameras.COMPILED_LAWS),
+    "tone_curves": _simple(tone_curves.LAWS),
 }

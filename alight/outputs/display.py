@@ -1,6 +1,7 @@
 """From scene light to a display: white balance, exposure, tone curve, sRGB transfer function.
 
 Only display formats (PNG, JPEG) are changed so; EXR, HDR, PFM and NPY keep the scene's own values.
+Tone curves are imported at first use: a family of models takes a tenth of a second.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ import numpy as np
 from alight.core.constants import LUMINANCE
 from alight.core.errors import OptionError, show_value, unknown_name
 from alight.core.srgb import encode_srgb
-from alight.outputs.tone_mapping import TONE_MAPS
 from alight.outputs.white_balance import adaptation, grey_world, parse_white
 
 #: Linear value that automatic exposure gives to the middle of the picture: a grey card.
@@ -30,7 +30,7 @@ class Display:
         Stops: values are multiplied by 2^exposure before the tone curve. In [-100, 100]. ``auto``
         brings the geometric mean of the luminances to 0.18 (Reinhard et al. 2002, equation 1).
     tone_map : str, default "none"
-        A key of `TONE_MAPS`.
+        A tone curve of `alight.tone_curves`, or one that is registered.
     bits : int, default 8
         8, or 16 in PNG.
     white_balance : str, default "none"
@@ -50,8 +50,10 @@ class Display:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if self.tone_map not in TONE_MAPS:
-            raise OptionError(unknown_name("tone map", self.tone_map, TONE_MAPS))
+        from alight.tone_curves.model import TONE_CURVES
+
+        if self.tone_map not in TONE_CURVES:
+            raise OptionError(unknown_name("tone map", self.tone_map, TONE_CURVES))
         if self.exposure != "auto":
             object.__setattr__(self, "exposure", _stops(self.exposure))
         if self.bits not in (8, 16):
@@ -111,11 +113,14 @@ class Development:
         -------
         ndarray of float64, shape (h, w, 3)
         """
+        from alight.tone_curves.model import TONE_CURVES
+
         rgb = _bounded(linear)
         if not np.array_equal(self.matrix, np.eye(3)):
             rgb = rgb @ self.matrix.T
         rgb = np.clip(rgb * 2.0**self.exposure, 0.0, 1e30)
-        return encode_srgb(np.clip(TONE_MAPS[self.tone_map](rgb), 0.0, 1.0))
+        curve = TONE_CURVES[self.tone_map]
+        return encode_srgb(np.clip(curve.apply(curve.spec(), rgb), 0.0, 1.0))
 
 
 def _bounded(linear: np.ndarray) -> np.ndarray:

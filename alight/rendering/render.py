@@ -20,6 +20,7 @@ from alight.films.denoising import FEATURES
 from alight.films.storage import is_film_file
 from alight.options.entry import takes
 from alight.options.loading import scene_of
+from alight.options.plugins import load_plugins
 from alight.options.render import RenderOptions
 from alight.rendering import main_loop
 from alight.rendering.writing import Targets, finish
@@ -63,6 +64,8 @@ def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Pr
     AlightError
         For a scene or an option that is wrong.
     """
+    # Before the options, which may name a tone curve of theirs.
+    load_plugins(options.plugins)
     targets = Targets(
         options.output, options.display, options.denoise, options.stats, options.checkpoint,
         options.plugins,
@@ -71,7 +74,7 @@ def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Pr
     if options.part and options.output and not any(map(is_film_file, options.output)):
         text = "{part} makes a film to be merged: give {output} FILE.alight"
         raise OptionError(text, names=("part", "output"))
-    description = scene_of(scene, options)
+    description = scene_of(scene, options.changed(plugins=()))
     useless = targets.useless(options.aovs) if options.output else []
     layers = options.aovs
     if options.denoise:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any, Self
 
 from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
-from alight.core.registry import FAMILIES, specs
+from alight.core.registry import FAMILIES_OF_SCENES, specs
 from alight.core.spec import Bsdf, Texture
 from alight.scene import plain_yaml
 from alight.scene.build import Builder
@@ -218,7 +218,7 @@ def _step(data: Any, key: str | int, path: str) -> Any:
 
 def _drop_other_keys(data: dict[str, Any], type_name: str) -> None:
     """Forget the settings of the type before, which the new one need not know."""
-    for family in FAMILIES:
+    for family in FAMILIES_OF_SCENES:
         known = specs(family)
         if data.get("type") in known and type_name in known:
             for key in set(data) - set(known[type_name].model_fields):

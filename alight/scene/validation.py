@@ -16,9 +16,10 @@ from alight.bsdfs.nesting import (
     levels_problem,
     names_in,
 )
+from alight.core.energy import energy_problem
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
 from alight.core.registry import specs
-from alight.core.spec import Bsdf, Light, Spec, Texture, energy_problem, texture_interval
+from alight.core.spec import Bsdf, Light, Spec, Texture, texture_interval
 from alight.outputs.texels import reusing_memory
 from alight.scene import images
 from alight.scene.description import Node, Scene

@@ -13,8 +13,8 @@ from alight.formats.loading import changed
 from alight.metrics import ErrorEstimate
 from alight.options.render import RenderOptions
 from alight.outputs.display import Display
-from alight.outputs.tone_mapping import TONE_MAPS
 from alight.scene import Scene
+from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
 from alight.view.layers import PICTURE, FilmLayers, Layers
 from alight.view.live import LiveScene
@@ -127,7 +127,7 @@ class Session:
             "scale": None if scale is None else [_number(end) for end in scale],
             "exposure": self.look.display.exposure,
             "tone_map": self.look.display.tone_map,
-            "tone_maps": list(TONE_MAPS),
+            "tone_maps": list(TONE_CURVES),
             "cameras": list(self.cameras),
             "camera": self._camera,
             "against": self.against is not None,

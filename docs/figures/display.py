@@ -6,8 +6,8 @@ from pictures import save_beside
 import alight
 from alight.core.srgb import decode_srgb
 from alight.films.denoising import FEATURES
-from alight.outputs import TONE_MAPS
 from alight.outputs.display import Display
+from alight.tone_curves.model import TONE_CURVES
 
 
 def shown(image: np.ndarray, *display: Display) -> list[np.ndarray]:
@@ -19,7 +19,7 @@ def main() -> None:
     """Render two scenes, show them often."""
     scene = alight.load("rough-metals", ["film.size=[220, 140]"])
     image = alight.render(scene, spp=1024).image
-    save_beside("display-curves", *shown(image, *(Display("auto", name) for name in TONE_MAPS)))
+    save_beside("display-curves", *shown(image, *(Display("auto", name) for name in TONE_CURVES)))
     whites = ("none", "3200K", "auto")
     agx = (Display("auto", "agx", white_balance=white) for white in whites)
     save_beside("display-white-balance", *shown(image, *agx))

@@ -9,10 +9,11 @@ from alight.formats import cie, metals, spectra
 from alight.formats.pbrt import colors
 from alight.lights import atmosphere
 from alight.metrics import comparison
-from alight.outputs import tone_mapping, white_balance
+from alight.outputs import white_balance
 from alight.samplers.halton import PRIMES
 from alight.samplers.sobol import _second_dimension
 from alight.textures import mix
+from alight.tone_curves import agx
 from lanewise.vec3 import Vec3
 
 # ---------------------------------------------------------------- random numbers
@@ -113,8 +114,7 @@ def test_spaces_of_pbrt_become_srgb_by_their_primaries(name):
 
 
 def test_agx_keeps_grey():
-    tables = vars(tone_mapping).items()
-    for matrix in [v for name, v in tables if np.shape(v) == (3, 3) and name != "XYZ_FROM_RGB"]:
+    for matrix in (agx.INSET, agx.OUTSET):
         np.testing.assert_allclose(matrix.sum(axis=1), 1.0, atol=2e-3)
         assert np.linalg.cond(matrix) < 3.0
 

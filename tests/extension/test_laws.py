@@ -61,7 +61,12 @@ def test_our_lights_obey(light):
     assert report, str(report)
 
 
-DOCUMENTED = {"minnaert": "bsdfs", "downlight": "lights", "kronecker": "samplers"}
+DOCUMENTED = {
+    "minnaert": "bsdfs",
+    "downlight": "lights",
+    "kronecker": "samplers",
+    "exponential": "tone_curves",
+}
 
 
 @pytest.mark.parametrize("name", DOCUMENTED)

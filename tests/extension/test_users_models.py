@@ -1,16 +1,28 @@
-"""A torus, a light on it and haze around it, each a user's one file: laws, light tree, motion."""
+"""A torus, a light on it, haze around it and a tone curve, each a user's one file."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import alight
+from alight.cli.main import app
 from alight.core.registration import unregister
+from alight.core.srgb import decode_srgb, encode_srgb
 from alight.formats import loads
 from alight.lab.random_scenes.bodies import any_body
 from alight.lab.random_scenes.chance import Chance
-from tests.extension import beam, haze, torus
+from alight.outputs import read_image, write_image
+from alight.outputs.display import Display
+from tests.extension import beam, haze, logarithm, torus
 
-USERS = {"torus": ("shapes", torus), "beam": ("lights", beam), "haze": ("media", haze)}
+USERS = {
+    "torus": ("shapes", torus),
+    "beam": ("lights", beam),
+    "haze": ("media", haze),
+    "logarithm": ("tone_curves", logarithm),
+}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -122,3 +134,28 @@ nodes:
     image = alight.render(scene, spp=4096, seed=3).image.mean(axis=(0, 1))
     depth = 0.7 * (1.0 - np.exp(-2.0 / 0.7))
     np.testing.assert_allclose(image, np.exp(-depth * np.array([1.0, 2.0, 0.5])), rtol=0.02)
+
+
+def test_pictures_are_shown_by_a_users_tone_curve(tmp_path):
+    """White stays white, and what is dark is brighter than without it, as the formula says."""
+    levels = np.array([0.0, 1e-3, 0.1, 1.0])[None, :, None] * np.ones(3)
+    shown = decode_srgb(Display(tone_map="logarithm").apply(levels))
+    expected = np.log1p(levels / 0.1) / np.log1p(10.0)
+    np.testing.assert_allclose(shown, expected, atol=1e-7)
+    written = read_image(write_image(tmp_path / "a.png", levels, tone_map="logarithm"))
+    # Half a step of 8 bits.
+    np.testing.assert_allclose(encode_srgb(written), encode_srgb(expected), atol=0.501 / 255.0)
+
+
+def test_a_script_brings_the_tone_curve_that_the_same_command_asks_for(tmp_path):
+    words = ["render", "cornell-box", "--spp", "1", "--set", "film.size=[8, 8]", "-o"]
+    words += [str(tmp_path / "a.png"), "--tone-map", "doubled", "--plugin"]
+    script = tmp_path / "doubled.py"
+    text = Path(logarithm.__file__).read_text().replace('"logarithm"', '"doubled"')
+    script.write_text(text + "\n\nimport alight\n\nalight.register(__name__)\n")
+    try:
+        done = CliRunner().invoke(app, [*words, str(script)])
+        assert done.exit_code == 0, done.output
+        assert (tmp_path / "a.png").is_file()
+    finally:
+        unregister("tone_curves", "doubled")

@@ -15,7 +15,7 @@ from alight.cli.main import app
 from alight.compiled.scene import compile_scene
 from alight.core.errors import OptionError
 from alight.core.registration import unregister
-from alight.core.registry import FAMILIES, Models, specs_of
+from alight.core.registry import FAMILIES_OF_SCENES, Models, specs_of
 from alight.core.spec import Integrator, Spec
 from alight.formats import dumps, load, loads
 from alight.lab.random_scenes import KINDS, random_scene
@@ -56,7 +56,7 @@ def used(value):
         for item in value:
             yield from used(item)
     if isinstance(value, Spec):
-        if value.family in FAMILIES:
+        if value.family in FAMILIES_OF_SCENES:
             yield value.family, value.type_name()
         for _, field in value:
             yield from used(field)
@@ -95,7 +95,7 @@ def test_text_and_back_is_the_same_scene(scenes, texts):
     assert not wrong
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", FAMILIES_OF_SCENES)
 def test_every_registered_model_is_drawn(scenes, family):
     counts = collections.Counter(
         name

@@ -307,4 +307,33 @@ LAWS = (
         (("where(active & ~shut, path.beta, L)", "where(active & ~shut, path.beta, -path.beta)"),),
         f"{LAWS_OF}[integrators-ambient_occlusion]",
     ),
+    Mutant(
+        "black lifted by AgX's sigmoid",
+        "tone_curves/agx.py",
+        (("0.4298, 0.1191, -0.00232]", "0.4298, 0.1191, 0.00232]"),),
+        f"{LAWS_OF}[tone_curves-agx]",
+    ),
+    Mutant(
+        "Hable's curve does not begin at black",
+        "tone_curves/hable.py",
+        (("return top / bottom - NUMERATOR / DENOMINATOR", "return top / bottom"),),
+        f"{LAWS_OF}[tone_curves-hable]",
+    ),
+    Mutant(
+        "Narkowicz's toe of another curve than its inverse",
+        "tone_curves/aces.py",
+        (("(rgb * (2.43 * rgb + 0.59) + 0.14)", "(rgb * (2.43 * rgb + 0.59) + 0.15)"),),
+        f"{LAWS_OF}[tone_curves-aces]",
+    ),
+    Mutant(
+        "Reinhard's curve divides by the mean of the picture",
+        "tone_curves/reinhard.py",
+        (
+            (
+                "(rgb @ LUMINANCE))[..., None]",
+                "(rgb @ LUMINANCE).mean() + 0.0 * rgb[..., 0])[..., None]",
+            ),
+        ),
+        f"{LAWS_OF}[tone_curves-reinhard]",
+    ),
 )

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from alight.core.constants import LUMINANCE
 from alight.core.srgb import decode_srgb
 from alight.formats.spectra import blackbody, to_linear_srgb
 from alight.outputs.display import Display
-from alight.outputs.tone_mapping import LUMINANCE
 from alight.outputs.white_balance import adaptation, black_body_white, grey_world
 
 

@@ -18,6 +18,7 @@ FAMILIES = (
     "phases",
     "media",
     "integrators",
+    "tone_curves",
 )
 CODE_FOLDERS = ("alight", "lanewise", "tests", "benchmarks", "docs", "examples")
 

@@ -16,6 +16,9 @@ from tests.static.sources import FAMILIES, PACKAGE, assigned_names, package_file
 #: Folders of scenes, which name what they are made of, as files of scenes do.
 SCENES = ("formats", "scene/builtin", "lab/random_scenes")
 
+#: A tone curve, and the word for nothing at all.
+EVERYWHERE = {"none"}
+
 #: Words of another meaning, by file.
 OTHER_MEANINGS: dict[str, set[str]] = {
     "bsdfs/phong.py": {"diffuse"},
@@ -94,6 +97,7 @@ def named_models(family, path):
         name
         for name, (module, _) in models(family).items()
         if own != module
+        and name not in EVERYWHERE
         and (
             (name in strings and name not in OTHER_MEANINGS.get(place, set()))
             or (module in imported and not related)

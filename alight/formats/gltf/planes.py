@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.outputs.tone_mapping import LUMINANCE
+from alight.core.constants import LUMINANCE
 from alight.textures.bitmap import Bitmap
 from alight.textures.channel import CHANNELS, Channel
 from alight.textures.checkerboard import Checkerboard
