@@ -26,7 +26,8 @@ from alight.films.sample_ranges import (
     empty_cells,
     union_of_cells,
 )
-from alight.metrics.own_error import ErrorEstimate, estimate_relmse
+from alight.metrics.error_estimate import ErrorEstimate
+from alight.metrics.own_error import estimate_relmse
 from alight.metrics.pixel_bars import PixelBars, pixel_bars
 from alight.outputs.image import write_image
 from alight.outputs.picture import Picture

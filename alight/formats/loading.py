@@ -18,8 +18,9 @@ from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach, is_file
 from alight.scene import plain_yaml
 from alight.scene.build import Builder
-from alight.scene.description import Recipe, Scene, Source
+from alight.scene.description import Scene
 from alight.scene.manager import SceneManager
+from alight.scene.source import Recipe, Source
 from alight.scene.validation import find_problems
 
 # Files of other programs.

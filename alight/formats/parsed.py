@@ -8,7 +8,7 @@ from typing import Any
 from alight.core.errors import Issue
 from alight.formats.report import Report
 from alight.formats.surroundings import Bounds
-from alight.scene.description import Remarks
+from alight.scene.source import Remarks
 
 
 @dataclass

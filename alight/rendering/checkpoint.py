@@ -30,7 +30,7 @@ from alight.rendering.schedule import Goal, Schedule
 from alight.rendering.schedules import restored_schedule
 from alight.scene import Scene
 from alight.scene.content import describe_content
-from alight.scene.description import Recipe
+from alight.scene.source import Recipe
 from lanewise.machine import describe_machine
 
 

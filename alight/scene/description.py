@@ -6,16 +6,14 @@ All of it is immutable. `alight.scene.manager.SceneManager` edits scenes, and
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 from pydantic_core import core_schema
 
-from alight.core.errors import Issue, quote, show_value
+from alight.core.errors import quote, show_value
 from alight.core.registry import default_of, specs_of
 from alight.core.spec import (
     Bsdf,
@@ -35,7 +33,7 @@ from alight.core.spec import (
     invalid,
 )
 from alight.media.coefficients import shines
-from alight.scene.files import Files, Held
+from alight.scene.source import Source
 from alight.scene.transform import IDENTITY, Transform
 
 MOST_PIXELS = 2**28
@@ -200,104 +198,6 @@ class Node(Spec):
                 (f"{path}/{name}", f"{keys}.children.{name}", child)
                 for name, child in reversed(node.children.items())
             )
-
-
-@dataclass(frozen=True)
-class Remarks:
-    """What was noticed in a file of another program.
-
-    Parameters
-    ----------
-    notes : tuple of str
-        What plays no part in the picture.
-    warnings : tuple of str
-        What was replaced or is suspicious.
-    spp : int, optional
-        Samples per pixel that the file asks for.
-    read : tuple of (str, int)
-        Kinds of things that were read, and how many.
-    assumed : tuple of (str, str)
-        Key path, and the warning that holds for as long as its value stays what it was.
-    """
-
-    notes: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
-    spp: int | None = None
-    read: tuple[tuple[str, int], ...] = ()
-    assumed: tuple[tuple[str, str], ...] = ()
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """How a scene was loaded, to load it again.
-
-    Parameters
-    ----------
-    path : str
-        Absolute path of the file, or name of a built-in scene.
-    changes : tuple of str
-        Assignments, as for ``--set``.
-    definitions : mapping of str to str
-        As for ``-D``.
-    lenient : bool
-    root : str, optional
-        Absolute path of the folder in which and below which files may lie.
-    """
-
-    path: str
-    changes: tuple[str, ...] = ()
-    definitions: Mapping[str, str] = field(default_factory=dict)
-    lenient: bool = False
-    root: str | None = None
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where a scene came from.
-
-    Parameters
-    ----------
-    name : str
-        File name or name of a built-in scene; empty for scenes made in Python.
-    folder : Path, optional
-        Where relative mesh files are looked up; the current folder by default.
-    places : mapping of str to str
-        Key path -> ``line:column`` of the value; key path + ``~`` -> of the key. Values in other
-        files than `name` have their name in front.
-    remarks : Remarks, optional
-        Of the reader of a foreign format.
-    recipe : Recipe, optional
-        Of scenes that `load` has read. Changes in Python afterwards are not in it.
-    held : dict
-        What has been read of the files that the scene names (`alight.scene.files.Files`).
-    """
-
-    name: str = ""
-    folder: Path | None = None
-    places: Mapping[str, str] = field(default_factory=dict)
-    remarks: Remarks = Remarks()
-    recipe: Recipe | None = None
-    held: Held = field(default_factory=dict, repr=False, compare=False)
-
-    def files(self) -> Files:
-        """Reads the files that the scene names, but for those that have been read before."""
-        return Files(self.folder, self.held)
-
-    def located(self, issue: Issue) -> Issue:
-        """Fill in the place of an issue: of its path, or of the nearest one above."""
-        if not self.name:
-            return issue
-        path = issue.path
-        if issue.about_key and path + "~" in self.places:
-            return Issue(path, issue.message, self._in_file(self.places[path + "~"]))
-        while path and path not in self.places:
-            cut = max(path.rfind("."), path.rfind("["))
-            path = path[:cut] if cut > 0 else ""
-        line = self.places.get(path, "1:1")
-        return Issue(issue.path, issue.message, self._in_file(line))
-
-    def _in_file(self, place: str) -> str:
-        return f"{self.name}:{place}" if re.fullmatch(r"\d+:\d+", place) else place
 
 
 NO_LIGHT = "the scene has no light: the picture will be black"

@@ -23,7 +23,7 @@ class Files:
         Where relative names are looked up; the current folder by default.
     held : dict, optional
         What has been read before; whatever is read now is added. It is handed on with a scene
-        (`alight.scene.description.Source`).
+        (`alight.scene.source.Source`).
 
     Attributes
     ----------

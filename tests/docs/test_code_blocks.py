@@ -93,7 +93,7 @@ def _module(name):
     return module
 
 
-@pytest.mark.parametrize("name", ["minnaert", "downlight", "kronecker", "headlight"])
+@pytest.mark.parametrize("name", ["minnaert", "downlight", "kronecker", "headlight", "exponential"])
 def test_models_describe_themselves(name):
     module = _module(name)
     assert 1 <= len(module.EXAMPLES) <= 6

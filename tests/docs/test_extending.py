@@ -12,6 +12,7 @@ FAMILY_OF = {
     "downlight": "lights",
     "kronecker": "samplers",
     "headlight": "integrators",
+    "exponential": "tone_curves",
 }
 
 # What the lines of the registries would do: each module joins the tuple before it is used.

@@ -31,7 +31,7 @@ FOREIGN = {
     "usd": "upAxis materialBind fStop focusDistance colorTemperature treatAsPoint",
     "prefixes": "is_ has_",
     "example of lanewise.md": "escape_time mandelbrot",
-    "models of extending.md": "minnaert downlight kronecker headlight",
+    "models of extending.md": "minnaert downlight kronecker headlight exponential",
 }
 ELSEWHERE = {word.lower() for words in FOREIGN.values() for word in words.split()}
 

@@ -9,7 +9,8 @@ import pytest
 from scipy import stats
 
 from alight.metrics import noisy_pixels
-from alight.metrics.own_error import Figure, estimate_relmse
+from alight.metrics.error_estimate import Figure
+from alight.metrics.own_error import estimate_relmse
 from alight.metrics.relmse import relmse
 from alight.metrics.surroundings import around, by_cells, neighbours, spread_out
 

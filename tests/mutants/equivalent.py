@@ -93,7 +93,7 @@ EQUIVALENT: dict[str, str] = {
     "metrics/noisy_pixels.py poisson_tail: 0.5 -> 0.51 (2)": (
         "the normal approximation itself errs by more than this correction moves it"
     ),
-    "metrics/own_error.py Figure.quantile: 600.0 -> 612.0": (
+    "metrics/error_estimate.py Figure.quantile: 600.0 -> 612.0": (
         "keeps an exponential from overflowing; any such number does"
     ),
     "metrics/pixel_bars.py pixel_bars: 1 -> 0 (3)": (

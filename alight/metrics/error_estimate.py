@@ -1,0 +1,94 @@
+"""A picture's own error as a value with its interval: what `alight.metrics.own_error` finds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import NamedTuple
+
+from alight.metrics.relmse import Estimate
+from alight.metrics.statistics import f_quantile
+
+_NORMAL = NormalDist()
+
+
+class Figure(NamedTuple):
+    """An estimated relMSE and how sure it is.
+
+    Attributes
+    ----------
+    value : float
+    freedom : float
+        Were the brightness known, the true relMSE over `value` had the distribution
+        F(freedom, (R - 1) freedom).
+    replicates : int
+    brightness : float, default 0
+        Variance of log(relMSE) that comes from the brightness of noisy pixels.
+    lowest : float, default 1
+        What part of `value` is left if pixels of whose brightness there is no evidence are as
+        bright as their brightest samples say.
+    """
+
+    value: float
+    freedom: float
+    replicates: int
+    brightness: float = 0.0
+    lowest: float = 1.0
+
+    def quantile(self, p: float) -> float:
+        """Find the relMSE below which the true one lies with probability p."""
+        if math.isnan(self.value) or self.value == 0.0:
+            return self.value
+        errors = f_quantile(p, self.freedom, (self.replicates - 1) * self.freedom)
+        # Both parts are independent; their logarithms add up as deviations do.
+        doubt = math.hypot(
+            math.log(max(errors, 1e-300)), _NORMAL.inv_cdf(p) * math.sqrt(self.brightness)
+        )
+        if p >= 0.5:
+            return self.value * math.exp(min(doubt, 600.0))
+        return self.value * self.lowest * math.exp(-doubt)
+
+    def interval(self, confidence: float = 0.95) -> Estimate:
+        """Give the value with its two-sided interval."""
+        tail = 0.5 * (1.0 - confidence)
+        return Estimate(self.value, self.quantile(tail), self.quantile(1.0 - tail))
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """A picture's own error, estimated without a reference.
+
+    Attributes
+    ----------
+    figure, figure_literature : Figure
+        relMSE with the exposure-free `epsilon`, and with epsilon = 0.01.
+    epsilon : float
+        (0.1 times the mean of the picture) squared.
+    known : float
+        Share of the pixels whose standard error is known; the others are left out.
+    """
+
+    figure: Figure
+    figure_literature: Figure
+    epsilon: float
+    known: float
+
+    @property
+    def relmse(self) -> Estimate:
+        """With the exposure-free `epsilon`, and its 95 % interval."""
+        return self.figure.interval()
+
+    @property
+    def relmse_literature(self) -> Estimate:
+        """With epsilon = 0.01, and its 95 % interval."""
+        return self.figure_literature.interval()
+
+    @property
+    def relrmse(self) -> Estimate:
+        """Square root of `relmse`."""
+        return Estimate(*(math.sqrt(v) for v in self.relmse))
+
+    def relrmse_below(self, confidence: float) -> float:
+        """Find the relRMSE that the true one does not exceed, with this confidence."""
+        return math.sqrt(self.figure.quantile(confidence))
