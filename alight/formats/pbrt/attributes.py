@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from alight.core.errors import unknown_name
-from alight.formats.pbrt import materials
 from alight.formats.pbrt.colors import SPACES
 from alight.formats.pbrt.context import Context
 from alight.formats.pbrt.directives import Directive, Parameter
+from alight.formats.pbrt.making import default_material
 from alight.formats.pbrt.state import State
 from alight.formats.pbrt.transforms import look_at, only_turns, rotation, scaling, translation
 
@@ -28,7 +28,7 @@ class Attributes:
 
     def __init__(self, context: Context) -> None:
         self.context = context
-        self.state = State(materials.default_material())
+        self.state = State(default_material())
         self.stack: list[tuple[str, State | tuple, Directive]] = []
         self.systems: dict[str, np.ndarray] = {}
         self.times = 0.0, 1.0

@@ -1,234 +1,26 @@
 """``Material`` and ``MakeNamedMaterial`` -> materials of the native format.
 
-Those of pbrt that reflect look the same from both sides, hence ``two_sided``. Facets follow
-Trowbridge and Reitz' distribution (GGX); ``roughness`` is remapped to alpha unless the file asks
-for alpha itself.
+Those of pbrt that reflect look the same from both sides, hence ``two_sided``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
 
-from alight.core.errors import join_path, unknown_name
+from alight.core.errors import unknown_name
 from alight.formats.pbrt.colors import INDICES
-from alight.formats.pbrt.context import Context, Data
-from alight.formats.pbrt.directives import Directive, Parameter
-from alight.formats.pbrt.heights import height_of
-from alight.formats.pbrt.parameters import Parameters
-from alight.formats.pbrt.textures import Role, Source, TextureItem, Value, entry, product
+from alight.formats.pbrt.context import Data
+from alight.formats.pbrt.making import Making
+from alight.formats.pbrt.roughness import alphas, facets, is_smooth, one_alpha
+from alight.formats.pbrt.textures import Value, product
 from alight.formats.pbrt.walks import LEAST_ALPHA, Coat, base_of_walk
-from alight.formats.reach import OutOfReachError
 from alight.formats.substances import SUBSTANCES, diffuse_reflectance
 from alight.formats.surfaces import LARGEST_IOR, reflectance, two_sided
 
-#: pbrt treats what is smoother as a mirror.
-SMOOTH = 1e-3
 SMALLEST_ETA = 1e-6
-MOST_LEVELS = 12
-#: Endings of pictures whose numbers have no limit.
-FLOATS = (".exr", ".hdr", ".pfm", ".npy")
 #: Rougher coats over a matte base are warned of.
 LARGEST_ALPHA = 0.15
-
-
-@dataclass(eq=False)
-class MaterialItem:
-    """A material of the file, with the textures that it refers to.
-
-    Attributes
-    ----------
-    directive : Directive
-    kind : str
-        What kind of material it is.
-    name : str
-        How it is called here.
-    defaults : list of Parameter
-        Of ``Attribute``.
-    bound : dict of str to TextureItem
-        By the name of the parameter.
-    space : str
-        Colour space of its RGB values.
-    """
-
-    directive: Directive
-    kind: str
-    name: str
-    defaults: list[Parameter] = field(default_factory=list)
-    bound: dict[str, TextureItem] = field(default_factory=dict)
-    space: str = "srgb"
-    native: str | None = None
-    is_open: bool = False
-
-
-@dataclass
-class Making(Source):
-    """A material in the making, which may hold others."""
-
-    named: Mapping[str, MaterialItem] = field(default_factory=dict)
-    levels: int = 0
-
-    def color(self, name: str, default: Value | None, role: Role = "reflectance") -> Value | None:
-        """Ask for a colour; textures of reflectances end at 1, in pbrt 3 numbers too."""
-        found = super().color(name, default, role)
-        if role != "reflectance" or found is None or found is default:
-            return found
-        if isinstance(found, list):
-            if not self.context.old:
-                return found
-            if max(found) > 1.0:
-                shown = ", ".join(f"{channel:g}" for channel in found)
-                text = f"reflects more than it gets, [{shown}]: it is cut at 1"
-                self.p.report.warn(self.p.named[name], text)
-            return [min(channel, 1.0) for channel in found]
-        return (
-            entry(self, {"type": "clamp", "texture": found}) if self._may_exceed(found) else found
-        )
-
-    def _may_exceed(self, name: str) -> bool:
-        """Whether a texture may be brighter than 1, as far as is known before files are read."""
-        stack, table = [name], self.context.tables["textures"]
-        while stack:
-            data = table[stack.pop()]
-            parts = [data[key] for key in ("a", "b", "texture", "weight") if key in data]
-            stack += [part for part in parts if isinstance(part, str)]
-            bright = any(isinstance(part, list) and max(part) > 1.0 for part in parts)
-            if bright or str(data.get("file", "")).lower().endswith(FLOATS):
-                return True
-        return False
-
-    def warn(self, text: str) -> None:
-        """Remark on what is not the same here."""
-        self.p.report.warn(self.p.directive, text)
-
-    def nested(self, name: str, parameter: Parameter) -> str:
-        """The native name of another material."""
-        item = self.named.get(name)
-        if item is None:
-            message = unknown_name("material", name, self.named, listed_as="named materials")
-            self.p.report.error(parameter, message)
-        elif item.is_open or self.levels > MOST_LEVELS:
-            self.p.report.error(parameter, "contains itself, or is nested too deeply")
-        else:
-            return material_name(self.context, item, self.named, self.levels + 1)
-        return material_name(self.context, default_material(), self.named)
-
-
-def default_material() -> MaterialItem:
-    """What surfaces without a material are made of."""
-    return MaterialItem(Directive("Material", "", ["diffuse"]), "diffuse", "default")
-
-
-def material_name(
-    context: Context, item: MaterialItem, named: Mapping[str, MaterialItem], levels: int = 0
-) -> str:
-    """The name of a material in the table ``bsdfs``, where it is put when it is first used."""
-    if item.native is None:
-        name = context.free_name("bsdfs", item.name)
-        # Its place in the order comes before the parts that it is made of.
-        context.tables["bsdfs"][name] = {}
-        path = join_path("bsdfs", name)
-        if item.directive.place:
-            context.places[path] = item.directive.place
-        space, context.colors.space = context.colors.space, item.space
-        p = Parameters(item.directive, context.report, item.defaults)
-        making = Making(context, p, item.bound, path, named=named, levels=levels)
-        item.is_open = True
-        context.tables["bsdfs"][name] = _converted(making, item)
-        item.is_open = False
-        item.native = name
-        context.colors.space = space
-    return item.native
-
-
-def _converted(m: Making, item: MaterialItem) -> Data:
-    materials = m.context.materials
-    if item.kind not in materials:
-        known = [name for name in materials if name]
-        m.p.report.unknown(m.p.directive, "material", item.kind, known, "grey 0.5 is taken")
-        return two_sided({"type": "diffuse"})
-    # Its own name, in MakeNamedMaterial.
-    m.p.find("type")
-    data = materials[item.kind](m)
-    data = _bumpy(m, data)
-    m.p.finish()
-    return data
-
-
-def _bumpy(m: Making, data: Data) -> Data:
-    """Put a bump or normal map around a material."""
-    name = "displacement" if m.p.has("displacement") else "bumpmap"
-    factor, height = height_of(m, name)
-    if isinstance(height, str) and factor:
-        scale = {"scale": factor} if factor != 1.0 else {}
-        data = {"type": "bump_map", "texture": height, **scale, "bsdf": data}
-    found = m.p.values("normalmap", "string", count=1)
-    if found is None:
-        return data
-    try:
-        file = m.context.reach.name_of(m.context.reach.find(found.values[0]))
-    except OutOfReachError as error:
-        m.p.report.error(found, str(error))
-        return data
-    texture = {"type": "bitmap", "file": file, "color_space": "linear"}
-    return {"type": "normal_map", "texture": texture, "bsdf": data}
-
-
-def alpha_of(roughness: float, old: bool) -> float:
-    """Remap a roughness in [0, 1] to alpha, as pbrt 4 (a root) or pbrt 3 (a polynomial) does."""
-    if not old:
-        return math.sqrt(max(roughness, 0.0))
-    x = math.log(max(roughness, 1e-3))
-    return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
-
-
-def alphas(m: Making, default: float, prefix: str = "") -> tuple[float | str, float | str]:
-    """Ask for the roughness along u and v; alpha, below `SMOOTH` for a mirror."""
-    old = m.context.old
-    both = m.number(f"{prefix}roughness", default)
-    remapped = m.p.flag("remaproughness", True)
-    found = []
-    for axis in "uv":
-        value = m.number(f"{prefix}{axis}roughness", None)
-        value = both if value is None else value
-        value = default if value is None else value
-        if isinstance(value, str):
-            if remapped:
-                m.warn("has a texture of roughness, which is taken as alpha without remapping")
-        elif old and value == 0.0:
-            # A mirror in pbrt 3, whatever the polynomial says.
-            value = 0.0
-        elif remapped:
-            value = alpha_of(value, old)
-        if isinstance(value, float) and value > 1.0:
-            m.warn(f"is rougher than can be: alpha {value:.3g} became 1")
-        found.append(min(max(value, 0.0), 1.0) if isinstance(value, float) else value)
-    names = [f"{prefix}{axis}roughness" for axis in ("", "u", "v")]
-    for parameter in (m.p.named[name] for name in names if m.p.has(name)):
-        if parameter.kind == "float" and float(parameter.values[0]) < 0.0:
-            m.p.report.error(parameter, f"must be >= 0, got {float(parameter.values[0]):g}")
-    return found[0], found[1]
-
-
-def is_smooth(*found: float | str) -> bool:
-    """Whether pbrt shows a mirror."""
-    return all(isinstance(alpha, float) and alpha < SMOOTH for alpha in found)
-
-
-def facets(u: float | str, v: float | str) -> Data:
-    """The keys of a rough surface."""
-    keys: Data = {"distribution": "ggx"}
-    u, v = (max(a, 1e-4) if isinstance(a, float) else a for a in (u, v))
-    return keys | ({"alpha": u} if u == v else {"alpha_u": u, "alpha_v": v})
-
-
-def one_alpha(m: Making, u: float | str, v: float | str) -> float | str:
-    """One roughness for both directions."""
-    if u == v or isinstance(u, str) or isinstance(v, str):
-        return u
-    m.warn("is rougher in one direction: the geometric mean is taken")
-    return math.sqrt(u * v)
 
 
 def coat(m: Making, alpha: float | str, base: Value, eta: float, specular: Value | None) -> Data:

@@ -10,16 +10,9 @@ import math
 from collections.abc import Callable
 
 from alight.formats.pbrt.context import Data
-from alight.formats.pbrt.materials import (
-    Making,
-    alphas,
-    coat,
-    facets,
-    index,
-    is_smooth,
-    metal,
-    one_alpha,
-)
+from alight.formats.pbrt.making import Making
+from alight.formats.pbrt.materials import coat, index, metal
+from alight.formats.pbrt.roughness import alphas, facets, is_smooth, one_alpha
 from alight.formats.pbrt.textures import Value
 from alight.formats.surfaces import index_of, reflection, two_sided
 

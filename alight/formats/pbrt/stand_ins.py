@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 from alight.formats import hair
 from alight.formats.pbrt.context import Data
-from alight.formats.pbrt.materials import Making, coat
+from alight.formats.pbrt.making import Making
+from alight.formats.pbrt.materials import coat
 from alight.formats.surfaces import two_sided
 
 _MIDDLE = [0.3] * 3

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from alight.formats.pbrt.directives import Directive, Parameter
-from alight.formats.pbrt.materials import MaterialItem
+from alight.formats.pbrt.making import MaterialItem
 from alight.formats.pbrt.textures import TextureItem
 
 

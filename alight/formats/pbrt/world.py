@@ -13,7 +13,7 @@ from alight.formats.pbrt import lights, materials, patterns, textures
 from alight.formats.pbrt.attributes import Attributes
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive
-from alight.formats.pbrt.materials import MaterialItem
+from alight.formats.pbrt.making import MaterialItem, default_material, material_name
 from alight.formats.pbrt.materials_of_3 import OF_3
 from alight.formats.pbrt.media import Media
 from alight.formats.pbrt.parameters import Parameters
@@ -73,7 +73,7 @@ class World(Attributes):
     def begin(self) -> None:
         """Start the world: its space is that of the world."""
         self.state = State(
-            materials.default_material(),
+            default_material(),
             space=self.state.space,
             media=self.state.media,
             textures=self.state.textures,
@@ -202,7 +202,7 @@ class World(Attributes):
         context, state = self.context, self.state
         p = Parameters(directive, context.report, self.defaults("shape"))
         bound = textures.bind(context, [*p.named.values()], state.textures, numbers=True)
-        bsdf: str | Data = materials.material_name(context, state.material, self.named)
+        bsdf: str | Data = material_name(context, state.material, self.named)
         alpha = Source(context, p, bound).number("alpha", None)
         light, sides = self.light_of_shape(directive)
         textured = context.holds((bsdf, alpha, light), sees_coordinates)
