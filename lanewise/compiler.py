@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from lanewise import record_instructions, simd, wide_instructions
+from lanewise import memory_instructions, record_instructions, simd, wide_instructions
 from lanewise.instructions import PRIMITIVES
 from lanewise.lane_types import N
 from lanewise.numba_adapter import jit, object_code
 
 __all__ = ["jit", "object_code", "primitive"]
 
-# Both fill PRIMITIVES.
-assert record_instructions and wide_instructions
+# They fill PRIMITIVES.
+assert memory_instructions and record_instructions and wide_instructions
 
 
 def primitive(value: Any) -> Any:

@@ -16,7 +16,6 @@ from lanewise import simd
 from lanewise.lane_types import (
     FLOATS,
     I1,
-    I8,
     I32,
     I64,
     MASK,
@@ -34,8 +33,6 @@ from lanewise.lane_types import (
     suffix,
     widest,
 )
-from lanewise.numba_adapter import cgutils
-from lanewise.view_types import pointer_of
 
 PRIMITIVES: dict = {}
 
@@ -47,10 +44,12 @@ def _has_avx512() -> bool:
     return bool(features.get("avx512f") and features.get("avx512vl"))
 
 
-_HAS_AVX512 = _has_avx512()
+HAS_AVX512 = _has_avx512()
 
 
-def _stands_for(primitive):
+def stands_for(primitive):
+    """Put an intrinsic into `PRIMITIVES`."""
+
     def register(stand_in):
         PRIMITIVES[primitive] = stand_in
         return stand_in
@@ -96,7 +95,7 @@ for _primitive, _arity, _name in (
 
 
 def _rsqrt_lanes(builder, x):
-    if _HAS_AVX512 and isinstance(x.type, ir.VectorType) and x.type.count in (8, 16):
+    if HAS_AVX512 and isinstance(x.type, ir.VectorType) and x.type.count in (8, 16):
         # 14 bits of the processor's estimate, and one step of Newton's iteration.
         n, bits = x.type.count, 32 * x.type.count
         mask = ir.Constant(ir.IntType(n), -1)
@@ -123,7 +122,7 @@ _arithmetic(simd.maximum, 2, lambda b, x, y: b.select(b.fcmp_ordered(">", x, y),
 # ---------------------------------------------------------------- masks
 
 
-@_stands_for(simd.any_lane)
+@stands_for(simd.any_lane)
 @intrinsic
 def _any_lane(typing, mask):
     if not isinstance(mask, Mask):
@@ -136,7 +135,7 @@ def _any_lane(typing, mask):
     return types.boolean(mask), codegen
 
 
-@_stands_for(simd.all_lanes)
+@stands_for(simd.all_lanes)
 @intrinsic
 def _all_lanes(typing, mask):
     if not isinstance(mask, Mask):
@@ -149,7 +148,7 @@ def _all_lanes(typing, mask):
     return types.boolean(mask), codegen
 
 
-@_stands_for(simd.mask_bits)
+@stands_for(simd.mask_bits)
 @intrinsic
 def _mask_bits(typing, mask):
     def codegen(context, builder, sig, args):
@@ -158,7 +157,7 @@ def _mask_bits(typing, mask):
     return types.int64(mask), codegen
 
 
-@_stands_for(simd.bits_mask)
+@stands_for(simd.bits_mask)
 @intrinsic
 def _bits_mask(typing, bits):
     def codegen(context, builder, sig, args):
@@ -168,7 +167,7 @@ def _bits_mask(typing, bits):
     return MASK(bits), codegen
 
 
-@_stands_for(simd.trailing_zeros)
+@stands_for(simd.trailing_zeros)
 @intrinsic
 def _trailing_zeros(typing, bits):
     def codegen(context, builder, sig, args):
@@ -177,7 +176,7 @@ def _trailing_zeros(typing, bits):
     return types.int64(types.int64), codegen
 
 
-@_stands_for(simd.count_bits)
+@stands_for(simd.count_bits)
 @intrinsic
 def _count_bits(typing, bits):
     def codegen(context, builder, sig, args):
@@ -186,7 +185,7 @@ def _count_bits(typing, bits):
     return types.int64(types.int64), codegen
 
 
-@_stands_for(simd.is_finite)
+@stands_for(simd.is_finite)
 @intrinsic
 def _is_finite(typing, x):
     result = Mask(x.n) if isinstance(x, Floats) else types.boolean
@@ -228,14 +227,14 @@ _starter(simd.lanes_u32, UINTS)
 _starter(simd.lanes_mask, MASK)
 
 
-@_stands_for(simd.lanes_vec3)
+@stands_for(simd.lanes_vec3)
 @intrinsic
 def _lanes_vec3(typing, x):
     kind = Vec3Type(FLOATS)
     return kind(x), lambda context, builder, sig, args: convert(context, builder, args[0], x, kind)
 
 
-@_stands_for(simd.lane_index)
+@stands_for(simd.lane_index)
 @intrinsic
 def _lane_index(typing):
     return UINTS(), lambda context, builder, sig, args: ir.Constant(UINTS.vector, list(range(N)))
@@ -274,7 +273,7 @@ _conversion(simd.float_bits, Floats, types.uint32, Uints, lambda b, v, t: b.bitc
 _conversion(simd.bits_float, Uints, f32, Floats, lambda b, v, t: b.bitcast(v, t), _as_u32)
 
 
-@_stands_for(simd.reverse_bits)
+@stands_for(simd.reverse_bits)
 @intrinsic
 def _reverse_bits(typing, u):
     def codegen(context, builder, sig, args):
@@ -284,7 +283,7 @@ def _reverse_bits(typing, u):
     return (u if isinstance(u, Uints) else types.uint32)(u), codegen
 
 
-@_stands_for(simd.minimum_u32)
+@stands_for(simd.minimum_u32)
 @intrinsic
 def _minimum_u32(typing, a, b):
     kind = widest((a, b))
@@ -316,7 +315,7 @@ _uniform_cast(simd.as_float, f32)
 _uniform_cast(simd.as_int, types.int64)
 
 
-@_stands_for(simd.as_uint)
+@stands_for(simd.as_uint)
 @intrinsic
 def _as_uint(typing, x):
     return types.uint32(x), lambda context, builder, sig, args: _as_u32(
@@ -324,102 +323,7 @@ def _as_uint(typing, x):
     )
 
 
-# ---------------------------------------------------------------- memory
-
-
-@_stands_for(simd.gather)
-@intrinsic
-def _gather(typing, view, index):
-    element = view.dtype
-    if not isinstance(index, Uints):
-
-        def load_one(context, builder, sig, args):
-            data = pointer_of(context, builder, view, args[0])
-            at = context.cast(builder, args[1], index, types.int64)
-            return builder.load(builder.gep(data, [at]))
-
-        return element(view, index), load_one
-
-    result = Floats(index.n) if element == f32 else Uints(index.n)
-
-    def codegen(context, builder, sig, args):
-        data = builder.bitcast(pointer_of(context, builder, view, args[0]), I8.as_pointer())
-        n, vector = index.n, result.vector
-        x86 = {16: "llvm.x86.avx512.mask.gather.dps.512", 8: "llvm.x86.avx512.mask.gather3siv8.sf"}
-        if result.llvm == I32:
-            x86 = {
-                16: "llvm.x86.avx512.mask.gather.dpi.512",
-                8: "llvm.x86.avx512.mask.gather3siv8.si",
-            }
-        if n in x86 and N == 16 and _HAS_AVX512:
-            zero = ir.Constant(vector, [0] * n)
-            ones = ir.Constant(ir.VectorType(I1, n), [1] * n)
-            return call(builder, x86[n], vector, [zero, data, args[1], ones, ir.Constant(I32, 4)])
-        # Elsewhere a load per lane: AVX2's gather is no faster, NEON has none.
-        out = ir.Constant(vector, ir.Undefined)
-        typed = builder.bitcast(data, result.llvm.as_pointer())
-        for i in range(n):
-            lane = builder.zext(builder.extract_element(args[1], ir.Constant(I32, i)), I64)
-            one = builder.load(builder.gep(typed, [lane]))
-            out = builder.insert_element(out, one, ir.Constant(I32, i))
-        return out
-
-    return result(view, index), codegen
-
-
-def _allocator(primitive, element):
-    @intrinsic(prefer_literal=True)
-    def stand_in(typing, n):
-        if not isinstance(n, types.IntegerLiteral):
-            return None
-
-        def codegen(context, builder, sig, args):
-            size = ir.Constant(I32, n.literal_value)
-            memory = cgutils.alloca_once(builder, context.get_data_type(element), size=size)
-            memory.align = 64
-            return memory
-
-        return types.CPointer(element)(n), codegen
-
-    PRIMITIVES[primitive] = stand_in
-
-
-_allocator(simd.local_floats, f32)
-_allocator(simd.local_uints, types.uint32)
-_allocator(simd.local_longs, types.int64)
-
-
-def _lane_pointer(context, builder, sig, args, vector):
-    data = pointer_of(context, builder, sig.args[0], args[0])
-    at = context.cast(builder, args[1], sig.args[1], types.int64)
-    return builder.bitcast(builder.gep(data, [at]), vector.as_pointer())
-
-
-@_stands_for(simd.store_lanes)
-@intrinsic
-def _store_lanes(typing, buffer, i, x):
-    kind = FLOATS if buffer.dtype == f32 else UINTS
-
-    def codegen(context, builder, sig, args):
-        value = convert(context, builder, args[2], x, kind)
-        store = builder.store(value, _lane_pointer(context, builder, sig, args, kind.vector))
-        store.align = 4
-        return context.get_dummy_value()
-
-    return types.void(buffer, i, x), codegen
-
-
-@_stands_for(simd.load_lanes)
-@intrinsic
-def _load_lanes(typing, buffer, i):
-    kind = FLOATS if buffer.dtype == f32 else UINTS
-
-    def codegen(context, builder, sig, args):
-        load = builder.load(_lane_pointer(context, builder, sig, args, kind.vector))
-        load.align = 4
-        return load
-
-    return kind(buffer, i), codegen
+# ---------------------------------------------------------------- across lanes
 
 
 def _horizontal(primitive, sign):

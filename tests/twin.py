@@ -8,7 +8,7 @@ import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.films import fixed_point
-from alight.films.film import PartialFilm
+from alight.films.tiles import PartialFilm
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile, count_cells

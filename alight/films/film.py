@@ -11,62 +11,28 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from alight.core.errors import FilmError
-from alight.films import fixed_point, ledger, merging, notebook, readout, statistics, storage
+from alight.films import fixed_point, ledger, merging, notebook, readout, statistics, storage, tiles
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import (
-    CELL_SIZE,
     SampleRanges,
     cells_of,
-    cells_with,
     empty_cells,
     union_of_cells,
 )
+from alight.films.tiles import PartialFilm, names_of
 from alight.metrics.error_estimate import ErrorEstimate
 from alight.metrics.own_error import estimate_relmse
 from alight.metrics.pixel_bars import PixelBars, pixel_bars
 from alight.outputs.image import write_image
 from alight.outputs.picture import Picture
-from lanewise.view import View
 
 if TYPE_CHECKING:
     import os
-
-#: Layers to which only the first sample of a pixel adds: a mean of numbers that name things would
-#: name another thing.
-FIRST_SAMPLE_LAYERS = frozenset({"id"})
-
-
-class PartialFilm(NamedTuple):
-    """What `render_tile` gives back: the sums of one tile.
-
-    Attributes
-    ----------
-    x0, y0 : int
-        Corner of the tile in pixels of the full film; a multiple of 8 or the corner of the crop.
-    sums : ndarray of int64, shape (th, tw, R, C, 2)
-        Fixed point, not necessarily canonical; `Film.add_tile` makes it so.
-    counts : ndarray of int64, shape (th, tw, R)
-    invalid, saturated : int
-        Samples with NaN or infinity (added as 0) and sample values cut to 2^36.
-    ranges : (int, int) or ndarray of int, shape (cells_y, cells_x, 2)
-        (first, count) of the sample indices, for the whole tile or each 8x8 cell that it touches.
-    aovs : mapping of str to ndarray of int64, shape (th, tw, c, 2)
-        Fixed-point sums over all samples.
-    """
-
-    x0: int
-    y0: int
-    sums: np.ndarray
-    counts: np.ndarray
-    invalid: int
-    saturated: int
-    ranges: Any = None
-    aovs: Mapping[str, np.ndarray] | None = None
 
 
 class Film:
@@ -168,77 +134,25 @@ class Film:
         FilmError
             If the tile does not fit, holds samples that the film has, or there is no room.
         """
-        rows, columns = self._window(partial)
-        cells = self._tile_cells(partial)
+        rows, columns = tiles.window_of(self, partial)
+        cells = tiles.ranges_of(self, partial)
         with self.lock:
             counts = self.counts[rows, columns] + partial.counts
-            self._check_room(counts)
+            tiles.check_room(self, counts)
             if cells is not None:
                 index, added = cells
                 self.cells[index] = union_of_cells(self.cells[index], added)
             self.counts[rows, columns] = counts
             if add_rows is None:
-                _add(self.sums[rows, columns], partial.sums)
+                tiles.add_sums(self.sums[rows, columns], partial.sums)
             else:
-                _add_compiled(add_rows, self.sums, rows.start, columns.start, partial.sums)
+                tiles.add_sums_compiled(
+                    add_rows, self.sums, rows.start, columns.start, partial.sums
+                )
             for name, plane in self.aov_sums.items():
-                _add(plane[rows, columns], (partial.aovs or {})[name])
+                tiles.add_sums(plane[rows, columns], (partial.aovs or {})[name])
             self.invalid += int(partial.invalid)
             self.saturated += int(partial.saturated)
-
-    def _window(self, partial: PartialFilm) -> tuple[slice, slice]:
-        """Rows and columns of our arrays that a tile covers, checked."""
-        x, y, w, h = self.crop
-        th, tw = partial.counts.shape[:2]
-        shape = (th, tw, self.replicates, len(self.channels), 2)
-        if partial.sums.shape != shape or partial.counts.shape != shape[:3]:
-            raise FilmError(
-                f"a tile of this film has sums of shape {shape} and counts of shape {shape[:3]}, "
-                f"got {partial.sums.shape} and {partial.counts.shape}"
-            )
-        if set(partial.aovs or {}) != set(self.aov_sums):
-            raise FilmError(
-                f"a tile of this film has the AOVs {_names(self.aov_sums)}, "
-                f"got {_names(partial.aovs or {})}"
-            )
-        left, top = partial.x0 - x, partial.y0 - y
-        if left < 0 or top < 0 or left + tw > w or top + th > h:
-            raise FilmError(
-                f"tile at ({partial.x0}, {partial.y0}) of {tw}x{th} pixels leaves the film's "
-                f"window ({x}, {y}, {w}, {h})"
-            )
-        return slice(top, top + th), slice(left, left + tw)
-
-    def _tile_cells(self, partial: PartialFilm) -> tuple[tuple[slice, slice], np.ndarray] | None:
-        """Find the cells of a tile and the ranges that it adds to each."""
-        if partial.ranges is None:
-            return None
-        x, y, w, h = self.crop
-        th, tw = partial.counts.shape[:2]
-        for name, first, size, low, high in (
-            ("x", partial.x0, tw, x, x + w),
-            ("y", partial.y0, th, y, y + h),
-        ):
-            # Half a cell marked as done would refuse its other half.
-            end = first + size
-            if (first % CELL_SIZE and first != low) or (end % CELL_SIZE and end != high):
-                raise FilmError(
-                    f"tile edges must lie on 8x8 cells, got {name} from {first} to {end}"
-                )
-        index = cells_of(partial.x0, partial.y0, tw, th)
-        shape = self.cells[index].shape
-        pairs = np.broadcast_to(np.asarray(partial.ranges, np.int64), (*shape, 2))
-        return index, cells_with(pairs)
-
-    def _check_room(self, counts: np.ndarray) -> None:
-        # AOVs have no replicates: all samples of a pixel share one sum.
-        most = (counts.sum(axis=2) if self.aov_sums else counts).max(initial=0)
-        if most > fixed_point.MAX_SAMPLES:
-            unit = "pixel" if self.aov_sums else "pixel and replicate"
-            raise FilmError(
-                f"a film holds at most {fixed_point.MAX_SAMPLES} samples per {unit}, "
-                f"asked for {most}; render with more replicates, or films of other seeds"
-            )
 
     def mark_samples(self, first: int, count: int) -> None:
         """Record that every cell of the window holds samples first to first + count - 1.
@@ -344,10 +258,10 @@ class Film:
     def aov(self, name: str) -> np.ndarray:
         """Mean of an AOV, float32, shape (h, w, c)."""
         if name not in self.aov_sums:
-            raise FilmError(f'the film has no AOV "{name}"; it has {_names(self.aov_sums)}')
+            raise FilmError(f'the film has no AOV "{name}"; it has {names_of(self.aov_sums)}')
         with self.lock:
             sums, n = self.aov_sums[name].copy(), self.counts.sum(axis=2)
-        n = np.minimum(n, 1) if name in FIRST_SAMPLE_LAYERS else n
+        n = np.minimum(n, 1) if name in tiles.FIRST_SAMPLE_LAYERS else n
         return (fixed_point.to_float(sums) / np.maximum(n, 1)[..., None]).astype(np.float32)
 
     @property
@@ -463,26 +377,6 @@ class Film:
         return f"<Film {w}x{h}, {self.spp:g} spp, {self.replicates} replicates>"
 
 
-def _add(target: np.ndarray, sums: np.ndarray) -> None:
-    """Add fixed-point sums in place. Carrying first leaves limb 1 room for the addition."""
-    fixed_point.carry(sums)
-    target += sums
-    fixed_point.carry(target)
-
-
-def _add_compiled(
-    add_rows: Callable, target: np.ndarray, top: int, left: int, sums: np.ndarray
-) -> None:
-    """As `_add`, to the window of `target` whose corner is at (left, top)."""
-    stride = target[0].size
-    start = stride * top + target[0, 0].size * left
-    add_rows(View(target), start, stride, View(sums), len(sums), sums[0].size // 2)
-
-
-def _names(names: Any) -> str:
-    return ", ".join(sorted(names)) or "none"
-
-
 def _check_shape(
     width: int, height: int, crop: Any, replicates: int, channels: Sequence[str]
 ) -> None:
@@ -491,7 +385,7 @@ def _check_shape(
     if replicates < 1:
         raise FilmError(f"replicates must be at least 1, got {replicates}")
     if len(channels) < 3:
-        raise FilmError(f"a film needs at least the channels R, G, B, got {_names(channels)}")
+        raise FilmError(f"a film needs at least the channels R, G, B, got {names_of(channels)}")
     if crop is not None:
         x, y, w, h = crop
         if min(x, y) < 0 or min(w, h) < 1 or x + w > width or y + h > height:

@@ -10,6 +10,7 @@ import numpy as np
 from alight.core.errors import FilmError
 from alight.films import fixed_point, ledger
 from alight.films.sample_ranges import CELL_SIZE, cells_of, union_of_cells
+from alight.films.tiles import check_room
 
 if TYPE_CHECKING:
     from alight.films.film import Film
@@ -46,7 +47,7 @@ def merge(films: Sequence[Film], names: Sequence[str] | None = None) -> Film:
         _check_disjoint(parts[:number], part, index, names, name)
         result.cells[index] = union_of_cells(result.cells[index], part.cells[index])
         result.counts += part.counts
-        result._check_room(result.counts)
+        check_room(result, result.counts)
         for target, added in _planes(result, part):
             target += added
             fixed_point.carry(target)

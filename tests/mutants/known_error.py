@@ -34,7 +34,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "the larger of two doubts for both",
-        "metrics/own_error.py",
+        "metrics/error_estimate.py",
         (("doubt = math.hypot(", "doubt = max("),),
         f"{NOISY}::test_doubts_about_error_and_brightness_add_up",
     ),

@@ -1,0 +1,125 @@
+"""Tiles: the sums that a film is given, where they belong in it, and whether they fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from alight.core.errors import FilmError
+from alight.films import fixed_point
+from alight.films.sample_ranges import CELL_SIZE, cells_of, cells_with
+from lanewise.view import View
+
+if TYPE_CHECKING:
+    from alight.films.film import Film
+
+#: Layers to which only the first sample of a pixel adds: a mean of numbers that name things would
+#: name another thing.
+FIRST_SAMPLE_LAYERS = frozenset({"id"})
+
+
+class PartialFilm(NamedTuple):
+    """What `render_tile` gives back: the sums of one tile.
+
+    Attributes
+    ----------
+    x0, y0 : int
+        Corner of the tile in pixels of the full film; a multiple of 8 or the corner of the crop.
+    sums : ndarray of int64, shape (th, tw, R, C, 2)
+        Fixed point, not necessarily canonical; `Film.add_tile` makes it so.
+    counts : ndarray of int64, shape (th, tw, R)
+    invalid, saturated : int
+        Samples with NaN or infinity (added as 0) and sample values cut to 2^36.
+    ranges : (int, int) or ndarray of int, shape (cells_y, cells_x, 2)
+        (first, count) of the sample indices, for the whole tile or each 8x8 cell that it touches.
+    aovs : mapping of str to ndarray of int64, shape (th, tw, c, 2)
+        Fixed-point sums over all samples.
+    """
+
+    x0: int
+    y0: int
+    sums: np.ndarray
+    counts: np.ndarray
+    invalid: int
+    saturated: int
+    ranges: Any = None
+    aovs: Mapping[str, np.ndarray] | None = None
+
+
+def window_of(film: Film, partial: PartialFilm) -> tuple[slice, slice]:
+    """Rows and columns of a film's arrays that a tile covers, checked."""
+    x, y, w, h = film.crop
+    th, tw = partial.counts.shape[:2]
+    shape = (th, tw, film.replicates, len(film.channels), 2)
+    if partial.sums.shape != shape or partial.counts.shape != shape[:3]:
+        raise FilmError(
+            f"a tile of this film has sums of shape {shape} and counts of shape {shape[:3]}, "
+            f"got {partial.sums.shape} and {partial.counts.shape}"
+        )
+    if set(partial.aovs or {}) != set(film.aov_sums):
+        raise FilmError(
+            f"a tile of this film has the AOVs {names_of(film.aov_sums)}, "
+            f"got {names_of(partial.aovs or {})}"
+        )
+    left, top = partial.x0 - x, partial.y0 - y
+    if left < 0 or top < 0 or left + tw > w or top + th > h:
+        raise FilmError(
+            f"tile at ({partial.x0}, {partial.y0}) of {tw}x{th} pixels leaves the film's "
+            f"window ({x}, {y}, {w}, {h})"
+        )
+    return slice(top, top + th), slice(left, left + tw)
+
+
+def ranges_of(film: Film, partial: PartialFilm) -> tuple[tuple[slice, slice], np.ndarray] | None:
+    """Find the cells of a tile and the ranges that it adds to each."""
+    if partial.ranges is None:
+        return None
+    x, y, w, h = film.crop
+    th, tw = partial.counts.shape[:2]
+    for name, first, size, low, high in (
+        ("x", partial.x0, tw, x, x + w),
+        ("y", partial.y0, th, y, y + h),
+    ):
+        # Half a cell marked as done would refuse its other half.
+        end = first + size
+        if (first % CELL_SIZE and first != low) or (end % CELL_SIZE and end != high):
+            raise FilmError(f"tile edges must lie on 8x8 cells, got {name} from {first} to {end}")
+    index = cells_of(partial.x0, partial.y0, tw, th)
+    shape = film.cells[index].shape
+    pairs = np.broadcast_to(np.asarray(partial.ranges, np.int64), (*shape, 2))
+    return index, cells_with(pairs)
+
+
+def check_room(film: Film, counts: np.ndarray) -> None:
+    """Refuse more samples than sums can hold."""
+    # AOVs have no replicates: all samples of a pixel share one sum.
+    most = (counts.sum(axis=2) if film.aov_sums else counts).max(initial=0)
+    if most > fixed_point.MAX_SAMPLES:
+        unit = "pixel" if film.aov_sums else "pixel and replicate"
+        raise FilmError(
+            f"a film holds at most {fixed_point.MAX_SAMPLES} samples per {unit}, "
+            f"asked for {most}; render with more replicates, or films of other seeds"
+        )
+
+
+def add_sums(target: np.ndarray, sums: np.ndarray) -> None:
+    """Add fixed-point sums in place. Carrying first leaves limb 1 room for the addition."""
+    fixed_point.carry(sums)
+    target += sums
+    fixed_point.carry(target)
+
+
+def add_sums_compiled(
+    add_rows: Callable, target: np.ndarray, top: int, left: int, sums: np.ndarray
+) -> None:
+    """As `add_sums`, to the window of `target` whose corner is at (left, top)."""
+    stride = target[0].size
+    start = stride * top + target[0, 0].size * left
+    add_rows(View(target), start, stride, View(sums), len(sums), sums[0].size // 2)
+
+
+def names_of(names: Any) -> str:
+    """A list of names for messages."""
+    return ", ".join(sorted(names)) or "none"
