@@ -75,6 +75,7 @@ from alight.integrators.walk import (
     LIGHT_POINT,
     count_lanes,
     gather_light,
+    gather_unguided,
     to_local,
     to_world,
     vertex_dimension,
@@ -203,7 +204,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
 def _write_trace(program, bsdf_weight, listeners):
     environment = bool(environments_of(program))
     hides = program.option("hide_emitters", False)
-    reach_environment = write_reach_environment(bsdf_weight, listeners)
+    reach_environment = write_reach_environment(bsdf_weight, listeners, is_guided(program))
 
     @kernel
     def trace(scene, settings, path):
@@ -227,12 +228,12 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
-    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners)
+    guided = is_guided(program)
+    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, guided)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides = program.option("hide_emitters", False)
     absorbing = absorbs(program)
-    guided = is_guided(program)
     next_direction = write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
@@ -270,7 +271,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
 
         # Where the path continues: beta gains f cos / p_b.
         arrived = replace(path, active=active)
-        wi, weight, pdf, flags = next_direction(scene, settings, arrived, here, surface, wo)
+        drawn, of_bsdf = next_direction(scene, settings, arrived, here, surface, wo)
+        wi, weight, pdf, flags = drawn
         beta = path.beta * weight
         # Filters with negative lobes weigh some paths negatively.
         brightness = max_component(absolute_vec3(beta))
@@ -290,6 +292,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
             else:
                 on = end_dim_paths(scene, settings, on, surface, wi, brightness)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
+        if guided:
+            vertex = replace(vertex, unguided=replace(vertex.unguided, pdf=of_bsdf))
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
             vertex = where((flags & NULL) != 0, on, vertex)
@@ -323,7 +327,7 @@ def _write_scatter(scatter):
         active, dimension = path.active, vertex_dimension(path.depth + 1)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
-        return scatter(scene, surface, wo, u, u2, active)
+        return scatter(scene, surface, wo, u, u2, active), NOWHERE
 
     return next_direction
 
@@ -351,13 +355,14 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
+            of_bsdf = pdf
             if guided:
                 pdf = mixed_density(settings, here, light.wi, pdf, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
             if not holes:
                 rays += count_lanes(lit)
             o, end = shadow_ray(surface, light)
-            passed = lanes_u32(0)
+            passed, share = lanes_u32(0), lanes(1.0)
             if holes:
                 # A hole is the end of an edge, for paths and so for shadow rays too.
                 most = passed + settings.max_depth - depth - 1
@@ -369,6 +374,10 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
                 w = light_weight(light, pdf)
             Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
             path = gather_light(path, Ld, lit, depth + passed <= 1)
+            if guided:
+                w = share * light_weight(light, of_bsdf)
+                found = path.beta * f_cos * light.radiance * (w / light.pdf)
+                path = gather_unguided(path, found, lit)
             if recorded:
                 sample(scene, path, surface.p, n, passed, lit, Ld)
         return replace(path, rays=rays)
