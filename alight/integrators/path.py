@@ -18,7 +18,7 @@ Two techniques find the light at the end of the same edge, seen from the vertex 
   (`_write_add_direct_light`): :math:`w_l\, \beta\, f |\cos\theta|\, L_e / p_l`.
 
 Both densities are per solid angle at x, and :math:`p_l` includes the probability of choosing that
-light. For a direction that both techniques can draw, the weights are (`weights_of`)
+light. For a direction that both techniques can draw, the weights are (`mis_weights`)
 
 .. math:: w_b = \frac{p_b^\alpha}{p_b^\alpha + p_l^\alpha}, \qquad
     w_l = \frac{p_l^\alpha}{p_b^\alpha + p_l^\alpha}, \qquad w_b + w_l = 1
@@ -64,6 +64,7 @@ from alight.integrators.guided import (
     write_guided_scatter,
 )
 from alight.integrators.largest_sample import largest_of_paths
+from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_roulette
@@ -90,10 +91,6 @@ from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, where
-
-#: Strategies of light sampling, as numbers that kernels compare.
-BY_LIGHT, MIS, BY_BSDF = 0, 1, 2
-STRATEGIES = {"emitter": BY_LIGHT, "mis": MIS, "bsdf": BY_BSDF}
 
 #: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
 Listeners = namedtuple("Listeners", "meet find leave sample")
@@ -383,25 +380,3 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
         return replace(path, rays=rays)
 
     return add_direct_light
-
-
-def weights_of(strategy, heuristic):
-    """The kernels (bsdf_weight, light_weight) of a strategy: w_b and w_l, whose sum is one."""
-
-    @kernel
-    def bsdf_weight(path, light_pdf):
-        """w_b: weight of light that a BSDF sample hit."""
-        if strategy == MIS:
-            return where(path.delta, 1.0, heuristic(path.pdf, light_pdf))
-        if strategy == BY_BSDF:
-            return where(path.delta, 1.0, lanes(1.0))
-        return where(path.delta, 1.0, lanes(0.0))
-
-    @kernel
-    def light_weight(light, bsdf_pdf):
-        """w_l: weight of light that light sampling chose."""
-        if strategy == MIS:
-            return where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))
-        return where(light.delta, 1.0, lanes(1.0))
-
-    return bsdf_weight, light_weight
