@@ -3,15 +3,15 @@ r"""What a guide gains: the noise of guided paths beside that which paths withou
 Both follow from the records of the same guided paths. Vertex k of a path drew its direction with
 the density :math:`p_k`; the BSDF alone would have had :math:`b_k`. So without the guide the path is
 :math:`P_k = \prod_{j \le k} p_j / b_j` times as rare as far as it goes, and what it brings from
-there weighs as much more. With :math:`T_k`, what the sample gathers after vertex k, and
+there weighs as much more; and its multiple importance sampling has the weights of :math:`b_k`, not
+of :math:`p_k`. With :math:`T_k`, what the sample gathers by these weights after vertex k, and
 :math:`L`, all that it gathers, the second moment without the guide is
 
 .. math:: \operatorname E_b[L^2] = \operatorname E_p\Bigl[
     L^2 + \sum_k T_k^2\, (P_k - P_{k-1}) \Bigr], \qquad P_{-1} = 1 .
 
 This finds what a comparison of two pictures would miss: the light that paths without a guide do
-not meet in so few samples. It leaves out that light sampling has other weights, and that evenly
-distributed samples help unguided paths more.
+not meet in so few samples. It leaves out that evenly distributed samples help unguided paths more.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ EPSILON = 0.01
 
 
 def moments_without(log: Log) -> NDArray[np.float64]:
-    """By how much each sample's part of the second moment is larger without the guide.
+    """Each sample's part of the second moment without the guide.
 
     Parameters
     ----------
@@ -38,16 +38,15 @@ def moments_without(log: Log) -> NDArray[np.float64]:
     Returns
     -------
     ndarray of float64, shape (samples,)
-        To be added to the squares of their luminance.
     """
-    ends = log.ends.array.astype(np.float64)
-    rows = log.rows.shaped
+    ends = log.unguided.array.astype(np.float64)
+    rows, moments = log.rows.shaped, ends**2
     if not len(rows):
-        return np.zeros(len(ends))
+        return moments
     number = rows[:, 11].copy().view(np.uint32).astype(np.int64)
     order = np.argsort(number, kind="stable")
     rows, number = rows[order].astype(np.float64), number[order]
-    pdf, of_bsdf, before = rows[:, 6], rows[:, 7], rows[:, 10]
+    pdf, of_bsdf, before = rows[:, 6], rows[:, 7], rows[:, 12]
     # What a BSDF never draws is light that it does not scatter.
     ratio = np.log(np.where(of_bsdf > 0.0, pdf / np.where(of_bsdf > 0.0, of_bsdf, 1.0), 1.0))
     first = np.diff(number, prepend=-1) != 0
@@ -55,9 +54,8 @@ def moments_without(log: Log) -> NDArray[np.float64]:
     earlier -= earlier[first][np.cumsum(first) - 1]
     with np.errstate(all="ignore"):
         more = (ends[number] - before) ** 2 * np.exp(earlier) * np.expm1(ratio)
-    sums = np.zeros(len(ends))
-    np.add.at(sums, number, np.where(np.isfinite(more), more, 0.0))
-    return sums
+    np.add.at(moments, number, np.where(np.isfinite(more), more, 0.0))
+    return moments
 
 
 @dataclass

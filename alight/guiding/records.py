@@ -89,6 +89,7 @@ def record_vertices(log, path, drawn, mask):
     store_lanes(values, 8 * LANES, luminance(drawn.weight))
     store_lanes(values, 9 * LANES, luminance(beta))
     store_lanes(values, 10 * LANES, luminance(path.L))
+    store_lanes(values, 12 * LANES, path.unguided.L)
     store_lanes(values, 11 * LANES, bits_float(sample_number(log.window, path.sampler)))
     append_rows(log, values, RECORD, mask)
 
@@ -114,15 +115,18 @@ def append_rows(log, values, size, mask):
 
 @kernel
 def record_ends(log, path, finished):
-    """Keep the luminance of finished samples, in training."""
-    values, numbers = local_floats(16), local_uints(16)
+    """Keep the luminance of finished samples, and that without a guide, in training."""
+    values, numbers = local_floats(32), local_uints(16)
     store_lanes(values, 0, luminance(path.L))
+    store_lanes(values, LANES, path.unguided.L)
     store_lanes(numbers, 0, sample_number(log.window, path.sampler))
     bits = mask_bits(finished)
     while bits != 0:
         lane = trailing_zeros(bits)
         bits &= bits - 1
-        log.ends[as_int(numbers[lane])] = values[lane]
+        at = as_int(numbers[lane])
+        log.ends[at] = values[lane]
+        log.unguided[at] = values[LANES + lane]
 
 
 @kernel

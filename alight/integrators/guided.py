@@ -93,9 +93,10 @@ def mixed_density(settings, here, w, of_bsdf, active):
 
 
 def write_guided_scatter(roulette):
-    """``(scene, settings, path, here, surface, wo) -> BsdfSample``, from the mixture.
+    """``(scene, settings, path, here, surface, wo) -> (BsdfSample, of_bsdf)``, from the mixture.
 
-    It plays roulette, if there is one. Training paths leave a record.
+    of_bsdf: the BSDF's own density of the direction. It plays roulette, if there is one. Training
+    paths leave a record.
     """
 
     @kernel
@@ -136,7 +137,7 @@ def write_guided_scatter(roulette):
             drawn = Drawn(p=surface.p, d=w, pdf=pdf, of_bsdf=of_bsdf, weight=weight)
             record_vertices(settings.log, path, drawn, smooth & possible)
         weight = where(survived, weight / survival, lanes_vec3(0.0))
-        return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf))
+        return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf)), of_bsdf
 
     return guided_scatter
 

@@ -43,7 +43,7 @@ from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
     count_lanes,
-    no_paths,
+    empty_paths,
     to_local,
     to_world,
     vertex_dimension,
@@ -86,7 +86,7 @@ def set_out_by(scene, settings, new, sampler, first):
     e = sample_emission(scene, u, u2, get_2d(sampler, first + BSDF_DIRECTION))
     brightness = max_component(e.flux)
     path = replace(
-        no_paths(),
+        empty_paths(),
         o=e.o,
         d=e.d,
         p=e.p,

@@ -18,7 +18,7 @@ Two techniques find the light at the end of the same edge, seen from the vertex 
   (`_write_add_direct_light`): :math:`w_l\, \beta\, f |\cos\theta|\, L_e / p_l`.
 
 Both densities are per solid angle at x, and :math:`p_l` includes the probability of choosing that
-light. For a direction that both techniques can draw, the weights are (`weights_of`)
+light. For a direction that both techniques can draw, the weights are (`mis_weights`)
 
 .. math:: w_b = \frac{p_b^\alpha}{p_b^\alpha + p_l^\alpha}, \qquad
     w_l = \frac{p_l^\alpha}{p_b^\alpha + p_l^\alpha}, \qquad w_b + w_l = 1
@@ -64,6 +64,7 @@ from alight.integrators.guided import (
     write_guided_scatter,
 )
 from alight.integrators.largest_sample import largest_of_paths
+from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_roulette
@@ -75,6 +76,7 @@ from alight.integrators.walk import (
     LIGHT_POINT,
     count_lanes,
     gather_light,
+    gather_unguided,
     to_local,
     to_world,
     vertex_dimension,
@@ -89,10 +91,6 @@ from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, where
-
-#: Strategies of light sampling, as numbers that kernels compare.
-BY_LIGHT, MIS, BY_BSDF = 0, 1, 2
-STRATEGIES = {"emitter": BY_LIGHT, "mis": MIS, "bsdf": BY_BSDF}
 
 #: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
 Listeners = namedtuple("Listeners", "meet find leave sample")
@@ -203,7 +201,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
 def _write_trace(program, bsdf_weight, listeners):
     environment = bool(environments_of(program))
     hides = program.option("hide_emitters", False)
-    reach_environment = write_reach_environment(bsdf_weight, listeners)
+    reach_environment = write_reach_environment(bsdf_weight, listeners, is_guided(program))
 
     @kernel
     def trace(scene, settings, path):
@@ -227,12 +225,12 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
-    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners)
+    guided = is_guided(program)
+    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, guided)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides = program.option("hide_emitters", False)
     absorbing = absorbs(program)
-    guided = is_guided(program)
     next_direction = write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
@@ -270,7 +268,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
 
         # Where the path continues: beta gains f cos / p_b.
         arrived = replace(path, active=active)
-        wi, weight, pdf, flags = next_direction(scene, settings, arrived, here, surface, wo)
+        drawn, of_bsdf = next_direction(scene, settings, arrived, here, surface, wo)
+        wi, weight, pdf, flags = drawn
         beta = path.beta * weight
         # Filters with negative lobes weigh some paths negatively.
         brightness = max_component(absolute_vec3(beta))
@@ -290,6 +289,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
             else:
                 on = end_dim_paths(scene, settings, on, surface, wi, brightness)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
+        if guided:
+            vertex = replace(vertex, unguided=replace(vertex.unguided, pdf=of_bsdf))
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
             vertex = where((flags & NULL) != 0, on, vertex)
@@ -323,7 +324,7 @@ def _write_scatter(scatter):
         active, dimension = path.active, vertex_dimension(path.depth + 1)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
-        return scatter(scene, surface, wo, u, u2, active)
+        return scatter(scene, surface, wo, u, u2, active), NOWHERE
 
     return next_direction
 
@@ -351,13 +352,14 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
+            of_bsdf = pdf
             if guided:
                 pdf = mixed_density(settings, here, light.wi, pdf, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
             if not holes:
                 rays += count_lanes(lit)
             o, end = shadow_ray(surface, light)
-            passed = lanes_u32(0)
+            passed, share = lanes_u32(0), lanes(1.0)
             if holes:
                 # A hole is the end of an edge, for paths and so for shadow rays too.
                 most = passed + settings.max_depth - depth - 1
@@ -369,30 +371,12 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
                 w = light_weight(light, pdf)
             Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
             path = gather_light(path, Ld, lit, depth + passed <= 1)
+            if guided:
+                w = share * light_weight(light, of_bsdf)
+                found = path.beta * f_cos * light.radiance * (w / light.pdf)
+                path = gather_unguided(path, found, lit)
             if recorded:
                 sample(scene, path, surface.p, n, passed, lit, Ld)
         return replace(path, rays=rays)
 
     return add_direct_light
-
-
-def weights_of(strategy, heuristic):
-    """The kernels (bsdf_weight, light_weight) of a strategy: w_b and w_l, whose sum is one."""
-
-    @kernel
-    def bsdf_weight(path, light_pdf):
-        """w_b: weight of light that a BSDF sample hit."""
-        if strategy == MIS:
-            return where(path.delta, 1.0, heuristic(path.pdf, light_pdf))
-        if strategy == BY_BSDF:
-            return where(path.delta, 1.0, lanes(1.0))
-        return where(path.delta, 1.0, lanes(0.0))
-
-    @kernel
-    def light_weight(light, bsdf_pdf):
-        """w_l: weight of light that light sampling chose."""
-        if strategy == MIS:
-            return where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))
-        return where(light.delta, 1.0, lanes(1.0))
-
-    return bsdf_weight, light_weight

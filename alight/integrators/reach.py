@@ -7,16 +7,18 @@ In multiple importance sampling this is the technique of the BSDF; the factories
 from __future__ import annotations
 
 from alight.core.vec import length
-from alight.integrators.walk import gather_light
+from alight.integrators.walk import gather_light, gather_unguided
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.misses import environment_pdf, environment_radiance
 from lanewise.jit import kernel
+from lanewise.records import replace
 from lanewise.simd import any_lane, where
 
 
-def write_reach_environment(bsdf_weight, listeners):
+def write_reach_environment(bsdf_weight, listeners, guided=False):
     """``(scene, path, missed) -> path``: light of the environment, where rays left the scene."""
     recorded, leave = listeners.leave is not None, listeners.leave
+    reach_unguided = _write_reach_unguided(bsdf_weight)
 
     @kernel
     def reach_environment(scene, path, missed):
@@ -25,9 +27,12 @@ def write_reach_environment(bsdf_weight, listeners):
             # Idle lanes all read the same texel, which costs no memory traffic.
             d = where(missed, path.d, 0.0)
             Le = environment_radiance(scene, d)
-            w = bsdf_weight(path, environment_pdf(scene, path.p, d))
+            pdf = environment_pdf(scene, path.p, d)
+            w = bsdf_weight(path, pdf)
             found = path.beta * Le * w
             path = gather_light(path, found, missed, depth <= 2)
+            if guided:
+                path = reach_unguided(path, Le, pdf, missed)
             if recorded:
                 leave(scene, path, depth, missed, found)
         return path
@@ -35,9 +40,10 @@ def write_reach_environment(bsdf_weight, listeners):
     return reach_environment
 
 
-def write_reach_lamp(bsdf_weight, holes, listeners):
+def write_reach_lamp(bsdf_weight, holes, listeners, guided=False):
     """``(scene, path, hit, surface, active) -> path``: light of surfaces that rays hit."""
     recorded, find = listeners.find is not None, listeners.find
+    reach_unguided = _write_reach_unguided(bsdf_weight)
 
     @kernel
     def reach_lamp(scene, path, hit, surface, active):
@@ -53,8 +59,21 @@ def write_reach_lamp(bsdf_weight, holes, listeners):
             w = bsdf_weight(path, pdf)
             found = path.beta * Le * w
             path = gather_light(path, found, shining, depth <= 2)
+            if guided:
+                path = reach_unguided(path, Le, pdf, shining)
             if recorded:
                 find(scene, path, surface.light, depth, shining, found)
         return path
 
     return reach_lamp
+
+
+def _write_reach_unguided(bsdf_weight):
+    """``(path, Le, light_pdf, mask) -> path``: the same light to `unguided`, by its own weight."""
+
+    @kernel
+    def reach_unguided(path, Le, light_pdf, mask):
+        w = bsdf_weight(replace(path, pdf=path.unguided.pdf), light_pdf)
+        return gather_unguided(path, path.beta * Le * w, mask)
+
+    return reach_unguided

@@ -23,14 +23,9 @@ from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, max_component
+from alight.integrators.mis_weights import BY_BSDF, BY_LIGHT, MIS, STRATEGIES
 from alight.integrators.options import PathTracing
-from alight.integrators.path import (
-    BY_BSDF,
-    BY_LIGHT,
-    MIS,
-    NO_LISTENERS,
-    STRATEGIES,
-)
+from alight.integrators.path import NO_LISTENERS
 from alight.integrators.reach import write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_roulette
 from alight.integrators.shadow_rays import come_through

@@ -12,8 +12,8 @@ from collections import namedtuple
 import numpy as np
 
 from alight.core.spec import Integrator
-from alight.core.vec import Vec3, dot, normalize
-from alight.guiding.tables import Guide, no_log
+from alight.core.vec import Vec3, dot, luminance, normalize
+from alight.guiding.tables import GUIDED, Guide, no_log
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
@@ -38,8 +38,15 @@ from lanewise.simd import (
 #: beta : Vec3, throughput;  pdf : density of d per steradian;
 #: delta : mask, d was chosen by a delta lobe, or is a camera ray;
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
-#: rays : uniform whole number, rays traced by all lanes so far.
-PathState = namedtuple("PathState", "o d p L L_direct beta pdf delta depth sampler active rays")
+#: rays : uniform whole number, rays traced by all lanes so far;
+#: unguided : `Unguided` where there is a guide, else empty.
+PathState = namedtuple(
+    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided"
+)
+
+#: What the same path would have without its guide. pdf: the BSDF's density of d; L: luminance that
+#: is gathered with the weights that follow from it.
+Unguided = namedtuple("Unguided", "pdf L")
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
 #: metres).
@@ -86,7 +93,7 @@ def no_paths():
         o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(x=zero, y=zero, index=zero, scramble=zero, seed=zero, a=zero, b=zero),
-        active=lanes_mask(False), rays=as_int(0),
+        active=lanes_mask(False), rays=as_int(0), unguided=(),
     )  # fmt: skip
 
 
@@ -116,7 +123,15 @@ def begin_paths(new, o, d, weight, sampler, path):
 @specialised
 def empty_paths(program):
     """``empty_paths()``: inactive paths, with all that the integrator keeps."""
-    return model_of(program).empty_paths or no_paths
+    own = model_of(program).empty_paths or no_paths
+    if not program.option(GUIDED, False):
+        return own
+
+    @kernel
+    def empty_guided_paths():
+        return replace(own(), unguided=Unguided(lanes(0.0), lanes(0.0)))
+
+    return empty_guided_paths
 
 
 @specialised
@@ -126,7 +141,17 @@ def start_paths(program):
     An integrator that keeps more than a `PathState` has kernels of the names `empty_paths` and
     `start_paths`.
     """
-    return model_of(program).start_paths or begin_paths
+    own = model_of(program).start_paths or begin_paths
+    if not program.option(GUIDED, False):
+        return own
+
+    @kernel
+    def start_guided_paths(new, o, d, weight, sampler, path):
+        path = own(new, o, d, weight, sampler, path)
+        unguided = where(new, Unguided(lanes(0.0), lanes(0.0)), path.unguided)
+        return replace(path, unguided=unguided)
+
+    return start_guided_paths
 
 
 @kernel(strict=True)
@@ -141,6 +166,13 @@ def gather_light(path, found, mask, direct):
         L=where(mask, path.L + found, path.L),
         L_direct=where(mask & direct, path.L_direct + found, path.L_direct),
     )
+
+
+@kernel
+def gather_unguided(path, found, mask):
+    """As `gather_light`, with the weights of a path without its guide."""
+    L = where(mask, path.unguided.L + luminance(found), path.unguided.L)
+    return replace(path, unguided=replace(path.unguided, L=L))
 
 
 @kernel

@@ -10,7 +10,7 @@ from alight.guiding.light_records import record_arrivals
 from alight.integrators.light_walk import set_out, write_arrive, write_leave
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
-from alight.integrators.walk import no_paths, to_world
+from alight.integrators.walk import empty_paths, to_world
 from alight.lights.emission_sampling import is_around
 from alight.lights.misses import environments_of
 from alight.rendering.tile_kernel import Cursor, count_cells, next_pixel, next_samples
@@ -78,7 +78,7 @@ def extend_recorded(program):
 @kernel
 def record_light_paths(scene, settings, tile, ranges, log):
     """Trace the light paths `ranges` of a tile of the small picture, and log where they arrive."""
-    path, queue = no_paths(), empty_queue(NO_HIT)
+    path, queue = empty_paths(), empty_queue(NO_HIT)
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     _, cells = count_cells(tile)
     waiting = 0

@@ -212,8 +212,8 @@ class Trainer:
             self.local.scratch = Scratch()
 
         def run(rows: View, counted: View) -> Log:
-            ends = View(np.zeros(samples, np.float32))
-            log = Log(rows, counted, ends, View(np.array(window, np.uint32)))
+            ends, unguided = (View(np.zeros(samples, np.float32)) for _ in range(2))
+            log = Log(rows, counted, ends, unguided, View(np.array(window, np.uint32)))
             film = self.local.scratch.film(settings, tile, False)
             ranges = _ranges(tile, first, count)
             self.kernel(self.tables, settings._replace(log=log), tile, ranges, film)
@@ -283,7 +283,7 @@ def _look(found: _Round, tile: Tile, log: Log, without: NDArray[np.float64]) -> 
     window = slice(tile.y0, tile.y1), slice(tile.x0, tile.x1)
     found.moments.sums[window] += ends.sum(2)
     found.moments.squares[window] += (ends**2).sum(2)
-    found.moments.without[window] += (ends**2 + without.reshape(shape)).sum(2)
+    found.moments.without[window] += without.reshape(shape).sum(2)
     p = log.rows.shaped[:, :3]
     if len(p):
         found.low, found.high = np.minimum(found.low, p.min(0)), np.maximum(found.high, p.max(0))

@@ -14,17 +14,22 @@ from alight.integrators.walk import make_settings
 from alight.lab.measure import add_tiles, film_for
 from alight.rendering.tile import make_kernels
 from alight.rendering.tiles import tiles_of
-from alight.rendering.trainer import LEAST_GAIN
+from alight.rendering.trainer import LEAST_GAIN, Trainer
 from alight.rendering.training import trained, untrained
 from alight.scene import flatten
 from lanewise.view import View
 
 
-def finished(rows, ends):
-    """A log of finished samples."""
-    nothing = View(np.zeros(2, np.int64)), View(np.zeros(6, np.uint32))
-    ends = View(np.asarray(ends, np.float32))
-    return Log(View(np.asarray(rows, np.float32).reshape(-1, RECORD)), nothing[0], ends, nothing[1])
+def finished(rows, unguided):
+    """A log of finished samples, by what they gather with the weights of paths without a guide."""
+    unguided = np.asarray(unguided, np.float32)
+    return Log(
+        rows=View(np.asarray(rows, np.float32).reshape(-1, RECORD)),
+        count=View(np.zeros(2, np.int64)),
+        ends=View(np.full_like(unguided, 7.0)),
+        unguided=View(unguided),
+        window=View(np.zeros(6, np.uint32)),
+    )
 
 
 def random_walks(rng, vertices):
@@ -41,7 +46,7 @@ def random_walks(rng, vertices):
         found = light[range(vertices), ways]
         gathered = first + np.r_[0.0, np.cumsum(found / np.cumprod(of_guide))]
         mine = np.zeros((vertices, RECORD), np.float32)
-        mine[:, 6], mine[:, 7], mine[:, 10] = of_guide, of_bsdf, gathered[:-1]
+        mine[:, 6], mine[:, 7], mine[:, 12] = of_guide, of_bsdf, gathered[:-1]
         mine[:, 11] = np.array(number, np.uint32).view(np.float32)
         rows.append(mine)
         ends.append(gathered[-1])
@@ -55,7 +60,7 @@ def random_walks(rng, vertices):
 def test_the_second_moment_without_a_guide_is_exact(seed):
     """The mean over all walks. Catches a product one vertex too long, or of other samples."""
     log, chances, expected = random_walks(np.random.default_rng(seed), 1 + seed)
-    found = (chances * (log.ends.array.astype(float) ** 2 + moments_without(log))).sum()
+    found = (chances * moments_without(log)).sum()
     assert found == pytest.approx(expected, rel=1e-5)
 
 
@@ -64,8 +69,8 @@ def test_samples_that_are_no_numbers_say_nothing():
     rows[:, 6], rows[0, 7] = 0.5, 0.25
     rows[1, 11] = np.array(1, np.uint32).view(np.float32)
     # The second was drawn where the BSDF scatters nothing.
-    assert moments_without(finished(rows, [np.inf, 2.0])).tolist() == [0.0, 0.0]
-    assert moments_without(finished([], [1.0, 2.0])).tolist() == [0.0, 0.0]
+    assert moments_without(finished(rows, [np.inf, 2.0])).tolist() == [np.inf, 4.0]
+    assert moments_without(finished([], [1.0, 2.0])).tolist() == [1.0, 4.0]
 
 
 def test_a_guide_is_worth_the_ratio_of_relative_variances():
@@ -132,6 +137,38 @@ def test_a_guide_that_pays_is_used():
         compile_scene(flatten(scene_with(GLOBE, guiding="on"))), seed=3, threads=1, rounds=6
     )
     assert asked.hash == took.hash and asked.gain == took.gain
+
+
+#: Light sampling and directions share what is bright.
+CEILING = """
+  ceiling:
+    shape: rectangle
+    transform: [{scale: 0.8}, {rotate: {axis: x, angle: 90}}, {translate: [0, 0.9, -0.3]}]
+    light: {type: area, radiance: 5}
+"""
+
+
+def test_paths_with_a_guide_tell_mean_and_second_moment_without_it():
+    """Weights of multiple importance sampling are those of the BSDF, for lamps and for lights."""
+    plain = scene_with(CEILING, guiding="on", russian_roulette="none", max_depth=4)
+    compiled = untrained(compile_scene(flatten(plain)))
+    trainer = Trainer(compiled, threads=2)
+    guide = trainer.train(5, 6)
+    assert guide.leaves.shaped[:, 0].max() > 0.5
+    told, seen = [], []
+    for own, found in ((guide, told), (compiled.guide, seen)):
+        settings = make_settings(compiled.integrator, seed=7, replicates=1, guide=own)
+        for tile in trainer.tiles:
+            log, _, without = trainer._tile(settings, tile, 0, 16, True)
+            found.append(np.stack([log.unguided.array, without]))
+    # A guide that is never asked: its paths are those without one.
+    np.testing.assert_allclose(without, log.ends.array.astype(float) ** 2, rtol=1e-5, atol=1e-10)
+    (a, b), n = (np.concatenate(one, axis=1).astype(float) for one in (told, seen)), 2**18
+    assert a.shape[1] == b.shape[1] and a.shape[1] > 0.9 * n
+    spread = np.sqrt((a.var(axis=1) + b.var(axis=1)) / a.shape[1])
+    assert (np.abs(a.mean(axis=1) - b.mean(axis=1)) < 4.0 * spread).all()
+    # With weights of the mixture they are 2.6 and 14 % too high.
+    assert (spread < 0.005 * b.mean(axis=1)).all()
 
 
 def test_a_guide_that_knows_nothing_changes_nothing():

@@ -88,7 +88,9 @@ def test_sums_are_those_of_the_records_one_by_one(seed):
     rows[7, 9], rows[9, 8], number[9] = 0.0, 1e12, 0
     rows[9, 11] = number[9:10].view(np.float32)[0]
     unit = 0.25
-    log = Log(View(rows), View(np.array([n, 0])), View(ends), View(np.zeros(6, np.uint32)))
+    log = Log(
+        View(rows), View(np.array([n, 0])), View(ends), View(ends), View(np.zeros(6, np.uint32))
+    )
     totals = tree.empty_totals()
     known = View(densities.astype(np.float32))
     instantiate(add_records)(guide, known, log, totals, np.float32(unit))
@@ -98,7 +100,7 @@ def test_sums_are_those_of_the_records_one_by_one(seed):
     middles = np.zeros((len(tree.roots), 3))
     mine = leaf_at(guide, Vec3(*rows[:, :3].T.copy()))
     for i in range(n):
-        *_, pdf, of_bsdf, weight, beta, before, _ = rows[i].astype(float)
+        *_, pdf, of_bsdf, weight, beta, before, _, _ = rows[i].astype(float)
         end = float(ends[number[i]])
         gain = weight * (end - before) / (beta or 1.0) if np.isfinite(end) else 0.0
         moment = gain**2 * pdf

@@ -11,6 +11,18 @@ SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
 
 GUIDING = (
     Mutant(
+        "weights of the mixture for lamps that paths without a guide would meet",
+        "integrators/reach.py",
+        (("replace(path, pdf=path.unguided.pdf)", "path"),),
+        f"{GAIN}::test_paths_with_a_guide_tell_mean_and_second_moment_without_it",
+    ),
+    Mutant(
+        "weights of the mixture for the light sampling of paths without a guide",
+        "integrators/path.py",
+        (("light_weight(light, of_bsdf)", "light_weight(light, pdf)"),),
+        f"{GAIN}::test_paths_with_a_guide_tell_mean_and_second_moment_without_it",
+    ),
+    Mutant(
         "a density without the Jacobian of the map",
         "guiding/lookup.py",
         (("lanes(1.0), lanes(INV_FOUR_PI)", "lanes(1.0), lanes(4.0 * INV_FOUR_PI)"),),

@@ -8,7 +8,7 @@ TWIN = "tests/rendering/test_in_the_twin.py"
 TRANSPORT = (
     Mutant(
         "both ways of sampling with full weight",
-        "integrators/path.py",
+        "integrators/mis_weights.py",
         (
             ("where(path.delta, 1.0, heuristic(path.pdf, light_pdf))", "lanes(1.0)"),
             ("where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))", "lanes(1.0)"),
@@ -17,7 +17,7 @@ TRANSPORT = (
     ),
     Mutant(
         "light behind a mirror weighed as if lights were sampled for it",
-        "integrators/path.py",
+        "integrators/mis_weights.py",
         (
             (
                 "where(path.delta, 1.0, heuristic(path.pdf, light_pdf))",
