@@ -30,9 +30,14 @@ import numpy as np
 from alight.metrics.statistics import student_t_quantile
 
 #: A's own brightness over that of the surroundings, squared, at which one class ends.
-_EDGES = (2.0**2, 8.0**2, 64.0**2)
+_EDGES = (0.5**2, 1.0, 2.0**2, 8.0**2, 64.0**2)
 
-CLASSES = len(_EDGES) + 1
+#: A's squared error over its brightness squared, above which one replicate of A holds nearly all of
+#: its light (it is 1/2 if one does): such pixels have classes of their own, as few of them are as
+#: bright as they look.
+_ALONE = 0.3
+
+CLASSES = 2 * (len(_EDGES) + 1)
 
 #: Groups of cells, each left out once to see how sure the classes are.
 GROUPS = 16
@@ -80,11 +85,18 @@ class Believed(NamedTuple):
     variance: float
 
 
-def class_of(brightness: np.ndarray, around: np.ndarray) -> np.ndarray:
-    """Sort pixels by A's brightness over their surroundings', both squared; 0 to CLASSES - 1."""
+def class_of(brightness: np.ndarray, around: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Sort pixels by what A says of them; 0 to CLASSES - 1.
+
+    Parameters
+    ----------
+    brightness, around, error : ndarray of float32
+        A's own brightness, that of the surroundings, and A's error, all squared.
+    """
     classes = np.zeros(brightness.shape, np.uint8)
     for edge in _EDGES:
         classes += brightness > np.float32(edge) * around
+    classes += np.uint8(CLASSES // 2) * (error > np.float32(_ALONE) * brightness)
     return classes
 
 

@@ -206,7 +206,7 @@ def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
     q2 += here.epsilon
     brightness = np.maximum(b.brightness, np.float32(_GUARD) * a.brightness)
     plain = _inverse_square(brightness, b.variance, here.epsilon)
-    classes = noisy_pixels.class_of(own, q2)
+    classes = noisy_pixels.class_of(own, q2, s)
     precise = s < np.float32(_PRECISE) * np.maximum(own, q2)
     classes[precise] = noisy_pixels.CLASSES
     precise &= here.known

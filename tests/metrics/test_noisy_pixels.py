@@ -134,6 +134,42 @@ def test_the_doubt_about_noisy_pixels_counts_by_their_share():
     assert 1.0 - joined.lowest == pytest.approx((1.0 - alone.lowest) * share, rel=2e-3)
 
 
+@pytest.mark.parametrize(("least", "most", "ground"), [(0.05, 20.0, 0.001), (0.3, 100.0, 0.1)])
+def test_the_interval_holds_where_lamps_cover_any_part_of_a_pixel(least, most, ground):
+    """Light comes in hits, in some pixels of dozens, in others of one in twenty pictures."""
+    side, held, pictures = 48, 0, 40
+    for seed in range(pictures):
+        rng = np.random.default_rng((7, seed))
+        hits = np.exp(rng.uniform(math.log(least), math.log(most), (side, side)))
+        truth = hits + ground
+        seen = rng.poisson(np.repeat(hits[:, :, None], 4, axis=2)) + ground
+        scale = truth**2 + (0.1 * truth.mean()) ** 2
+        own = float(((seen.mean(axis=2) - truth) ** 2 / scale).mean())
+        found = figure_of(np.repeat(seen[..., None], 3, axis=3).astype(np.float32)).interval()
+        held += found.low <= own <= found.high
+    # 22 and 62 % with one class for all pixels that are no brighter than twice their surroundings.
+    assert held >= 0.8 * pictures
+
+
+@pytest.mark.parametrize("replicates", [4, 8, 16])
+def test_pixels_that_one_replicate_lights_are_in_classes_of_their_own(replicates):
+    """Half A has hits in one replicate, in two, or everywhere; any brightness, any surroundings."""
+    rng, half = np.random.default_rng(8), replicates // 2
+    around = np.exp(3.0 * rng.normal(size=500))
+    classes = []
+    for lit in (1, 2, half):
+        values = np.where(np.arange(half) < lit, 1.0, 0.0)[:, None] * around**0.5
+        values *= np.exp(4.0 * np.random.default_rng(9).normal(size=500))
+        brightness, error = values.mean(axis=0) ** 2, values.var(axis=0, ddof=1) / replicates
+        classes.append(noisy_pixels.class_of(brightness, around, error).astype(int))
+    alone, two, even = classes
+    own = noisy_pixels.CLASSES // 2
+    assert (alone >= own).all() and (two < own).all() and (even < own).all()
+    # Otherwise by brightness beside the surroundings', in the same order.
+    assert set(alone - own) == set(two) == set(range(own))
+    assert (two >= alone - own).all() and (even >= two).all()
+
+
 def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0, ratio=2.0):
     """Sums of pixels of which B sees rho, with normal noise."""
     rng, n = np.random.default_rng(seed), len(rho)

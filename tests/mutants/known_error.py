@@ -9,6 +9,18 @@ BARS = "tests/metrics/test_pixel_bars.py"
 
 KNOWN_ERROR = (
     Mutant(
+        "pixels of one bright sample in the classes of all others",
+        "metrics/noisy_pixels.py",
+        (("np.uint8(CLASSES // 2) * (error", "np.uint8(0) * (error"),),
+        f"{NOISY}::test_pixels_that_one_replicate_lights_are_in_classes_of_their_own",
+    ),
+    Mutant(
+        "one class for all pixels below twice the brightness around them",
+        "metrics/noisy_pixels.py",
+        (("_EDGES = (0.5**2, 1.0, 2.0**2,", "_EDGES = (2.0**2,"),),
+        f"{NOISY}::test_the_interval_holds_where_lamps_cover_any_part_of_a_pixel",
+    ),
+    Mutant(
         "noisy pixels as bright as the half that tells their error",
         "metrics/own_error.py",
         (("bright = b.brightness.ravel()", "bright = a.brightness.ravel()"),),
