@@ -38,6 +38,7 @@ class Mutant(NamedTuple):
 
 
 _PATH = "integrators/path.py"
+_WEIGHTS = "integrators/mis_weights.py"
 _NO_COSINE = """f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
             f_cos = f_cos * (1.0 / where(wi.z > 0.0, wi.z, 1e-6 - wi.z))"""
 _PER_AREA = """density = pdf_of_shape(scene, index, p, hit)
@@ -79,7 +80,7 @@ MUTANTS = {
     ),
     "mis-on-one-side": Mutant(
         "light sampling counts in full, and BSDF sampling by its weight on top",
-        ((_PATH, "where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))", "lanes(1.0)"),),
+        ((_WEIGHTS, "where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))", "lanes(1.0)"),),
         "with lights that have a size",
     ),
     "no-survival": Mutant(
@@ -122,8 +123,8 @@ MUTANTS = {
     "both-ways-in-full": Mutant(
         "light sampling and BSDF sampling both count in full",
         (
-            (_PATH, "where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))", "lanes(1.0)"),
-            (_PATH, "where(path.delta, 1.0, heuristic(path.pdf, light_pdf))", "lanes(1.0)"),
+            (_WEIGHTS, "where(light.delta, 1.0, heuristic(light.pdf, bsdf_pdf))", "lanes(1.0)"),
+            (_WEIGHTS, "where(path.delta, 1.0, heuristic(path.pdf, light_pdf))", "lanes(1.0)"),
         ),
         "with lights that have a size",
     ),
