@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import platform
-import re
 import sys
 from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
 import typer
+
+from alight.core.extras import install_command, requirements
 
 #: Processor features that decide speed, in the order of their age.
 _FEATURES = ("sse4.2", "avx", "avx2", "fma", "avx512f", "avx512vl", "neon", "sve")
@@ -76,38 +77,23 @@ def _cache(folder: Path) -> Check:
 
 
 def _packages() -> Iterator[Check]:
-    for name, extra in _requirements():
+    for name, extra in requirements():
         if not extra:
             version = _installed(name)
             yield name, version or f"missing; pip install {name}", version is not None
 
 
 def _extras() -> Iterator[str]:
-    requirements = _requirements()
-    for extra in sorted({extra for _, extra in requirements if extra}):
-        missing = [name for name, of in requirements if of == extra and _installed(name) is None]
+    required = requirements()
+    for extra in sorted({extra for _, extra in required if extra}):
+        missing = [name for name, of in required if of == extra and _installed(name) is None]
         if missing:
-            mend = f'pip install "alight[{extra}]"'
+            mend = install_command(extra, *missing)
             yield f" -  extra {extra:<12}missing {', '.join(missing)}; {mend}"
         else:
             yield f"ok  extra {extra:<12}complete"
-    if not requirements:
+    if not required:
         yield " -  extras          unknown: alight runs from its source folder; pip install ."
-
-
-def _requirements() -> list[tuple[str, str]]:
-    """List the packages that alight's own metadata names, with their extra or an empty text."""
-    try:
-        lines = metadata.requires("alight") or []
-    except metadata.PackageNotFoundError:
-        return []
-    found = []
-    for line in lines:
-        name = re.match(r"[\w.-]+", line)
-        extra = re.search(r"extra\s*==\s*['\"]([\w-]+)['\"]", line)
-        if name:
-            found.append((name[0], extra[1] if extra else ""))
-    return found
 
 
 def _installed(name: str) -> str | None:

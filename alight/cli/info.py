@@ -1,4 +1,4 @@
-"""``alight info``: what a scene holds, its memory, its tree."""
+"""``alight info``: what a scene, a film or a picture holds."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from alight.options.laboratory import InfoOptions
 @takes_words(InfoOptions)
 def info(
     options: InfoOptions,
-    scene: Annotated[str, typer.Argument(help="Scene file, or a built-in name.")],
+    scene: Annotated[str, typer.Argument(help="Scene file, built-in name, film or picture.")],
 ) -> None:
-    """Show a scene's contents without rendering it."""
+    """Show what a scene, a film or a picture holds, without rendering it."""
     import alight
 
     found = alight.info(scene, options)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from alight.cluster.keys import security_of
 from alight.core.errors import AlightError, OptionError
+from alight.core.extras import install_command
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -70,8 +71,8 @@ def check_dask() -> None:
     try:
         import distributed  # noqa: F401
     except ImportError:
-        text = "needs the extra cluster: pip install 'alight[cluster]'"
-        raise OptionError(text, "cluster") from None
+        command = install_command("cluster", "distributed")
+        raise OptionError(f"needs the extra cluster: {command}", "cluster") from None
 
 
 def processes_of(where: str) -> int:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from alight.core.errors import OptionError
+from alight.core.extras import install_command
 from alight.films.ledger import Bias
 from alight.outputs.picture import Picture
 
@@ -35,7 +36,8 @@ def check_denoiser() -> None:
     import importlib.util
 
     if importlib.util.find_spec("pyoidn") is None:
-        raise OptionError("denoising needs the package pyoidn: pip install 'alight[denoise]'")
+        command = install_command("denoise", "pyoidn")
+        raise OptionError(f"denoising needs the package pyoidn: {command}")
 
 
 def denoise(film: Film) -> tuple[Picture, Bias]:

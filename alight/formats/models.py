@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from alight.core.errors import Issue, SceneError
+from alight.core.extras import install_command
 from alight.formats import gltf, mesh_scene, obj_scene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
@@ -19,7 +20,8 @@ def _read_usd(data: bytes, name: str, reach: Reach) -> Parsed:
     import importlib.util
 
     if importlib.util.find_spec("pxr") is None:
-        text = "OpenUSD needs the package usd-core: pip install 'alight[usd]'"
+        command = install_command("usd", "usd-core")
+        text = f"OpenUSD needs the package usd-core: {command}"
         raise SceneError([Issue("", text, name)])
     from alight.formats.usd.scene import parse
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -58,7 +59,9 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
         kinds = ", ".join(SUFFIXES)
         raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])
     writer = _FileWriter(target, scene.source.folder)
-    text = plain_yaml.write(dump_scene(scene, writer))
+    data = dump_scene(scene, writer)
+    is_json = target.suffix.lower() == ".json"
+    text = json.dumps(data, indent=1) + "\n" if is_json else plain_yaml.write(data)
     # A reader never sees half a file: write beside, then rename.
     partial = target.with_name(target.name + ".partial")
     try:

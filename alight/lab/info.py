@@ -1,4 +1,4 @@
-"""What a scene holds: counts and settings, its tree, and what its reader had to say."""
+"""What a scene, a film or a picture holds, and what the reader of a scene had to say."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from alight.core.errors import OptionError
 from alight.options.entry import takes
 from alight.options.laboratory import InfoOptions
 from alight.outputs import html
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SceneInfo:
-    """What a scene holds.
+    """What a scene holds; of a film or a picture only the facts.
 
     Attributes
     ----------
@@ -64,11 +65,12 @@ class SceneInfo:
 
 @takes(InfoOptions)
 def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneInfo:
-    """Say what a scene holds, without rendering it.
+    """Say what a scene holds, without rendering it, or what is in a film or a picture.
 
     Parameters
     ----------
     scene : Scene, path or name of a built-in scene
+        Or the path of a film or a picture.
     {options}
 
     Returns
@@ -85,9 +87,14 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
     >>> dict(alight.info("cornell-box").facts)["lights"]
     '1 (1 area)'
     """
+    from alight.lab.picture_info import is_film_or_picture, picture_facts
     from alight.options.loading import scene_of
     from alight.scene import flatten
 
+    if is_film_or_picture(scene):
+        for name in options.given():
+            raise OptionError(f"{scene} is no scene", name)
+        return SceneInfo(picture_facts(str(scene)), [], [], [], [], [])
     description = scene_of(scene, options)
     flat = flatten(description)
     found, tree = facts(description, flat), []

@@ -14,13 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from alight.core.errors import OptionError
+from alight.core.extras import install_command
 from alight.core.srgb import encode_srgb
 
 #: Dynamic ranges: values on a display, cut at 1, or the scene's own.
 RANGES = ("ldr", "hdr")
-
-#: How to get the missing package.
-REMEDY = "FLIP needs the package flip-evaluator: pip install 'alight[lab]'"
 
 
 class Flip(NamedTuple):
@@ -67,7 +65,8 @@ def flip(image: np.ndarray, reference: np.ndarray, dynamic_range: str = "hdr") -
     if x.shape != ref.shape:
         raise ValueError(f"pictures must have one shape, got {x.shape} and {ref.shape}")
     if not is_available():
-        raise OptionError(REMEDY)
+        command = install_command("lab", "flip-evaluator")
+        raise OptionError(f"FLIP needs the package flip-evaluator: {command}")
     import flip_evaluator
 
     x, ref = np.maximum(x, 0.0), np.maximum(ref, 0.0)

@@ -6,9 +6,9 @@ import socket
 import webbrowser
 from collections.abc import Callable
 from importlib.util import find_spec
-from pathlib import Path
 
 from alight.core.errors import OptionError
+from alight.core.extras import install_command
 from alight.options.view import ViewOptions
 from alight.view.access import Access
 
@@ -35,7 +35,8 @@ def serve(subject: str, options: ViewOptions, tell: Callable[[str], None]) -> No
     """
     missing = [name for name in PACKAGES if find_spec(name) is None]
     if missing:
-        raise OptionError(f"the view needs {' and '.join(missing)}: {hint()}")
+        command = install_command("view", *PACKAGES)
+        raise OptionError(f"the view needs {' and '.join(missing)}: {command}")
     access = Access.of(options.host, options.token)
     import uvicorn
 
@@ -58,14 +59,6 @@ def serve(subject: str, options: ViewOptions, tell: Callable[[str], None]) -> No
         )
     )  # fmt: skip
     server.run(sockets=[listener])
-
-
-def hint() -> str:
-    """How to install the packages: from the checkout that runs, or from the packages alone."""
-    checkout = Path(__file__).parents[2]
-    if (checkout / "pyproject.toml").is_file():
-        return f"pip install '{checkout}[view]'"
-    return f"pip install {' '.join(PACKAGES)}"
 
 
 def _bound(options: ViewOptions) -> socket.socket:

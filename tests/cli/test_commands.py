@@ -11,6 +11,7 @@ from alight import __version__
 from alight.cli import doctor
 from alight.cli.main import app
 from alight.cli.progress import ProgressBar
+from alight.core.extras import install_command
 from alight.formats import builtin_names
 from alight.rendering import Progress
 
@@ -130,7 +131,7 @@ def test_doctor_names_the_command_that_mends_a_missing_extra(monkeypatch):
     result = run("doctor")
     assert result.exit_code == 1
     assert "BAD nosuchcore        missing; pip install nosuchcore" in result.output
-    assert 'extra lab         missing nosuchextra; pip install "alight[lab]"' in result.output
+    assert f"extra lab         missing nosuchextra; {install_command('lab')}" in result.output
 
 
 def test_doctor_works_without_installation(monkeypatch):

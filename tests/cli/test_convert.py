@@ -1,5 +1,7 @@
 """``alight convert``: what it writes, what it says, and what it refuses before it reads."""
 
+import json
+
 import pytest
 from typer.testing import CliRunner
 
@@ -19,6 +21,8 @@ def test_what_is_written_can_be_read(suffix, tmp_path):
     assert done.exit_code == 0, done.output
     assert f"scene: {path}" in done.output.splitlines()
     scene = load(path)
+    if suffix == ".json":
+        assert json.loads(path.read_text("utf-8"))["film"]["size"] == [20, 10]
     # A film of glTF has a shape only: its pictures are 600 pixels high.
     assert scene.film.size == ((1200, 600) if suffix == ".glb" else (20, 10))
     assert any(node.light is not None for _, _, node in scene.walk())

@@ -102,11 +102,11 @@ def test_without_the_package_nothing_is_rendered(film, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda n: None if n == "pyoidn" else find(n))
-    with pytest.raises(OptionError, match=r"pip install 'alight\[denoise\]'"):
+    with pytest.raises(OptionError, match=r'pip install ".*\[denoise\]"'):
         alight.denoise(film)
     result = CliRunner().invoke(app, ["render", "cornell-box", "--denoise"])
     assert result.exit_code == 2
-    assert "pip install 'alight[denoise]'" in result.stderr
+    assert '[denoise]"' in result.stderr
     assert not list(tmp_path.iterdir())
 
 

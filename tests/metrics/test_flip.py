@@ -17,7 +17,7 @@ def _pictures():
 
 def test_without_the_package_the_remedy_is_named(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(OptionError, match=r"pip install 'alight\[lab\]'"):
+    with pytest.raises(OptionError, match=r'pip install ".*\[lab\]"'):
         flip(*_pictures())
 
 

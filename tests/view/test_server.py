@@ -188,7 +188,7 @@ def test_tokens_are_drawn_anew():
 
 def test_without_the_extra_one_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setattr(serve, "find_spec", lambda name: None)
-    with pytest.raises(OptionError, match=r"pip install '.*\[view\]'"):
+    with pytest.raises(OptionError, match=r'pip install ".*\[view\]"'):
         serve.serve("cornell-box", ViewOptions(), print)
 
 

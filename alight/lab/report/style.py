@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from alight.core.errors import OptionError
+from alight.core.extras import install_command
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,7 +64,7 @@ def require_packages(*names: str) -> None:
     missing = [name for name in names if importlib.util.find_spec(name) is None]
     if missing:
         listed = " and ".join(missing)
-        raise OptionError(f"this needs {listed}: pip install 'alight[lab]'")
+        raise OptionError(f"this needs {listed}: {install_command('lab', *missing)}")
 
 
 @contextmanager
