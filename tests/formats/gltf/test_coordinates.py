@@ -3,7 +3,7 @@
 import numpy as np
 
 from tests.formats.gltf.maker import FACES, UVS, Maker
-from tests.formats.gltf.test_gltf import core, material_of, parsed
+from tests.formats.gltf.reading import core, material_of, parsed
 
 
 def test_texture_coordinates_are_turned_over():

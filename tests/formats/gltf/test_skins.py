@@ -8,7 +8,7 @@ import pytest
 from alight.core.errors import SceneError
 from alight.formats.surfaces import BRIGHTEST
 from tests.formats.gltf.maker import POINTS, Maker
-from tests.formats.gltf.test_gltf import core, material_of, parsed
+from tests.formats.gltf.reading import core, material_of, parsed
 
 #: Joint 0 holds the vertices at x = 0, joint 1 those at x = 1.
 JOINTS = np.array([[0, 0, 0, 0], [1, 0, 0, 0], [1, 0, 0, 0], [0, 0, 0, 0]], "u1")

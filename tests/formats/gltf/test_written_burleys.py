@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.formats.gltf.test_written_materials import GREY, again
+from tests.formats.gltf.written import GREY, again
 
 RIM = "burley: what is reflected on top is taken from what is below, rims are darker"
 
