@@ -59,7 +59,8 @@ def brighter_grey_is_shown_brighter(spec: ToneCurve) -> None:
 def brighter_colours_are_shown_brighter(spec: ToneCurve) -> None:
     """With the exposure, the luminance of what is shown of a colour does not fall visibly.
 
-    A curve that mixes channels, such as AgX, gives back a trace of it where two of them are full.
+    A curve that mixes channels may give back a trace of it: AgX's way back gives its blue a
+    luminance of -0.009, so that yellow falls by up to 0.0003 where only blue is not full yet.
     """
     seen = encode_srgb(np.minimum(shown(spec, LEVELS[:, None, None] * COLORS) @ LUMINANCE, 1.0))
     fall = np.maximum.accumulate(seen, axis=0) - seen
