@@ -73,7 +73,12 @@ class SceneOptions(Options):
 class SizedOptions(SceneOptions):
     """Options of what renders pictures of another size than the scene's."""
 
-    size: tuple[int, int] | int | str | None = option(Size(), "Pixels.", panel=SCENE, default=None)
+    size: tuple[int, int] | int | str | None = option(
+        Size(),
+        "Pixels, such as 640x360; a single number is the side of a square.",
+        panel=SCENE,
+        default=None,
+    )
     crop: tuple[int, int, int, int] | str | None = option(
         Crop(), "Part to render, in pixels.", panel=SCENE, default=None
     )
@@ -97,7 +102,10 @@ def camera() -> Any:
 
 def integrator() -> Any:
     """Declare the algorithm."""
-    help = "Algorithm, such as path or direct."
+    help = (
+        "Algorithm: path, volpath, direct, ambient_occlusion, random_walk, light, bidirectional or "
+        "one of a plug-in."
+    )
     return option(Text(), help, key="integrator.type", panel=SCENE, default=None)
 
 
@@ -109,15 +117,17 @@ def max_depth() -> Any:
 
 def sampler() -> Any:
     """Declare the source of random numbers."""
-    help = "Source of random numbers, such as sobol."
+    help = (
+        "Source of random numbers: independent, stratified, multijittered, halton, sobol or one of "
+        "a plug-in."
+    )
     return option(Text(), help, key="sampler.type", panel=SCENE, default=None)
 
 
 def filter() -> Any:
     """Declare the pixel filter."""
-    return option(
-        Text(), "Pixel filter, such as box.", key="film.filter", panel=SCENE, default=None
-    )
+    help = "Pixel filter: box, tent, gaussian, mitchell or one of a plug-in."
+    return option(Text(), help, key="film.filter", panel=SCENE, default=None)
 
 
 def rr_depth() -> Any:

@@ -1,11 +1,13 @@
 """Tables of options: what a word and a keyword mean is the same, and what neither means, too."""
 
 import dataclasses
+import re
 
 import pytest
 import typer
 
 import alight
+from alight import filters, integrators, samplers, tone_curves
 from alight.cli.words import takes_words
 from alight.core.errors import OptionError
 from alight.options import laboratory, render, resume, view
@@ -44,6 +46,19 @@ def test_an_option_says_what_it_is_and_its_default_is_allowed(table, name):
     one.check(one.default)
     assert one.check(one.check(one.default)) == one.check(one.default)
     assert bool(one.flags) != isinstance(one.kind, Anything) or name == "spp_per_pass"
+
+
+@pytest.mark.parametrize(
+    ("name", "family"),
+    [("integrator", integrators), ("sampler", samplers), ("filter", filters),
+     ("tone_map", tone_curves)],
+)  # fmt: skip
+def test_help_names_every_model_that_comes_with_alight(name, family):
+    """Help is printed without importing kernels, so that it cannot ask the registry itself."""
+    told = set(re.findall(r"\w+", render.RenderOptions.options()[name].help))
+    own = [one for one in family.MODELS if one.__name__.startswith("alight.")]
+    assert own
+    assert {one.EXAMPLES[0].type_name() for one in own} <= told
 
 
 @pytest.mark.parametrize(("table", "name"), TYPED, ids=TYPED_IDS)
