@@ -129,7 +129,7 @@ class Job:
         self.verdict: Verdict | None = None
         self.time_limit: float | None = None
         self.rays = self.samples = 0
-        self._earlier = 0.0
+        self._earlier = self._restored = 0.0
         self._begin: float | None = None
         window = self.rounds[0].crop
         self.splats = scene.integrator.splats
@@ -186,7 +186,8 @@ class Job:
     def restore(self, state: JobState, goal: Goal | None) -> None:
         """Go on from a state: with its goal, or with None, to ask this job's own schedule."""
         self.rounds, self.goal = list(state.rounds), goal
-        self.rays, self.samples, self._earlier = state.rays, state.samples, state.seconds
+        self.rays, self.samples = state.rays, state.samples
+        self._earlier = self._restored = state.seconds
 
     # ------------------------------------------------------------------------ progress
 
@@ -297,6 +298,8 @@ class Job:
     def statistics(self, seconds: dict[str, float]) -> dict[str, Any]:
         """Times, rates and memory of this render, of its parts before a checkpoint too."""
         seconds = {**seconds, "render": self.seconds}
+        if self._restored:
+            seconds["resumed_at"] = self._restored
         rate = self.samples / seconds["render"] / 1e6 if seconds["render"] > 0 else 0.0
         _, _, width, height = self.rounds[0].crop
         verdict = self.verdict or Verdict("cancelled")

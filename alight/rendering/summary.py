@@ -19,11 +19,15 @@ if TYPE_CHECKING:
 def summary_lines(
     film: Film, error: ErrorEstimate, unsure: float, seconds: float, further: Sequence[Bias] = ()
 ) -> list[str]:
-    """Say size, samples, time, rate, error and the share of unsure pixels in words."""
+    """Say size, samples, time, rate, error and the share of unsure pixels in words.
+
+    `seconds` are those of this process; what was rendered before a checkpoint is added to them.
+    """
     _, _, w, h = film.crop
-    rate, rendering = film.stats["msamples_per_s"], film.stats["seconds"]["render"]
-    speed = f"{film.spp:g} spp in {rendering:.2f} s, {rate:.2f} Msamples/s"
-    lines = [f"{w}x{h} pixels, {speed} ({seconds:.2f} s in all)"]
+    rate, spent = film.stats["msamples_per_s"], film.stats["seconds"]
+    whole = seconds + spent.get("resumed_at", 0.0)
+    speed = f"{film.spp:g} spp in {spent['render']:.2f} s, {rate:.2f} Msamples/s"
+    lines = [f"{w}x{h} pixels, {speed} ({whole:.2f} s in all)"]
     known = not math.isnan(error.relmse.value)
     doubts = unsure_lines(unsure) if known else []
     lines += [error_line(error), *doubts, *guide_lines(film)]

@@ -20,6 +20,7 @@ from alight.films import Film
 from alight.rendering import checkpoint_writer, resume, schedules
 from alight.rendering.checkpoint import read_checkpoint
 from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.summary import summary_lines
 from alight.scene import SceneManager
 from alight.scene.content import describe_content, differences
 from tests.rendering.interrupted import assert_same, cancelled_after
@@ -95,7 +96,20 @@ def test_a_time_limit_is_that_of_the_whole_render(tmp_path):
     more = alight.resume(path, time_limit=0.2)
     assert more.spp > film.spp
     assert more.stats["samples"] == more.counts.sum()
-    assert more.stats["seconds"]["render"] > film.stats["seconds"]["render"]
+    before, after = film.stats["seconds"], more.stats["seconds"]
+    assert after["render"] > before["render"]
+    assert "resumed_at" not in before
+    assert after["resumed_at"] == pytest.approx(before["render"], abs=0.05)
+
+
+def test_the_time_in_all_is_that_of_every_process(tmp_path):
+    path = tmp_path / "a.alight"
+    alight.render(scene(), spp=8, checkpoint=path)
+    film = alight.resume(path, spp=16)
+    film.stats["seconds"] |= {"render": 7.0, "resumed_at": 5.0}
+    first = summary_lines(film, film.relmse_estimate(), 0.0, seconds=2.5)[0]
+    assert "16 spp in 7.00 s" in first
+    assert first.endswith("(7.50 s in all)")
 
 
 # ---------------------------------------------------------------------------- rules
