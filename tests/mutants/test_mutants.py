@@ -51,7 +51,9 @@ def run_tests(folder: Path, *tests: str) -> subprocess.CompletedProcess:
         **os.environ, "PYTHONPATH": str(folder), "ALIGHT_CACHE": str(folder / "cache"),
         "COLUMNS": "300", "PYTHONDONTWRITEBYTECODE": "1",
     }  # fmt: skip
+    # Assertions are plain: pytest can take many minutes to tell how two large sets differ.
     options = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=line"]
+    options += ["--assert=plain"]
     # A run that is stuck says where, before the time of the test around it is over.
     command = [sys.executable, "-X", "faulthandler", "-m", "pytest", *options]
     command += ["-o", "faulthandler_timeout=200", "-o", "timeout=0", *tests]
