@@ -9,10 +9,11 @@ from typing import Any
 
 from lanewise import memory_instructions, record_instructions, simd, wide_instructions
 from lanewise.instructions import PRIMITIVES
+from lanewise.kept_functions import digest_on_disk, keep_on_disk
 from lanewise.lane_types import N
 from lanewise.numba_adapter import jit, object_code
 
-__all__ = ["jit", "object_code", "primitive"]
+__all__ = ["digest_on_disk", "jit", "keep_on_disk", "object_code", "primitive"]
 
 # They fill PRIMITIVES.
 assert memory_instructions and record_instructions and wide_instructions

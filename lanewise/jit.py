@@ -23,7 +23,7 @@ from typing import Any
 from lanewise.application import setting, variable
 from lanewise.machine_code import MachineCode, ObjectCode
 from lanewise.marks import STRICT, Specialised, is_kernel, kernel, specialised
-from lanewise.source_digest import digest_of
+from lanewise.source_digest import digest_of, digest_of_text
 
 __all__ = ["FAST_MATH", "Specialised", "instantiate", "is_kernel", "kernel", "specialised"]
 
@@ -168,15 +168,25 @@ class _CompiledBuild(_Build):
         key = (node, strict, root, self.stock)
         if shared and key in _SHARED:
             return _SHARED[key]
+        fast_math = set() if strict else set(FAST_MATH)
         result = self.compiler.jit(
-            self.clone(node, strict),
-            fast_math=set() if strict else set(FAST_MATH),
-            root=root,
-            stock=self.stock,
+            self.clone(node, strict), fast_math=fast_math, root=root, stock=self.stock
         )
+        if not self.stock:
+            self.keep_on_disk(result, node, strict, root, *sorted(fast_math))
         if shared:
             _SHARED[key] = result
         return result
+
+    def keep_on_disk(self, dispatcher: Any, node: Callable, strict: bool, *words: object) -> None:
+        """Have a kernel's functions kept, if its text can be told from any other."""
+
+        def digest_of_callee(value: Any) -> str | None:
+            return self.compiler.digest_on_disk(self.get(value, strict))
+
+        digest = digest_of_text(node, digest_of_callee, *words)
+        if digest is not None:
+            self.compiler.keep_on_disk(dispatcher, digest)
 
     def replacement(self, value: Any, strict: bool) -> Any:
         value = self.compiler.primitive(value)

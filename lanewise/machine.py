@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -41,12 +41,19 @@ def describe_machine() -> dict[str, str]:
 
 @cache
 def _describe(package: Application) -> dict[str, str]:
+    return {
+        f"sources of {package.name}": _digest_of_sources({LANEWISE, package}),
+        **_describe_compiler(),
+    }
+
+
+@cache
+def _describe_compiler() -> dict[str, str]:
     from importlib.metadata import version
 
     import llvmlite.binding as llvm
 
     return {
-        f"sources of {package.name}": _digest_of_sources({LANEWISE, package}),
         "numba": version("numba"),
         "llvmlite": version("llvmlite"),
         "numpy": version("numpy"),
@@ -70,7 +77,11 @@ def differing(machine: Mapping[str, str], own: Mapping[str, str]) -> list[str]:
 
 def fingerprint() -> str:
     """Short name for everything that `describe_machine` says."""
-    return hashlib.sha256("|".join(describe_machine().values()).encode()).hexdigest()[:20]
+    return _short(describe_machine().values())
+
+
+def _short(words: Iterable[str]) -> str:
+    return hashlib.sha256("|".join(words).encode()).hexdigest()[:20]
 
 
 def _digest_of_sources(packages: set[Application]) -> str:
@@ -88,8 +99,23 @@ def cache_folder() -> Path:
 
     ``LANEWISE_CACHE`` (``ALIGHT_CACHE``) moves it.
     """
+    return _cache_root() / fingerprint()
+
+
+@cache
+def _compiler_name() -> str:
+    words = (_digest_of_sources({LANEWISE}), *_describe_compiler().values())
+    return f"functions-{_short(words)}"
+
+
+def functions_folder() -> Path:
+    """Where the functions of kernels are kept, which sources outside lanewise do not name."""
+    return _cache_root() / _compiler_name()
+
+
+def _cache_root() -> Path:
     base = setting("CACHE")
     if base is not None:
-        return Path(base) / fingerprint()
+        return Path(base)
     home = os.environ.get("XDG_CACHE_HOME")
-    return (Path(home) if home else Path.home() / ".cache") / application().name / fingerprint()
+    return (Path(home) if home else Path.home() / ".cache") / application().name

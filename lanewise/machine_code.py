@@ -10,18 +10,14 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
-import json
-import os
-import secrets
 import threading
-import zlib
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from lanewise.kept_files import read_kept, write_kept
 from lanewise.machine import cache_folder
 from lanewise.vec3 import Vec3
 from lanewise.view import View
@@ -154,31 +150,16 @@ def kind_of(value: Any) -> str:
 
 def _read(path: Path) -> ObjectCode | None:
     """What `_write` wrote; None if there is nothing, or nothing whole."""
-    try:
-        header, _, code = path.read_bytes().partition(b"\n")
-        described = json.loads(header)
-        whole = described["crc32"] == zlib.crc32(code)
-        found = ObjectCode(described["symbol"], tuple(described["arguments"]), code)
-    except (OSError, ValueError, LookupError, TypeError):
+    kept = read_kept(path)
+    if kept is None:
         return None
-    return found if whole else None
+    header, code = kept
+    return ObjectCode(header["symbol"], tuple(header["arguments"]), code)
 
 
 def _write(path: Path, compiled: ObjectCode) -> None:
-    """A line of JSON, then the object file; without room on disk the next run compiles again."""
-    header = {
-        "symbol": compiled.symbol,
-        "arguments": compiled.arguments,
-        "crc32": zlib.crc32(compiled.code),
-    }
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished.write_bytes(json.dumps(header).encode() + b"\n" + compiled.code)
-        unfinished.replace(path)
-    except OSError:
-        with suppress(OSError):
-            unfinished.unlink(missing_ok=True)
+    header = {"symbol": compiled.symbol, "arguments": compiled.arguments}
+    write_kept(path, header, compiled.code)
 
 
 # ---------------------------------------------------------------- in memory

@@ -11,17 +11,21 @@ Each says in one line what is assumed of it, and `lanewise.canary` tries them on
 
 from __future__ import annotations
 
+from copy import copy
 from functools import partial
 from typing import Any
 
+import llvmlite.binding as llvm
 import numpy as np
 from numba import njit, typeof, types
 from numba.core import cgutils  # struct proxies, `alloca_once`, `get_or_insert_function`
 from numba.core import ir as numba_ir  # Const, Global and FreeVar hold `value`, which may be set
+from numba.core.caching import NullCache  # a dispatcher's `_cache`, which is asked first
 from numba.core.codegen import JITCodeLibrary  # optimises `_final_module`, then finalises it
 from numba.core.compiler import (
     CompilerBase,  # runs the pass managers that `define_pipelines` returns
     DefaultPassBuilder,  # `define_nopython_pipeline(state)` is what njit does
+    compile_result,  # what a dispatcher keeps of a function
 )
 from numba.core.compiler_lock import global_compiler_lock  # is held while LLVM works
 from numba.core.compiler_machinery import (
@@ -37,6 +41,7 @@ from numba.core.typed_passes import (
     NopythonTypeInference,  # asks `state.typingctx` for the type of every call
     PreLowerStripPhis,  # lowering knows no phi nodes
 )
+from numba.core.typing import signature  # result and arguments of a function
 from numba.core.typing.templates import (
     AbstractTemplate,  # `generic` gives the signature of an operator
     infer_global,  # adds a template to an operator of Python
@@ -52,8 +57,9 @@ from numba.core.untyped_passes import (
 from lanewise.machine_code import ObjectCode
 
 __all__ = [
-    "AbstractTemplate", "TypingError", "cgutils", "infer_global", "jit", "lower_constant",
-    "make_struct", "object_code",
+    "DIGEST", "AbstractTemplate", "NullCache", "TypingError", "bare_descriptor", "cgutils",
+    "from_bitcode", "infer_global", "jit", "look_in", "lower_constant", "make_struct",
+    "object_code",
 ]  # fmt: skip
 
 
@@ -115,8 +121,22 @@ class OptimisedLibrary(JITCodeLibrary):
 
     def _finalize_final_module(self):
         # Numba's method of this name, without its last steps: the engine and its object cache.
+        # Callers get what `load` would give them, so that they become the same code in a process
+        # that compiles all of it and in one that finds a part on disk.
+        self._final_module = llvm.parse_bitcode(self._final_module.as_bitcode())
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def bitcode(self) -> bytes:
+        """The optimised module, as `load` reads it."""
+        self._ensure_finalized()
+        return self._final_module.as_bitcode()
+
+    def load(self, bitcode: bytes) -> None:
+        """Be the library that gave this `bitcode`."""
+        self._final_module = llvm.parse_bitcode(bitcode)
+        self._finalize_dynamic_globals()
         self._finalized = True
 
     def object_code(self) -> bytes:
@@ -135,15 +155,59 @@ class LowerToLibrary(NativeLowering):
     def run_pass(self, state):
         """Lower one function."""
         state.flags.no_compile = True  # to stop before the engine is asked for an address
+        digest = getattr(state.func_id.func, DIGEST, None)
+        if digest is not None:
+            # The name of a function in LLVM IR ends with this, a count if nothing else is said:
+            # functions of several processes meet in one module, and must not share a name.
+            state.func_id.unique_id = digest
         state.library = OptimisedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         super().run_pass(state)
-        # The dispatcher insists on an entry point of its own, a built-in callable, to tell its
-        # functions apart; nothing ever calls this one. Methods of two lists are never equal.
-        entry = [].append
+        entry = unused_entry()
         lowered = state["cr"]
         state.targetctx.insert_user_function(entry, lowered.fndesc, [state.library])
         state["cr"] = lowered._replace(cfunc=entry)
         return True
+
+
+def unused_entry() -> Any:
+    """An entry point for a dispatcher, which tells its functions apart by it; nothing calls it.
+
+    It must be a built-in callable. Methods of two lists are never equal.
+    """
+    return [].append
+
+
+#: Attribute of a kernel's function: the digest of its text, if there is one.
+DIGEST = "__lanewise_digest__"
+
+
+def from_bitcode(descriptor: Any, bitcode: bytes, target_context: Any) -> Any:
+    """What Numba would have compiled: a function that is described and optimised already."""
+    library = OptimisedLibrary(target_context.codegen(), descriptor.qualname)
+    library.load(bitcode)
+    return compile_result(
+        typing_context=target_context.typing_context,
+        target_context=target_context,
+        entry_point=unused_entry(),
+        library=library,
+        signature=signature(descriptor.restype, *descriptor.argtypes),
+        objectmode=False,
+        lifted=(),
+        fndesc=descriptor,
+        reload_init=[],
+    )
+
+
+def bare_descriptor(compiled: Any) -> Any:
+    """Names and types of a compiled function, without what only its lowering needs."""
+    descriptor = copy(compiled.fndesc)
+    descriptor.typemap = descriptor.calltypes = None
+    return descriptor
+
+
+def look_in(dispatcher: Any, cache: NullCache) -> None:
+    """Let a dispatcher ask `cache` before it compiles, and tell it what it has compiled."""
+    dispatcher._cache = cache
 
 
 class RememberingContext:

@@ -7,13 +7,16 @@ notebook or at the prompt.
 from __future__ import annotations
 
 import hashlib
-from types import CodeType, FunctionType, ModuleType
+from collections.abc import Callable
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from lanewise.application import LANEWISE, application
 from lanewise.marks import Specialised, is_kernel
+from lanewise.simd import LaneCount
+from lanewise.vec3 import Vec3
 
 
 def digest_of(functions: dict[str, Any]) -> str:
@@ -109,6 +112,98 @@ class _Reader:
                 if isinstance(value, ModuleType) and _top(value.__name__) not in self.hashed:
                     # ``constants.K``: kernel text sees the attribute.
                     self.items({key: vars(value)[key] for key in names if key in vars(value)})
+
+
+class UnreadableError(Exception):
+    """A kernel names something of which no digest can be made."""
+
+
+def digest_of_text(
+    function: FunctionType, called: Callable[[Any], str | None], *circumstances: object
+) -> str | None:
+    """Short digest of one kernel's text and of all that it reaches; None if that cannot be told.
+
+    Unlike `digest_of`, it takes no sources for granted but those of lanewise.
+
+    Parameters
+    ----------
+    function : function
+        Kernel text, as it was written: with kernels and primitives, not with what replaces them.
+    called : callable
+        The digest of a kernel or `Specialised` that the text names; None if that has none.
+    circumstances : object
+        What else decides the code, as words.
+    """
+    reader = _TextReader(called)
+    try:
+        reader.word(function.__module__, function.__qualname__, *circumstances)
+        reader.text(function)
+    except UnreadableError:
+        return None
+    return reader.hash.hexdigest()[:32]
+
+
+class _TextReader(_Reader):
+    def __init__(self, called: Callable[[Any], str | None]) -> None:
+        super().__init__(set(), set())
+        self.called = called
+
+    def text(self, function: FunctionType) -> None:
+        self.code(function.__code__)
+        self.feed(function.__defaults__)
+        self.feed(function.__kwdefaults__)
+        self.globals(function)
+        for cell in function.__closure__ or ():
+            self.feed(cell.cell_contents)
+
+    def function(self, function: FunctionType) -> None:
+        if not is_kernel(function):
+            raise UnreadableError(function)
+        self.kernel(function)
+
+    def kernel(self, value: Any) -> None:
+        digest = self.called(value)
+        if digest is None:
+            raise UnreadableError(value)
+        self.word("kernel", digest)
+
+    def feed(self, value: Any) -> None:
+        if isinstance(value, Specialised) or is_kernel(value):
+            self.kernel(value)
+        elif isinstance(value, BuiltinFunctionType | LaneCount) or _is_of_lanewise(value):
+            self.word(_home(value), getattr(value, "__qualname__", type(value).__qualname__))
+        elif isinstance(value, type):
+            # A record. Kernels see its fields; methods are nothing to them.
+            self.word("class", value.__module__, value.__qualname__, getattr(value, "_fields", ""))
+            self.feed(getattr(value, "_field_defaults", None))
+        elif isinstance(value, ModuleType):
+            self.word("module", value.__name__)  # `globals` reads what is used of it
+        elif isinstance(value, Vec3):
+            self.word("Vec3")
+            self.feed((value.x, value.y, value.z))
+        elif isinstance(value, READABLE):
+            if isinstance(value, tuple):
+                self.word("record", type(value).__module__, getattr(value, "_fields", ""))
+            super().feed(value)
+        else:
+            raise UnreadableError(value)
+
+
+#: What a digest is made of part by part.
+READABLE = (
+    str, bytes, int, float, complex, type(None), np.generic, np.ndarray, dict, tuple, list, set,
+    frozenset, FunctionType, CodeType,
+)  # fmt: skip
+
+
+def _is_of_lanewise(value: Any) -> bool:
+    """A function or class of lanewise, whose text is in the name of the folder (`machine`)."""
+    return isinstance(value, FunctionType | type) and _top(value.__module__) == LANEWISE.name
+
+
+def _home(value: Any) -> str:
+    """The module of a function, class or instance."""
+    return getattr(value, "__module__", None) or type(value).__module__
 
 
 def _top(module: str | None) -> str:

@@ -1,0 +1,322 @@
+"""What the canary tries of `lanewise.numba_adapter`, part by part.
+
+Each function tries one part. Its docstring is what is assumed.
+"""
+
+from __future__ import annotations
+
+import re
+import secrets
+from collections.abc import Callable
+from importlib import import_module
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from lanewise.jit import dispatcher_of, instantiate, kernel, load_compiler
+from lanewise.machine import lanes_of_machine
+from lanewise.machine_code import MachineCode
+from lanewise.simd import (
+    LANES,
+    absolute,
+    any_lane,
+    as_float,
+    copysign,
+    float_bits,
+    floor,
+    fma,
+    gather,
+    gather_row,
+    horizontal_max,
+    lanes,
+    load_lanes,
+    maximum,
+    minimum,
+    packing,
+    permuted,
+    rint,
+    rsqrt,
+    sqrt,
+    store_lanes,
+    where,
+)
+from lanewise.vec3 import Vec3
+from lanewise.view import View
+
+Check = Callable[[], None]
+CHECKS: dict[str, Check] = {}
+
+
+def _check(part: str) -> Callable[[Check], Check]:
+    def register(function: Check) -> Check:
+        CHECKS[part] = function
+        return function
+
+    return register
+
+
+@kernel
+def _half(x):
+    return x * 0.5
+
+
+@kernel
+def _doubled(x):
+    return x + x
+
+
+@kernel
+def _times(x, n):
+    return x * n
+
+
+@kernel
+def _two_times(x):
+    return _times(x, 2) + _times(x, 3)
+
+
+@kernel
+def _root(table):
+    total = lanes(0.0)
+    for i in range(0, table.size, LANES):
+        x = load_lanes(table, i)
+        while any_lane(x > 1.0):
+            x = where(x > 1.0, _half(x), x)
+        total = total + _two_times(x) * x
+        store_lanes(table, i, total)
+
+
+@kernel(strict=True)
+def _strict_root(table):
+    _root(table)
+
+
+def _numbers() -> View:
+    return View(np.linspace(0.5, 9.0, 4 * lanes_of_machine(), dtype=np.float32))
+
+
+def _fresh(text: FunctionType, stock: bool = False) -> Any:
+    """A dispatcher of a copy: what was compiled before would not be compiled again."""
+    from lanewise.numba_adapter import NullCache, look_in
+
+    copy = FunctionType(text.__code__, text.__globals__, text.__name__)
+    copy.__dict__.update(text.__dict__)
+    dispatcher = dispatcher_of(copy, stock=stock)
+    look_in(dispatcher, NullCache())
+    return dispatcher
+
+
+def _llvm(text: FunctionType) -> str:
+    """Optimised LLVM IR of a root kernel with one table."""
+    dispatcher = _fresh(text)
+    load_compiler().object_code(dispatcher, (_numbers(),))
+    [found] = dispatcher.inspect_llvm().values()
+    return found
+
+
+def _compiled(text: FunctionType, *arguments: Any, stock: bool = False) -> Any:
+    from numba import typeof
+
+    dispatcher = _fresh(text, stock)
+    dispatcher.compile(tuple(map(typeof, arguments)))
+    return dispatcher
+
+
+def _type_of_result(text: FunctionType, *arguments: Any, stock: bool = False) -> str:
+    dispatcher = _compiled(text, *arguments, stock=stock)
+    return str(dispatcher.nopython_signatures[0].return_type)
+
+
+def _run_root(run: Callable) -> None:
+    table, x = _numbers(), _numbers().array.reshape(4, -1)
+    run(table)
+    while (x > 1.0).any():
+        x = np.where(x > 1.0, 0.5 * x, x)
+    expected = np.cumsum(5.0 * x * x, axis=0).reshape(-1)
+    np.testing.assert_allclose(table.array, expected, rtol=1e-5)
+
+
+@_check("make_struct")
+def _try_make_struct() -> None:
+    """A struct proxy takes its fields by name and gives its value by `_getvalue`."""
+
+    def text(table):
+        v = Vec3(table[0], table[1], table[2])
+        table[3] = v.x + 2.0 * v.y + 4.0 * v.z
+
+    table = View(np.float32([1.0, 2.0, 3.0, 0.0]))
+    instantiate(kernel(text))(table)
+    assert table.array[3] == 17.0, f"17 expected, got {table.array[3]}"
+
+
+@_check("Float32Constants")
+def _try_constants() -> None:
+    """Constants of the text can be replaced before types are inferred."""
+    found = _type_of_result(_half, np.float32(1.0))
+    assert found == "float32", f"float32 times a constant is {found}"
+
+
+@_check("OptimisedLibrary")
+def _try_library() -> None:
+    """A finalised module gives object code; Numba's engine need not have it."""
+    made = load_compiler().object_code(_fresh(_strict_root), (_numbers(),))
+    assert made.symbol.encode() in made.code, "the object code lacks its symbol"
+    _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made))
+
+
+@_check("unused_entry")
+@_check("bare_descriptor")
+@_check("from_bitcode")
+@_check("look_in")
+def _try_bitcode() -> None:
+    """A dispatcher asks its cache first, and takes names, types and bitcode for a function."""
+    from lanewise.numba_adapter import NullCache, bare_descriptor, from_bitcode, look_in
+
+    class Kept(NullCache):
+        saved: list[Any] = []
+
+        def load_overload(self, sig: Any, target_context: Any) -> Any:
+            return from_bitcode(*self.saved, target_context) if self.saved else None
+
+        def save_overload(self, sig: Any, data: Any) -> None:
+            self.saved += [bare_descriptor(data), data.library.bitcode()]
+
+    made = []
+    for _ in range(2):
+        dispatcher = _fresh(_root)
+        look_in(dispatcher, Kept())
+        made.append(load_compiler().object_code(dispatcher, (_numbers(),)))
+    assert made[0].symbol == made[1].symbol, "the second was compiled"
+    _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made[1]))
+
+
+@_check("LowerToLibrary")
+def _try_lowering() -> None:
+    """A kernel without an entry for Python can be called by others, and is inlined."""
+    calls = re.findall(r"call [^\n]*_(?:half|times)[^\n]*", _llvm(_root))
+    assert not calls, f"not inlined: {calls[0]}"
+
+
+@_check("RememberingContext")
+def _try_remembering() -> None:
+    """What a call is depends on the function and the types of its arguments only."""
+    kinds = [_type_of_result(_doubled, x) for x in (np.float32(1), np.float64(1), np.float32(1))]
+    assert kinds == ["float32", "float64", "float32"], str(kinds)
+
+
+@_check("KernelTypeInference")
+def _try_inference() -> None:
+    """Type inference asks the typing context of its state, and no other, about calls."""
+    answers = import_module("lanewise.numba_adapter").ANSWERS
+    answers.clear()
+    _compiled(kernel(lambda x: x - x), np.float32(1))
+    assert answers, "nothing was asked"
+
+
+@_check("LeanCompiler")
+def _try_lean() -> None:
+    """Ten of Numba's passes, in this order, are enough for kernel text."""
+    made = load_compiler().object_code(_fresh(_root), (_numbers(),))
+    _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made))
+    llvm = _llvm(_root)
+    doubles = re.findall(r"f(?:add|sub|mul|div|pext)[^\n]*\bdouble\b[^\n]*", llvm)
+    assert not doubles, f"double arithmetic: {doubles[0]}"
+    assert "NRT_incref" not in llvm, "references are counted"
+
+
+@_check("StockCompiler")
+def _try_stock() -> None:
+    """Numba's own pipeline takes one more pass, behind the processing of its IR."""
+    found = _type_of_result(_half, np.float32(1.0), stock=True)
+    assert found == "float32", f"float32 times a constant is {found}"
+    _run_root(_fresh(_root, stock=True))
+
+
+@_check("jit")
+def _try_options() -> None:
+    """njit takes a pipeline, a set of fast-math flags, and what not to wrap."""
+    fast, strict = _llvm(_root), _llvm(_strict_root)
+    assert re.search(r"fmul [^\n]*contract", fast), "no fast-math"
+    assert not re.search(r"f(mul|add) [^\n]*(nnan|ninf|fast)", fast), "NaN would not be kept"
+    assert not re.search(r"f(mul|add) [^\n]*(contract|reassoc)", strict), "strict text is not"
+    assert f"<{lanes_of_machine()} x float>" in fast, "no packets"
+
+
+@_check("call_template")
+def _try_call_template() -> None:
+    """A call with constants can be typed as one with numbers; TypingError says where not."""
+    inner = _compiled(_two_times, np.float32(1)).py_func.__globals__["_times"]
+    numbers = {str(signature[1]) for signature in inner.signatures}
+    assert numbers == {"int64"}, f"compiled for {numbers}"
+
+
+@_check("object_code")
+def _try_object_code() -> None:
+    """A C function takes the leaves of its arguments in order, behind two pointers."""
+
+    def text(pair, flag, v, x, table):
+        table[0], table[1], table[2] = as_float(pair[1]), v.y, as_float(x)
+        table[3] = as_float(1 if flag else 0) + pair[0][0]
+
+    table = View(np.zeros(4, np.float32))
+    pair = (View(np.float32([0.5])), np.uint32(7))
+    instantiate(kernel(text))(pair, True, Vec3(1.0, 2.0, 3.0), np.float32(0.25), table)
+    assert table.array.tolist() == [7.0, 2.0, 0.25, 1.5], str(table.array)
+
+
+#: Elementwise functions by the number of their arguments.
+ELEMENTWISE = {
+    1: (sqrt, rsqrt, floor, rint, absolute, float_bits),
+    2: (minimum, maximum, copysign),
+    3: (fma,),
+}
+
+
+@_check("instructions")
+def _try_instructions() -> None:
+    """LLVM knows the instructions behind the primitives; its pointers have types."""
+
+    def text(table, order, out):
+        x, n = load_lanes(table, 0), table.size
+        store_lanes(out, 0, gather(table, load_lanes(order, 0)))
+        a, b, c = gather_row(table, load_lanes(order, 0), 3)
+        store_lanes(out, n, a + 2.0 * b + 4.0 * c)
+        packed = permuted(x, packing(x > 4.0))
+        store_lanes(out, 2 * n, packed * horizontal_max(x))
+
+    n = lanes_of_machine()
+    table, order = _numbers().array[:n].copy(), np.arange(n, dtype=np.uint32)[::-1] % (n - 2)
+    out = View(np.zeros(3 * n, np.float32))
+    instantiate(kernel(text))(View(table), View(order.copy()), out)
+    rows = [table[order + k] for k in range(3)]
+    packed = np.concatenate([table[table > 4.0], table[table <= 4.0]])
+    expected = [rows[0], rows[0] + 2 * rows[1] + 4 * rows[2], packed * table.max()]
+    np.testing.assert_allclose(out.array, np.concatenate(expected), rtol=1e-6)
+    for count, functions in ELEMENTWISE.items():
+        for function in functions:
+            _try_elementwise(function, count)
+
+
+def _try_elementwise(function: Callable, count: int) -> None:
+    def of_one(x):
+        return function(x)
+
+    def of_two(x):
+        return function(x, 3.0 - x)
+
+    def of_three(x):
+        return function(x, 3.0 - x, x)
+
+    text = kernel((of_one, of_two, of_three)[count - 1])
+
+    def over(table, out):
+        for i in range(0, table.size, LANES):
+            store_lanes(out, i, text(load_lanes(table, i)))
+
+    table = _numbers()
+    expected = text(table.array)
+    out = View(np.zeros(table.size, expected.dtype))
+    instantiate(kernel(over))(table, out)
+    said = f"{function.__name__} differs from its twin"
+    np.testing.assert_allclose(out.array, expected, rtol=1e-6, err_msg=said)

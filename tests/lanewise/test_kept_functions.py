@@ -1,0 +1,206 @@
+"""Functions of kernels on disk: found by their text, never in place of another."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from types import FunctionType
+
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+
+from lanewise import jit, numba_adapter
+from lanewise.application import variable
+from lanewise.jit import instantiate, kernel, specialised
+from lanewise.machine import functions_folder, lanes_of_machine
+from lanewise.simd import LANES, load_lanes, sqrt, store_lanes
+from lanewise.source_digest import digest_of_text
+from lanewise.vec3 import Vec3
+from lanewise.view import View
+
+Pair = namedtuple("Pair", "a b")
+SHIFT = 0.5
+SCALES = (2.0, 3.0)
+WHITE = Vec3(1.0, 2.0, 3.0)
+
+
+@kernel
+def inner(x):
+    """The same in both programs."""
+    return sqrt(x) + SHIFT
+
+
+@specialised
+def changing(program):
+    """Different in each program."""
+
+    @kernel
+    def text(x):
+        return inner(x) * program
+
+    return text
+
+
+@kernel
+def root(table):
+    """Call both."""
+    x = load_lanes(table, 0)
+    store_lanes(table, 0, changing(x) + inner(x))
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty cache, and nothing compiled in this process."""
+    monkeypatch.setenv(variable("CACHE"), str(tmp_path))
+    monkeypatch.setattr(jit, "_SHARED", {})
+    return tmp_path
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """Names of the kernels that are compiled from now on."""
+    names = []
+    run_pass = numba_adapter.LowerToLibrary.run_pass
+
+    def look(self, state):
+        names.append(state.func_id.func_name)
+        return run_pass(self, state)
+
+    monkeypatch.setattr(numba_adapter.LowerToLibrary, "run_pass", look)
+    return names
+
+
+def table():
+    return View(np.arange(1, 1 + int(LANES), dtype=np.float32))
+
+
+def code_of(program):
+    """What the processor gets: all of an object file but names."""
+    made = instantiate(root, program).compile_for((table(),))
+    sections = llvm.ObjectFileRef.from_data(made.code).sections()
+    found = [(part.name(), bytes(part.data())) for part in sections]
+    return [part for part in found if part[0] not in (".strtab", ".symtab", b".strtab", b".symtab")]
+
+
+def test_only_what_is_new_is_compiled(folder, compiled, monkeypatch):
+    code_of(2.0)
+    assert sorted(compiled) == ["inner", "root", "text"]
+    for program, expected in ((2.0, []), (3.0, ["root", "text"]), (3.0, [])):
+        monkeypatch.setattr(jit, "_SHARED", {})
+        compiled.clear()
+        code_of(program)
+        assert sorted(compiled) == expected
+
+
+def test_found_or_compiled_it_is_the_same_machine_code(folder, tmp_path, monkeypatch):
+    """Callers are optimised together with what they call, so this holds only if both are equal."""
+    compiled_alone = code_of(3.0)
+    for earlier in (3.0, 2.0):
+        monkeypatch.setenv(variable("CACHE"), str(tmp_path / str(earlier)))
+        monkeypatch.setattr(jit, "_SHARED", {})
+        code_of(earlier)
+        monkeypatch.setattr(jit, "_SHARED", {})
+        assert code_of(3.0) == compiled_alone
+    assert code_of(2.0) != compiled_alone
+
+
+def test_what_is_found_computes_what_the_text_says(folder, monkeypatch):
+    for program in (2.0, 3.0, 2.0):
+        monkeypatch.setattr(jit, "_SHARED", {})
+        numbers, width = table(), lanes_of_machine()
+        expected = (np.sqrt(numbers.array[:width]) + np.float32(0.5)) * (1 + program)
+        instantiate(root, program)(numbers)
+        np.testing.assert_allclose(numbers.array[:width], expected, rtol=1e-6)
+
+
+def test_damaged_files_are_compiled_again(folder, compiled, monkeypatch):
+    whole = code_of(2.0)
+    for path in functions_folder().iterdir():
+        kept = path.read_bytes()
+        path.write_bytes(kept[: len(kept) // 2] + b"?" + kept[len(kept) // 2 + 1 :])
+    monkeypatch.setattr(jit, "_SHARED", {})
+    compiled.clear()
+    assert code_of(2.0) == whole
+    assert sorted(compiled) == ["inner", "root", "text"]
+
+
+def copy_of(function, names=None, defaults=None, closure=None):
+    """The same code with other surroundings."""
+    scope = {**function.__globals__, **(names or {})}
+    made = FunctionType(
+        function.__code__, scope, function.__name__, defaults, closure or function.__closure__
+    )
+    made.__qualname__, made.__module__ = function.__qualname__, function.__module__
+    return kernel(made)
+
+
+def digest(text, words=(), callee=lambda value: value.__name__):
+    return digest_of_text(text, callee, *words)
+
+
+def of_names(x):
+    """Name one of each: a number, a tuple, a vector, a record, a kernel."""
+    pair = Pair(x * SHIFT, SCALES)
+    return inner(pair.a) + WHITE.x
+
+
+class Opaque:
+    """Something that a digest cannot be made of."""
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        {"SHIFT": 0.25},
+        {"SHIFT": np.float32(0.5)},
+        {"SHIFT": -0.5},
+        {"SCALES": (2.0, 3.5)},
+        {"SCALES": (2.0, 3.0, 4.0)},
+        {"WHITE": Vec3(1.0, 2.0, 4.0)},
+        {"WHITE": (1.0, 2.0, 3.0)},
+        {"Pair": namedtuple("Pair", "b a")},
+        {"inner": kernel(lambda x: x)},
+    ],
+    ids=str,
+)
+def test_what_a_text_names_is_in_its_digest(names):
+    assert digest(copy_of(of_names, names)) != digest(copy_of(of_names)) is not None
+
+
+def test_circumstances_closures_defaults_and_code_are_in_its_digest():
+    def text_of(factor, default=1.0):
+        @kernel
+        def text(x, y=default):
+            return factor * x + y
+
+        return text
+
+    def other(x):
+        pair = Pair(x * SHIFT, SCALES)
+        return inner(pair.a) - WHITE.x
+
+    other.__qualname__, other.__name__ = "of_names", "of_names"
+    digests = [
+        digest(text_of(1.0)), digest(text_of(2.0)), digest(text_of(1.0, 2.0)), digest(of_names),
+        digest(of_names, [True]), digest(of_names, [False]), digest(other),
+        digest(of_names, callee=lambda value: "another"),
+    ]  # fmt: skip
+    assert None not in digests and len(set(digests)) == len(digests)
+    assert digest(text_of(1.0)) == digests[0]
+
+
+def test_texts_of_which_no_digest_can_be_made_are_not_kept(folder):
+    for value in (Opaque(), len.__self__.__dict__, test_damaged_files_are_compiled_again):
+        assert digest(copy_of(of_names, {"SCALES": value})) is None
+    assert digest(of_names, callee=lambda value: None) is None
+
+
+def test_fields_of_records_are_in_the_description_of_a_type():
+    from numba import typeof
+
+    from lanewise.kept_functions import description
+
+    turned = namedtuple("Pair", "b a")
+    kinds = [Pair(1, 2.0), turned(1, 2.0), (1, 2.0), Pair(1, 2), Pair((1,), 2.0), 1, np.float32(1)]
+    found = [description(typeof(kind)) for kind in kinds]
+    assert len(set(found)) == len(found)
