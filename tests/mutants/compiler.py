@@ -36,6 +36,29 @@ COMPILER = (
         "lanewise",
     ),
     Mutant(
+        "functions kept without what they call",
+        "source_digest.py",
+        (('        self.word("kernel", digest)\n', '        self.word("kernel")\n'),),
+        "tests/lanewise/test_kept_functions.py"
+        "::test_circumstances_closures_defaults_and_code_are_in_its_digest",
+        "lanewise",
+    ),
+    Mutant(
+        "functions kept without the values that they name",
+        "source_digest.py",
+        (("        self.globals(function)\n        for cell", "        for cell"),),
+        "tests/lanewise/test_kept_functions.py::test_what_a_text_names_is_in_its_digest",
+        "lanewise",
+    ),
+    Mutant(
+        "records that are told apart by their names alone",
+        "kept_functions.py",
+        (("{getattr(record, '_fields', '')}", ""),),
+        "tests/lanewise/test_kept_functions.py"
+        "::test_fields_of_records_are_in_the_description_of_a_type",
+        "lanewise",
+    ),
+    Mutant(
         "records blended the wrong way round",
         "record_instructions.py",
         (("b.select(mask, x, y)", "b.select(mask, y, x)"),),

@@ -45,10 +45,17 @@ def copy_of_the_project(folder: Path) -> Path:
     return folder
 
 
-def run_tests(folder: Path, *tests: str) -> subprocess.CompletedProcess:
-    """Run tests of a copy until one fails, with nothing compiled beforehand."""
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory):
+    """Functions that a bug does not touch are compiled once for all bugs and processes."""
+    base = tmp_path_factory.getbasetemp()
+    return (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "compiled"
+
+
+def run_tests(folder: Path, cache: Path, *tests: str) -> subprocess.CompletedProcess:
+    """Run tests of a copy until one fails."""
     environment = {
-        **os.environ, "PYTHONPATH": str(folder), "ALIGHT_CACHE": str(folder / "cache"),
+        **os.environ, "PYTHONPATH": str(folder), "ALIGHT_CACHE": str(cache),
         "COLUMNS": "300", "PYTHONDONTWRITEBYTECODE": "1",
     }  # fmt: skip
     # Assertions are plain: pytest can take many minutes to tell how two large sets differ.
@@ -74,23 +81,23 @@ def run_tests(folder: Path, *tests: str) -> subprocess.CompletedProcess:
 
 @pytest.mark.proofs
 @pytest.mark.parametrize("part", range(PARTS))
-def test_killers_pass_without_a_bug(part, tmp_path):
+def test_killers_pass_without_a_bug(part, tmp_path, cache):
     killers = sorted({mutant.killer for mutant in MUTANTS})
     first, end = (len(killers) * edge // PARTS for edge in (part, part + 1))
-    result = run_tests(copy_of_the_project(tmp_path), *killers[first:end])
+    result = run_tests(copy_of_the_project(tmp_path), cache, *killers[first:end])
     assert result.returncode == 0, result.stdout + result.stderr
 
 
 @pytest.mark.proofs
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
-def test_the_bug_is_found(mutant, tmp_path):
+def test_the_bug_is_found(mutant, tmp_path, cache):
     path = copy_of_the_project(tmp_path) / mutant.package / mutant.file
     text = path.read_text("utf-8")
     for old, new in mutant.edits:
         assert text.count(old) == 1
         text = text.replace(old, new)
     path.write_text(text, "utf-8")
-    result = run_tests(tmp_path, mutant.killer)
+    result = run_tests(tmp_path, cache, mutant.killer)
     assert result.returncode == 1, f"survived: {mutant.killer}\n{result.stdout}{result.stderr}"
     assert FAILED.search(result.stdout), f"broke the program:\n{result.stdout}{result.stderr}"
 
