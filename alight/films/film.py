@@ -214,7 +214,11 @@ class Film:
 
     @property
     def standard_error(self) -> np.ndarray:
-        """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown."""
+        """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown.
+
+        Its square is unbiased for whole rounds of the replicates, whatever the sampler; for unequal
+        counts it is so for independent samples, and too large for more even ones.
+        """
         return readout.by_bands(
             self,
             lambda sums, counts: statistics.mean_and_error(sums, counts)[1][..., :3].astype(
