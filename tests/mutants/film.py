@@ -75,8 +75,8 @@ FILM = (
     ),
     Mutant(
         "a fourth channel among the errors of the picture",
-        "films/film.py",
-        (("(sums, counts)[1][..., :3]", "(sums, counts)[1][..., :4]"),),
+        "films/readout.py",
+        (("(s, n)[1][..., :3]", "(s, n)[1][..., :4]"),),
         "tests/film/test_laws_of_errors.py"
         "::test_a_fourth_channel_changes_nothing_of_the_picture_and_its_error",
     ),
