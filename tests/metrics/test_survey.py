@@ -104,5 +104,9 @@ def test_a_film_answers_anew_once_it_has_other_samples(monkeypatch):
     assert len(calls) == 1
     film.sums += more.sums
     film.counts += more.counts
+    assert film.judged(literature=False)[0].figure != first.figure
     np.testing.assert_array_equal(film.unsure, film.interval().unsure)
-    assert film.judged()[0].figure != first.figure
+    film.sums += more.sums
+    film.counts += more.counts
+    np.testing.assert_array_equal(film.unsure, film.interval().unsure)
+    assert film.unsure is not before
