@@ -61,6 +61,8 @@ def measure(
     """Render one scene again and again, and compare it with the truth."""
     runner = Runner(random_scene(seed, kind, (side, side)))
     truth = Truth(runner, truth_spp, most)
+    if not truth.mean.any():
+        raise AlightError("black: there is nothing to compare")
     row: dict[str, Any] = {
         "seed": seed, "kind": kind, "side": side, "truth": truth.spp, "doubt": truth.doubt,
         "spp": {}, "promises": [], "adaptive": [],
