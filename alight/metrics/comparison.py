@@ -26,7 +26,7 @@ from alight.metrics.statistics import holm, student_t_tail, sum_of_squares_tails
 
 #: Degrees of freedom that the variance of a block must have at least where blocks may be joined:
 #: with fewer, noise that differs between the sides gives far too large z.
-_FREEDOM_WANTED = 24
+_FREEDOM_WANTED = 7
 
 #: Rounded as in the statistics of references that are already stored.
 STORED_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -206,7 +206,7 @@ def compare_pictures(
         Probability that equal pictures fail any of the tests.
     join : bool, default True
         Join blocks until their differences are hardly skewed and their variances well known. Where
-        both sides have the same noise and 25 seeds or more, there is nothing to join.
+        both sides have the same noise and 8 seeds or more, there is nothing to join.
 
     Raises
     ------
