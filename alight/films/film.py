@@ -16,14 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from alight.core.errors import FilmError
-from alight.films import fixed_point, ledger, merging, notebook, readout, statistics, storage, tiles
+from alight.films import fixed_point, judgement, ledger, merging, notebook, readout, storage, tiles
 from alight.films.ledger import Bias
-from alight.films.sample_ranges import (
-    SampleRanges,
-    cells_of,
-    empty_cells,
-    union_of_cells,
-)
+from alight.films.sample_ranges import SampleRanges, cells_of, empty_cells, union_of_cells
 from alight.films.tiles import PartialFilm, names_of
 from alight.metrics.error_estimate import ErrorEstimate
 from alight.metrics.own_error import estimate_relmse
@@ -114,7 +109,7 @@ class Film:
         self.invalid = self.saturated = 0
         self.recorded: tuple[Bias, ...] = ()
         self.largest_sample: float | None = None
-        self._mean_of = -1, 0.0
+        self._mean_of, self._judged = (-1, 0.0), judgement.Judged()
         self.stats: dict[str, Any] = {}
         self.lock = threading.RLock()
 
@@ -205,7 +200,7 @@ class Film:
     @property
     def mean(self) -> np.ndarray:
         """Mean of every channel, float64, shape (h, w, C); 0 where there is no sample yet."""
-        return readout.by_bands(self, statistics.pixel_mean)
+        return readout.mean_of(self)
 
     @property
     def image(self) -> np.ndarray:
@@ -214,13 +209,11 @@ class Film:
 
     @property
     def standard_error(self) -> np.ndarray:
-        """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown."""
-        return readout.by_bands(
-            self,
-            lambda sums, counts: statistics.mean_and_error(sums, counts)[1][..., :3].astype(
-                np.float32
-            ),
-        )
+        """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown.
+
+        Its square is unbiased for whole rounds of the replicates; see `statistics` for others.
+        """
+        return readout.error_of(self)
 
     def interval(self, confidence: float = 0.95) -> PixelBars:
         """Give every pixel an interval that holds the true one with this probability.
@@ -243,6 +236,12 @@ class Film:
             If `confidence` does not lie in (0, 1).
         """
         return pixel_bars(*self.replicate_means(), confidence)
+
+    @property
+    def unsure(self) -> np.ndarray:
+        """Pixels whose 95 % interval is unsure, bool, shape (h, w); found once for all samples."""
+        self._judged = known = judgement.unsure_of(self, self._judged)
+        return known.unsure
 
     @property
     def sample_count(self) -> np.ndarray:
@@ -294,6 +293,12 @@ class Film:
         """
         return estimate_relmse(*self.replicate_means(), literature=literature)
 
+    def judged(self, literature: bool = True) -> tuple[ErrorEstimate, np.ndarray]:
+        """Give `relmse_estimate` and `unsure`, cheaper together, and once for all samples."""
+        self._judged = known = judgement.judge(self, self._judged, literature)
+        assert known.error is not None
+        return known.error, known.unsure
+
     @property
     def provenance(self) -> dict[str, Any]:
         """What this is a picture of, and how it was made."""
@@ -324,7 +329,7 @@ class Film:
             if layers:
                 error = self.standard_error
                 planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
-                planes["unsure"] = self.interval().unsure.astype(np.uint32)
+                planes["unsure"] = self.unsure.astype(np.uint32)
                 planes["samples"] = self.sample_count.astype(np.uint32)
                 for name, channels in self.aov_channels.items():
                     plane = self.aov(name)

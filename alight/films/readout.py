@@ -123,6 +123,18 @@ def image_of(film: Film) -> np.ndarray:
     return image
 
 
+def mean_of(film: Film) -> np.ndarray:
+    """Mean of every channel, float64, shape (h, w, C)."""
+    return by_bands(film, statistics.pixel_mean)
+
+
+def error_of(film: Film) -> np.ndarray:
+    """Standard error of the picture, float32, shape (h, w, 3); NaN where it is unknown."""
+    return by_bands(
+        film, lambda s, n: statistics.mean_and_error(s, n)[1][..., :3].astype(np.float32)
+    )
+
+
 def replicates_of(film: Film) -> tuple[np.ndarray, np.ndarray]:
     """Mean of each replicate, float32, shape (h, w, R, 3), and the counts (h, w, R)."""
     h, w, replicates = film.counts.shape

@@ -4,10 +4,12 @@ Samples of quasi-Monte-Carlo sequences are not independent, so their own spread 
 the error. The R replicates are: each has its own scramble. With n_r samples of sum s_r in replicate
 r, m_r = s_r / n_r, n = sum n_r and m = sum s_r / n::
 
-    SE^2 = sum_r n_r^2 (m_r - m)^2 / n^2 * R / (R - 1)
+    SE^2 = sum_r n_r^2 (m_r - m)^2 / (n^2 - sum_r n_r^2)
 
 which for equal n_r is the variance of the R means divided by R (Owen 2013, "Monte Carlo theory,
-methods and examples", section 17.5). One pixel's error has R - 1 degrees of freedom; it is
+methods and examples", section 17.5). For unequal ones it is unbiased if samples are independent,
+as n_r^2 (m_r - m)^2 then has the mean v (n_r - n_r^2 / n); where the variance of a replicate falls
+faster than 1 / n_r, it is too large. One pixel's error has R - 1 degrees of freedom; it is
 *unknown* (NaN) while a replicate is empty, and never 0 for lack of data.
 """
 
@@ -78,10 +80,13 @@ def mean_and_error(sums: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np
     mean = sum(values[1:], values[0]) / n
     if replicates < 2:
         return mean, np.full_like(mean, np.nan)
-    squares = np.zeros_like(mean)
+    squares, own = np.zeros_like(mean), np.zeros(n.shape)
     for r, value in enumerate(values):
         # n_r (m_r - m) = s_r - n_r m
-        squares += (value - counts[:, :, r, None] * mean) ** 2
-    error = np.sqrt(squares * (replicates / (replicates - 1))) / n
+        count = counts[:, :, r, None].astype(np.float64)
+        squares += (value - count * mean) ** 2
+        own += count * count
+    whole = n.astype(np.float64) ** 2
+    error = np.sqrt(squares * (whole / np.maximum(whole - own, 1.0))) / n
     known = counts.min(axis=2) > 0
     return mean, np.where(known[..., None], error, np.nan)

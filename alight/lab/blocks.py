@@ -180,12 +180,13 @@ class RawTest:
 def compare_with_reference(arm: PictureStatistics, reference: PictureStatistics) -> RawTest:
     """Block t-tests of an arm against the reference, and one p-value for all of them.
 
-    The p-value is the smallest of five (root mean square and largest of the blocks' z, three
-    channel means), times five (Bonferroni). The smaller blocks of either side are joined.
+    The p-value is the smallest of six (root mean square and largest of the blocks' z, three
+    channel means, mean luminance), times six (Bonferroni). The smaller blocks of either side are
+    joined.
     """
     block = max(arm.block, reference.block)
     sides = joined_statistics(arm, block), joined_statistics(reference, block)
-    found = compare_pictures(*sides, join=True)
+    found = compare_pictures(*sides)
     judged = found.z[np.isfinite(found.z)]
     blocks = len(judged)
     # Blocks that agree too well are no bias.

@@ -12,7 +12,7 @@ from alight.films import Film
 from alight.films.storage import is_film_file
 from alight.outputs import exr
 from alight.outputs.image import FORMATS, format_of, read_image
-from alight.rendering.summary import error_line, unsure_lines, unsure_share
+from alight.rendering.summary import error_line, unsure_lines
 
 Facts = list[tuple[str, str]]
 
@@ -47,14 +47,15 @@ def _film_facts(film: Film) -> Facts:
     counts = film.sample_count
     least, most = int(counts.min()), int(counts.max())
     spread = f" ({least} to {most} a pixel)" if least < most else ""
-    error = error_line(film.relmse_estimate())
+    estimate, unsure = film.judged()
+    error = error_line(estimate)
     return [
         ("film", f"{width}x{height} pixels{crop}"),
         ("samples", f"{film.spp:g} spp{spread}"),
         ("layers", ", ".join(film.aov_sums) or "none"),
         *_range_of(film.mean),
         ("error", error.removeprefix("estimated error: ")),
-        *(("", line) for line in unsure_lines(unsure_share(film))),
+        *(("", line) for line in unsure_lines(float(unsure.mean()))),
         *_origin(film.provenance),
     ]
 

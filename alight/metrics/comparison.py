@@ -4,12 +4,13 @@ Per-pixel tests at a fixed number of sigmas are wrong for the skewed noise of pa
 each side is rendered with many seeds, 32 or more; the mean luminance of small blocks (2x2 pixels)
 is nearly normal over them. Where it is not, because one side's noise is more skewed than the
 other's, four blocks can become one until it is (`alight.metrics.block_sums`). Student's t of each
-block is mapped through its own distribution to a z. Five hypotheses share one family level by
+block is mapped through its own distribution to a z. Six hypotheses share one family level by
 Holm's test: that
 
 * the sum of z^2 is neither too large nor too small: neither bias nor misstated variance;
 * the largest abs(z) is no larger than chance allows;
-* the means of the three channels are the same.
+* the means of the three channels are the same, by the spread of whole pictures over the seeds;
+* the mean luminance is the same, by the noise of all blocks: also for few seeds a sharp test.
 """
 
 from __future__ import annotations
@@ -22,6 +23,10 @@ import numpy as np
 
 from alight.metrics.block_sums import LARGEST_SKEWNESS, BlockSums, Measured
 from alight.metrics.statistics import holm, student_t_tail, sum_of_squares_tails, welch
+
+#: Degrees of freedom that the variance of a block must have at least where blocks may be joined:
+#: with fewer, noise that differs between the sides gives far too large z.
+_FREEDOM_WANTED = 7
 
 #: Rounded as in the statistics of references that are already stored.
 STORED_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -111,7 +116,8 @@ class Comparison:
     largest : float
         The largest abs(z).
     p_values : dict of str to float
-        Of the rms, of the largest abs(z) (times the number of blocks) and of the channel means.
+        Of the rms, of the largest abs(z) (times the number of blocks), of the channel means and of
+        the mean luminance.
     reasons : list of str
         What failed, in words; empty if all passed.
     """
@@ -159,9 +165,14 @@ class Comparison:
 
 
 def blocks_of(a: PictureStatistics, b: PictureStatistics, join: bool) -> BlockSums:
-    """Sums over the sides' blocks, if wanted joined until their differences are hardly skewed."""
+    """Sums over the sides' blocks, if wanted joined until they are hardly skewed and well known."""
     sums = BlockSums.of(_luminance(a), _luminance(b), 1)
-    while join and max(sums.count) > 1 and sums.skewness > LARGEST_SKEWNESS:
+    freedom = min(a.count, b.count) - 1.0
+    while (
+        join
+        and max(sums.count) > 1
+        and (sums.block**2 * freedom < _FREEDOM_WANTED or sums.skewness > LARGEST_SKEWNESS)
+    ):
         sums = sums.joined()
     return sums
 
@@ -181,7 +192,7 @@ def compare_pictures(
     *,
     block: int = 2,
     level: float = 0.01,
-    join: bool = False,
+    join: bool = True,
 ) -> Comparison:
     """Test whether two sides are the same picture.
 
@@ -193,9 +204,9 @@ def compare_pictures(
         For sides given as arrays.
     level : float, default 0.01
         Probability that equal pictures fail any of the tests.
-    join : bool, default False
-        Join blocks until their differences are hardly skewed: for fewer than 32 seeds, or few
-        samples of each, and noise that differs between the sides.
+    join : bool, default True
+        Join blocks until their differences are hardly skewed and their variances well known. Where
+        both sides have the same noise and 8 seeds or more, there is nothing to join.
 
     Raises
     ------
@@ -223,8 +234,12 @@ def compare_pictures(
     t, dof = welch(
         a.channel_mean, a.channel_variance, a.count, b.channel_mean, b.channel_variance, b.count
     )
-    tails = student_t_tail(t, dof)
+    # Welch's degrees of freedom are those of the finer side where the noisier one looks calm by
+    # chance; the fewer of both are on the safe side always, and of three seeds no use.
+    tails = student_t_tail(t, np.minimum(dof, min(a.count, b.count) - 1.0))
     names |= {f"mean {name}": float(tails[i]) for i, name in enumerate("RGB")}
+    whole = float(sums.whole.z()[0, 0, 0])
+    names["mean luminance"] = 1.0 if math.isnan(whole) else math.erfc(abs(whole) / math.sqrt(2.0))
     margin = 3.0 / math.sqrt(2.0 * len(judged))
     reasons = [
         f"{name} differs: p = {p:.3g}, family level {level:g}"

@@ -150,80 +150,87 @@ def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> 
     """
     # A single bright replicate x of A brings r = x^2 / (a R): its size from r.
     size = math.sqrt(a * replicates)
-    weights, value, lowest, within, shape = np.zeros(CLASSES), 0.0, 0.0, 0.0, 0.0
-    without = np.zeros(GROUPS)
-    for c in range(CLASSES):
-        whole = sums[:, c].sum(axis=1)
-        if not whole[0] > 0.0:
-            continue
-        found = _class(whole, repeats, b, size)
-        weights[c], own = found.weight, float(whole[0]) * found.weight
-        value += own
-        lowest += own * found.lowest
-        within += found.spread * own * own
-        shape += _SHAPE * found.shape * own
-        for g in range(GROUPS):
-            rest = whole - sums[:, c, g]
-            few = not rest[0] > 1e-9 * whole[0]
-            without[g] += whole[0] * (found if few else _class(rest, repeats, b, size)).weight
-    if value == 0.0:
+    whole = sums.sum(axis=2)
+    seen = whole[0] > 0.0
+    weights = np.zeros(CLASSES)
+    if not seen.any():
         return Believed(weights, 0.0, 0.0, 0.0)
-    deviations = np.log(without / value)
+    sums, whole = sums[:, seen], whole[:, seen, None]
+    # Classes as they are, and without each group.
+    rest = whole - sums
+    leave = (sums[0] > 0.0) & (rest[0] > 1e-9 * whole[0])
+    rest = np.where(leave, rest, whole)
+    found = _classes(np.concatenate([whole, rest], axis=2), repeats, b, size)
+    # A group that is nothing of a class, or nearly all, changes nothing: not even the last bit, or
+    # rounding would pass for a doubt.
+    of_all = found.weight[:, :1]
+    each = np.concatenate([of_all, np.where(leave, found.weight[:, 1:], of_all)], axis=1)
+    totals = (whole[0] * each).sum(axis=0)
+    weights[seen] = of_all[:, 0]
+    own, value = whole[0, :, 0] * weights[seen], float(totals[0])
+    lowest = float(own @ found.lowest[:, 0])
+    within, shape = float(found.spread[:, 0] @ own**2), _SHAPE * float(found.shape[:, 0] @ own)
+    deviations = np.log(totals[1:] / value)
     terms = (deviations - deviations.mean()) ** 2
     jackknife = (GROUPS - 1) / GROUPS * float(terms.sum())
     # Few groups can carry the sum: Student's distribution by as many as really have a part in it.
     freedom = max(effective(terms) - 1.0, _LEAST_FREEDOM)
-    student = student_t_quantile(0.975, freedom, 1e-3) / 1.96
+    student = student_t_quantile(0.975, freedom) / 1.96
     variance = (math.log1p(within / value**2) + jackknife) * student**2 + (shape / value) ** 2
     return Believed(weights, value, lowest, variance)
 
 
-class _Class(NamedTuple):
-    """What a class says.
+class _Classes(NamedTuple):
+    """What classes say, arrays of one shape.
 
     Attributes
     ----------
-    weight, spread : float
+    weight, spread : ndarray
         E_r[1 / (rho^2 + epsilon / q^2)], and its relative variance by single pixels.
-    shape : float
+    shape : ndarray
         log(weight) less what it were if all pixels were alike.
-    lowest : float
+    lowest : ndarray
         The least that the weight may be for lack of evidence, over itself.
     """
 
-    weight: float
-    spread: float
-    shape: float
-    lowest: float
+    weight: np.ndarray
+    spread: np.ndarray
+    shape: np.ndarray
+    lowest: np.ndarray
 
 
-def _class(sums: np.ndarray, repeats: int, b: int, size: float) -> _Class:
-    total, first, second, floor, squares, roots, ratio = (float(s) for s in sums)
+def _classes(sums: np.ndarray, repeats: int, b: int, size: float) -> _Classes:
+    """Work out classes of any shape from what `gather` added up, shape (7, ...)."""
+    total, first, second, floor, squares, roots, ratio = sums
     pixels = total * total / (squares * repeats)
     # Bright samples that B would hold if the pixels were as bright as their surroundings; and does.
     expected = b * pixels * total / (size * roots)
-    seen = max(expected * first / total, 0.0)
-    prior = poisson_tail(math.ceil(seen), expected) if seen > 0.5 else 1.0
+    seen = np.maximum(expected * first / total, 0.0)
+    prior = np.ones(seen.shape)
+    for at in zip(*np.nonzero(seen > 0.5), strict=True):
+        prior[at] = poisson_tail(math.ceil(seen[at]), float(expected[at]))
     mean = (seen + prior) / (expected + prior)
     square = (second / total * expected + prior) / (expected + prior)
-    square = max(square, mean * mean)
+    square = np.maximum(square, mean * mean)
     weight, spread = _log_normal(mean, square - mean * mean, floor / total)
-    shape = math.log(weight * (square + floor / total))
+    shape = np.log(weight * (square + floor / total))
     # As far as the prior speaks, the truth may be anything from the surroundings to what A saw.
-    far = max(ratio / total - math.log(max(mean * mean, 1.0)), 0.0)
-    lowest = math.exp(-far * prior / (expected + prior))
-    spread += 4.0 * _UNEVENNESS**2
-    return _Class(weight, spread / max(pixels, 0.1), shape, lowest)
+    far = np.maximum(ratio / total - np.log(np.maximum(mean * mean, 1.0)), 0.0)
+    lowest = np.exp(-far * prior / (expected + prior))
+    spread = (spread + 4.0 * _UNEVENNESS**2) / np.maximum(pixels, 0.1)
+    return _Classes(weight, spread, shape, lowest)
 
 
-def _log_normal(mean: float, variance: float, floor: float) -> tuple[float, float]:
+def _log_normal(
+    mean: np.ndarray, variance: np.ndarray, floor: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """E[1 / (rho^2 + floor)] and its relative variance, rho log-normal, by quadrature."""
-    mean = max(mean, 1e-12)
-    v = min(math.log1p(variance / mean**2), _WIDEST)
-    rho = np.exp(math.log(mean) - 0.5 * v + math.sqrt(v) * _NODES)
-    x = 1.0 / (rho * rho + floor)
-    first = float(_WEIGHTS @ x)
-    return first, max(float(_WEIGHTS @ (x * x)) / first**2 - 1.0, 0.0)
+    mean = np.maximum(mean, 1e-12)
+    v = np.minimum(np.log1p(variance / mean**2), _WIDEST)[..., None]
+    rho = np.exp(np.log(mean)[..., None] - 0.5 * v + np.sqrt(v) * _NODES)
+    x = 1.0 / (rho * rho + floor[..., None])
+    first = x @ _WEIGHTS
+    return first, np.maximum((x * x) @ _WEIGHTS / first**2 - 1.0, 0.0)
 
 
 def effective(terms: np.ndarray) -> float:

@@ -25,9 +25,10 @@ import numpy as np
 
 from alight.metrics import noisy_pixels
 from alight.metrics.error_estimate import ErrorEstimate, Figure
-from alight.metrics.planes import over_replicates, planes_of, same_everywhere, squares, weighted
+from alight.metrics.planes import weighted
 from alight.metrics.relmse import LITERATURE_EPSILON
-from alight.metrics.surroundings import CELL, around, by_cells, spread_out
+from alight.metrics.surroundings import CELL, by_cells, spread_out
+from alight.metrics.survey import Survey, survey
 
 #: Squared error of one half of the replicates, over the brightness squared, below which a pixel
 #: knows its own brightness.
@@ -35,9 +36,6 @@ _PRECISE = 0.02
 
 #: Least brightness of such a pixel by the other half, over that by the first.
 _GUARD = 0.5
-
-#: Rows that are worked on at a time: whole cells, and few enough to stay in the processor's cache.
-_BAND = 32
 
 #: Above this number of pixels, one way to halve the replicates is enough.
 _LARGE = 2**16
@@ -62,65 +60,31 @@ def estimate_relmse(
     With fewer than 4 replicates the error and the brightness have to come from the same ones, and
     the estimate is less sure than it says. Light that no sample has found yet is in no estimate.
     """
-    size, replicates = counts.shape[:2], counts.shape[2]
-    counts = same_everywhere(counts)
-    known = np.zeros(size, bool)
-    if replicates > 1:
-        known[...] = over_replicates(counts, np.minimum) > 0
-    unknown = Figure(math.nan, math.nan, replicates)
-    mean, variance = picture_and_variance(means, counts)
-    np.maximum(mean, 0.0, out=mean)
-    average = float(mean.mean(dtype=np.float64))
-    epsilons = (0.01 * average * average, LITERATURE_EPSILON)
-    if not known.any() or not epsilons[0] > 0.0:
-        return ErrorEstimate(unknown, unknown, epsilons[0], float(known.mean()))
-    around_it = around(mean, variance, epsilons[0])
-    figure = _figure(means, counts, known, around_it, epsilons[0])
-    other = _figure(means, counts, known, around_it, epsilons[1]) if literature else unknown
-    return ErrorEstimate(figure, other, epsilons[0], float(known.mean()))
+    return relmse_of(survey(means, counts), literature)
 
 
-def picture_and_variance(means: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Work out a picture and its squared standard error from its replicates.
-
-    Parameters
-    ----------
-    means : ndarray, shape (h, w, R, 3)
-    counts : ndarray of int, shape (h, w, R) or (1, 1, R)
-
-    Returns
-    -------
-    mean, variance : ndarray of float32, shape (3, h, w)
-    """
-    h, w, replicates, _ = means.shape
-    mean, variance = np.zeros((3, h, w), np.float32), np.zeros((3, h, w), np.float32)
-    for rows, m, k in _bands(means, counts):
-        mean[:, rows] = own = weighted(m, k)
-        spread = squares(m, k, own)
-        spread /= np.maximum(k.sum(axis=0), np.float32(1.0)) * np.float32(max(replicates - 1, 1))
-        variance[:, rows] = spread
-    return mean, variance
+def relmse_of(seen: Survey, literature: bool = True) -> ErrorEstimate:
+    """Estimate as `estimate_relmse`, from what has been seen of a picture."""
+    known = float(seen.known.mean())
+    figure = other = Figure(math.nan, math.nan, seen.replicates)
+    if known > 0.0 and seen.epsilon > 0.0:
+        figure = _figure(seen, seen.epsilon)
+        other = _figure(seen, LITERATURE_EPSILON) if literature else other
+    return ErrorEstimate(figure, other, seen.epsilon, known)
 
 
-def _bands(means: np.ndarray, counts: np.ndarray) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
-    """Some rows at a time, and the replicates' means and counts there, plane by plane."""
-    for y in range(0, len(means), _BAND):
-        rows = slice(y, min(y + _BAND, len(means)))
-        yield rows, *planes_of(means[rows], counts[rows] if len(counts) > 1 else counts)
-
-
-def _figure(
-    means: np.ndarray, counts: np.ndarray, known: np.ndarray, q: np.ndarray, epsilon: float
-) -> Figure:
-    """Estimate relMSE with this epsilon; `q` is the brightness of the surroundings."""
-    h, w, replicates, _ = means.shape
+def _figure(seen: Survey, epsilon: float) -> Figure:
+    """Estimate relMSE with this epsilon."""
+    known, replicates = seen.known, seen.replicates
     halvings = list(_halvings(replicates))
     if known.size > _LARGE:
         del halvings[1:]
-    sums, precise, groups = noisy_pixels.no_sums(), 0.0, _groups(h, w)
+    sums, precise, groups = noisy_pixels.no_sums(), 0.0, _groups(*known.shape)
     weights: list[tuple[_Weights, _Weights]] = []
-    for rows, m, k in _bands(means, counts):
-        here = _Band(known[rows], q[:, rows], groups[rows], np.float32(epsilon))
+    for rows, m, k in seen.bands():
+        q2 = seen.surroundings[:, rows] ** 2
+        q2 += np.float32(epsilon)
+        here = _Band(known[rows], q2, groups[rows], np.float32(epsilon))
         for a, b in _halves(m, k, halvings):
             weights.append((_weigh(here, a, b, sums), _weigh(here, b, a, sums)))
             precise += sum(weight.value for weight in weights[-1])
@@ -131,7 +95,7 @@ def _figure(
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
     spread, kept = 0.0, iter(weights)
-    for rows, m, k in _bands(means, counts):
+    for rows, m, k in seen.bands():
         # Worked out twice: kept, the halves of a large picture would take as much memory as a film.
         for a, b in _halves(m, k, halvings):
             by_a, by_b = next(kept)
@@ -154,24 +118,29 @@ def _groups(height: int, width: int) -> np.ndarray:
 
 
 class _Band(NamedTuple):
-    """Some rows: which pixels are known, their surroundings' brightness, groups, and epsilon."""
+    """Some rows: known pixels, squared brightness around them with epsilon, groups, epsilon."""
 
     known: np.ndarray
-    around: np.ndarray
+    q2: np.ndarray
     groups: np.ndarray
     epsilon: np.float32
 
 
 class _Half(NamedTuple):
-    """What half of the replicates say of some rows, shapes (3, rows, w) and a list of 3x3 planes.
+    """What half of the replicates say of some rows, shapes (3, rows, w) and a list of planes.
 
-    `spread` is the channels' covariance of the whole picture's error; `brightness` and its
-    `variance` are those of the half.
+    `error` is the variance of the whole picture's error, and `shared` the covariances of its
+    channels 1 and 0, 2 and 0, 2 and 1; `brightness` and its `variance` are those of the half.
     """
 
-    spread: list[list[np.ndarray]]
+    error: np.ndarray
+    shared: list[np.ndarray]
     brightness: np.ndarray
     variance: np.ndarray
+
+    def spread(self, c: int, d: int) -> np.ndarray:
+        """Covariance of the whole picture's error in two channels, d <= c."""
+        return self.error[c] if c == d else self.shared[c + d - 1]
 
 
 class _Weights(NamedTuple):
@@ -199,34 +168,33 @@ class _Weights(NamedTuple):
 
 def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
     """Sort pixels by what half A says; those that are mostly noise are added to `sums`."""
-    s = np.stack([a.spread[c][c] for c in range(3)])
     own = a.brightness * a.brightness
     own += here.epsilon
-    q2 = here.around * here.around
-    q2 += here.epsilon
     brightness = np.maximum(b.brightness, np.float32(_GUARD) * a.brightness)
     plain = _inverse_square(brightness, b.variance, here.epsilon)
-    classes = noisy_pixels.class_of(own, q2, s)
-    precise = s < np.float32(_PRECISE) * np.maximum(own, q2)
-    classes[precise] = noisy_pixels.CLASSES
+    precise = a.error < np.float32(_PRECISE) * np.maximum(own, here.q2)
+    noisy: np.ndarray = np.flatnonzero(~precise)
     precise &= here.known
-    value = float(np.vdot(s * plain, precise.astype(np.float32)))
-    noisy = np.flatnonzero(classes < noisy_pixels.CLASSES)
-    inverse = 1.0 / q2.ravel().take(noisy)
+    value = float(np.vdot(a.error * plain, precise.astype(np.float32)))
+    s, own, q2 = (plane.ravel().take(noisy) for plane in (a.error, own, here.q2))
+    some = noisy_pixels.class_of(own, q2, s)
+    inverse = 1.0 / q2
+    classes = np.full(precise.shape, noisy_pixels.CLASSES, np.uint8)
+    classes.ravel()[noisy] = some
     plain.ravel()[noisy] = inverse
     if not here.known.all():
-        seen = np.broadcast_to(here.known, s.shape).ravel().take(noisy)
-        noisy, inverse = noisy[seen], inverse[seen]
+        seen = np.broadcast_to(here.known, precise.shape).ravel().take(noisy)
+        noisy, some, inverse, s, own = (each[seen] for each in (noisy, some, inverse, s, own))
     bright = b.brightness.ravel().take(noisy)
     noisy_pixels.gather(
         sums,
-        classes.ravel().take(noisy),
+        some,
         here.groups.ravel().take(noisy % here.groups.size),
-        s.ravel().take(noisy) * inverse,
+        s * inverse,
         bright * np.sqrt(inverse),
         (bright * bright - b.variance.ravel().take(noisy)) * inverse,
         here.epsilon * inverse,
-        own.ravel().take(noisy) * inverse,
+        own * inverse,
     )
     return _Weights(value, plain, classes)
 
@@ -268,19 +236,21 @@ def _half(m: np.ndarray, k: np.ndarray, half: list[int]) -> _Half:
         deviations, weights = m[:1] - m[1:], k[:1] * k[1:] / total
     else:
         deviations, weights = m - brightness, k
-    products = [
-        [_product(deviations[:, c], deviations[:, d], weights[:, 0]) for d in range(c + 1)]
-        for c in range(3)
+    scale = 1.0 / (n * freedom)
+    weights = weights * scale
+    error = np.empty_like(brightness)
+    for c in range(3):
+        _product(deviations[:, c], deviations[:, c], weights[:, 0], error[c])
+    shared = [
+        _product(deviations[:, c], deviations[:, d], weights[:, 0], np.empty_like(error[0]))
+        for c, d in ((1, 0), (2, 0), (2, 1))
     ]
-    variance = np.stack([products[c][c] for c in range(3)])
-    variance /= freedom * total
-    scale = 1.0 / (n[0] * freedom)
-    return _Half([[plane * scale for plane in row] for row in products], brightness, variance)
+    return _Half(error, shared, brightness, error * (n / total))
 
 
-def _product(a: np.ndarray, b: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def _product(a: np.ndarray, b: np.ndarray, weights: np.ndarray, result: np.ndarray) -> np.ndarray:
     """Weighted sum of products over axis 0."""
-    result = a[0] * b[0]
+    np.multiply(a[0], b[0], out=result)
     result *= weights[0]
     for left, right, weight in zip(a[1:], b[1:], weights[1:], strict=True):
         result += left * right * weight
@@ -316,7 +286,7 @@ def _spread(
     for c in range(3):
         for d in range(c + 1):
             twice, scale = (1.0 if c == d else 2.0), root[c] * root[d]
-            left, right = a.spread[c][d] * scale, b.spread[c][d] * scale
+            left, right = a.spread(c, d) * scale, b.spread(c, d) * scale
             crossed += twice * float(np.vdot(left, right))
             pooled += twice * (by_cells(left) * by_cells(right))
     pixels = by_cells(known.astype(np.float32))

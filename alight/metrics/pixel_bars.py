@@ -27,9 +27,9 @@ from typing import NamedTuple
 import numpy as np
 
 from alight.core.errors import OptionError
-from alight.metrics.own_error import picture_and_variance
 from alight.metrics.statistics import student_t_quantile
-from alight.metrics.surroundings import around, by_cells, neighbours, spread_out
+from alight.metrics.surroundings import by_cells, neighbours, pixels_of_cells, spread_out
+from alight.metrics.survey import Survey, survey
 
 #: Degrees of freedom that the pooled variance counts as.
 _POOLED = 5.0
@@ -88,40 +88,54 @@ def pixel_bars(means: np.ndarray, counts: np.ndarray, confidence: float = 0.95) 
     Meant for each pixel by itself: of 100 sure pixels about 5 lie outside. Light that no sample of
     the whole neighbourhood has met is in no bar.
     """
+    return bars_of(survey(means, counts), confidence)
+
+
+def bars_of(seen: Survey, confidence: float = 0.95) -> PixelBars:
+    """Give intervals as `pixel_bars`, from what has been seen of a picture."""
     if not 0.0 < confidence < 1.0:
         raise OptionError(f"confidence: must lie in (0 %, 100 %), got {confidence:.6g}")
-    h, w, replicates, _ = means.shape
-    mean, variance = picture_and_variance(means, counts)
-    known = counts.min(axis=2) > 0 if replicates > 1 else np.zeros((h, w), bool)
-    lit = np.maximum(mean, 0.0)
-    epsilon = np.float32((0.1 * float(lit.mean(dtype=np.float64))) ** 2)
-    scale = around(lit, variance, epsilon)
-    scale *= scale
-    scale += max(epsilon, np.float32(1e-30))
-    relative = variance / scale
-    own = np.float32(max(replicates - 1, 1))
+    own = np.float32(max(seen.replicates - 1, 1))
     t = np.float32(student_t_quantile(0.5 + 0.5 * confidence, float(own) + _POOLED))
-    pooled, rare, unsure = _pool(relative, t)
-    bar = own * variance + np.float32(_POOLED) * pooled * scale
-    bar *= t * t / (own + np.float32(_POOLED))
-    bar += rare * scale
-    half = np.where(known, np.sqrt(bar), np.float32(math.nan))
-    low, high = ((mean + sign * half).transpose(1, 2, 0) for sign in (-1.0, 1.0))
-    return PixelBars(low.astype(np.float32), high.astype(np.float32), unsure | ~known)
+    scale, pooled, rare, unsure = _pooled(seen, t)
+    # Half of a bar, squared: what is the same in a cell is worked out once for it.
+    part = t * t / (own + np.float32(_POOLED))
+    bar = spread_out(np.float32(_POOLED) * part * pooled + rare, *seen.known.shape)
+    bar *= scale
+    bar += own * part * seen.variance
+    half = np.sqrt(bar, out=bar)
+    half[:, ~seen.known] = math.nan
+    low, high = seen.picture - half, seen.picture + half
+    return PixelBars(low.transpose(1, 2, 0), high.transpose(1, 2, 0), unsure)
 
 
-def _pool(relative: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def unsure_pixels(seen: Survey) -> np.ndarray:
+    """Find the pixels that are unsure in `bars_of` at 95 %, without the bars."""
+    t = np.float32(student_t_quantile(0.975, max(seen.replicates - 1, 1) + _POOLED))
+    return _pooled(seen, t)[-1]
+
+
+def _pooled(seen: Survey, t: np.float32) -> tuple[np.ndarray, ...]:
+    """Brightness squared (3, h, w), what `_pool` finds, and unsure pixels (h, w)."""
+    scale = seen.surroundings * seen.surroundings
+    scale += max(np.float32(seen.epsilon), np.float32(1e-30))
+    pooled, rare, thin = _pool(seen.variance / scale, t)
+    unsure = spread_out(thin, *seen.known.shape)
+    unsure |= ~seen.known
+    return scale, pooled, rare, unsure
+
+
+def _pool(relative: np.ndarray, t: np.float32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Pool relative variances (3, h, w) over cells.
 
     Returns
     -------
-    pooled, rare : ndarray, shape (3, h, w)
+    pooled, rare : ndarray, shape (3, cells_y, cells_x)
         Of the own cell; and what a bar, squared and over the brightness squared, has to be longer
         for bright samples that came to the cells around and not here.
-    unsure : ndarray of bool, shape (h, w)
+    unsure : ndarray of bool, shape (cells_y, cells_x)
     """
-    h, w = relative.shape[1:]
-    pixels, own = by_cells(np.ones((1, h, w), np.float32)), by_cells(relative)
+    pixels, own = pixels_of_cells(*relative.shape[1:]), by_cells(relative)
     squares = neighbours(by_cells(relative * relative), 2)
     wide, wide_pixels = neighbours(own, 2), neighbours(pixels, 2)
     carriers = np.minimum(wide * wide / np.maximum(squares, np.float32(1e-30)), wide_pixels)
@@ -130,5 +144,5 @@ def _pool(relative: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.nd
     rare *= np.minimum(_MISSED**2 * carriers / wide_pixels, t * t)
     # A cell without any noise, such as a plain background, is exact.
     rare[own <= _NOTHING] = 0.0
-    thin = ((carriers < _THIN) & (own + rare > _TOLD)).any(axis=0)
-    return spread_out(own, h, w), spread_out(rare, h, w), spread_out(thin, h, w)
+    thin = (carriers < _THIN) & (own + rare > _TOLD)
+    return own, rare, np.any(thin, axis=0)

@@ -83,8 +83,11 @@ def student_t_tail(t: np.ndarray | float, dof: np.ndarray | float) -> np.ndarray
     return np.where(normal, gauss(t), tail)
 
 
-def student_t_quantile(p: float, dof: float, accuracy: float = 4e-16) -> float:
-    """Find the t with P(T <= t) = p, by bisection to a relative accuracy: to the last bits.
+def student_t_quantile(p: float, dof: float) -> float:
+    """Find the t with P(T <= t) = p, to the last bits.
+
+    By Newton's method in the logarithms of t and of the tail, between which the tail's curve is
+    straight far out; where a step leaves the bracket, it is halved.
 
     Raises
     ------
@@ -94,18 +97,23 @@ def student_t_quantile(p: float, dof: float, accuracy: float = 4e-16) -> float:
     if not (0.0 < p < 1.0 and dof > 0.0):
         raise ValueError(f"p must lie in (0, 1) and dof be > 0, got {p} and {dof}")
     tail = 2.0 * min(p, 1.0 - p)
-    low, high = 0.0, 1.0
-    while student_t_tail(high, dof) > tail and high < 1e150:
-        low, high = high, 2.0 * high
-    while high - low > accuracy * high:
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        if student_t_tail(middle, dof) > tail:
-            low = middle
-        else:
-            high = middle
-    return math.copysign(high, p - 0.5) if p != 0.5 else 0.0
+    if tail == 1.0:
+        return 0.0
+    t, low, high = max(abs(_NORMAL.inv_cdf(0.5 * tail)), 1e-300), 0.0, 1e150
+    front = math.lgamma(0.5 * dof + 0.5) - math.lgamma(0.5 * dof) - 0.5 * math.log(dof * math.pi)
+    for _ in range(600):
+        found = float(student_t_tail(t, dof))
+        low, high = (t, high) if found > tail else (low, t)
+        density = math.exp(front - 0.5 * (dof + 1.0) * math.log1p(t * (t / dof)))
+        slope = 2.0 * t * density / found if found > 0.0 else 0.0
+        step = math.log(found / tail) / slope if slope > 0.0 else math.inf
+        following = t * math.exp(step) if abs(step) < 300.0 else 0.0
+        if not low < following < high:
+            following = math.sqrt(low * high) if low > 0.0 else 0.5 * high
+        if abs(following - t) <= 4e-16 * t:
+            return math.copysign(following, p - 0.5)
+        t = following
+    return math.copysign(t, p - 0.5)
 
 
 def f_quantile(p: float, dof1: float, dof2: float) -> float:

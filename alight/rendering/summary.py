@@ -73,11 +73,6 @@ def _at_most(error: float) -> str:
     return f"{error:.2%}" if error <= LARGEST_TOLD else "more than 1000 %"
 
 
-def unsure_share(film: Film) -> float:
-    """Share of the pixels whose error bars may be too short."""
-    return film.interval().unsure_share
-
-
 def unsure_lines(share: float) -> list[str]:
     """Say of how many pixels the error bars may be too short, if of any."""
     if share < 0.001:

@@ -22,7 +22,6 @@ from alight.outputs.image import check_writable, format_of, write_image
 from alight.rendering.summary import (
     statistics_of,
     summary_lines,
-    unsure_share,
     warnings_of,
     write_json,
 )
@@ -137,8 +136,8 @@ class Outcome:
     def __str__(self) -> str:
         """What the command line ends with."""
         film, targets = self.film, self.targets
-        error = film.relmse_estimate(literature=False)
-        lines = summary_lines(film, error, unsure_share(film), self.seconds, self.denoiser)
+        error, unsure = film.judged(literature=False)
+        lines = summary_lines(film, error, float(unsure.mean()), self.seconds, self.denoiser)
         if targets.display.exposure == "auto" and any(map(_is_display, targets.outputs)):
             lines.append(f"exposure: {targets.display.developed(film.image).exposure:+.2f} stops")
         lines += [f"{_kind(path)}: {path}" for path in targets.outputs]
@@ -165,12 +164,16 @@ def finish(film: Film, targets: Targets, begin: float, told: Sequence[str] = ())
         If a file cannot be written; where the samples are then is said.
     """
     try:
+        if targets.stats is not None:
+            # Before pictures ask for one half of it.
+            film.judged()
         denoiser = write_outputs(film, targets)
         seconds, warnings = time.perf_counter() - begin, warnings_of(film)
         if targets.stats is not None:
             outputs, found = list(targets.outputs), [*told, *warnings]
-            error, unsure = film.relmse_estimate(literature=True), unsure_share(film)
-            statistics = statistics_of(film, error, unsure, outputs, found, denoiser)
+            error, unsure = film.judged()
+            share = float(unsure.mean())
+            statistics = statistics_of(film, error, share, outputs, found, denoiser)
             write_json(targets.stats, statistics)
     except OutputError as error:
         raise OutputError(f"{error}\n{_rescue(film, targets)}") from error

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scenes import ORDINARY, REPLICATES, Runner, Truth
+from scenes import ORDINARY, REPLICATES, Runner
+from truth import Truth
 
 from alight.metrics.own_error import estimate_relmse
 from alight.rendering.stopping import Promise, first_look, judge_means, next_look, word_of

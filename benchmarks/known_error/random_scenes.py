@@ -1,16 +1,17 @@
 """Error bars on random scenes: of pictures, of pixels, and promises, in one command.
 
 python benchmarks/known_error/random_scenes.py --seeds 1-99 --save FILE [--kinds room,...]
-    [--renders 24] [--truth 8192] [--sides 32,48,64]
+    [--renders 24] [--truth 8192] [--most 32768] [--sides 32,48,64]
 python benchmarks/known_error/random_scenes.py --show FILE
 
 For each scene: how often the 95 % interval of the picture's relMSE held the true one at 4, 16, 64
 and 256 spp, the mean estimate over the mean truth, the share of the pixels (but the unsure ones)
-inside their 95 % bars, and what became of promises to the error that the mean picture reaches at a
-number of samples between 30 and 200. Where the truth's own error is not small beside the picture's
-(a handful of rare bright samples), nothing can be compared, and the case is not counted. Lines are
-added to FILE as they come, so that a campaign can be stopped and continued. Constants are chosen on
-even seeds; odd ones give the verdict.
+inside their 95 % bars, and what became of promises, with even samples and with ``--adaptive``, to
+the error that the mean picture reaches at a number of samples between 30 and 200. Where the truth's
+own error is not small beside the picture's (a handful of rare bright samples), or the brightness
+that divides it is in doubt (`truth`), nothing can be compared, and the case is not counted. Lines
+are added to FILE as they come, so that a campaign can be stopped and continued. Constants are
+chosen on even seeds; odd ones give the verdict.
 """
 
 from __future__ import annotations
@@ -24,12 +25,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scenes import REPLICATES, Runner, Truth
+from scenes import REPLICATES, Runner
+from steered import cell_shares
+from truth import Truth
 
 from alight.core.errors import AlightError
 from alight.lab.random_scenes import KINDS, random_scene
 from alight.metrics.own_error import estimate_relmse
 from alight.metrics.pixel_bars import pixel_bars
+from alight.rendering.adaptive import PILOT_SPP, counts_at
+from alight.rendering.job import seed_of_round
 from alight.rendering.stopping import Promise, first_look, judge_means, next_look, word_of
 
 #: Samples per pixel at which intervals are compared with the truth.
@@ -50,11 +55,18 @@ def looks(most: float) -> list[int]:
     return result
 
 
-def measure(seed: int, kind: str, side: int, renders: int, truth_spp: int) -> dict[str, Any]:
+def measure(
+    seed: int, kind: str, side: int, renders: int, truth_spp: int, most: int
+) -> dict[str, Any]:
     """Render one scene again and again, and compare it with the truth."""
     runner = Runner(random_scene(seed, kind, (side, side)))
-    truth = Truth(runner, truth_spp)
-    row: dict[str, Any] = {"seed": seed, "kind": kind, "side": side, "spp": {}, "promises": []}
+    truth = Truth(runner, truth_spp, most)
+    if not truth.mean.any():
+        raise AlightError("black: there is nothing to compare")
+    row: dict[str, Any] = {
+        "seed": seed, "kind": kind, "side": side, "truth": truth.spp, "doubt": truth.doubt,
+        "spp": {}, "promises": [], "adaptive": [],
+    }  # fmt: skip
     curve: dict[int, list[float]] = collections.defaultdict(list)
     checks: dict[int, list[list[float]]] = collections.defaultdict(list)
     for render in range(renders):
@@ -74,11 +86,13 @@ def measure(seed: int, kind: str, side: int, renders: int, truth_spp: int) -> di
             "pixels": float(np.nanmean(inside)) if np.isfinite(inside).any() else math.nan,
             "unsure": float(unsure.mean()),
             # Rare bright samples in the truth are no fault of the picture's.
-            "clear": bool(truth.noise < CLEAR * true.mean()),
+            "clear": bool(truth.sure and truth.noise < CLEAR * true.mean()),
         }
     errors = [math.sqrt(max(float(np.mean(curve[spp])), 1e-12)) for spp in CHECKED]
     for render in range(max(renders // 4, 1)):
-        row["promises"].append(_promise(runner, truth, errors, seed, 5000 + render))
+        for adaptive, name in ((False, "promises"), (True, "adaptive")):
+            made = _promise(runner, truth, errors, (seed, 5000 + render), adaptive)
+            row[name].append(made)
     return row
 
 
@@ -97,25 +111,34 @@ def _check(means: np.ndarray, spp: int, truth: Truth) -> list[float]:
 
 
 def _promise(
-    runner: Runner, truth: Truth, errors: list[float], seed: int, render: int
+    runner: Runner, truth: Truth, errors: list[float], seeds: tuple[int, int], adaptive: bool
 ) -> dict[str, Any]:
-    """Ask for an error, and look until it is said to be met or the budget is spent."""
-    rng = np.random.default_rng((seed, render))
-    oracle = float(np.exp(rng.uniform(*np.log(ORACLE))))
+    """Ask for an error, and look until it is said to be met or the budget is spent.
+
+    The oracle has even samples in either case; the pilot of adaptive ones counts as samples.
+    """
+    oracle = float(np.exp(np.random.default_rng(seeds).uniform(*np.log(ORACLE))))
     logs = np.interp(math.log(oracle), np.log(CHECKED), np.log(errors))
     asked = min(max(float(np.exp(logs)), 1e-4), 10.0)
-    sums, first = 0.0, 0
+    h, w = truth.mean.shape[:2]
+    shares = np.ones((-(-h // 8), -(-w // 8)))
+    if adaptive:
+        shares = cell_shares(runner.means(seed_of_round(seeds[1], 1), PILOT_SPP))
+    sums, held = 0.0, np.zeros(shares.shape, np.int64)
     for spp in looks(BUDGET * oracle):
-        sums, first = sums + runner.sums(render, first, spp - first), spp
-        means = (sums / (spp / REPLICATES)).astype(np.float32)
-        counts = np.full(means.shape[:3], spp // REPLICATES)
+        goal = counts_at(shares, spp, REPLICATES) if adaptive else np.full(shares.shape, spp)
+        sums, held = sums + runner.sums(seeds[1], held, goal - held), goal
+        counts = np.kron(held, np.ones((8, 8), np.int64))[:h, :w, None] // REPLICATES
+        counts = np.repeat(counts, REPLICATES, axis=2)
+        means = (sums / counts[..., None]).astype(np.float32)
         judgement = judge_means(means, counts, Promise(asked))
         if judgement.met:
             break
     true = truth.relrmse(means.mean(axis=2, dtype=np.float64))
     return {
-        "asked": asked, "oracle": oracle, "word": word_of(judgement), "spp": spp, "true": true,
-        "clear": bool(truth.noise < CLEAR * asked**2),
+        "asked": asked, "oracle": oracle, "word": word_of(judgement), "true": true,
+        "spp": REPLICATES * float(counts[..., 0].mean()) + (PILOT_SPP if adaptive else 0),
+        "clear": bool(truth.sure and truth.noise < CLEAR * asked**2),
     }  # fmt: skip
 
 
@@ -133,7 +156,7 @@ def show(rows: Iterable[dict[str, Any]]) -> None:
 
 
 def _line(kind: str, rows: list[dict[str, Any]]) -> str:
-    """One kind: coverage, estimate over truth and width at each spp; pixels; promises."""
+    """One kind: coverage, estimate over truth (median, mean), width at each spp; and the rest."""
     parts = []
     for spp in map(str, CHECKED):
         clear = [row["spp"][spp] for row in rows if row["spp"][spp]["clear"]]
@@ -141,7 +164,8 @@ def _line(kind: str, rows: list[dict[str, Any]]) -> str:
             parts.append("    no truth    ")
             continue
         held, ratio, width = ([cell[key] for cell in clear] for key in ("held", "ratio", "width"))
-        parts.append(f"{np.mean(held):6.1%} {np.nanmedian(ratio):5.2f} {np.median(width):4.2f}")
+        ratios = f"{np.nanmedian(ratio):5.2f} {np.nanmean(ratio):5.2f}"
+        parts.append(f"{np.mean(held):6.1%} {ratios} {np.median(width):4.2f}")
     every = [cell for row in rows for cell in row["spp"].values()]
     cells = [cell for cell in every if cell["clear"]]
     if not cells:
@@ -149,16 +173,23 @@ def _line(kind: str, rows: list[dict[str, Any]]) -> str:
     held = np.mean([cell["held"] for cell in cells])
     pixels = np.nanmean([cell["pixels"] for cell in cells])
     unsure = np.mean([cell["unsure"] for cell in cells])
-    promises = [p for row in rows for p in row["promises"] if p["clear"]]
+    return (
+        f"{kind:11s} {len(rows):3d} scenes, {len(cells)} of {len(every)} clear, held {held:6.1%} | "
+        f"{' | '.join(parts)} | pixels {pixels:.1%} (unsure {unsure:.0%}) | "
+        f"{_kept(rows, 'promises')} | adaptive: {_kept(rows, 'adaptive')}"
+    )
+
+
+def _kept(rows: list[dict[str, Any]], name: str) -> str:
+    """What became of the promises."""
+    promises = [p for row in rows for p in row.get(name, ()) if p["clear"]]
     met = [p for p in promises if p["word"] == "met"]
     kept = sum(p["true"] <= p["asked"] for p in met)
     cost = np.median([p["spp"] / p["oracle"] for p in met]) if met else math.nan
     doubts = sum(p["word"] == "not certifiable" for p in promises)
     return (
-        f"{kind:11s} {len(rows):3d} scenes, {len(cells)} of {len(every)} clear, held {held:6.1%} | "
-        f"{' | '.join(parts)} | pixels "
-        f"{pixels:.1%} (unsure {unsure:.0%}) | met {len(met)} of {len(promises)}, kept {kept}, "
-        f"{cost:.2f} x oracle, not certifiable {doubts}"
+        f"met {len(met)} of {len(promises)}, kept {kept}, {cost:.2f} x oracle, "
+        f"not certifiable {doubts}"
     )
 
 
@@ -176,6 +207,7 @@ def main() -> None:
     parser.add_argument("--sides", default="32,48,64")
     parser.add_argument("--renders", type=int, default=24)
     parser.add_argument("--truth", type=int, default=8192)
+    parser.add_argument("--most", type=int, default=32768)
     parser.add_argument("--save", type=Path)
     parser.add_argument("--show", type=Path)
     options = parser.parse_args()
@@ -193,14 +225,15 @@ def main() -> None:
                 continue
             side = sides[(seed // 2 + number) % len(sides)]
             try:
-                row = measure(seed, kind, side, options.renders, options.truth)
+                row = measure(seed, kind, side, options.renders, options.truth, options.most)
             except AlightError as error:
                 print(f"{seed} {kind}: refused: {error}", flush=True)
                 continue
             # As written and read again: numbers of samples are text.
             done.append(json.loads(json.dumps(row)))
             held = [cell["held"] for cell in row["spp"].values()]
-            print(f"{seed} {kind} {side}x{side}: held {held}", flush=True)
+            sure = f"{row['truth']} spp, doubt {row['doubt']:.2g}"
+            print(f"{seed} {kind} {side}x{side}: held {held}, truth of {sure}", flush=True)
             if options.save:
                 with options.save.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(row) + "\n")

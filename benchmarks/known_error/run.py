@@ -24,7 +24,8 @@ from typing import Any
 import numpy as np
 import steered
 from intervals import CHECKED, mean_error, run_once
-from scenes import ORDINARY, TEXTS, UNEVEN, Runner, Truth
+from scenes import ORDINARY, TEXTS, UNEVEN, Runner
+from truth import Truth
 
 
 def binomial_tail(hits: int, runs: int, p: float, upper: bool) -> float:

@@ -228,30 +228,3 @@ class Runner:
     def means(self, seed: int, spp: int) -> np.ndarray:
         """Means of the replicates, float64, shape (h, w, R, 3)."""
         return self.sums(seed, 0, spp) / (spp / REPLICATES)
-
-
-class Truth:
-    """A scene's picture from many samples, with the variance of its own noise.
-
-    Parameters
-    ----------
-    runner : Runner
-    spp : int
-        Samples per pixel, in 16 independent films.
-    """
-
-    def __init__(self, runner: Runner, spp: int, seed: int = 10**6) -> None:
-        films = [runner.means(seed + i, spp // 16).mean(axis=2) for i in range(16)]
-        self.mean = np.mean(films, axis=0)
-        self.variance = np.var(films, axis=0, ddof=1) / len(films)
-        self.scale = self.mean**2 + (0.1 * self.mean.mean()) ** 2
-        #: relMSE of the truth itself.
-        self.noise = float((self.variance / self.scale).mean())
-
-    def relmse(self, picture: np.ndarray) -> float:
-        """relMSE of a picture, the truth's own variance subtracted."""
-        return float((((picture - self.mean) ** 2 - self.variance) / self.scale).mean())
-
-    def relrmse(self, picture: np.ndarray) -> float:
-        """Square root of `relmse`."""
-        return max(self.relmse(picture), 0.0) ** 0.5

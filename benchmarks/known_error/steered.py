@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scenes import REPLICATES, SIDE, Runner, Truth, load_scene
+from scenes import REPLICATES, SIDE, Runner, load_scene
+from truth import Truth
 
 from alight.films import Film
 from alight.films.sample_ranges import empty_cells
@@ -35,7 +36,8 @@ class _Pilot:
     """What `shares_of` reads of a film."""
 
     def __init__(self, means: np.ndarray) -> None:
-        self.crop, self.cells = (0, 0, SIDE, SIDE), empty_cells(SIDE, SIDE)
+        height, width = means.shape[:2]
+        self.crop, self.cells = (0, 0, width, height), empty_cells(width, height)
         self.replicates = REPLICATES
         self._means = means
 
@@ -43,10 +45,15 @@ class _Pilot:
         return self._means, np.full(self._means.shape[:3], PILOT_SPP // REPLICATES)
 
 
+def cell_shares(pilot: np.ndarray) -> np.ndarray:
+    """Each cell's share of the samples, from the means (h, w, R, 3) of a pilot."""
+    return shares_of(_Pilot(pilot))  # type: ignore[arg-type]
+
+
 def adaptive_picture(runner: Runner, seed: int, spp: int) -> np.ndarray:
     """Mean of every pixel of an adaptive picture of `spp` samples per pixel on average."""
-    pilot = runner.means(seed_of_round(seed, 1), PILOT_SPP)
-    counts = counts_at(shares_of(_Pilot(pilot)), spp, REPLICATES)  # type: ignore[arg-type]
+    shares = cell_shares(runner.means(seed_of_round(seed, 1), PILOT_SPP))
+    counts = counts_at(shares, spp, REPLICATES)
     sums = runner.sums(seed, 0, counts).sum(axis=2)
     return sums / np.kron(counts, np.ones((8, 8)))[..., None]
 
@@ -129,7 +136,7 @@ def ideal_gain(runner: Runner, truth: Truth) -> tuple[float, float]:
     With V / n the relMSE of a cell of cost c a sample, n ~ sqrt(V) is best for the samples, and
     n ~ sqrt(V / c) for the time; the pilot costs nothing, and n may be anything.
     """
-    relative = (truth.variance / truth.scale).mean(axis=2)
+    relative = (truth.variance * truth.weight).mean(axis=2)
     V = relative.reshape(SIDE // 8, 8, SIDE // 8, 8).mean(axis=(1, 3))
     c = runner.rays(32)
     samples = V.mean() / np.sqrt(V).mean() ** 2

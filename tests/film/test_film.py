@@ -137,7 +137,7 @@ def test_standard_error_is_the_formula_of_the_replicates():
     n = np.array([4, 4, 3, 3])
     means = np.stack([values[r::4].astype(np.float64).mean(axis=0) for r in range(4)])
     mean = values.astype(np.float64).mean(axis=0)
-    squared = (n[:, None, None, None] ** 2 * (means - mean) ** 2).sum(axis=0) / 14**2 * 4 / 3
+    squared = (n[:, None, None, None] ** 2 * (means - mean) ** 2).sum(axis=0) / (14**2 - sum(n**2))
     np.testing.assert_allclose(film.standard_error, np.sqrt(squared), rtol=1e-6)
 
 

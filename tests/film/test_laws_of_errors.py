@@ -43,7 +43,18 @@ def test_unequal_replicates_count_by_their_samples():
     np.testing.assert_allclose(mean, values.sum(axis=2) / 16)
     np.testing.assert_allclose(replicate_means(sums, counts), values / counts[..., None])
     squares = ((values - counts[..., None] * mean[:, :, None]) ** 2).sum(axis=2)
-    np.testing.assert_allclose(error, np.sqrt(squares / 16**2 * 4 / 3))
+    np.testing.assert_allclose(error, np.sqrt(squares / (16**2 - 94)))
+
+
+@pytest.mark.parametrize(("power", "expected"), [(1.0, 1.0), (2.0, 3.46875 * 256 / 4 / 162)])
+def test_squared_errors_of_unequal_replicates_are_unbiased_for_independent_samples(power, expected):
+    counts = np.array([1, 2, 5, 8])
+    rng = np.random.default_rng(6)
+    means = 5.0 + rng.standard_normal((120, 120, 4, 1)) * counts[:, None] ** (-0.5 * power)
+    limbs, _, _ = to_limbs((means * counts[:, None]).astype(np.float32))
+    _, error = mean_and_error(limbs, np.broadcast_to(counts, (120, 120, 4)))
+    truth = (counts ** (2.0 - power)).sum() / 256
+    assert (error**2).mean() / truth == pytest.approx(expected, rel=0.05)
 
 
 def test_intervals_cover_and_errors_fall_by_the_root_of_the_samples():

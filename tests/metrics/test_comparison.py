@@ -79,13 +79,32 @@ def spikes(seed, rate, seeds=12):
 
 def test_noise_that_is_skewed_on_one_side_is_judged_on_larger_blocks():
     """Blocks that no spike of the noisy side hit are too dark and too quiet."""
-    found = [
-        compare_pictures(spikes(2 * i, 0.003), spikes(2 * i + 1, 3.0), join=True) for i in range(10)
-    ]
+    found = [compare_pictures(spikes(2 * i, 0.003), spikes(2 * i + 1, 3.0)) for i in range(10)]
     # 1 % of 10; three have a probability of 1e-4.
     assert sum(not one.passed for one in found) < 3
     assert min(one.block for one in found) > 2
-    assert compare_pictures(spikes(1, 3.0), spikes(2, 3.0), join=True).block == 2
+    assert compare_pictures(spikes(1, 3.0, 32), spikes(2, 3.0, 32)).block == 2
+
+
+def test_few_seeds_against_many_keep_the_level():
+    """Three seeds look calm by chance: Welch's degrees of freedom are then those of the others."""
+    failures = 0
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        sides = [1.0 + s * rng.standard_normal((n, 24, 24, 3)) for n, s in ((3, 0.3), (32, 0.1))]
+        failures += not compare_pictures(*sides).passed
+    # 1 % of 60; five have a probability of 4e-4.
+    assert failures < 5
+
+
+def test_few_seeds_find_a_small_change_of_all_the_light():
+    """Three pictures have hardly a spread of their own, but their blocks know their noise."""
+    rng = np.random.default_rng(1)
+    a, b = 1.0 + 0.2 * rng.standard_normal((2, 3, 48, 48, 1)) * np.ones(3)
+    assert compare_pictures(a, b).passed
+    # 0.4 % of the whole is 2 % of a pixel's noise: its z is 6.8.
+    found = compare_pictures(1.02 * a, b)
+    assert [reason.split(" differs")[0] for reason in found.reasons] == ["mean luminance"]
 
 
 def test_stored_statistics_give_the_same_result(tmp_path):

@@ -56,8 +56,25 @@ AGREEMENT = (
     Mutant(
         "blocks of skewed noise that stay small",
         "metrics/comparison.py",
-        (("and sums.skewness > LARGEST_SKEWNESS", "and False"),),
+        (("or sums.skewness > LARGEST_SKEWNESS", "or False"),),
         f"{PICTURES}::test_noise_that_is_skewed_on_one_side_is_judged_on_larger_blocks",
+    ),
+    Mutant(
+        "blocks of three seeds that know their variance",
+        "metrics/comparison.py",
+        (("sums.block**2 * freedom < _FREEDOM_WANTED or ", ""),),
+        f"{PICTURES}::test_few_seeds_against_many_keep_the_level",
+    ),
+    Mutant(
+        "no test of the whole by the noise of its blocks",
+        "metrics/comparison.py",
+        (
+            (
+                'names["mean luminance"] = 1.0 if math.isnan(whole)',
+                'names["mean luminance"] = 1.0 if True',
+            ),
+        ),
+        f"{PICTURES}::test_few_seeds_find_a_small_change_of_all_the_light",
     ),
     Mutant(
         "blocks that agree too well called biased",

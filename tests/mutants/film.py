@@ -57,8 +57,15 @@ FILM = (
     Mutant(
         "standard error without R / (R - 1)",
         "films/statistics.py",
-        (("squares * (replicates / (replicates - 1))", "squares"),),
+        (("np.maximum(whole - own, 1.0)", "whole"),),
         "tests/film/test_film.py::test_standard_error_is_the_formula_of_the_replicates",
+    ),
+    Mutant(
+        "standard error of unequal replicates as of equal ones",
+        "films/statistics.py",
+        (("(whole / np.maximum(whole - own, 1.0))", "(replicates / (replicates - 1))"),),
+        "tests/film/test_laws_of_errors.py::"
+        "test_squared_errors_of_unequal_replicates_are_unbiased_for_independent_samples",
     ),
     Mutant(
         "many tests, each at the level of one",
@@ -68,8 +75,8 @@ FILM = (
     ),
     Mutant(
         "a fourth channel among the errors of the picture",
-        "films/film.py",
-        (("(sums, counts)[1][..., :3]", "(sums, counts)[1][..., :4]"),),
+        "films/readout.py",
+        (("(s, n)[1][..., :3]", "(s, n)[1][..., :4]"),),
         "tests/film/test_laws_of_errors.py"
         "::test_a_fourth_channel_changes_nothing_of_the_picture_and_its_error",
     ),

@@ -6,6 +6,7 @@ PROMISES = "tests/known_error/test_promises.py"
 BIASES = "tests/known_error/test_biases.py"
 NOISY = "tests/metrics/test_noisy_pixels.py"
 BARS = "tests/metrics/test_pixel_bars.py"
+SURVEY = "tests/metrics/test_survey.py"
 
 KNOWN_ERROR = (
     Mutant(
@@ -27,6 +28,24 @@ KNOWN_ERROR = (
         f"{NOISY}::test_the_interval_holds_the_error_of_noisy_pictures",
     ),
     Mutant(
+        "rounding taken for what a group changes",
+        "metrics/noisy_pixels.py",
+        (("leave = (sums[0] > 0.0) & (rest[0] > 1e-9 * whole[0])", "leave = rest[0] > -1.0"),),
+        f"{SURVEY}::test_a_group_that_is_all_of_its_class_is_not_left_out_of_it",
+    ),
+    Mutant(
+        "rows that are no whole cell left out of their sums",
+        "metrics/surroundings.py",
+        (("if whole < h:", "if whole < h - CELL:"),),
+        f"{SURVEY}::test_cells_are_the_sums_of_their_pixels",
+    ),
+    Mutant(
+        "the answer about a film's earlier samples",
+        "films/judgement.py",
+        (("same = known.samples == _samples_of(film)", "same = known.samples > 0"),),
+        f"{SURVEY}::test_a_film_answers_anew_once_it_has_other_samples",
+    ),
+    Mutant(
         "no bright sample seen, so no brightness believed",
         "metrics/noisy_pixels.py",
         (("mean = (seen + prior) / (expected + prior)", "mean = first / total"),),
@@ -41,7 +60,7 @@ KNOWN_ERROR = (
     Mutant(
         "a pixel in its own surroundings",
         "metrics/surroundings.py",
-        (("near = neighbours(mean) - mean", "near = neighbours(mean)"),),
+        (("        near -= mean\n", ""),),
         f"{NOISY}::test_a_pixel_has_no_part_in_its_own_surroundings",
     ),
     Mutant(
@@ -53,7 +72,7 @@ KNOWN_ERROR = (
     Mutant(
         "bars without room for what is missing",
         "metrics/pixel_bars.py",
-        (("    bar += rare * scale\n", ""),),
+        (("part * pooled + rare,", "part * pooled,"),),
         f"{BARS}::test_a_cell_beside_bright_samples_has_longer_bars_than_its_own_noise_says",
     ),
     Mutant(
@@ -145,7 +164,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "one replicate that knows its error",
-        "metrics/own_error.py",
+        "metrics/survey.py",
         (("if replicates > 1:", "if replicates >= 1:"),),
         "tests/metrics/test_errors_of_pictures.py"
         "::test_one_replicate_or_one_sample_says_nothing_of_the_error",
@@ -153,7 +172,7 @@ KNOWN_ERROR = (
     Mutant(
         "doubt from the brightness, not from its square",
         "metrics/noisy_pixels.py",
-        (("math.log(max(mean * mean, 1.0))", "math.log(max(mean, 1.0))"),),
+        (("np.log(np.maximum(mean * mean, 1.0))", "np.log(np.maximum(mean, 1.0))"),),
         "tests/metrics/test_noisy_pixels.py"
         "::test_the_doubt_reaches_from_what_is_believed_to_what_a_saw",
     ),
@@ -167,7 +186,12 @@ KNOWN_ERROR = (
     Mutant(
         "a bar of one degree of freedom fewer",
         "metrics/pixel_bars.py",
-        (("own = np.float32(max(replicates - 1, 1))", "own = np.float32(max(replicates - 2, 1))"),),
+        (
+            (
+                "own = np.float32(max(seen.replicates - 1, 1))",
+                "own = np.float32(max(seen.replicates - 2, 1))",
+            ),
+        ),
         "tests/metrics/test_pixel_bars.py"
         "::test_bars_of_an_even_picture_are_students_with_five_more_degrees",
     ),
