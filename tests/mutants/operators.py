@@ -2,7 +2,8 @@
 
 The operators are those with which programmers' mistakes are usually modelled (DeMillo, Lipton and
 Sayward 1978, Hints on Test Data Selection), chosen for what renderers get wrong. They apply to
-kernel text and to the statistics that stand behind every error bar and verdict.
+kernel text, to the statistics that stand behind every error bar and verdict, and to what computes
+in the view, in clusters and in options.
 
 Left out by rule, as no test could or should find them: docstrings and messages, annotations,
 assertions, what is raised, the search for a *cheap* tree or split, of which any outcome is right
@@ -37,6 +38,19 @@ STATISTICS = (
     "lab/references.py",
     "lab/statistics.py",
     "lab/steering.py",
+)
+
+#: What computes on machines, pages and options without being either.
+PLAIN = (
+    "cluster/dispatch.py",
+    "cluster/status.py",
+    "options/kinds.py",
+    "options/quantities.py",
+    "options/table.py",
+    "view/layers.py",
+    "view/movable.py",
+    "view/pose.py",
+    "view/shades.py",
 )
 
 #: (file, function): choices that cost time only, not truth.
@@ -126,12 +140,12 @@ class Site(NamedTuple):
 
 def sites_of(package: Path) -> list[Site]:
     """Every place of a package where an operator applies, in order."""
-    statistics = {path for pattern in STATISTICS for path in package.glob(pattern)}
+    whole = {path for pattern in STATISTICS + PLAIN for path in package.glob(pattern)}
     found: list[Site] = []
     for path in sorted(package.rglob("*.py")):
         source = path.read_bytes()
         reader = _Reader(str(path.relative_to(package)), source)
-        reader.read(ast.parse(source), (), inside=path in statistics)
+        reader.read(ast.parse(source), (), inside=path in whole)
         found += reader.sites
     return found
 

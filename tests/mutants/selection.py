@@ -15,6 +15,7 @@ FOLDERS = {
     "accel": "accel shapes motion scene images",
     "bsdfs": "unit sampling physics edges laws estimators extension rendering fuzz images",
     "cameras": "cameras unit motion rendering images",
+    "cluster": "cluster rendering",
     "core": "unit lanewise core sampling shapes samplers lights textures media physics motion "
     "accel images",
     "films": "film metrics known_error rendering outputs",
@@ -26,11 +27,13 @@ FOLDERS = {
     "lights": "lights edges laws media motion rendering scene fuzz images",
     "media": "media estimators edges motion fuzz images",
     "metrics": "metrics known_error lab",
+    "options": "options scene rendering known_error",
     "phases": "media sampling edges extension images",
     "rendering": "known_error film rendering metrics lab",
     "samplers": "samplers core estimators rendering images",
     "shapes": "shapes unit accel sampling lights edges motion images",
     "textures": "textures edges physics sampling images",
+    "view": "view outputs rendering",
 }
 
 #: Tests of the project rather than of its numbers, and those that need the files as they are.
