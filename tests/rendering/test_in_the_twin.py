@@ -44,31 +44,33 @@ def twin(scene, spp, **settings):
 
 
 @pytest.mark.parametrize("replicates", [1, 3, 4])
-def test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate(replicates):
+@pytest.mark.parametrize("tile", [Tile(5, 3, 21, 17), Tile(0, 0, 9, 10)], ids=["within", "corner"])
+def test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate(replicates, tile):
     """Sample i of a pixel is number i // R of replicate i mod R, whatever the tile and the part."""
-    tile = Tile(5, 3, 21, 17)
     values = make_settings(alight.load("cornell-box").integrator, seed=0, replicates=replicates)
     columns, cells = count_cells(tile)
     rng = np.random.default_rng(1)
     ranges = np.stack([rng.integers(0, 50, cells), rng.integers(0, 9, cells)], axis=1)
-    expected = set()
+    expected = {}
     for cell, (first, count) in enumerate(ranges.tolist()):
         left = (tile.x0 // CELL_SIZE + cell % columns) * CELL_SIZE
         top = (tile.y0 // CELL_SIZE + cell // columns) * CELL_SIZE
         for y in range(max(top, tile.y0), min(top + CELL_SIZE, tile.y1)):
             for x in range(max(left, tile.x0), min(left + CELL_SIZE, tile.x1)):
                 for i in range(first, first + count):
-                    expected.add((x, y, i // replicates, i % replicates))
-    visited = []
+                    sample = (x, y, i // replicates, i % replicates)
+                    expected[sample] = first + count - i, cell
+    visited = {}
     cursor = next_pixel(values, tile, ranges.ravel(), Cursor(-1, 0, 0, 0, 0, 0))
     while cursor.cell < cells:
-        visited.append((cursor.x, cursor.y, cursor.index, cursor.scramble))
+        sample = (cursor.x, cursor.y, cursor.index, cursor.scramble)
+        assert sample not in visited
+        visited[sample] = cursor.left, cursor.cell
         if cursor.left > 1:
             cursor = next_sample(values, cursor)
         else:
             cursor = next_pixel(values, tile, ranges.ravel(), cursor)
-    assert len(visited) == len(expected)
-    assert set(visited) == expected
+    assert visited == expected
 
 
 # ---------------------------------------------------------------- random numbers
