@@ -89,4 +89,62 @@ SLIPS = (
         "tests/metrics/test_agreement.py::"
         "test_blocks_are_at_most_1024_but_are_large_enough_for_few_replicates",
     ),
+    Mutant(
+        "the second round of a hash leaves out a word",
+        "core/rng.py",
+        (("    z += x * y\n    w += y * z\n    return", "    z += x\n    w += y * z\n    return"),),
+        "tests/samplers/test_rng.py::test_every_hash_can_be_run_backwards_as_it_was_published",
+    ),
+    Mutant(
+        "a seed one of whose bits is that of another one",
+        "samplers/sobol.py",
+        (("scramble << 16)", "scramble << 17)"),),
+        "tests/samplers/test_samplers.py::"
+        "test_the_third_seed_of_a_pair_is_independent_of_either_other_one",
+    ),
+    Mutant(
+        "points of a rectangle at exchanged coordinates, where light starts",
+        "shapes/rectangle.py",
+        (("p = flat_point(tables.data, k, x, y)", "p = flat_point(tables.data, k, y, x)"),),
+        f"{LAWS_OF}[shapes-rectangle]",
+    ),
+    Mutant(
+        "Newton's step for Halley's",
+        "core/microfacet.py",
+        (("1.0 + 0.5 * step", "1.0 + step"),),
+        "tests/sampling/test_microfacet.py::"
+        "test_each_step_to_a_visible_slope_is_of_the_third_order",
+    ),
+    Mutant(
+        "boxes with the margin of their shorter edge",
+        "accel/references.py",
+        (
+            (
+                "maximum(lane(edges, 0), maximum(lane(edges, 1), lane(edges, 2)))",
+                "maximum(lane(edges, 0), minimum(lane(edges, 1), lane(edges, 2)))",
+            ),
+        ),
+        "tests/accel/test_boxes.py::"
+        "test_boxes_are_enlarged_by_their_longest_edge_and_their_coordinates",
+    ),
+    Mutant(
+        "tiles may leave the window below",
+        "films/tiles.py",
+        (("or top + th > h", "or top - th > h"),),
+        "tests/film/test_windows.py::"
+        "test_tiles_are_those_within_the_window_and_go_where_they_belong",
+    ),
+    Mutant(
+        "the first column of the picture comes again and again",
+        "rendering/tile_kernel.py",
+        (("            if x < 0:", "            if x <= 0:"),),
+        "tests/rendering/test_in_the_twin.py::"
+        "test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate[corner-1]",
+    ),
+    Mutant(
+        "arms without a vote are judged at no level",
+        "lab/evaluate.py",
+        (("for i in others], share * LEVEL)", "for i in others], share)"),),
+        "tests/lab/test_laws_of_studies.py::test_verdicts_are_what_the_p_values_say_at_the_level",
+    ),
 )
