@@ -308,8 +308,9 @@ def _of_calls(node: ast.Call, text) -> Iterator[tuple[str, str]]:
         yield kind, f"{other}({', '.join(rest)})"
     starred = any(isinstance(part, ast.Starred) for part in node.args)
     if name not in SYMMETRIC and not starred:
-        # A mask for a value would not run either; fma(a, b, c) is fma(b, a, c).
-        first = 1 if name in ("where", "fma") else 0
+        # A mask for a value would not run either; fma(a, b, c) is fma(b, a, c), and a number cut to
+        # a range is the range's lower end cut to that between the number and the upper end.
+        first = 1 if name in ("where", "fma", "clip") else 0
         for i in range(first, len(node.args) - 1):
             if rest[i] != rest[i + 1] and not HOLDERS & {rest[i], rest[i + 1]}:
                 swapped = [*rest[:i], rest[i + 1], rest[i], *rest[i + 2 :]]
