@@ -128,9 +128,9 @@ SLIPS = (
         "test_boxes_are_enlarged_by_their_longest_edge_and_their_coordinates",
     ),
     Mutant(
-        "tiles may leave the window below",
+        "tiles go to the row that is their column",
         "films/tiles.py",
-        (("or top + th > h", "or top - th > h"),),
+        (("return slice(top, top + th)", "return slice(left, left + th)"),),
         "tests/film/test_windows.py::"
         "test_tiles_are_those_within_the_window_and_go_where_they_belong",
     ),
@@ -146,5 +146,25 @@ SLIPS = (
         "lab/evaluate.py",
         (("for i in others], share * LEVEL)", "for i in others], share)"),),
         "tests/lab/test_laws_of_studies.py::test_verdicts_are_what_the_p_values_say_at_the_level",
+    ),
+    Mutant(
+        "quadrants of a guide that end a little early",
+        "guiding/records.py",
+        (("where(lower, 2.0 * y,", "where(lower, 2.04 * y,"),),
+        "tests/guiding/test_laws_of_training.py::test_every_direction_lies_in_its_quadrant",
+    ),
+    Mutant(
+        "a profile that jumps from angle to angle",
+        "lights/ies.py",
+        (("upper + y * (lower - upper)", "upper + y * (lower + upper)"),),
+        "tests/lights/test_profiles.py::"
+        "test_intensity_is_that_of_the_four_angles_around_a_direction[13]",
+    ),
+    Mutant(
+        "a third channel of layers of two that is white",
+        "view/shades.py",
+        (("np.zeros_like(share[..., :1])", "np.ones_like(share[..., :1])"),),
+        "tests/view/test_shades.py::"
+        "test_places_go_from_the_least_to_the_largest_of_each_channel[uv-2]",
     ),
 )
