@@ -53,6 +53,9 @@ EQUIVALENT: dict[str, str] = {
         "params.transmission, 1.0) * rest -> (rest)"
     ): "how often facets are reflected from inside; the estimate divides by this very chance",
     "bsdfs/relief.py _frame: n.x -> n.y": "0 times the one or the other, for its lanes",
+    "cameras/connection.py connect_point: 1.0 -> 1.02 (2)": (
+        "divides 0 by something other than 0; what lies in the lens is not visible"
+    ),
     (
         "core/distributions.py pmf_cell: pmf_discrete(cdf, offset + row * (columns + 1), column) "
         "-> pmf_discrete(cdf, column, offset + row * (columns + 1))"
@@ -160,7 +163,10 @@ EQUIVALENT: dict[str, str] = {
     (
         "samplers/stratified.py make_kernels.get_1d: hash_1(a, b, dimension) -> hash_1(a, "
         "dimension, b)"
-    ): "another order of the words of a hash, as random",
+    ): (
+        "another order of the words of a hash: single numbers of different dimensions stay as "
+        "little correlated as independent ones, see `pairs_of_dimensions_are_not_correlated`"
+    ),
     (
         "samplers/stratified.py make_kernels.get_1d: sample_keys(a, b, state.index) -> "
         "sample_keys(b, a, state.index)"
@@ -207,4 +213,5 @@ EQUIVALENT: dict[str, str] = {
     "textures/composed.py _pop_two.two: operate(params, s.b, s.a) -> operate(params, s.a, s.b)": (
         "sums and products are the only textures of two parts, and both commute"
     ),
+    "view/shades.py _spread: 1.0 -> 1.02": "divides 0 where all pixels are alike",
 }
