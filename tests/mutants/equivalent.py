@@ -103,6 +103,9 @@ EQUIVALENT: dict[str, str] = {
     "lights/projector.py brightness_of: 1e-6 -> 1.02e-06": (
         "points within a millionth of the projector's own plane, which its picture never reaches"
     ),
+    "lights/tree.py is_far: p - row_vec3(cdf, MIDDLE) -> ((p) + (row_vec3(cdf, MIDDLE)))": (
+        "how often a lamp is chosen; sampling and its probability ask the same"
+    ),
     "media/sampling.py _kind: medium * INFO + KIND -> ((medium * INFO) - (KIND))": (
         "KIND is 0: the first number of its row"
     ),

@@ -15,7 +15,6 @@ FOLDERS = {
     "accel": "accel shapes motion scene images",
     "bsdfs": "unit sampling physics edges laws estimators extension rendering fuzz images",
     "cameras": "cameras unit motion rendering images",
-    "cluster": "cluster rendering",
     "core": "unit lanewise core sampling shapes samplers lights textures media physics motion "
     "accel images",
     "films": "film metrics known_error rendering outputs",

@@ -167,4 +167,31 @@ SLIPS = (
         "tests/view/test_shades.py::"
         "test_places_go_from_the_least_to_the_largest_of_each_channel[uv-2]",
     ),
+    Mutant(
+        "shapes of different models shine as the first one does",
+        "lights/hits.py",
+        (
+            (
+                """(scene, index, surface, wo)
+        mine = lanes_u32(0) + gather(scene.lights.info, index * INFO) == number""",
+                """(scene, index, surface, wo)
+        mine = lanes_u32(0) + gather(scene.lights.info, 0 * index) == number""",
+            ),
+        ),
+        "tests/lights/test_lights_side_by_side.py::test_shapes_that_shine_each_in_its_way_are_asked"
+        "_by_their_own_model[_emission_chain-emitted]",
+    ),
+    Mutant(
+        "the last path that met a surface is forgotten",
+        "rendering/tile_kernel.py",
+        (("            elif held > 0:", "            elif held > 1:"),),
+        "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_waiting[path-2-1]",
+    ),
+    Mutant(
+        "the error of a triangle that is high by its width",
+        "shapes/mesh.py",
+        (("maximum(a.z, b.z))", "maximum(a.z, b.x))"),),
+        "tests/shapes/test_bounds.py::"
+        "test_the_error_of_a_triangle_reaches_along_its_normal_and_as_far_as_its_edges",
+    ),
 )
