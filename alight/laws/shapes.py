@@ -18,10 +18,12 @@ from alight.laws.bodies import Body, N, body_of, placed_everywhere, rows_of, vec
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z, ROUNDING, UNIT, unit_vectors, z_of_mean
 from alight.lights.emission import coordinates
+from alight.lights.shape_emission import sample_area
 from alight.lights.shining import sample_shape, shape_pdf
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import Hit, ShapeHit, spawn_origin
-from alight.shapes.surfaces import make_surface
+from alight.shapes.model import SHAPES
+from alight.shapes.surfaces import make_surface, surface_from_rest
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, lanes_mask, load_lanes, store_lanes, to_float, where
 from lanewise.vec3 import Vec3
@@ -282,6 +284,36 @@ def samples_are_hits_with_their_density(body: Body) -> None:
         demand_close(again[ok], pdf[ok], "pdf against that of the sample", atol=atol)
 
 
+@placed_everywhere
+def points_by_area_are_the_hits_that_they_name(body: Body) -> None:
+    """A point chosen by area has the coordinates of a ray's hit there; densities give the area."""
+    if not body.spec.finite or any(
+        SHAPES[row.kind].sample_area is None for row in body.shapes.rows
+    ):
+        return
+    _, _, (shape, start, u, u2) = _sampled(body, body.center, 24)
+    s = body.run(sample_area, body.scene.shapes, body.scene.lights.cdf, start, shape, u, u2)
+    area = sum(float(row.areas.sum()) for row in body.shapes.rows)
+    covered = len(body.shapes.rows) / np.broadcast_to(s.pdf, N).astype(float)
+    z = z_of_mean(covered, area, ROUNDING * area)
+    demand(abs(z) < LARGEST_Z, f"densities by area cover {covered.mean():.5g} m^2 of {area:.5g}")
+    x, y = np.broadcast_to(s.u, N), np.broadcast_to(s.v, N)
+    named = Hit(np.zeros(N, np.float32), x, y, shape, np.broadcast_to(s.prim, N).astype(np.uint32))
+    everywhere, one = np.ones(N, bool), Vec3(*np.ones((3, N), np.float32))
+    there = body.run(surface_from_rest, body.scene, named, s.p, one, everywhere)
+    # A ray from just outside meets the same point, unless another part is in its way.
+    n = rows_of(there.ng, N)
+    o = rows_of(s.p, N) + STEP * body.radius * n
+    hit, here = body.hit(o.astype(np.float32), -n.astype(np.float32), everywhere)
+    same = (hit.shape == shape) & (np.abs(hit.t / (STEP * body.radius) - 1.0) < 0.1)
+    demand(same.mean() > 0.5, "rays do not meet the points that were chosen")
+    for name in "uv":
+        off = np.abs(getattr(here, name) - getattr(there, name))[same]
+        # At a seam 0 and 1 are the same; at a pole an angle is anything.
+        close = np.minimum(off, 1.0 - off) < 1e-3
+        demand(close.mean() > 0.99, f"{name} of a point is not that of the hit there")
+
+
 # ---------------------------------------------------------------- machine code
 
 RESULTS = 12
@@ -341,5 +373,6 @@ LAWS = (
     area_is_that_of_crofton,
     densities_give_the_solid_angle,
     samples_are_hits_with_their_density,
+    points_by_area_are_the_hits_that_they_name,
 )
 COMPILED_LAWS = (compiled_surfaces_are_the_twins,)

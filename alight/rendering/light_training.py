@@ -61,7 +61,8 @@ def extend_recorded(program):
         path, arrival = arrive(scene, path)
         p = arrival.surface.p
         way = path.L.x + length(p - path.o)
-        seen = path.active & (path.depth + 1 < settings.max_depth)
+        # Active paths have an edge left for the way from here to the camera.
+        seen = path.active
         on, flags = leave(scene, settings, path, arrival)
         delta = (flags & DELTA) != 0
         recorded = seen & ~path.delta & (~delta | is_mixed(scene, arrival.surface))

@@ -59,8 +59,7 @@ def get_2d(state, dimension):
     shuffle, scramble = _seeds(state, dimension)
     index = shuffle_index(state.index, shuffle)
     x = scramble_reversed(index, scramble)
-    # A third seed whose lower and upper halves are independent of each of the other two's.
-    y = scramble_reversed(_second_dimension(index), shuffle ^ (scramble >> 16 | scramble << 16))
+    y = scramble_reversed(_second_dimension(index), _third_seed(shuffle, scramble))
     return unit_float(reverse_bits(x)), unit_float(reverse_bits(y))
 
 
@@ -68,6 +67,12 @@ def get_2d(state, dimension):
 def _seeds(state, dimension):
     a, b = state.a, state.b
     return hash_2(a, b, dimension)
+
+
+@kernel
+def _third_seed(shuffle, scramble):
+    """A seed whose lower and upper halves are independent of each of the other two's."""
+    return shuffle ^ (scramble >> 16 | scramble << 16)
 
 
 @kernel

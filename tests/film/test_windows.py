@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import FilmError
-from alight.films import Film, SampleRanges
+from alight.films import Film, PartialFilm, SampleRanges
 from alight.films.sample_ranges import CELL_SIZE
 
 
@@ -52,3 +52,22 @@ def test_windows_are_those_within_the_film_and_no_others():
         else:
             with pytest.raises(FilmError, match="inside"):
                 Film(3, 2, crop=(x, y, w, h))
+
+
+def test_tiles_are_those_within_the_window_and_go_where_they_belong():
+    """All tiles of whole cells, of a window that leaves a margin on every side."""
+    x, y, w, h = 8, 16, 16, 24
+    for x0, y0, tw, th in itertools.product(range(0, 40, 8), range(0, 56, 8), (8, 16), (8, 24)):
+        film = Film(40, 56, crop=(x, y, w, h), replicates=1)
+        sums, counts = np.ones((th, tw, 1, 3, 2), np.int64), np.ones((th, tw, 1), np.int64)
+        tile = PartialFilm(x0, y0, sums, counts, 0, 0, (0, 1))
+        if x <= x0 and y <= y0 and x0 + tw <= x + w and y0 + th <= y + h:
+            film.add_tile(tile)
+            expected = np.zeros((56, 40), bool)
+            expected[y0 : y0 + th, x0 : x0 + tw] = True
+            np.testing.assert_array_equal(film.counts[..., 0], expected[y : y + h, x : x + w])
+            assert is_recorded(film)
+        else:
+            with pytest.raises(FilmError, match="leaves the film's window"):
+                film.add_tile(tile)
+            assert not film.counts.any()

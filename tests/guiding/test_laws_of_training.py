@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
-from alight.core.equal_area import sphere_to_square
+from alight.core.equal_area import sphere_to_square, square_to_sphere
 from alight.core.vec import Vec3
 from alight.formats import loads
 from alight.guiding.lookup import leaf_at
 from alight.guiding.parallax import NEAR
-from alight.guiding.records import CHOICES, LEAF_SUMS, MOST, UNITS, add_records
+from alight.guiding.records import CHOICES, LEAF_SUMS, MOST, UNITS, add_records, cell_at
 from alight.guiding.tables import LEAF_ROW, RECORD, Frame, Log
 from alight.integrators.guided import pixel_luminance
 from alight.laws.statistics import LARGEST_Z
@@ -63,6 +63,24 @@ def seen_from_middle(focus, p, d):
     t = max(np.roots([1.0, 2.0 * o @ d, o @ o - r * r]))
     seen = (o + t * d) / r
     return seen, t * t / (r * r * (seen @ d))
+
+
+def test_every_direction_lies_in_its_quadrant():
+    """Also next to the borders of quadrants, where few directions of a record lie."""
+    tree, rng = random_tree(4), np.random.default_rng(4)
+    n = 3000
+    squares = rng.random((2, n))
+    # A third of them beside a border of some level, by up to 3 % of a quadrant.
+    near = rng.random((2, n)) < 0.3
+    size = 0.5 ** rng.integers(1, 5, (2, n))
+    beside = size * (rng.integers(0, 16, (2, n)) % (1.0 / size) + rng.uniform(-0.03, 0.03, (2, n)))
+    squares = np.clip(np.where(near, beside, squares), 1e-3, 1.0 - 1e-3).astype(np.float32)
+    w = square_to_sphere(*squares)
+    leaf = rng.integers(0, len(tree.roots), n).astype(np.uint32)
+    found = cell_at(tree.guide(FRAME), leaf, w, np.ones(n, bool))
+    x, y = sphere_to_square(w)
+    expected = [cells_by_geometry(tree, *one) for one in zip(leaf, x, y, strict=True)]
+    np.testing.assert_array_equal(found, expected)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -8,11 +8,11 @@ import pytest
 from scipy import stats
 
 from alight.lab.arm_plan import Plan
-from alight.lab.blocks import block_row, exact_statistics
+from alight.lab.blocks import LEVEL, block_row, exact_statistics
 from alight.lab.decomposition import Moments
-from alight.lab.evaluate import evaluate_arms
+from alight.lab.evaluate import Measured, _bias_tests, evaluate_arms
 from alight.lab.references import Reference
-from alight.lab.results import DIFFERENT, ReferenceInfo
+from alight.lab.results import BIASED, DIFFERENT, ReferenceInfo
 from alight.lab.run import relmse_gains, variance_ratios
 from alight.lab.statistics import log_mean, log_ratio
 from alight.lab.store import Example, Replicate
@@ -224,6 +224,34 @@ def test_an_arm_that_is_declared_different_is_called_so():
     ]
     truth.kept["other"] = brighter, moments, example
     assert truth.results()["other"].bias.verdict == DIFFERENT
+
+
+@pytest.mark.parametrize(("count", "seen"), [(2, 1), (3, 2), (4, 2)])
+def test_a_figure_that_two_replicates_have_has_an_interval(count, seen):
+    """FLIP is kept of every second one."""
+    (point, _) = Truth(8, {"base": (0.2, 1.0, {})}, count=count).results()["base"].samples
+    if seen < 2:
+        assert point.flip is None
+    else:
+        values = 0.2 + 2.0 * np.arange(seen)
+        half = stats.t.ppf(0.975, seen - 1) * stats.sem(values)
+        mean = values.mean()
+        assert point.flip == pytest.approx((mean, mean - half, mean + half))
+
+
+def test_verdicts_are_what_the_p_values_say_at_the_level():
+    """Of arms with and without a vote, whose p-values are all corrected for both tests."""
+    arms = {name: (0.2, 1.0, {}) for name in ("base", "b", "c")}
+    arms["other"] = (0.2, 1.0, {"declares_different": True})
+    below = {True: 0, False: 0}
+    for seed in range(10):
+        truth = Truth(seed, arms, noise=0.02, ladder=(16,))
+        measured = {plan.key: Measured.of(truth.replicates(plan.key), plan) for plan in truth.plans}
+        for plan, test in zip(truth.plans, _bias_tests(truth.plans, measured, True), strict=True):
+            assert (test.verdict == (BIASED if plan.votes else DIFFERENT)) == (test.p_value < LEVEL)
+            below[plan.votes] += test.p_value < 1.0
+    # Some of each would be named at a level that is no level.
+    assert min(below.values()) > 3
 
 
 def test_a_reference_that_drowns_the_quietest_arm_is_refused():

@@ -4,10 +4,16 @@ The twin complains of places that do not exist, where machine code reads whateve
 crashes.
 """
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from alight.formats import loads
+from alight.lights.hits import _emission_chain, _pdf_chain
+from alight.lights.tables import INFO
 from alight.scene import flatten
+from lanewise.view import View
 from tests.fuzz.in_the_twin import picture
 
 HEAD = """alight: 1
@@ -58,3 +64,24 @@ def test_a_large_mesh_that_does_not_shine_is_no_light():
     nodes = f"  lamp: {LIGHTS['mesh']}\n  spot: {LIGHTS['spot']}\n"
     head = HEAD.replace("  wall", rock + "  wall")
     assert picture(flatten(loads(head + nodes, "scene.yaml"))) == 0
+
+
+@pytest.mark.parametrize(("chain", "part"), [(_emission_chain, "emitted"), (_pdf_chain, "pdf")])
+def test_shapes_that_shine_each_in_its_way_are_asked_by_their_own_model(chain, part):
+    """Users may add such lights to the one that there is."""
+    numbers = (5, 2, 9)
+
+    def model(number):
+        def answer(scene, index, *arguments):
+            return np.float32(number) + 0.01 * index
+
+        return SimpleNamespace(number=number, **{part: answer})
+
+    kinds = np.random.default_rng(1).choice(numbers, 40)
+    # All other words of the rows are numbers of models too.
+    info = np.random.default_rng(2).choice(numbers, (40, INFO)).astype(np.uint32)
+    info[:, 0] = kinds
+    index = np.random.default_rng(3).permutation(40).astype(np.uint32)
+    scene = SimpleNamespace(lights=SimpleNamespace(info=View(info)))
+    found = chain(tuple(map(model, numbers)))(scene, index, None, None)
+    np.testing.assert_allclose(found, kinds[index] + 0.01 * index, rtol=1e-6)

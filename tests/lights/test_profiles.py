@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
-from alight.lights.ies import Ies, intensity, table
-from alight.lights.photometry import Profile, folded, grid, parse_profile, read_profile
+from alight.lights.ies import LUMENS, Ies, intensity, profile, table
+from alight.lights.photometry import (
+    HORIZONTAL_STEP,
+    VERTICAL_STEP,
+    Profile,
+    folded,
+    grid,
+    parse_profile,
+    read_profile,
+)
 from alight.lights.projector import Projector
 from alight.lights.tables import INFO
 from alight.scene.flatten import PlacedLight
@@ -107,6 +115,35 @@ def test_intensity_is_interpolated_and_turned():
     # A point that lies that way is lit by it, in its colour.
     s = sample(world, (0, 3 * np.sin(np.pi / 3), 1.5), 4, program=program)
     np.testing.assert_allclose(s.radiance.y[:4] * np.ones(4), 2 * 1.5 / 9, rtol=1e-3)
+
+
+@pytest.mark.parametrize("columns", [1, 13])
+def test_intensity_is_that_of_the_four_angles_around_a_direction(columns):
+    """A profile that jumps from degree to degree: between two angles of the grid too."""
+    rng, n = np.random.default_rng(columns), 4000
+    around = tuple(np.linspace(0.0, 360.0, columns)) if columns > 1 else (0.0,)
+    candela = rng.uniform(1.0, 1e4, (columns, 181))
+    spec = Ies(
+        vertical_angles=tuple(range(181)),
+        horizontal_angles=around,
+        candela=tuple(map(tuple, candela)),
+    )
+    world = World(lights=[PlacedLight("lamp", spec, np.eye(4))])
+    w = rng.standard_normal((3, n))
+    w = (w / np.linalg.norm(w, axis=0)).astype(np.float32)
+    program = PROGRAM._replace(lights=("ies",), single_light=True)
+    found = run(intensity, world.scene, np.zeros(n, np.uint32), vec(w), program=program)
+    values = grid(profile(spec)) / LUMENS
+    x, y, z = w.astype(float)
+    row = np.degrees(np.arctan2(np.hypot(x, y), z)) / VERTICAL_STEP
+    column = np.degrees(np.arctan2(y, x)) % 360.0 / HORIZONTAL_STEP * (columns > 1)
+    i, j = np.floor(row).astype(int), np.floor(column).astype(int)
+    right = np.minimum(j + 1, values.shape[1] - 1)
+    upper, lower = (
+        values[k, j] + (column - j) * (values[k, right] - values[k, j]) for k in (i, i + 1)
+    )
+    # A ten-thousandth of a degree, of jumps from one degree to the next.
+    np.testing.assert_allclose(found, upper + (row - i) * (lower - upper), atol=2e-4 * values.max())
 
 
 def test_a_lamp_that_is_the_same_all_around_has_one_column():

@@ -36,28 +36,42 @@ CRASHED = re.compile(r"(alight\S*|Type|Attribute|Name|Index|Unbound\w+|\w*Typing
 
 
 def sample(sites: list[Site], seed: int) -> Iterator[Site]:
-    """All sites in random order: uniform within a folder and operator, balanced over both.
+    """All sites in random order: a folder, a file in it, an operator, and one of its places.
 
-    The chance of a group goes with the square root of its size, so that large folders and frequent
-    operators lead without drowning the others. Within a group the order is that of a digest of the
-    names: a change elsewhere in the package leaves it as it is.
+    The chance of each goes with the square root of its size, so that what is large and frequent
+    leads without drowning the rest. Within a group the order is that of a digest of the names: a
+    change elsewhere in the package leaves it as it is.
     """
     chance = random.Random(seed)
-    groups: dict[str, dict[str, list[Site]]] = defaultdict(lambda: defaultdict(list))
+    tree: _Tree = {}
     for site in sites:
-        groups[site.folder][site.operator].append(site)
-    for operators in groups.values():
-        for group in operators.values():
-            group.sort(key=lambda site: sha256(f"{seed} {site.name}".encode()).digest())
-    while groups:
-        sizes = {name: sum(map(len, of.values())) for name, of in groups.items()}
-        folder = _drawn(chance, sizes)
-        operator = _drawn(chance, {name: len(of) for name, of in groups[folder].items()})
-        yield groups[folder][operator].pop()
-        if not groups[folder][operator]:
-            del groups[folder][operator]
-        if not groups[folder]:
-            del groups[folder]
+        files = tree.setdefault(site.folder, {})
+        files.setdefault(site.file, {}).setdefault(site.operator, []).append(site)
+    for files in tree.values():
+        for operators in files.values():
+            for group in operators.values():
+                group.sort(key=lambda site: sha256(f"{seed} {site.name}".encode()).digest())
+    while tree:
+        yield _take(chance, tree)
+
+
+#: Folder, file, operator.
+_Tree = dict[str, dict[str, dict[str, list[Site]]]]
+
+
+def _take(chance: random.Random, group: Any) -> Site:
+    """Draw a site from a tree or list, and remove it with what it leaves empty."""
+    if isinstance(group, list):
+        return group.pop()
+    name = _drawn(chance, {name: _size(of) for name, of in group.items()})
+    site = _take(chance, group[name])
+    if not group[name]:
+        del group[name]
+    return site
+
+
+def _size(group: Any) -> int:
+    return len(group) if isinstance(group, list) else sum(map(_size, group.values()))
 
 
 def _drawn(chance: random.Random, sizes: dict[str, int]) -> str:

@@ -13,11 +13,18 @@ EQUIVALENT: dict[str, str] = {
         "the sum of both is where it is read"
     ),
     "accel/references.py bin_scale: 0.99999 -> 1.0199898": (
-        "`bin_of` keeps to the last bin: how finely a tree is divided, of which any way is right"
+        "how finely a tree is divided: references are divided without loss at any scale, see "
+        "`test_any_scale_of_bins_divides_references_without_loss`"
     ),
     "accel/references.py fill_bins: 1 -> 0": (
         "a second guard: the bins' scale is 1e-5 smaller than would reach the bin beyond the last"
     ),
+    "accel/references.py half_area: -scale -> (scale)": "products of two of them: signs cancel",
+    "accel/references.py half_area: 3 -> 2": "the fourth place, which nobody reads",
+    (
+        "bsdfs/burley.py _values: burley_diffuse(params.roughness, params.flatness, wo.z, wi.z, "
+        "cos_i) -> burley_diffuse(params.roughness, params.flatness, wi.z, wo.z, cos_i)"
+    ): "reciprocal: symmetric in both directions",
     "bsdfs/burley.py _values: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
         "stands in for directions that are invalid, whose result is thrown away"
     ),
@@ -30,6 +37,14 @@ EQUIVALENT: dict[str, str] = {
     "bsdfs/dispatch.py _layer: 0 -> 1 (7)": (
         "idle lanes read the second word of the table; what they find is thrown away"
     ),
+    (
+        "bsdfs/eon.py evaluate: _weight(params, where(above, wo, up), where(above, wi, up)) -> "
+        "_weight(params, where(above, wi, up), where(above, wo, up))"
+    ): "reciprocal: symmetric in both directions",
+    (
+        "bsdfs/eon.py sample: _weight(params, where(above, wo, up), where(above, wi, up)) -> "
+        "_weight(params, where(above, wi, up), where(above, wo, up))"
+    ): "reciprocal: symmetric in both directions",
     "bsdfs/phong.py _chance_of_lobe: 1.0 -> 1.02": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
@@ -38,6 +53,9 @@ EQUIVALENT: dict[str, str] = {
         "params.transmission, 1.0) * rest -> (rest)"
     ): "how often facets are reflected from inside; the estimate divides by this very chance",
     "bsdfs/relief.py _frame: n.x -> n.y": "0 times the one or the other, for its lanes",
+    "cameras/connection.py connect_point: 1.0 -> 1.02 (2)": (
+        "divides 0 by something other than 0; what lies in the lens is not visible"
+    ),
     (
         "core/distributions.py pmf_cell: pmf_discrete(cdf, offset + row * (columns + 1), column) "
         "-> pmf_discrete(cdf, column, offset + row * (columns + 1))"
@@ -48,18 +66,20 @@ EQUIVALENT: dict[str, str] = {
     "core/maths.py arctan2: 1.0 -> 1.02": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
-    "core/microfacet.py _halley_step: 0.5 * step -> (step)": (
-        "a step of Newton's instead, which ends within the error that is promised"
-    ),
     "core/motion.py turn_at: k + BEGIN -> ((k) - (BEGIN))": (
         "BEGIN is 0: the first number of its row"
     ),
-    "core/rng.py hash_2: 15 -> 14": "another last step of the hash, a bijection too and as random",
     "core/warps.py spherical_rectangle: _corner(u1, v1, w) -> _corner(v1, u1, w)": (
         "the angle of a corner does not change with its two sides exchanged"
     ),
+    "films/film.py Film.__init__: 1 -> 0": (
+        "the mean that is known before the first sample: 0, that of an empty film"
+    ),
     "guiding/lookup.py rest_of: 1.0 -> 1.02 (2)": (
         "divides by something other than 0 what is never drawn"
+    ),
+    "guiding/parallax.py _jacobian: 1.0 -> 1.02": (
+        "divides by something other than 0 where a leaf has no sphere; the quotient is thrown away"
     ),
     "integrators/random_walk.py scatter_uniformly: 2.0 * u -> (2.0) (2)": (
         "a choice of lobe for the side of the coin that goes anywhere on the sphere"
@@ -82,6 +102,9 @@ EQUIVALENT: dict[str, str] = {
     ),
     "lights/projector.py brightness_of: 1e-6 -> 1.02e-06": (
         "points within a millionth of the projector's own plane, which its picture never reaches"
+    ),
+    "lights/tree.py is_far: p - row_vec3(cdf, MIDDLE) -> ((p) + (row_vec3(cdf, MIDDLE)))": (
+        "how often a lamp is chosen; sampling and its probability ask the same"
     ),
     "media/sampling.py _kind: medium * INFO + KIND -> ((medium * INFO) - (KIND))": (
         "KIND is 0: the first number of its row"
@@ -119,6 +142,13 @@ EQUIVALENT: dict[str, str] = {
     "phases/rayleigh.py sample: where(c < 0.0, -mu, mu) -> where(c < 0.0, mu, -mu)": (
         "the phase function is the same forwards and backwards"
     ),
+    (
+        "rendering/both_ends_tile.py render_both_ends.render_both_ends: LONGEST - 1 -> ((LONGEST) "
+        "+ (1))"
+    ): (
+        "a second guard: light paths are active while depth + 1 < LONGEST (`joined_up_to`, "
+        "`write_follow`), so that they end after LONGEST - 1 vertices"
+    ),
     "rendering/tile_kernel.py render_step_by_step: 0 -> 1 (8)": (
         "when a packet is filled again; each path is followed to its end in any case"
     ),
@@ -136,7 +166,10 @@ EQUIVALENT: dict[str, str] = {
     (
         "samplers/stratified.py make_kernels.get_1d: hash_1(a, b, dimension) -> hash_1(a, "
         "dimension, b)"
-    ): "another order of the words of a hash, as random",
+    ): (
+        "another order of the words of a hash: single numbers of different dimensions stay as "
+        "little correlated as independent ones, see `pairs_of_dimensions_are_not_correlated`"
+    ),
     (
         "samplers/stratified.py make_kernels.get_1d: sample_keys(a, b, state.index) -> "
         "sample_keys(b, a, state.index)"
@@ -183,4 +216,5 @@ EQUIVALENT: dict[str, str] = {
     "textures/composed.py _pop_two.two: operate(params, s.b, s.a) -> operate(params, s.a, s.b)": (
         "sums and products are the only textures of two parts, and both commute"
     ),
+    "view/shades.py _spread: 1.0 -> 1.02": "divides 0 where all pixels are alike",
 }

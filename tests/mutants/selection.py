@@ -26,11 +26,13 @@ FOLDERS = {
     "lights": "lights edges laws media motion rendering scene fuzz images",
     "media": "media estimators edges motion fuzz images",
     "metrics": "metrics known_error lab",
+    "options": "options scene rendering known_error",
     "phases": "media sampling edges extension images",
     "rendering": "known_error film rendering metrics lab",
     "samplers": "samplers core estimators rendering images",
     "shapes": "shapes unit accel sampling lights edges motion images",
     "textures": "textures edges physics sampling images",
+    "view": "view outputs rendering",
 }
 
 #: Tests of the project rather than of its numbers, and those that need the files as they are.

@@ -14,7 +14,12 @@ from alight.films import fixed_point
 from alight.films.sample_ranges import CELL_SIZE
 from alight.filters.mitchell import Mitchell, polynomial
 from alight.formats import loads
-from alight.integrators.walk import CAMERA_DIMENSIONS, VERTEX_DIMENSIONS, make_settings
+from alight.integrators.walk import (
+    CAMERA_DIMENSIONS,
+    VERTEX_DIMENSIONS,
+    is_staged,
+    make_settings,
+)
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Cursor, Tile, count_cells, next_pixel, next_sample
 from alight.samplers import independent
@@ -30,12 +35,16 @@ def compiled(text, aovs=()):
     return compile_scene(flatten(scene), structure="list", aovs=aovs)
 
 
-def twin(scene, spp, **settings):
-    """The film of the tile of the first 8x8 pixels, in NumPy."""
+#: The first 8x8 pixels.
+FIRST = Tile(0, 0, 8, 8)
+
+
+def twin(scene, spp, tile=FIRST, **settings):
+    """The film of a tile, in NumPy."""
     values = make_settings(scene.integrator, seed=0, replicates=4)._replace(**settings)
     ranges = np.array([[[0, spp]]], np.int64)
     kernels = make_kernels(scene, compiled=False)
-    film, _ = render_tile(kernels, scene, values, Tile(0, 0, 8, 8), ranges)
+    film, _ = render_tile(kernels, scene, values, tile, ranges)
     fixed_point.carry(film.sums)
     return film
 
@@ -44,31 +53,33 @@ def twin(scene, spp, **settings):
 
 
 @pytest.mark.parametrize("replicates", [1, 3, 4])
-def test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate(replicates):
+@pytest.mark.parametrize("tile", [Tile(5, 3, 21, 17), Tile(0, 0, 9, 10)], ids=["within", "corner"])
+def test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate(replicates, tile):
     """Sample i of a pixel is number i // R of replicate i mod R, whatever the tile and the part."""
-    tile = Tile(5, 3, 21, 17)
     values = make_settings(alight.load("cornell-box").integrator, seed=0, replicates=replicates)
     columns, cells = count_cells(tile)
     rng = np.random.default_rng(1)
     ranges = np.stack([rng.integers(0, 50, cells), rng.integers(0, 9, cells)], axis=1)
-    expected = set()
+    expected = {}
     for cell, (first, count) in enumerate(ranges.tolist()):
         left = (tile.x0 // CELL_SIZE + cell % columns) * CELL_SIZE
         top = (tile.y0 // CELL_SIZE + cell // columns) * CELL_SIZE
         for y in range(max(top, tile.y0), min(top + CELL_SIZE, tile.y1)):
             for x in range(max(left, tile.x0), min(left + CELL_SIZE, tile.x1)):
                 for i in range(first, first + count):
-                    expected.add((x, y, i // replicates, i % replicates))
-    visited = []
+                    sample = (x, y, i // replicates, i % replicates)
+                    expected[sample] = first + count - i, cell
+    visited = {}
     cursor = next_pixel(values, tile, ranges.ravel(), Cursor(-1, 0, 0, 0, 0, 0))
     while cursor.cell < cells:
-        visited.append((cursor.x, cursor.y, cursor.index, cursor.scramble))
+        sample = (cursor.x, cursor.y, cursor.index, cursor.scramble)
+        assert sample not in visited
+        visited[sample] = cursor.left, cursor.cell
         if cursor.left > 1:
             cursor = next_sample(values, cursor)
         else:
             cursor = next_pixel(values, tile, ranges.ravel(), cursor)
-    assert len(visited) == len(expected)
-    assert set(visited) == expected
+    assert visited == expected
 
 
 # ---------------------------------------------------------------- random numbers
@@ -151,6 +162,17 @@ def test_the_direct_layer_is_the_picture_of_two_edges(scene):
     fixed_point.carry(expected)
     np.testing.assert_array_equal(direct, expected)
     assert whole.aovs["indirect"].any()
+
+
+@pytest.mark.parametrize("spp", [1, 2, 33])
+@pytest.mark.parametrize(("integrator", "queues"), [("path", 2), ("random_walk", 1)])
+def test_no_sample_is_left_waiting(integrator, queues, spp):
+    """The last one neither, where paths wait for others in one queue or in two."""
+    text = f"integrator: {integrator}\nfilm: {{size: [8, 8]}}\nnodes:\n  floor: {{shape: plane}}\n"
+    scene = compiled(CAMERA + text)
+    assert is_staged(scene.program) == (queues == 2)
+    film = twin(scene, spp, Tile(0, 0, 1, 1))
+    assert film.counts.sum() == spp
 
 
 @pytest.mark.parametrize(

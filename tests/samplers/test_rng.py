@@ -4,7 +4,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.core.rng import hash_1, hash_2, mix, pixel_keys, sample_keys, unit_float
+from alight.core.rng import (
+    M1,
+    M2,
+    M3,
+    M4,
+    hash_1,
+    hash_2,
+    mix,
+    pcg4d,
+    pixel_keys,
+    sample_keys,
+    unit_float,
+)
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, load_lanes, store_lanes
 from lanewise.view import View
@@ -112,11 +124,67 @@ def test_pixels_do_not_share_keys():
         assert abs(ties - expected) < 6 * np.sqrt(expected)
 
 
-def test_mix_is_a_bijection():
-    """No two of 2^20 inputs collide (random words would, 128 times)."""
-    counter = np.arange(1 << 20, dtype=np.uint32)
-    for word in (counter, counter << u32(12)):
-        assert np.unique(mix(word)).size == counter.size
+def undone(word, *steps):
+    """The word that a chain was begun with.
+
+    Its steps in the order in which they were taken: ``("^", k)`` for ``x ^ (x >> k)``, ``("*", m)``
+    for an odd factor, ``("+", c)`` for a summand.
+    """
+    word = u32(word)
+    for kind, value in reversed(steps):
+        if kind == "^":
+            hashed = word
+            for _ in range(32 // value):
+                word = hashed ^ (word >> u32(value))
+        elif kind == "*":
+            word = word * u32(pow(value, -1, 2**32))
+        else:
+            word = word - u32(value)
+    return word
+
+
+def undone_pcg4d(x, y, z, w):
+    """The four words before the hash of Jarzynski and Olano (2020), listing 15, run backwards."""
+    for last in (False, True):
+        w = w - y * z
+        z = z - x * y
+        y = y - z * x
+        x = x - y * w
+        steps = [("*", 1664525), ("+", 1013904223)] if last else [("^", 16)]
+        x, y, z, w = (undone(word, *steps) for word in (x, y, z, w))
+    return x, y, z, w
+
+
+def test_every_hash_can_be_run_backwards_as_it_was_published():
+    """To its arguments, step by step: none is left out, and none is another one."""
+    n = 4096
+    x, y, seed, scramble, index = (
+        np.random.default_rng(5).integers(0, 2**32, (5, n)).astype(np.uint32)
+    )
+    for found, given in zip(
+        undone_pcg4d(*pcg4d(x, y, seed, index)), (x, y, seed, index), strict=True
+    ):
+        np.testing.assert_array_equal(found, given)
+    np.testing.assert_array_equal(
+        undone(mix(x), ("^", 16), ("*", M1), ("^", 15), ("*", M2), ("^", 15)), x
+    )
+    # Keys of a pixel are two of the four words, hashed once more.
+    a, b = pixel_keys(x, y, scramble, seed)
+    _, _, r, s = pcg4d(x, y, y + scramble, x + seed)
+    np.testing.assert_array_equal(undone(a, ("^", 16), ("*", M3), ("^", 15)), r)
+    np.testing.assert_array_equal(undone(b, ("^", 16), ("*", M4), ("^", 15)), s)
+    of_sample = sample_keys(a, b, index)
+    np.testing.assert_array_equal(of_sample[0], mix(a + index))
+    np.testing.assert_array_equal(undone(of_sample[1] - b, ("*", M3)), a + index)
+    # Words of a stream: the second key comes in half-way, and again for the second word.
+    first, second = hash_2(a, b, index)
+    np.testing.assert_array_equal(first, hash_1(a, b, index))
+    half = undone(first, ("*", M2), ("^", 15))
+    half = undone(half, ("^", 15)) - b
+    np.testing.assert_array_equal(undone(half, ("^", 16), ("*", M1)), a + index)
+    np.testing.assert_array_equal(
+        undone(second, ("*", M3), ("^", 16), ("*", M4), ("^", 15)), first + b
+    )
 
 
 def test_unit_float_stays_below_one():

@@ -122,6 +122,51 @@ def test_second_sobol_dimension_is_the_published_one():
     np.testing.assert_array_equal(found, expected)
 
 
+def rank(columns):
+    """Of a matrix over the field of two elements, from its columns as whole numbers."""
+    found = 0
+    columns = list(columns)
+    while columns:
+        pivot = columns.pop()
+        if pivot:
+            found += 1
+            low = pivot & -pivot
+            columns = [c ^ pivot if c & low else c for c in columns]
+    return found
+
+
+def test_the_third_seed_of_a_pair_is_independent_of_either_other_one():
+    """Any half of it, together with any half of one of the others: 32 bits, all random."""
+    from alight.samplers.sobol import _third_seed
+
+    bit, none = u32(1) << u32(np.arange(32)), u32(np.zeros(32))
+    # What each bit of the two seeds does to the three: it is linear.
+    seeds = [np.concatenate(pair).astype(object) for pair in ((bit, none), (none, bit))]
+    third = np.concatenate([_third_seed(bit, none), _third_seed(none, bit)]).astype(object)
+    for other in seeds:
+        for a in (0, 16):
+            for b in (0, 16):
+                halves = (third >> a & 0xFFFF) | (other >> b & 0xFFFF) << 16
+                assert rank(halves.tolist()) == 32
+
+
+def test_scrambling_is_the_published_one():
+    """Vegdahl (2021), in Python's whole numbers."""
+    from alight.samplers.owen import scramble_reversed
+
+    words, seeds = np.random.default_rng(6).integers(0, 2**32, (2, 500))
+    for word, seed, found in zip(
+        words, seeds, scramble_reversed(u32(words), u32(seeds)), strict=True
+    ):
+        x = int(word)
+        x ^= x * 0x3D20ADEA
+        x += int(seed)
+        x *= (int(seed) >> 16) | 1
+        x ^= x * 0x05526C56
+        x ^= x * 0x53A22864
+        assert x % 2**32 == found
+
+
 def test_scrambling_is_nested():
     """A digit is flipped depending on the digits above it only, half the time, independently."""
     from alight.samplers.owen import scramble_reversed

@@ -10,13 +10,18 @@ import numpy as np
 import pytest
 
 from alight.compiled.shapes import compile_shapes
+from alight.core.constants import gamma
 from alight.core.registry import modules, type_name_of
+from alight.laws.materials import stacked
 from alight.scene import keyframes, rotate, scale, translate
 from alight.scene.files import Files
 from alight.scene.flatten import NO_GEOMETRY, PlacedShape
 from alight.scene.meshes import geometry
 from alight.scene.motion import NOWHERE
-from alight.shapes.mesh import Mesh
+from alight.shapes.mesh import Mesh, triangle_error
+from alight.shapes.sphere import INVERSE, MATRIX, on_ellipsoid
+from lanewise.vec3 import Vec3
+from lanewise.view import View
 
 _CORNERS = np.array(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])).reshape(3, -1)
 
@@ -142,3 +147,37 @@ def test_the_box_of_what_moves_holds_it_at_every_time(spec):
         reached = np.concatenate([outline(spec, motion.at(t) @ matrix) for t in times], axis=1)
         # The box at rest is moved as a box: it may be as much larger as its corners stand out.
         check_contains(low, high, reached, 1.0)
+
+
+# ---------------------------------------------------------------- bounds of errors
+
+
+def test_the_error_of_a_triangle_reaches_along_its_normal_and_as_far_as_its_edges():
+    rng = np.random.default_rng(8)
+    v0, v1, v2, n = rng.normal(size=(4, 3, 500)).astype(np.float32)
+    found = triangle_error(*(Vec3(*v) for v in (v0, v1, v2, n)))
+    reach = np.sum(np.abs(n) * np.max(np.abs([v0, v1, v2]), axis=0), axis=0)
+    extent = np.max(np.abs([v1 - v0, v2 - v0]), axis=(0, 1))
+    np.testing.assert_allclose(found, gamma(16) * reach + gamma(6) * extent, rtol=1e-5)
+
+
+def test_the_error_of_an_ellipsoid_is_that_of_its_gradient():
+    """|n . dp| with dp of each operation: the rows of |M^-1| weigh point and image by |q|."""
+    rng, n = np.random.default_rng(9), 500
+    inverse, q, p = rng.normal(size=(3, 3)), rng.normal(size=(3, n)), rng.normal(size=(3, n))
+    matrix = np.linalg.inv(inverse)
+    data = np.zeros(64, np.float32)
+    data[:3] = rng.normal(size=3)
+    data[MATRIX : MATRIX + 9], data[INVERSE : INVERSE + 9] = matrix.ravel(), inverse.ravel()
+    o, k = Vec3(*p.astype(np.float32)), np.zeros(n, np.uint32)
+    d = Vec3(*q.astype(np.float32))
+    found = on_ellipsoid(View(data), k, o, d, np.ones(n, np.float32))
+    image = inverse @ (p + q - data[:3, None])
+    image /= np.linalg.norm(image, axis=0)
+    point = data[:3, None] + matrix @ image
+    weight, size = np.abs(inverse.T) @ np.abs(image), np.linalg.norm(inverse.T @ image, axis=0)
+    reach = np.abs(matrix) @ np.abs(image)
+    expected = gamma(4) * np.sum(weight * np.abs(point), axis=0)
+    expected += gamma(12) * np.sum(weight * reach, axis=0) + gamma(32)
+    np.testing.assert_allclose(found[3], expected / size, rtol=1e-3)
+    np.testing.assert_allclose(stacked(found[0], n), point, rtol=1e-3, atol=1e-4)

@@ -100,6 +100,15 @@ def test_what_is_done_can_be_undone(camera, there):
     )
 
 
+@pytest.mark.parametrize("kind", [protocol.Dolly, protocol.Widen])
+def test_one_event_changes_sizes_by_e_to_the_third_at_most(kind):
+    for sign in (-1.0, 1.0):
+        pose = pose_of(Orthographic(height=3.0))
+        height = pose.moved(kind(sign * 50.0), SIZE).camera.height
+        smaller = sign if kind is protocol.Dolly else -sign
+        assert height == pytest.approx(3.0 * math.exp(-3.0 * smaller), rel=1e-9)
+
+
 def test_moves_without_bounds_are_usable_or_told():
     pose, draw = pose_of(Pinhole()), np.random.default_rng(5)
     moves = [
