@@ -118,8 +118,6 @@ def view_bytes(document: Document, item: Item, key: str) -> tuple[memoryview, in
 COMPRESSED = {
     "EXT_meshopt_compression": "EXT_meshopt_compression is not covered; write the file without it: "
     "gltf-transform copy IN OUT, or gltfpack -i IN -o OUT without -c",
-    "KHR_draco_mesh_compression": "KHR_draco_mesh_compression is not covered; write the file "
-    "without it: gltf-transform copy IN OUT, or gltf-pipeline -i IN -o OUT without -d",
 }
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from alight.core.errors import SceneError
 from alight.formats.gltf.accessors import COMPRESSED
 from alight.formats.gltf.container import Document, open_document
+from alight.formats.gltf.draco import NAME as DRACO
+from alight.formats.gltf.draco import unpack_draco
 from alight.formats.gltf.keys import left_out, say_what_is_unknown
 from alight.formats.gltf.materials import COVERED as MATERIALS
 from alight.formats.gltf.materials import Materials
@@ -15,7 +17,7 @@ from alight.formats.report import Report, did_you_mean
 
 #: Extensions that are read.
 COVERED = (
-    *MATERIALS, "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
+    *MATERIALS, DRACO, "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
 )  # fmt: skip
 
 
@@ -38,6 +40,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     document = open_document(data, name, reach or Reach(), report)
     _check_extensions(document)
     say_what_is_unknown(document.root.value, report)
+    unpack_draco(document)
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
