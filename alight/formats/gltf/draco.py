@@ -169,8 +169,8 @@ def _decoded(meshes: list[_Mesh]) -> list[dict[str, np.ndarray]]:
         number, _, name = key.partition("/")
         found[int(number)][name] = table
     for mesh, named in zip(meshes, found, strict=True):
-        if "error" in named:
-            why = str(named["error"]).partition(":")[0]
+        if "error" in named or not all(table.size for table in named.values()):
+            why = str(named.get("error", "broken")).partition(":")[0]
             raise mesh.extension.fatal("bufferView", f"{_WHY.get(why, why)}; {WAY_OUT}")
     return found
 
@@ -197,7 +197,7 @@ def _enter(document: Document, mesh: _Mesh, tables: dict[str, np.ndarray]) -> No
         found = document.root.value.get("accessors", [])
         index = attributes.index(name, len(found), "accessors")
         said = found[index] if index is not None and isinstance(found[index], dict) else {}
-        table = _storable(wanted, name, tables[str(identifier)])
+        table = _storable(wanted, name, tables[str(identifier)], said)
         if said.get("count", len(table)) != len(table):
             document.report.approximate(
                 f"{mesh.primitive.pointer}: {name} has {len(table)} rows in its Draco stream, "
@@ -206,13 +206,16 @@ def _enter(document: Document, mesh: _Mesh, tables: dict[str, np.ndarray]) -> No
         attributes.value[name] = _accessor(document, table, said)
 
 
-def _storable(wanted: Item, name: str, table: np.ndarray) -> np.ndarray:
-    """An attribute in a type that accessors have."""
+def _storable(wanted: Item, name: str, table: np.ndarray, said: dict[str, Any]) -> np.ndarray:
+    """An attribute in a type that accessors have: that of its own accessor, if it holds it."""
     if table.ndim != 2 or table.shape[1] not in _KINDS:
         raise wanted.fatal(name, f"must have 1 to 4 components, has {table.shape[1:]}")
-    if table.dtype.newbyteorder("<") in COMPONENTS.values():
-        return table
-    return table.astype("<u4" if table.dtype.kind in "iub" else "<f4")
+    if table.dtype.kind not in "iub":
+        return table.astype("<f4")
+    number = said.get("componentType")
+    named = COMPONENTS.get(number if isinstance(number, int) else 0, np.dtype("<u4"))
+    # Encoders may store numbers wider than these are.
+    return table.astype(named) if (table.astype(named) == table).all() else table.astype("<u4")
 
 
 def _accessor(document: Document, table: np.ndarray, said: dict[str, Any]) -> int:

@@ -36,6 +36,7 @@ def _decode(data: bytes) -> dict[str, Any]:
     try:
         mesh = DracoPy.decode(data)
         tables = {str(item["unique_id"]): item["data"] for item in mesh.attributes}
+        tables = {key: table for key, table in tables.items() if table is not None}
         return {"faces": mesh.faces, **tables} if hasattr(mesh, "faces") else {"error": "points"}
     except MemoryError:
         return {"error": "memory"}

@@ -9,7 +9,7 @@ from tests.formats.gltf.maker import COMPONENTS, FACES, POINTS, TYPES, UVS, Make
 NAME = "KHR_draco_mesh_compression"
 COLORS = np.array([[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [9, 9, 9, 255]], "u1")
 #: By the identifiers that `square` gives the attributes of its stream.
-GENERIC = {"TEXCOORD_0": 0, "NORMAL": 1, "COLOR_0": 2, "JOINTS_0": 3, "WEIGHTS_0": 4}
+GENERIC = {"TEXCOORD_0": 8, "NORMAL": 1, "COLOR_0": 5, "JOINTS_0": 3, "WEIGHTS_0": 4}
 
 
 def encoded(points=POINTS, faces=FACES, attributes=None, **options):
@@ -43,9 +43,10 @@ def square(m: Maker, attributes=None, *, required=True, **options) -> int:
     """Append a mesh of two triangles as a stream; its index."""
     attributes = {"TEXCOORD_0": UVS} if attributes is None else attributes
     stream, names = encoded(attributes=attributes, **options)
-    normalized = {"COLOR_0": {"normalized": True}}
     put = announced if required else Maker.accessor
     tables = {"POSITION": POINTS, **attributes}
+    shares = [name for name, table in tables.items() if table.dtype.kind == "u"]
+    normalized = {name: {"normalized": True} for name in shares if name != "JOINTS_0"}
     primitive = {
         "attributes": {
             name: put(m, table, **normalized.get(name, {})) for name, table in tables.items()

@@ -33,7 +33,8 @@ def corners(table, faces):
 @pytest.mark.parametrize("keeps_order", [False, True])
 def test_all_attributes_come_out_by_their_identifiers(level, keeps_order):
     m = Maker()
-    tables = {"TEXCOORD_0": UVS, "NORMAL": NORMALS, "COLOR_0": COLORS}
+    uvs = np.round(65535 * UVS).astype("<u2") if keeps_order else UVS
+    tables = {"TEXCOORD_0": uvs, "NORMAL": NORMALS, "COLOR_0": COLORS}
     options = {"compression_level": level, "preserve_order": keeps_order}
     m.node(mesh=square(m, tables, quantization_bits=14, **options))
     shape = shape_of(m)
