@@ -48,6 +48,18 @@ FORMATS = (
         f"{GLTF}/test_draco.py::test_streams_do_not_get_the_memory_that_they_announce",
     ),
     Mutant(
+        "instances of a node scaled after they are turned",
+        "formats/gltf/instances.py",
+        (('tables["SCALE"][:, None, :]', 'tables["SCALE"][:, :, None]'),),
+        f"{GLTF}/test_instances.py::test_scale_comes_first_then_rotation_then_translation",
+    ),
+    Mutant(
+        "the camera sees one instance of a node",
+        "formats/gltf/instances.py",
+        (("for move in moves:", "for move in moves[:1]:"),),
+        f"{GLTF}/test_instances.py::test_the_camera_sees_all_instances",
+    ),
+    Mutant(
         "triangles of strips all one way round",
         "meshes/strips.py",
         (("    corners[turned, :2] = corners[turned, 1::-1]\n", ""),),

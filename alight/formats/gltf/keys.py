@@ -64,6 +64,8 @@ KINDS: dict[str, dict[str, str]] = {
 }  # fmt: skip
 #: Extension -> the kind of its owner -> its keys, with the kinds of what stands there.
 EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
+    "EXT_mesh_gpu_instancing": {"node": {"attributes": ""}},
+    "EXT_texture_webp": {"texture": {"source": ""}},
     "KHR_draco_mesh_compression": {"primitive": {"attributes": "", "bufferView": ""}},
     "KHR_lights_punctual": {"file": {"lights": "light"}, "node": {"light": ""}},
     "KHR_texture_transform": {
@@ -114,7 +116,7 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
 }  # fmt: skip
 #: Refused or told of where they stand.
 _ELSEWHERE = (
-    "EXT_meshopt_compression", "EXT_texture_avif", "EXT_texture_webp",
+    "EXT_meshopt_compression", "EXT_texture_avif",
     "KHR_texture_basisu", "MSFT_texture_dds",
 )  # fmt: skip
 #: What every object may have.
