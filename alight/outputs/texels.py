@@ -17,9 +17,10 @@ from alight.outputs import exr, hdr, npy, pfm
 
 SUFFIXES = (
     ".png", ".jpg", ".jpeg", ".exr", ".hdr", ".pfm", ".npy", ".bmp", ".tga", ".tif", ".tiff",
+    ".webp",
 )  # fmt: skip
 #: What messages call them.
-KINDS = "PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF"
+KINDS = "PNG, JPEG, WebP, EXR, HDR, PFM, NPY, BMP, TGA or TIFF"
 
 #: The library reads all channels of an EXR file at once; this is 1 GB.
 MOST_NUMBERS = 2**28
@@ -42,7 +43,7 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
     Parameters
     ----------
     path : Path
-        PNG, JPEG, BMP, TGA, TIFF (uint8, uint16), OpenEXR, Radiance, PFM or NPY (float) file.
+        PNG, JPEG, WebP, BMP, TGA, TIFF (uint8, uint16), OpenEXR, Radiance, PFM or NPY (float) file.
     check_size : callable
         Refuses sizes.
 
@@ -78,17 +79,17 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
 
 
 def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray:
-    """Decode a PNG or JPEG picture in memory, as `read_texels` does those in files.
+    """Decode a PNG, JPEG or WebP picture in memory, as `read_texels` does those in files.
 
     Raises
     ------
     OSError, ValueError
         If it is of another kind, or broken.
     """
-    if not bytes(data[:4]).startswith((b"\x89PNG", b"\xff\xd8\xff")):
-        raise ValueError("is not a PNG or JPEG picture")
+    if not bytes(data[:4]).startswith((b"\x89PNG", b"\xff\xd8\xff", b"RIFF")):
+        raise ValueError("is not a PNG, JPEG or WebP picture")
     try:
-        return _read_with_pillow(data, check_size, ("PNG", "JPEG"))
+        return _read_with_pillow(data, check_size, ("PNG", "JPEG", "WEBP"))
     except (OSError, ValueError):
         raise
     except MemoryError:
@@ -118,7 +119,7 @@ def _read_targa(path: Path, check_size: SizeCheck) -> np.ndarray:
 def _read_with_pillow(
     source: Path | bytes | memoryview,
     check_size: SizeCheck,
-    formats: tuple[str, ...] = ("PNG", "JPEG", "BMP", "TIFF"),
+    formats: tuple[str, ...] = ("PNG", "JPEG", "BMP", "TIFF", "WEBP"),
 ) -> np.ndarray:
     import io
     import warnings
@@ -245,4 +246,5 @@ _READERS: tuple[tuple[bytes, Callable[[Path, SizeCheck], np.ndarray]], ...] = (
     (b"BM", _read_with_pillow),
     (b"II*\x00", _read_with_pillow),
     (b"MM\x00*", _read_with_pillow),
+    (b"RIFF", _read_with_pillow),
 )

@@ -56,8 +56,8 @@ class Bitmap(Texture):
     Parameters
     ----------
     file : str, optional
-        PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF file, relative to the scene file; not with
-        `pixels`.
+        PNG, JPEG, WebP, EXR, HDR, PFM, NPY, BMP, TGA or TIFF file, relative to the scene file; not
+        with `pixels`.
     pixels : (h, w) or (h, w, 3) uint8, uint16 or float, optional
         The picture itself, top row first; in scene files lists, see `alight.textures.images`.
     color_space : {"auto", "srgb", "linear"}, default "auto"

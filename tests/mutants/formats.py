@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 USD = "tests/formats/usd"
+GLTF = "tests/formats/gltf"
 
 FORMATS = (
     Mutant(
@@ -33,6 +34,30 @@ FORMATS = (
             ),
         ),
         f"{USD}/test_skins.py::test_meshes_are_where_openusd_itself_bakes_them",
+    ),
+    Mutant(
+        "normalised numbers of Draco streams taken as they are",
+        "formats/gltf/draco.py",
+        (('said.get("normalized") is True', "False"),),
+        f"{GLTF}/test_draco.py::test_all_attributes_come_out_by_their_identifiers",
+    ),
+    Mutant(
+        "Draco streams believed, whatever they announce",
+        "formats/gltf/draco.py",
+        (("if number > most:", "if False:"),),
+        f"{GLTF}/test_draco.py::test_streams_do_not_get_the_memory_that_they_announce",
+    ),
+    Mutant(
+        "instances of a node scaled after they are turned",
+        "formats/gltf/instances.py",
+        (('tables["SCALE"][:, None, :]', 'tables["SCALE"][:, :, None]'),),
+        f"{GLTF}/test_instances.py::test_scale_comes_first_then_rotation_then_translation",
+    ),
+    Mutant(
+        "the camera sees one instance of a node",
+        "formats/gltf/instances.py",
+        (("for move in moves:", "for move in moves[:1]:"),),
+        f"{GLTF}/test_instances.py::test_the_camera_sees_all_instances",
     ),
     Mutant(
         "triangles of strips all one way round",

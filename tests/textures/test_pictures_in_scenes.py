@@ -184,10 +184,10 @@ BROKEN = {
     "bomb.png": (png_header(60000, 60000), "has too many pixels"),
     "large.png": (png_header(8000, 9000), "at most 67108864 texels, got 8000 x 9000"),
     "short.png": (png_header(100, 100), "truncated"),
-    "empty.png": (b"", "is not a PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
+    "empty.png": (b"", "is not a PNG, JPEG, WebP, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture"),
     "text.png": (
         b"hello, world",
-        "is not a PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture",
+        "is not a PNG, JPEG, WebP, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture",
     ),
     "cut.exr": (b"\x76\x2f\x31\x01" + bytes(40), "broken OpenEXR file"),
     "huge.hdr": (HDR_HEADER + b"-Y 99999 +X 99999\n" + bytes(99), "got 99999 x 99999"),

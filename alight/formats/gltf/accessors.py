@@ -101,9 +101,9 @@ def view_bytes(document: Document, item: Item, key: str) -> tuple[memoryview, in
     if index is None:
         raise item.fatal(key, "must be the index of a buffer view")
     view = views[index]
-    if view.extension("EXT_meshopt_compression") is not None:
-        raise view.fatal("extensions", COMPRESSED["EXT_meshopt_compression"])
     buffer_index = view.index("buffer", len(document.list("buffers")), "buffers")
+    if view.extension(MESHOPT) is not None:
+        _check_fallback(document, view, buffer_index)
     if buffer_index is None:
         raise view.fatal("buffer", "must be the index of a buffer")
     buffer = document.buffer(buffer_index)
@@ -114,12 +114,19 @@ def view_bytes(document: Document, item: Item, key: str) -> tuple[memoryview, in
     return buffer[offset : offset + length], view.integer("byteStride", 0, 0, 2**16)
 
 
+def _check_fallback(document: Document, view: Item, buffer: int | None) -> None:
+    """Refuse a compressed view whose data are not there without compression, too."""
+    held = None if buffer is None else document.list("buffers")[buffer]
+    if held is None or not (held.has("uri") or (buffer == 0 and document.chunk is not None)):
+        raise view.fatal("extensions", COMPRESSED[MESHOPT])
+    document.report.drop(f"{MESHOPT}: the file holds the same data without it")
+
+
+MESHOPT = "EXT_meshopt_compression"
 #: What cannot be read, and the way out.
 COMPRESSED = {
-    "EXT_meshopt_compression": "EXT_meshopt_compression is not covered; write the file without it: "
+    MESHOPT: "EXT_meshopt_compression is not covered; write the file without it: "
     "gltf-transform copy IN OUT, or gltfpack -i IN -o OUT without -c",
-    "KHR_draco_mesh_compression": "KHR_draco_mesh_compression is not covered; write the file "
-    "without it: gltf-transform copy IN OUT, or gltf-pipeline -i IN -o OUT without -d",
 }
 
 

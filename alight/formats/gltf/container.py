@@ -75,6 +75,16 @@ class Document:
             self._buffers[index] = data[:length]
         return self._buffers[index]
 
+    def append(self, data: memoryview) -> int:
+        """Add bytes in a buffer of their own; the index of their view."""
+        buffers = self.root.value.setdefault("buffers", [])
+        views = self.root.value.setdefault("bufferViews", [])
+        self._buffers[len(buffers)] = data
+        views.append({"buffer": len(buffers), "byteLength": len(data)})
+        buffers.append({"byteLength": len(data)})
+        self._lists.clear()
+        return len(views) - 1
+
     def _bytes(self, item: Item, index: int) -> memoryview:
         if not item.has("uri"):
             if index == 0 and self.chunk is not None:

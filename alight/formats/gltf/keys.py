@@ -64,6 +64,9 @@ KINDS: dict[str, dict[str, str]] = {
 }  # fmt: skip
 #: Extension -> the kind of its owner -> its keys, with the kinds of what stands there.
 EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
+    "EXT_mesh_gpu_instancing": {"node": {"attributes": ""}},
+    "EXT_texture_webp": {"texture": {"source": ""}},
+    "KHR_draco_mesh_compression": {"primitive": {"attributes": "", "bufferView": ""}},
     "KHR_lights_punctual": {"file": {"lights": "light"}, "node": {"light": ""}},
     "KHR_texture_transform": {
         kind: dict.fromkeys(("offset", "rotation", "scale", "texCoord"), "")
@@ -113,7 +116,7 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
 }  # fmt: skip
 #: Refused or told of where they stand.
 _ELSEWHERE = (
-    "EXT_meshopt_compression", "EXT_texture_avif", "EXT_texture_webp", "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression", "EXT_texture_avif",
     "KHR_texture_basisu", "MSFT_texture_dds",
 )  # fmt: skip
 #: What every object may have.

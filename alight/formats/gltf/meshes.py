@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import SceneError
-from alight.formats.gltf.accessors import COMPRESSED, read_accessor
+from alight.formats.gltf.accessors import read_accessor
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.skins import skinned
 from alight.formats.gltf.values import Item
@@ -55,8 +55,6 @@ def read_primitive(
     SceneError
         If the arrays make no mesh.
     """
-    if primitive.extension("KHR_draco_mesh_compression") is not None:
-        raise primitive.fatal("extensions", COMPRESSED["KHR_draco_mesh_compression"])
     mode = primitive.integer("mode", TRIANGLES, 0, FAN)
     if mode in _MODES:
         document.report.drop(f"{_MODES[mode]} have no surface")

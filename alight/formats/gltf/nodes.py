@@ -18,6 +18,7 @@ import numpy as np
 from alight.core.errors import SceneError
 from alight.formats.cameras import Parallel, Perspective
 from alight.formats.gltf.container import Document
+from alight.formats.gltf.instances import NAME, add_bounds, instance_matrices, rotations
 from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.meshes import read_primitive
 from alight.formats.gltf.places import unscaled
@@ -27,6 +28,7 @@ from alight.formats.gltf.values import Item
 from alight.formats.lamps import parallel, point, spot, turned
 from alight.formats.model_scene import ModelScene
 from alight.formats.names import free_name
+from alight.formats.skins import Matrices
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import SIZE
 from alight.scene.transform import Matrix, is_singular
@@ -194,20 +196,49 @@ class Graph(ModelScene):
         parts = self._meshes[variant]
         if not parts:
             return
+        moves = instance_matrices(self.document, item) if skin is None else None
+        if moves is not None:
+            self._add_instances(parts, moves, self._prototype(variant, mesh), children, to_world)
+            return
         for part in parts.values():
             self.bounds.add(part["shape"].vertices, to_world)
             self.shine(part["shape"], self._surfaces[id(part["shape"])], to_world)
         if self._uses.get(index, 0) > 1 and skin is None:
-            if variant not in self._prototype_names:
-                name = free_name(mesh.text("name"), self.prototypes, f"mesh {index}")
-                self._prototype_names[variant] = name
-                self.prototypes[name] = {"children": parts}
-                self.places[f"prototypes.{name}"] = f"{mesh.name}#{mesh.pointer}"
-            data["instance"] = self._prototype_names[variant]
+            data["instance"] = self._prototype(variant, mesh)
         elif len(parts) == 1:
             data.update(next(iter(parts.values())))
         else:
             children.update(parts)
+
+    def _prototype(self, variant: _Variant, mesh: Item) -> str:
+        """The name of what instances of a mesh stand for."""
+        if variant not in self._prototype_names:
+            name = free_name(mesh.text("name"), self.prototypes, f"mesh {variant[0]}")
+            self._prototype_names[variant] = name
+            self.prototypes[name] = {"children": self._meshes[variant]}
+            self.places[f"prototypes.{name}"] = f"{mesh.name}#{mesh.pointer}"
+        return self._prototype_names[variant]
+
+    def _add_instances(
+        self,
+        parts: dict[str, Data],
+        moves: Matrices,
+        prototype: str,
+        children: dict[str, Data],
+        to_world: Matrix,
+    ) -> None:
+        flat = np.array([is_singular(to_world @ move) for move in moves], bool)
+        if flat.any():
+            self.report.drop(f"{NAME}: {flat.sum()} instances are flattened to nothing")
+        for number in np.flatnonzero(~flat):
+            place = {"matrix": moves[number].tolist()}
+            children[f"instance {number}"] = {"instance": prototype, "transform": place}
+        for part in parts.values():
+            shape = part["shape"]
+            add_bounds(self.bounds, shape.vertices, moves[~flat], to_world)
+            surface = self._surfaces[id(shape)]
+            for move in moves[~flat] if surface.emission is not None else ():
+                self.shine(shape, surface, to_world @ move)
 
     def _joints(self, index: int, to_world: Matrix) -> Matrix:
         """The matrices of a skin's joints, as the nodes stand."""
@@ -319,7 +350,7 @@ def placement(item: Item) -> tuple[Any, Matrix]:
         item.wrong("rotation", f"must be a unit quaternion, got length {length:g}")
         return [], np.eye(4)
     rotation = np.eye(4)
-    rotation[:3, :3] = rotation_of(turn / length)
+    rotation[:3, :3] = rotations((turn / length)[None])[0]
     matrix = rotation @ np.diag([*scale, 1.0])
     matrix[:3, 3] = shift
     steps: list[Data] = []
@@ -330,18 +361,6 @@ def placement(item: Item) -> tuple[Any, Matrix]:
     if shift != (0.0, 0.0, 0.0):
         steps.append({"translate": list(shift)})
     return steps, matrix
-
-
-def rotation_of(quaternion: Any) -> np.ndarray:
-    """The (3, 3) matrix of a unit quaternion (x, y, z, w)."""
-    x, y, z, w = (float(c) for c in quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def punctual(light: Item) -> Data:

@@ -5,17 +5,22 @@ from __future__ import annotations
 from alight.core.errors import SceneError
 from alight.formats.gltf.accessors import COMPRESSED
 from alight.formats.gltf.container import Document, open_document
+from alight.formats.gltf.draco import NAME as DRACO
+from alight.formats.gltf.draco import unpack_draco
+from alight.formats.gltf.instances import NAME as INSTANCES
 from alight.formats.gltf.keys import left_out, say_what_is_unknown
 from alight.formats.gltf.materials import COVERED as MATERIALS
 from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.nodes import Graph
+from alight.formats.gltf.textures import WAYS_OUT, WEBP
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report, did_you_mean
 
 #: Extensions that are read.
 COVERED = (
-    *MATERIALS, "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
+    *MATERIALS, DRACO, INSTANCES, "KHR_lights_punctual", "KHR_mesh_quantization",
+    "KHR_texture_transform", WEBP,
 )  # fmt: skip
 
 
@@ -38,6 +43,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     document = open_document(data, name, reach or Reach(), report)
     _check_extensions(document)
     say_what_is_unknown(document.root.value, report)
+    unpack_draco(document)
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
@@ -56,11 +62,13 @@ def _check_extensions(document: Document) -> None:
     for name in required:
         if name in COMPRESSED:
             root.wrong("extensionsRequired", COMPRESSED[name])
+        elif name in WAYS_OUT:
+            root.wrong("extensionsRequired", f"{name} is not covered; {WAYS_OUT[name]}")
         elif name not in COVERED:
             text = f'requires "{name}", which is not covered{did_you_mean(name, COVERED)}'
             root.wrong("extensionsRequired", f"{text}  (covered: {', '.join(sorted(COVERED))})")
     for name in used:
-        if name not in COVERED and name not in required:
+        if name not in (*COVERED, *COMPRESSED, *required):
             document.report.approximate(left_out(name))
     if document.report.issues:
         raise SceneError(document.report.issues)

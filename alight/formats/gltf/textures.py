@@ -29,7 +29,15 @@ WRAPS = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 NEAREST = 9728
 _FLIP = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 1.0], [0.0, 0.0, 1.0]])
 #: Extensions that name another picture for a texture.
-OTHER_SOURCES = ("KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds")
+OTHER_SOURCES = ("KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds")
+WEBP = "EXT_texture_webp"
+#: What to do where there is no other.
+WAYS_OUT = {
+    "KHR_texture_basisu": "write PNG: ktx extract --transcode rgba8 IN.ktx2 OUT.png (KTX-Software) "
+    "for each picture, or export the file again without KTX2",
+    "EXT_texture_avif": "write PNG: gltf-transform png IN OUT --formats '*'",
+    "MSFT_texture_dds": "write PNG, with any program that reads DDS, and name that file instead",
+}
 
 
 class Textures:
@@ -114,16 +122,20 @@ class Textures:
     def _picture_of(self, texture: Item) -> Image | str | None:
         images = self.document.list("images")
         index = texture.index("source", len(images), "images")
+        webp = texture.extension(WEBP)
+        if index is None and webp is not None:
+            index = webp.index("source", len(images), "images")
         named = texture.object("extensions")
         other = [n for n in OTHER_SOURCES if named is not None and named.has(n)]
         if index is None:
             if other:
-                text = f"{other[0]} is not covered and the texture names no other picture; write "
-                texture.wrong("extensions", text + "PNG or JPEG, with gltf-transform for instance")
-            elif not texture.has("source"):
+                text = f"{other[0]} is not covered and the texture names no other picture"
+                texture.wrong("extensions", f"{text}; {WAYS_OUT[other[0]]}")
+            elif not texture.has("source") and (webp is None or not webp.has("source")):
                 texture.wrong("", "needs a source")
             return None
-        if other:
+        if other or (webp is not None and texture.has("source")):
+            other = other or [WEBP]
             self.document.report.drop(f"{other[0]}: the PNG or JPEG beside it is used")
         if index not in self._pictures:
             self._pictures[index] = self._picture(images[index])

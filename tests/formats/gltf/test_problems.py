@@ -20,8 +20,6 @@ def broken(change):
 BROKEN = {
     "asset": (lambda j: j.pop("asset"), "the key asset is missing"),
     "version": (lambda j: j["asset"].update(version="1.0"), "/asset/version\n  must be 2.0"),
-    "draco": (lambda j: j.update(extensionsRequired=["KHR_draco_mesh_compression"]),
-              "write the file without it: gltf-transform copy"),
     "meshopt": (lambda j: j.update(extensionsRequired=["EXT_meshopt_compression"]), "gltfpack"),
     "required": (lambda j: j.update(extensionsRequired=["KHR_texture_transfrm"]),
                  'did you mean "KHR_texture_transform"?'),

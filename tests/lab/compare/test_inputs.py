@@ -96,7 +96,7 @@ def test_grey_and_alpha_are_said(tmp_path):
         (
             "text.png",
             b"hello",
-            "it is not a PNG, JPEG, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture",
+            "it is not a PNG, JPEG, WebP, EXR, HDR, PFM, NPY, BMP, TGA or TIFF picture",
         ),
         ("empty.npy", b"", "it is not a PNG"),
         ("cut.png", b"\x89PNG\r\n\x1a\n\x00\x00", "cannot"),
