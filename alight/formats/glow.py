@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from alight.core.constants import LUMINANCE
 from alight.core.errors import SceneError
-from alight.formats.surroundings import Bounds
+from alight.formats.bounds import Bounds
 from alight.scene.files import Files
 from alight.scene.images import picture
 from alight.shapes.mesh import Mesh

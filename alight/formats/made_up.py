@@ -10,7 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from alight.formats.surroundings import STUDIO, Bounds, studio_rotation
+from alight.formats.bounds import Bounds
+from alight.formats.surroundings import STUDIO, studio_rotation
 from alight.scene.description import Node, Scene
 from alight.scene.flatten import place_camera
 from alight.scene.transform import look_at

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.core.errors import quote
+from alight.formats.bounds import Bounds
 from alight.formats.glow import Glow
 from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
@@ -15,7 +16,6 @@ from alight.formats.report import Report
 from alight.formats.steepness import told
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import (
-    Bounds,
     add_camera,
     add_light,
     say_if_empty,

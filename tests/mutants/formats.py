@@ -4,7 +4,27 @@ from tests.mutants.mutant import Mutant
 
 USD = "tests/formats/usd"
 
+SEEN = "tests/formats/test_seen_whole.py"
+
 FORMATS = (
+    Mutant(
+        "an automatic camera sees where moving shapes begin",
+        "formats/mitsuba/framing.py",
+        (("here.matrix, here.motion)", "here.matrix)"),),
+        f"{SEEN}::test_instances_and_motion_of_mitsuba",
+    ),
+    Mutant(
+        "an automatic camera of a Mitsuba file stays for another picture's shape",
+        "formats/loading.py",
+        (("source, check), parsed.framed", "source, check), None"),),
+        f"{SEEN}::test_shapes_of_mitsuba",
+    ),
+    Mutant(
+        "of a cube one side is framed",
+        "formats/bounds.py",
+        (("np.max(highs, axis=0)", "highs[0]"),),
+        f"{SEEN}::test_gprims_of_usd",
+    ),
     Mutant(
         "instances share whatever they inherit",
         "formats/usd/inherited.py",
