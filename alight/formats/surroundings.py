@@ -1,7 +1,8 @@
 """What a model needs to be seen, where its file has none: light around it, and a camera.
 
 The light is the picture ``builtin:studio``, turned such that it is the same as seen from any
-camera; `alight.formats.bounds` tells where the camera stands.
+camera; `alight.formats.bounds` tells where the camera stands. A file that has neither shows an
+object, not a place: it stands on the studio's floor.
 """
 
 from __future__ import annotations
@@ -13,10 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.core.fields import LARGEST
+from alight.core.spec import Bsdf
 from alight.formats.bounds import FOV, FOV_AXIS, TO_THE_RIGHT, Bounds
+from alight.formats.names import free_name
 from alight.formats.report import Report
 
-STUDIO = "builtin:studio"
+STUDIO, FLOOR = "builtin:studio", "builtin:studio-floor"
+#: Radius of the floor, and its distance below the object, in radii of the sphere around that.
+FLOOR_RADIUS, GAP = 20.0, 0.002
 NO_LIGHT = "the file has no light: a soft studio stands around it (environment)"
 FAINT_LIGHT = (
     "what shines in the file is too faint to see it by: a soft studio stands around it "
@@ -46,6 +52,32 @@ def add_light(
     if view is not None and (rotation := studio_rotation(view)) != 0.0:
         data["environment"]["rotate"] = rotation
     report.assume("environment.file", FAINT_LIGHT if shines else NO_LIGHT)
+
+
+def add_floor(nodes: dict[str, Any], bounds: Bounds) -> None:
+    """Put the studio's floor under an object; none under nothing."""
+    center, radius = bounds.sphere
+    if not bounds.parts or not np.isfinite(bounds.low).all():
+        return
+    place = [center[0], bounds.low[1] - GAP * radius, center[2]]
+    if np.abs(place).max() + FLOOR_RADIUS * radius > LARGEST:
+        return
+    # A disk's u is its radius.
+    albedo = {"type": "bitmap", "file": FLOOR, "wrap": "clamp"}
+    nodes[free_name("studio floor", nodes, "floor")] = {
+        "shape": {"type": "disk"},
+        "bsdf": {"type": "diffuse", "reflectance": albedo},
+        "transform": [
+            {"rotate": {"axis": "x", "angle": -90.0}},
+            {"scale": FLOOR_RADIUS * radius},
+            {"translate": [float(x) for x in place]},
+        ],
+    }
+
+
+def is_floor(bsdf: Bsdf | str | None) -> bool:
+    """Whether this is the material of the studio's floor."""
+    return getattr(getattr(bsdf, "reflectance", None), "file", None) == FLOOR
 
 
 def studio_rotation(view: NDArray[np.float64]) -> float:

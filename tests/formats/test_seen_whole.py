@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from alight.cameras.basis import perspective_half_extents, project_points
-from alight.formats import load
 from alight.formats.bounds import Bounds
 from alight.scene import flatten
+from tests.formats.bare import load
 from tests.formats.usd.stage import stage_text
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -6,7 +6,21 @@ USD = "tests/formats/usd"
 
 SEEN = "tests/formats/test_seen_whole.py"
 
+STUDIO = "tests/formats/test_studio.py"
+
 FORMATS = (
+    Mutant(
+        "the backdrop forgets the light of the soft boxes on the floor",
+        "scene/builtin/studio.py",
+        (("edge = EDGE * a /", "edge = EDGE * 0.5 * a /"),),
+        f"{STUDIO}::test_floor_and_backdrop_meet_without_a_line",
+    ),
+    Mutant(
+        "the studio's floor stays under another sky",
+        "formats/made_up.py",
+        (("        after = without_floor(after)\n", "        pass\n"),),
+        f"{STUDIO}::test_the_floor_goes_with_the_studio",
+    ),
     Mutant(
         "an automatic camera sees where moving shapes begin",
         "formats/mitsuba/framing.py",

@@ -7,7 +7,7 @@ from typing import Any
 from alight.core.spec import Camera
 from alight.formats.bounds import Bounds
 from alight.formats.mitsuba.context import Context, Data
-from alight.formats.surroundings import add_camera, add_light
+from alight.formats.surroundings import add_camera, add_floor, add_light
 from alight.scene.motion import NOWHERE, Placement
 from alight.scene.steps import parse_transform
 
@@ -28,6 +28,7 @@ def surround(context: Context, data: Data, nodes: dict[str, Any]) -> Bounds:
     shines = any("light" in node for node in nodes.values())
     if not shines and "environment" not in data:
         add_light(data, context.report, shines=False)
+        add_floor(nodes, bounds)
     return bounds
 
 
