@@ -58,6 +58,16 @@ def test_pictures_count_where_the_mesh_shows_them(packed, tmp_path):
     assert shown((0.0, 0.0), moved) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(
+    ("shape", "area"),
+    [("sphere", 4.0 * np.pi), ("cube", 24.0), ("rectangle", 4.0), ("disk", np.pi), ("plane", 0.0)],
+)
+def test_shapes_with_a_formula_shine_with_their_area(shape, area):
+    glow = Glow(Files())
+    glow.add_shape({"type": shape}, np.diag([2.0, 2.0, 2.0, 1.0]), 3.0)
+    assert glow.total == pytest.approx(4.0 * area * 3.0, rel=1e-5)
+
+
 def test_a_picture_that_cannot_be_read_is_left_to_who_reads_the_scene(tmp_path):
     assert glow_of({"type": "bitmap", "file": "none.png"}, folder=tmp_path) == pytest.approx(1.0)
 

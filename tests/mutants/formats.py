@@ -10,6 +10,18 @@ STUDIO = "tests/formats/test_studio.py"
 
 FORMATS = (
     Mutant(
+        "pixels without light count as too dark",
+        "rendering/writing.py",
+        (("[(np.nan_to_num(linear) > 0.0).any(axis=2)]", ".reshape(-1, 3)"),),
+        "tests/rendering/test_exposure_advice.py::test_pictures_that_show_what_they_hold_are_left_alone",
+    ),
+    Mutant(
+        "shapes with a formula shine as if they were not scaled",
+        "formats/glow.py",
+        (("model.pack(part, to_world @ place)", "model.pack(part, place)"),),
+        "tests/formats/test_glow.py::test_shapes_with_a_formula_shine_with_their_area",
+    ),
+    Mutant(
         "the backdrop forgets the light of the soft boxes on the floor",
         "scene/builtin/studio.py",
         (("edge = EDGE * a /", "edge = EDGE * 0.5 * a /"),),

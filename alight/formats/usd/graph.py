@@ -201,7 +201,7 @@ class Graph(ModelScene):
         self.bounds.add(data["shape"], to_world @ placed.matrix)
         if steps:
             data["transform"] = steps
-        return self._shining(data, material, to_world)
+        return self._shining(data, material, to_world @ placed.matrix)
 
     def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
         self.stage.report.count("meshes")
@@ -262,7 +262,7 @@ class Graph(ModelScene):
         if isinstance(data["shape"], Mesh):
             self.shine(data["shape"], material, to_world)
         elif material.emission is not None:
-            self.is_lit = True
+            self.glow.add_shape(data["shape"], to_world, material.emission)
         return data | material.light
 
     def _material_of(self, bound: Any, prim: Any) -> tuple[str, Surface]:
