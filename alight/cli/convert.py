@@ -25,6 +25,7 @@ def convert(
     from alight.core.errors import OutputError
     from alight.formats import save
     from alight.formats.gltf.write import write
+    from alight.formats.made_up import without_floor
     from alight.options.loading import scene_of
     from alight.scene import flatten
 
@@ -33,7 +34,7 @@ def convert(
     show_remarks(description)
     try:
         if output.suffix.lower() == ".glb":
-            for line in write(flatten(description), output):
+            for line in write(flatten(without_floor(description)), output):
                 typer.echo(f"glTF cannot hold: {line}", err=True)
         else:
             save(description, output)

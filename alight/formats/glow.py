@@ -9,6 +9,7 @@ is as bright inside as in a room of which a tenth shines white.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,13 @@ from numpy.typing import NDArray
 
 from alight.core.constants import LUMINANCE
 from alight.core.errors import SceneError
-from alight.formats.surroundings import Bounds
+from alight.core.spec import Model
+from alight.formats.bounds import Bounds
+from alight.scene.build import Builder
 from alight.scene.files import Files
 from alight.scene.images import picture
 from alight.shapes.mesh import Mesh
+from alight.shapes.model import SHAPES
 from alight.textures.images import Image
 
 #: Mean radiance over the box's sides with which a model lights itself.
@@ -73,6 +77,27 @@ class Glow:
             sets = [np.asarray(table)[faces].mean(axis=1) for table in tables]
         total = float((areas * (self._color(radiance, sets) @ LUMINANCE)).sum()) * step
         self.total += total if np.isfinite(total) else 0.0
+
+    def add_shape(self, spec: Any, to_world: NDArray[np.float64], radiance: Any) -> None:
+        """Count a shape with a formula that shines; textures are looked up in a corner.
+
+        Parameters
+        ----------
+        spec : Shape or mapping
+            A shape, or its description; what is wrong with that is said when the scene is built.
+        to_world : (4, 4) float64
+        radiance : number, color or texture
+            As of `add`.
+        """
+        spec = Builder().model(Model("shape", "shapes"), spec, "")
+        luminance = float((self._color(radiance, [np.zeros((1, 2))]) @ LUMINANCE)[0])
+        for part, place in spec.parts() or ((spec, np.eye(4)),):
+            model = SHAPES[part.type_name()]
+            if model.pack is None or model.area is None:
+                continue
+            with np.errstate(all="ignore"), suppress(np.linalg.LinAlgError):
+                total = luminance * model.area(model.pack(part, to_world @ place))
+                self.total += total if np.isfinite(total) else 0.0
 
     def suffices(self, bounds: Bounds) -> bool:
         """Whether the model in these bounds needs no other light."""

@@ -11,6 +11,7 @@ from typing import Any
 
 from alight.core.errors import Issue, SceneError, is_at_or_below, nearest, quote
 from alight.formats import mitsuba, pbrt
+from alight.formats.bounds import Bounds
 from alight.formats.made_up import fitted
 from alight.formats.models import PARSERS, read_model
 from alight.formats.native import SUFFIXES
@@ -91,14 +92,9 @@ def load(
             framed = parsed.framed
             result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
-            result = loads(
-                _read(path),
-                name,
-                path.parent,
-                check=not changes,
-                definitions=definitions,
-                lenient=lenient,
-                root=root,
+            reach = _reach(path.parent, root, name)
+            result, framed = _loaded(
+                _read(path), name, reach, not changes, definitions or {}, lenient
             )
     if changes:
         result = fitted(result, changed(result, changes), framed)
@@ -139,8 +135,19 @@ def loads(
         With every problem, each with its place.
     """
     reach = _reach(folder, root, name)
-    data, found, source = _parse(text, name, reach, definitions or {}, lenient)
-    return _built(data, found, source, check)
+    return _loaded(text, name, reach, check, definitions or {}, lenient)[0]
+
+
+def _loaded(
+    text: str, name: str, reach: Reach, check: bool, definitions: Mapping[str, str], lenient: bool
+) -> tuple[Scene, Bounds | None]:
+    """A scene of a text, and what its camera must see where the file has none."""
+    if mitsuba.is_xml(text):
+        parsed = mitsuba.parse(text, name, reach, definitions, lenient)
+        source = _source(parsed, name, reach)
+        return _built(parsed.data, parsed.issues, source, check), parsed.framed
+    data, found, source = _parse(text, name, reach, definitions, lenient)
+    return _built(data, found, source, check), None
 
 
 def _built(data: Any, found: list[Issue], source: Source, check: bool) -> Scene:
@@ -173,10 +180,7 @@ def _reach(folder: Path | None, root: str | os.PathLike[str] | None, name: str) 
 def _parse(
     text: str, name: str, reach: Reach, definitions: Mapping[str, str], lenient: bool
 ) -> tuple[Any, list[Issue], Source]:
-    """Plain data, problems so far and the origin, whichever format the text has."""
-    if mitsuba.is_xml(text):
-        parsed = mitsuba.parse(text, name, reach, definitions, lenient)
-        return parsed.data, parsed.issues, _source(parsed, name, reach)
+    """Plain data, problems so far and the origin, of pbrt's format or the native one."""
     _refuse_definitions(definitions, name)
     if name.lower().endswith(pbrt.SUFFIX):
         parsed = pbrt.parse(text, name, reach, lenient)

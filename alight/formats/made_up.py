@@ -10,7 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from alight.formats.surroundings import STUDIO, Bounds, studio_rotation
+from alight.formats.bounds import Bounds
+from alight.formats.surroundings import STUDIO, is_floor, studio_rotation
 from alight.scene.description import Node, Scene
 from alight.scene.flatten import place_camera
 from alight.scene.transform import look_at
@@ -30,15 +31,25 @@ def fitted(before: Scene, after: Scene, framed: Bounds | None) -> Scene:
     -------
     Scene
         An automatic camera is placed for the size that the picture has now; the studio is turned
-        to the camera that was chosen; another picture in its place stands as it is. Remarks that
-        no longer hold are gone.
+        to the camera that was chosen; another picture in its place stands as it is, and the
+        studio's floor goes with the studio. Remarks that no longer hold are gone.
     """
     source = _without_what_is_gone(before, after)
+    if _value(before, "environment.file") == STUDIO != _value(after, "environment.file"):
+        after = without_floor(after)
     if framed is not None and before.camera == after.camera:
         assert isinstance(after.camera, Node)
         look = look_at(*framed.viewpoint(after.film.size))
         after = after.replaced(camera=after.camera.replaced(transform=look))
     return _turned(before, after).from_source(source)
+
+
+def without_floor(scene: Scene) -> Scene:
+    """The scene without the studio's floor, which is no part of a model."""
+    nodes = {name: node for name, node in scene.nodes.items() if not is_floor(node.bsdf)}
+    if len(nodes) == len(scene.nodes):
+        return scene
+    return scene.replaced(nodes=nodes).from_source(scene.source)
 
 
 def _without_what_is_gone(before: Scene, after: Scene) -> Any:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.core.errors import quote
+from alight.formats.bounds import Bounds
 from alight.formats.glow import Glow
 from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
@@ -15,8 +16,8 @@ from alight.formats.report import Report
 from alight.formats.steepness import told
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import (
-    Bounds,
     add_camera,
+    add_floor,
     add_light,
     say_if_empty,
     use_first_camera,
@@ -121,6 +122,8 @@ class ModelScene:
         say_if_empty(self.report, self.bounds)
         if not self.is_lit and not self.glow.suffices(self.bounds):
             add_light(scene, self.report, shines=self.glow.total > 0.0, view=self.view)
+            if not self.cameras:
+                add_floor(self.nodes, self.bounds)
         if not self.cameras:
             add_camera(scene, self.report, self.bounds)
             return Parsed.of(scene, self.places, self.report, framed=self.bounds)

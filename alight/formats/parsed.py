@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.core.errors import Issue
+from alight.formats.bounds import Bounds
 from alight.formats.report import Report
-from alight.formats.surroundings import Bounds
 from alight.scene.source import Remarks
 
 

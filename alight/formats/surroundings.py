@@ -1,32 +1,28 @@
-r"""What a model needs to be seen, where its file has none: light around it, and a camera.
+"""What a model needs to be seen, where its file has none: light around it, and a camera.
 
-The camera looks at the model from the front (glTF's and most programs' front is +z, up is +y), 30
-degrees to the right and 20 above, and stands so near that the model fills the picture but for a
-margin. With the camera's axes u, v, w (w backwards) and :math:`t_x, t_y`, the tangents of half the
-opening angles within the margin, a vertex p is in the picture if
-
-.. math:: |p_u - c_u| \le t_x (c_w - p_w), \qquad |p_v - c_v| \le t_y (c_w - p_w)
-
-so the nearest camera c follows from four largest values over all vertices: for one side,
-:math:`A_\pm = \max(\pm p_u + t_x p_w)`, :math:`c_w = (A_+ + A_-) / (2 t_x)` and
-:math:`c_u = (A_+ - A_-) / 2`. Of both sides the one that asks for more distance wins. The light is
-the picture ``builtin:studio``, turned such that it is the same as seen from any camera.
+The light is the picture ``builtin:studio``, turned such that it is the same as seen from any
+camera; `alight.formats.bounds` tells where the camera stands. A file that has neither shows an
+object, not a place: it stands on the studio's floor.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from alight.cameras.basis import perspective_half_extents
+from alight.core.fields import LARGEST
+from alight.core.spec import Bsdf
+from alight.formats.bounds import FOV, FOV_AXIS, TO_THE_RIGHT, Bounds
+from alight.formats.names import free_name
 from alight.formats.report import Report
 
-STUDIO = "builtin:studio"
+STUDIO, FLOOR = "builtin:studio", "builtin:studio-floor"
+#: Radius of the floor, and its distance below the object, in radii of the sphere around that.
+FLOOR_RADIUS, GAP = 20.0, 0.002
 NO_LIGHT = "the file has no light: a soft studio stands around it (environment)"
 FAINT_LIGHT = (
     "what shines in the file is too faint to see it by: a soft studio stands around it "
@@ -34,86 +30,6 @@ FAINT_LIGHT = (
 )
 NO_CAMERA = "the file has no camera: one was placed that sees all of it (camera)"
 SIZE = (800, 600)
-FOV, TO_THE_RIGHT, ABOVE = 40.0, 30.0, 20.0  # degrees
-#: Of both sides, so that wide and high pictures are not distorted at their ends.
-FOV_AXIS = "larger"
-#: Part of the picture's sides that is left free on each edge.
-MARGIN = 0.05
-#: Least depth of a vertex, in radii of the sphere around the box: from nearer, a rod that points at
-#: the camera would be all tip.
-NEAREST = 0.5
-
-
-@dataclass
-class Bounds:
-    """The points that an automatic camera must see, and the axis-aligned box around them.
-
-    Attributes
-    ----------
-    low, high : (3,) float64, metres
-    parts : list of ((n, 3) array, (4, 4) float64)
-        Points as they were added, and the matrix to the world.
-    """
-
-    low: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.inf))
-    high: NDArray[np.float64] = field(default_factory=lambda: np.full(3, -np.inf))
-    parts: list[tuple[ArrayLike, NDArray[np.float64]]] = field(default_factory=list)
-
-    def add(self, points: ArrayLike, to_world: NDArray[np.float64]) -> None:
-        """Enclose points (n, 3) after a (4, 4) matrix."""
-        self.parts.append((points, to_world))
-        low, high = self._extremes(points, to_world, np.eye(3))
-        self.low, self.high = np.minimum(self.low, low), np.maximum(self.high, high)
-
-    @property
-    def sphere(self) -> tuple[NDArray[np.float64], float]:
-        """Centre and radius of the sphere through the corners; a unit one around nothing."""
-        if not (np.isfinite(self.low).all() and np.isfinite(self.high).all()):
-            return np.zeros(3), 1.0
-        radius = 0.5 * float(np.linalg.norm(self.high - self.low))
-        return 0.5 * (self.low + self.high), radius if radius > 0.0 else 1.0
-
-    def viewpoint(self, size: tuple[int, int]) -> tuple[list[float], list[float]]:
-        """Origin and target of the camera that shows everything in a picture of this size."""
-        center, radius = self.sphere
-        axes = _axes()
-        tangents = np.array(perspective_half_extents(FOV, FOV_AXIS, *size)) * (1.0 - 2.0 * MARGIN)
-        # Largest values of p_u + t_x p_w, -p_u + t_x p_w, the same of v, and of p_w.
-        sides = np.array([axes[0], -axes[0], axes[1], -axes[1], axes[2]])
-        sides[:4] += np.repeat(tangents, 2)[:, None] * axes[2]
-        largest = np.full(5, -np.inf)
-        for points, to_world in self.parts:
-            largest = np.maximum(largest, self._extremes(points, to_world, sides)[1])
-        if not np.isfinite(largest).all() or not (self.low < self.high).any():
-            # A unit sphere, where there is nothing or a point.
-            largest = sides @ center + np.linalg.norm(sides, axis=1)
-        plus, minus = largest[:4:2], largest[1:4:2]
-        nearest = largest[4] + NEAREST * radius
-        distance = max(nearest, *((plus + minus) / (2.0 * tangents)))
-        origin = np.array([*(0.5 * (plus - minus)), distance]) @ axes
-        target = origin - (distance - center @ axes[2]) * axes[2]
-        return origin.tolist(), target.tolist()
-
-    @staticmethod
-    def _extremes(
-        points: ArrayLike, to_world: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Least and largest values of world points along directions (m, 3)."""
-        # Directions are taken to the points' space, not a million points to the world's.
-        with np.errstate(over="ignore", invalid="ignore"):
-            along = np.asarray(points) @ (directions @ to_world[:3, :3]).T
-            shift = directions @ to_world[:3, 3]
-            return along.min(axis=0) + shift, along.max(axis=0) + shift
-
-
-def _axes() -> NDArray[np.float64]:
-    """Rows u, v, w of the automatic camera."""
-    right, above = math.radians(TO_THE_RIGHT), math.radians(ABOVE)
-    w = np.array(
-        [math.sin(right) * math.cos(above), math.sin(above), math.cos(right) * math.cos(above)]
-    )
-    u = np.array([math.cos(right), 0.0, -math.sin(right)])
-    return np.array([u, np.cross(w, u), w])
 
 
 def add_light(
@@ -136,6 +52,32 @@ def add_light(
     if view is not None and (rotation := studio_rotation(view)) != 0.0:
         data["environment"]["rotate"] = rotation
     report.assume("environment.file", FAINT_LIGHT if shines else NO_LIGHT)
+
+
+def add_floor(nodes: dict[str, Any], bounds: Bounds) -> None:
+    """Put the studio's floor under an object; none under nothing."""
+    center, radius = bounds.sphere
+    if not bounds.parts or not np.isfinite(bounds.low).all():
+        return
+    place = [center[0], bounds.low[1] - GAP * radius, center[2]]
+    if np.abs(place).max() + FLOOR_RADIUS * radius > LARGEST:
+        return
+    # A disk's u is its radius.
+    albedo = {"type": "bitmap", "file": FLOOR, "wrap": "clamp"}
+    nodes[free_name("studio floor", nodes, "floor")] = {
+        "shape": {"type": "disk"},
+        "bsdf": {"type": "diffuse", "reflectance": albedo},
+        "transform": [
+            {"rotate": {"axis": "x", "angle": -90.0}},
+            {"scale": FLOOR_RADIUS * radius},
+            {"translate": [float(x) for x in place]},
+        ],
+    }
+
+
+def is_floor(bsdf: Bsdf | str | None) -> bool:
+    """Whether this is the material of the studio's floor."""
+    return getattr(getattr(bsdf, "reflectance", None), "file", None) == FLOOR
 
 
 def studio_rotation(view: NDArray[np.float64]) -> float:

@@ -51,6 +51,7 @@ class Body:
 
     Attributes
     ----------
+    to_world : (4, 4) float64
     low, high : (3,) float64, metres
         Its box.
     center, radius : (3,) float64 and float, metres
@@ -69,7 +70,7 @@ class Body:
             aovs=("uv",), bsdfs=(*compiled.program.bsdfs, "anisotropic")
         )
         self.scene = compiled.tables
-        self.spec, self.shapes = spec, shapes
+        self.spec, self.shapes, self.to_world = spec, shapes, placement.matrix
         corners = [np.array([low, high], float) for *_, low, high in shapes.analytic]
         corners += [shapes.triangles.vertices.astype(float)] if len(shapes.triangles.faces) else []
         # What is infinite is looked at near its node.

@@ -7,9 +7,11 @@ import shlex
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from alight.core.errors import OutputError
 from alight.films import Film
@@ -25,6 +27,9 @@ from alight.rendering.summary import (
     warnings_of,
     write_json,
 )
+
+#: Part of the pixels with light that may be lost to white or to black before it is said.
+MOST_LOST = 0.5
 
 
 @dataclass(frozen=True)
@@ -140,10 +145,35 @@ class Outcome:
         lines = summary_lines(film, error, float(unsure.mean()), self.seconds, self.denoiser)
         if targets.display.exposure == "auto" and any(map(_is_display, targets.outputs)):
             lines.append(f"exposure: {targets.display.developed(film.image).exposure:+.2f} stops")
+        elif any(map(_is_display, targets.outputs)):
+            lines += exposure_advice(targets.display, film.image)
         lines += [f"{_kind(path)}: {path}" for path in targets.outputs]
         if targets.checkpoint is not None:
             lines.append(f"checkpoint: {targets.checkpoint}")
         return "\n".join(lines)
+
+
+def exposure_advice(display: Display, linear: np.ndarray) -> list[str]:
+    """One line where a picture shows nothing of most of what it holds, and what would show it.
+
+    That is so if more than half of the pixels with light are cut at white, or are shown as black.
+
+    Parameters
+    ----------
+    display : Display
+        Of a fixed exposure.
+    linear : ndarray, shape (h, w, 3)
+    """
+    shown = display.apply(linear)[(np.nan_to_num(linear) > 0.0).any(axis=2)]
+    step = 0.5 / 255.0
+    found = {"cut at white": shown >= 1.0 - step, "too dark to be seen": shown < step}
+    for what, lost in found.items():
+        share = float(lost.all(axis=1).mean()) if len(shown) else 0.0
+        if share > MOST_LOST:
+            stops = replace(display, exposure="auto").developed(linear).exposure
+            advice = f"--exposure auto shows it ({stops:+.1f} stops)"
+            return [f"exposure: {100.0 * share:.0f} % of what has light is {what}; {advice}"]
+    return []
 
 
 def finish(film: Film, targets: Targets, begin: float, told: Sequence[str] = ()) -> Outcome:

@@ -8,8 +8,8 @@ from PIL import Image as Picture
 
 from alight.core.constants import LUMINANCE
 from alight.formats import load
+from alight.formats.bounds import Bounds
 from alight.formats.glow import LEAST, Glow
-from alight.formats.surroundings import Bounds
 from alight.scene.files import Files
 from alight.shapes.mesh import Mesh
 from alight.textures.images import Image
@@ -56,6 +56,16 @@ def test_pictures_count_where_the_mesh_shows_them(packed, tmp_path):
     assert shown((0, 0.5), {"type": "multiply", "a": [3.0] * 3, "b": bitmap}) == pytest.approx(3)
     moved = bitmap | {"to_uv": {"matrix": [[1, 0, 0], [0, 1, 0.5]]}}
     assert shown((0.0, 0.0), moved) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("shape", "area"),
+    [("sphere", 4.0 * np.pi), ("cube", 24.0), ("rectangle", 4.0), ("disk", np.pi), ("plane", 0.0)],
+)
+def test_shapes_with_a_formula_shine_with_their_area(shape, area):
+    glow = Glow(Files())
+    glow.add_shape({"type": shape}, np.diag([2.0, 2.0, 2.0, 1.0]), 3.0)
+    assert glow.total == pytest.approx(4.0 * area * 3.0, rel=1e-5)
 
 
 def test_a_picture_that_cannot_be_read_is_left_to_who_reads_the_scene(tmp_path):

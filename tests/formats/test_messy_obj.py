@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 from alight.core.errors import SceneError
-from alight.formats import load
 from alight.formats.obj_scene import parse
 from alight.meshes import obj
+from tests.formats.bare import load, nodes_of
 
 HEAD = "mtllib a.mtl\n"
 POINTS = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n"
@@ -169,7 +169,7 @@ def test_what_only_some_faces_have_is_said():
 def test_faces_may_name_rows_of_a_kind_that_the_file_lacks(kind, word, corner):
     text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nf {corner} {corner.replace('1', '2')} 3\n"
     found = parse(text.encode(), "a.obj")
-    (node,) = found.data["nodes"].values()
+    (node,) = nodes_of(found).values()
     assert node["shape"].normals is None and node["shape"].uvs is None
     said = f"a.obj:4:1: a face uses {kind} number 1, the file holds 0: its faces have no {word}"
     assert said in found.warnings
@@ -195,7 +195,7 @@ def test_vertices_without_colours_among_others_are_white_and_said():
     text = COLORED + "v 1 1 0\nv 2 1 0\nv 2 2 0\ng a\nf 1 2 4\ng b\nf 4 5 6\n"
     found = parse(text.encode(), "a.obj")
     assert "a.obj: only some vertices have colours: the others are white" in found.warnings
-    one, other = (node["shape"] for node in found.data["nodes"].values())
+    one, other = (node["shape"] for node in nodes_of(found).values())
     np.testing.assert_allclose(one.colors, [[1, 0, 0], [0, 1, 0], [1, 1, 1]])
     assert other.colors is None
 
@@ -219,7 +219,7 @@ def test_many_groups_take_no_longer_than_one():
             f"g {n}\n" + "".join(faces[i] for i in part) for n, part in enumerate(parts)
         )
         begin = time.process_time()
-        nodes = parse(text.encode(), "a.obj").data["nodes"]
+        nodes = nodes_of(parse(text.encode(), "a.obj"))
         assert len(nodes) == groups
         return time.process_time() - begin, nodes
 

@@ -7,11 +7,12 @@ import pytest
 from PIL import Image
 
 from alight.core.errors import SceneError
-from alight.formats import load, mtl
+from alight.formats import mtl
 from alight.formats.obj_scene import parse
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.scene import flatten
+from tests.formats.bare import load
 from tests.formats.mutate import STL, mesh_file
 
 OBJ = b"""mtllib a.mtl

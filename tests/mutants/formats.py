@@ -5,7 +5,53 @@ from tests.mutants.mutant import Mutant
 USD = "tests/formats/usd"
 GLTF = "tests/formats/gltf"
 
+SEEN = "tests/formats/test_seen_whole.py"
+
+STUDIO = "tests/formats/test_studio.py"
+
 FORMATS = (
+    Mutant(
+        "pixels without light count as too dark",
+        "rendering/writing.py",
+        (("[(np.nan_to_num(linear) > 0.0).any(axis=2)]", ".reshape(-1, 3)"),),
+        "tests/rendering/test_exposure_advice.py::test_pictures_that_show_what_they_hold_are_left_alone",
+    ),
+    Mutant(
+        "shapes with a formula shine as if they were not scaled",
+        "formats/glow.py",
+        (("model.pack(part, to_world @ place)", "model.pack(part, place)"),),
+        "tests/formats/test_glow.py::test_shapes_with_a_formula_shine_with_their_area",
+    ),
+    Mutant(
+        "the backdrop forgets the light of the soft boxes on the floor",
+        "scene/builtin/studio.py",
+        (("edge = EDGE * a /", "edge = EDGE * 0.5 * a /"),),
+        f"{STUDIO}::test_floor_and_backdrop_meet_without_a_line",
+    ),
+    Mutant(
+        "the studio's floor stays under another sky",
+        "formats/made_up.py",
+        (("        after = without_floor(after)\n", "        pass\n"),),
+        f"{STUDIO}::test_the_floor_goes_with_the_studio",
+    ),
+    Mutant(
+        "an automatic camera sees where moving shapes begin",
+        "formats/mitsuba/framing.py",
+        (("here.matrix, here.motion)", "here.matrix)"),),
+        f"{SEEN}::test_instances_and_motion_of_mitsuba",
+    ),
+    Mutant(
+        "an automatic camera of a Mitsuba file stays for another picture's shape",
+        "formats/loading.py",
+        (("source, check), parsed.framed", "source, check), None"),),
+        f"{SEEN}::test_shapes_of_mitsuba",
+    ),
+    Mutant(
+        "of a cube one side is framed",
+        "formats/bounds.py",
+        (("np.max(highs, axis=0)", "highs[0]"),),
+        f"{SEEN}::test_gprims_of_usd",
+    ),
     Mutant(
         "instances share whatever they inherit",
         "formats/usd/inherited.py",

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from alight.core.errors import join_path, unknown_name
+from alight.formats.bounds import Bounds
 from alight.formats.mitsuba import (
     bsdfs,
     emitters,
@@ -23,7 +24,6 @@ from alight.formats.mitsuba.framing import surround
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
-from alight.formats.surroundings import Bounds
 from alight.scene.build import FORMAT_VERSION
 
 #: What converts materials, those that are approximated included.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Hashable
 from typing import Any
 
@@ -10,10 +9,10 @@ import numpy as np
 
 from alight.core.errors import SceneError
 from alight.core.fields import LARGEST
+from alight.formats.bounds import Bounds, corners
 from alight.formats.model_scene import Data, ModelScene
 from alight.formats.names import free_name
 from alight.formats.surfaces import Surface
-from alight.formats.surroundings import Bounds
 from alight.formats.usd.cameras import read_camera
 from alight.formats.usd.inherited import children_of, constants_of, handed_down, source_of
 from alight.formats.usd.lights import is_light, read_light
@@ -25,6 +24,7 @@ from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
 from alight.scene.meshes import mesh_of
+from alight.scene.steps import parse_transform
 from alight.scene.transform import is_singular
 from alight.shapes.mesh import Mesh
 
@@ -78,13 +78,13 @@ class Graph(ModelScene):
     def _say_what_is_inside_of_balls(self) -> None:
         """Tell why it is dark there."""
         eye = [] if self.view is None else [self.view[:3, 3]]
-        corners = list(itertools.product(*np.stack([self.bounds.low, self.bounds.high]).T))
+        box = corners(self.bounds.low, self.bounds.high)
         for path, to_world, radius in self._balls:
             if is_singular(to_world):
                 continue
             inside = [
                 (np.linalg.norm(_to_local(to_world, points), axis=1) < radius).all()
-                for points in (corners, eye)
+                for points in (box, eye)
                 if len(points) and np.isfinite(points).all()
             ]
             if any(inside):
@@ -196,15 +196,12 @@ class Graph(ModelScene):
         self.stage.report.count("solids")
         shape, steps = found
         bsdf, material = self._material_of(prim, prim)
-        boundable = UsdGeom.Boundable(prim)
-        extent = boundable.ComputeExtentFromPlugins(boundable, self.stage.time)
-        # There is none where its numbers are of a wrong type, which has been said.
-        if extent is not None:
-            self.bounds.add(np.array(extent), to_world)
         data: Data = {"shape": shape.get("__mesh__", shape), "bsdf": bsdf}
+        placed = parse_transform(steps, lambda issue: None)
+        self.bounds.add(data["shape"], to_world @ placed.matrix)
         if steps:
             data["transform"] = steps
-        return self._shining(data, material, to_world)
+        return self._shining(data, material, to_world @ placed.matrix)
 
     def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
         self.stage.report.count("meshes")
@@ -265,7 +262,7 @@ class Graph(ModelScene):
         if isinstance(data["shape"], Mesh):
             self.shine(data["shape"], material, to_world)
         elif material.emission is not None:
-            self.is_lit = True
+            self.glow.add_shape(data["shape"], to_world, material.emission)
         return data | material.light
 
     def _material_of(self, bound: Any, prim: Any) -> tuple[str, Surface]:
@@ -319,9 +316,7 @@ class Graph(ModelScene):
     def _add_bounds(self, name: str, to_world: Matrix) -> None:
         box = self._prototype_bounds[name]
         if np.isfinite(box.low).all():
-            sides = np.stack([box.low, box.high])
-            corners = list(itertools.product(*sides.T))
-            self.bounds.add(corners, to_world)
+            self.bounds.add(corners(box.low, box.high), to_world)
 
     def _point_instancer(self, prim: Any, to_world: Matrix) -> Data | None:
         instancer = UsdGeom.PointInstancer(prim)

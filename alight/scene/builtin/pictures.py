@@ -11,9 +11,8 @@ plus clouds, which are octaves of smooth random numbers on a plane overhead. The
 radius 0.6 degrees with a soft edge, twice as large as the real one, so that a texel is smaller
 than it. Its irradiance is about three times that of the sky.
 
-``builtin:studio`` is a room for a single object: a wide soft box overhead and to the left of the
-front (+z), a weaker one to the right, a strip behind, soft grey walls that grow darker downwards.
-White paper shows 0.9 where it faces the light, 0.6 in front.
+``builtin:studio`` and ``builtin:studio-floor`` are a photographer's table for a single object:
+`alight.scene.builtin.studio`.
 
 ``builtin:zone-plate`` is a test picture of rings that grow finer with the distance from a corner.
 
@@ -31,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import unknown_name
+from alight.scene.builtin.studio import smoothstep, studio, studio_floor
 
 Array = NDArray[np.float64]
 
@@ -38,13 +38,6 @@ Array = NDArray[np.float64]
 PREFIX = "builtin:"
 
 WIDTH, HEIGHT = 1024, 512
-STUDIO_ROWS, WALLS = 128, (0.94, 0.97, 1.0)
-#: Direction (+x right, +y up, +z front), angle to the edge (degrees), radiance, colour.
-SOFT_BOXES = (
-    ((-0.8, 1.0, 0.7), 34.0, 3.4, (1.0, 0.96, 0.9)),
-    ((1.0, 0.45, 0.5), 24.0, 1.2, (0.9, 0.95, 1.0)),
-    ((0.3, 0.6, -1.0), 20.0, 1.8, (1.0, 1.0, 1.0)),
-)
 RINGS = 1024  # texels on the side of the zone plate
 SUN_HEIGHT, SUN_AZIMUTH, SUN_RADIUS = 38.0, 140.0, 0.6  # degrees
 SUN = (7600.0, 6500.0, 4900.0)  # W/(m^2 sr), as all that follow
@@ -71,26 +64,11 @@ def sky() -> NDArray[np.float32]:
     clear += cover[:, :, None] * (brighter - clear)
     # Three texels of soft edge keep the disk round.
     edge = np.radians(SUN_RADIUS) + (0.5 * np.pi / HEIGHT) * np.array([-1.0, 1.0])
-    disk = 1.0 - _smoothstep(gamma, *edge)
+    disk = 1.0 - smoothstep(gamma, *edge)
     clear += _spread(disk, SUN)
     picture = np.full((HEIGHT, WIDTH, 3), GROUND)
-    above = _smoothstep(y, -0.01, 0.005)[:, :, None]
+    above = smoothstep(y, -0.01, 0.005)[:, :, None]
     picture[:rows] += above * (clear - picture[:rows])
-    return picture.astype(np.float32)
-
-
-def studio() -> NDArray[np.float32]:
-    """Radiance of a photographer's room, linear sRGB, shape (128, 256, 3), top row first."""
-    azimuth = (np.arange(2 * STUDIO_ROWS) + 0.5) * (np.pi / STUDIO_ROWS)
-    theta = (np.arange(STUDIO_ROWS) * (np.pi / (STUDIO_ROWS - 1)))[:, None]
-    x, y, z = np.sin(theta) * np.sin(azimuth), np.cos(theta), -np.sin(theta) * np.cos(azimuth)
-    walls = 0.15 + 0.2 * _smoothstep(y, -0.6, 1.0)
-    picture = _spread(walls * np.ones_like(x), WALLS)
-    for (right, up, front), width, strength, color in SOFT_BOXES:
-        size = np.sqrt(right * right + up * up + front * front)
-        cosine = np.clip((x * right + y * up + z * front) / size, -1.0, 1.0)
-        edge = np.radians([0.6 * width, width])
-        picture += _spread(strength * (1.0 - _smoothstep(np.arccos(cosine), *edge)), color)
     return picture.astype(np.float32)
 
 
@@ -109,11 +87,6 @@ def _mix(part: Array, first: tuple[float, float, float], second: tuple[float, ..
     return np.asarray(first) + part[:, :, None] * (np.asarray(second) - np.asarray(first))
 
 
-def _smoothstep(x: Array, low: float, high: float) -> Array:
-    t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
-
-
 def _clouds(x: Array, y: Array) -> Array:
     """Cover in [0, 1] over a plane: streaks of five octaves of noise."""
     lattice = np.random.Generator(np.random.PCG64(21)).random((64, 64))
@@ -121,14 +94,14 @@ def _clouds(x: Array, y: Array) -> Array:
         0.55**octave * _noise(lattice, 2**octave * (0.55 * x + 17.3), 2**octave * (0.8 * y + 5.1))
         for octave in range(5)
     )
-    return 0.75 * _smoothstep(total / sum(0.55**octave for octave in range(5)), 0.48, 0.78)
+    return 0.75 * smoothstep(total / sum(0.55**octave for octave in range(5)), 0.48, 0.78)
 
 
 def _noise(lattice: Array, x: Array, y: Array) -> Array:
     """Random numbers of a lattice that repeats, interpolated smoothly."""
     n = len(lattice)
     column, row = np.floor(x).astype(int), np.floor(y).astype(int)
-    s, t = _smoothstep(x - column, 0.0, 1.0), _smoothstep(y - row, 0.0, 1.0)
+    s, t = smoothstep(x - column, 0.0, 1.0), smoothstep(y - row, 0.0, 1.0)
     corners = [lattice[(row + i) % n, (column + j) % n] for i in (0, 1) for j in (0, 1)]
     upper = corners[0] + s * (corners[1] - corners[0])
     lower = corners[2] + s * (corners[3] - corners[2])
@@ -138,6 +111,7 @@ def _noise(lattice: Array, x: Array, y: Array) -> Array:
 PICTURES: dict[str, Callable[[], NDArray[np.float32]]] = {
     "sky": sky,
     "studio": studio,
+    "studio-floor": studio_floor,
     "zone-plate": zone_plate,
 }
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from alight.formats import load
 from alight.formats.gltf.accessors import read_accessor
 from alight.formats.gltf.container import open_document
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.scene import flatten
+from tests.formats.bare import load, nodes_of
 from tests.formats.gltf.maker import POINTS, Maker
 from tests.formats.gltf.reading import parsed
 
@@ -96,9 +96,9 @@ def test_the_same_mesh_with_other_weights_is_another_one():
     primitive["attributes"]["NORMAL"] = m.accessor(upright)
     for weight in (0.5, 1.5):
         m.node(mesh=square, weights=[weight])
-    data = parsed(m).data
-    for node, weight in zip(data["nodes"].values(), (0.5, 1.5), strict=True):
-        [part] = data["prototypes"][node["instance"]]["children"].values()
+    found = parsed(m)
+    for node, weight in zip(nodes_of(found).values(), (0.5, 1.5), strict=True):
+        [part] = found.data["prototypes"][node["instance"]]["children"].values()
         np.testing.assert_array_equal(part["shape"].vertices[:, 2], 2 * weight)
         np.testing.assert_array_equal(part["shape"].normals, [[weight, 0, 1]] * 4)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.formats import load
+from tests.formats.bare import load
 from tests.formats.gltf.maker import Maker
 from tests.formats.leaning import normals_of
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-import alight
 from alight.scene.flatten import flatten
+from tests.formats.bare import load
 
 
 def stage_text(text, up="Y", unit=1):
@@ -36,11 +36,11 @@ def world_points(scene):
 
 
 def usd_loader(folder):
-    """A function that loads a stage given as text, from a file in `folder`."""
+    """A function that loads a stage given as text, from a file in `folder`; without a floor."""
 
     def run(text, up="Y", unit=1, name="a.usda"):
         (folder / name).write_text(stage_text(text, up, unit))
-        return alight.load(folder / name)
+        return load(folder / name)
 
     return run
 

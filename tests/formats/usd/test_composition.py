@@ -8,6 +8,7 @@ import pytest
 
 import alight
 from alight.scene.flatten import flatten
+from tests.formats import bare
 from tests.formats.usd.stage import SQUARE, shapes, stage_text, usd_loader, world_points
 
 pytest.importorskip("pxr")
@@ -48,7 +49,7 @@ def Xform "b" (instanceable = true; inherits = </_thing>) {{ }}
     flat = Usd.Stage.Open(str(tmp_path / "a.usda")).Flatten()
     flat.Export(str(tmp_path / "flat.usda"))
     assert "Flattened_Prototype_1" in (tmp_path / "flat.usda").read_text()
-    scene = alight.load(tmp_path / "flat.usda")
+    scene = bare.load(tmp_path / "flat.usda")
     assert len(scene.prototypes) == 1
     assert sorted(item.to_world[0, 3] for item in flatten(scene).shapes) == [0.0, 10.0]
 
@@ -78,7 +79,7 @@ SINGLE = (
 
 def test_lengths_may_be_stored_in_single_precision(tmp_path):
     (tmp_path / "a.usdc").write_bytes(zlib.decompress(base64.b85decode(SINGLE)))
-    (item,) = flatten(alight.load(tmp_path / "a.usdc")).shapes
+    (item,) = flatten(bare.load(tmp_path / "a.usdc")).shapes
     np.testing.assert_allclose(item.to_world[:3, :3], 0.5 * np.eye(3))
 
 

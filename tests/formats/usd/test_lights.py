@@ -127,3 +127,30 @@ def test_a_ball_around_the_camera_is_told_of(load):
     ball = 'def SphereLight "l" { float inputs:radius = 0.5 }'
     scene = load(f'def Mesh "m" {{{SQUARE}}}\n{ball}\ndef Camera "c" {{ }}')
     assert any(SAID in line for line in scene.warnings)
+
+
+@pytest.mark.parametrize(("glow", "studio"), [(0.01, True), (50, False)])
+def test_a_solid_that_shines_too_faintly_is_no_lamp(glow, studio, load):
+    text = (
+        preview_of(glow)
+        + f"""def Mesh "m" {{{SQUARE}}}
+    def Sphere "lamp" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+    double radius = 0.1
+    rel material:binding = </m0>
+    }}"""
+    )
+    assert (load(text).environment is not None) is studio
+
+
+def preview_of(glow):
+    """A material that shines."""
+    return f"""
+    def Material "m0" {{
+        token outputs:surface.connect = </m0/s.outputs:surface>
+        def Shader "s" {{
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:emissiveColor = ({glow}, {glow}, {glow})
+            token outputs:surface
+        }}
+    }}
+    """

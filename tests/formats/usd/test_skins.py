@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-import alight
 from alight.scene.flatten import flatten
+from tests.formats import bare
 from tests.formats.usd.stage import HEAD, SQUARE, shapes, world_points
 
 pytest.importorskip("pxr")
@@ -86,7 +86,7 @@ def load(tmp_path):
 
     def run(text):
         (tmp_path / "a.usda").write_text(text)
-        return alight.load(tmp_path / "a.usda")
+        return bare.load(tmp_path / "a.usda")
 
     return run
 
