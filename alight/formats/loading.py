@@ -164,7 +164,7 @@ def _loaded_object(
         if given:
             raise OptionError("says how a file is read, and there is none", name)
     if isinstance(value, Scene):
-        raise SceneError([Issue("scene", "is loaded already; change it by Scene.changed")])
+        raise SceneError([Issue("scene", "is loaded already; change it by alight.changed")])
     if isinstance(value, Mapping):
         if look.given:
             raise OptionError(
@@ -275,21 +275,39 @@ def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
         raise SceneError([issue])
 
 
-def changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
-    """Change keys of a scene, and check it again.
+def changed(scene: Scene, changes: Mapping[str, Any] | tuple[str, ...] | list[str]) -> Scene:
+    """Change values of a scene, and check it again.
+
+    What does not change is shared, and rendered from what is known of it: see `SceneManager` for
+    nodes that come and go.
 
     Parameters
     ----------
     scene : Scene
-    changes : sequence of str
-        ``path.to.key=value`` assignments, as for `load`.
+        Stays as it is.
+    changes : mapping of str to object, or sequence of str
+        Key path as of a scene file -> value as Python data, or ``path.to.key=value`` assignments.
+
+    Returns
+    -------
+    Scene
 
     Raises
     ------
     SceneError
         With every problem.
+
+    Examples
+    --------
+    >>> scene = load("cornell-box")
+    >>> changed(scene, {"film.size": (64, 64), "integrator.max_depth": 3}).film.size
+    (64, 64)
     """
     manager = SceneManager(scene)
+    if isinstance(changes, Mapping):
+        for path, value in changes.items():
+            manager.set_at(path, value)
+        changes = []
     for assignment in changes:
         manager.set_value(_with_camera_path(manager.scene, assignment))
     issues = find_problems(manager.scene)

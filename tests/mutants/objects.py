@@ -3,6 +3,8 @@
 from tests.mutants.mutant import Mutant
 
 TESTS = "tests/formats/test_objects.py"
+KEPT = "tests/rendering/test_kept.py"
+MOVES = "tests/rendering/test_animation.py"
 AOVS = "tests/rendering/test_aovs.py"
 FORMATS = "tests/outputs/test_formats.py"
 
@@ -49,5 +51,30 @@ OBJECTS = (
         "outputs/png.py",
         (("image, bits = picture.straight", "image, bits = picture.image"),),
         f"{FORMATS}::test_png_keeps_straight_alpha_and_exr_what_is_multiplied_by_it",
+    ),
+    Mutant(
+        "the last scene taken whatever else changed",
+        "rendering/kept.py",
+        (("return a is b or (not isinstance(a, Mapping) and a == b)", "return True"),),
+        f"{KEPT}::test_whatever_else_changes_is_compiled_and_meshes_are_not_built_again",
+    ),
+    Mutant(
+        "the hash of the camera before",
+        "rendering/kept.py",
+        (("camera_part(placed), *last.parts", "camera_part(before), *last.parts"),),
+        f"{KEPT}::test_another_camera_takes_what_is_known_and_has_the_hash_of_a_fresh_scene",
+    ),
+    Mutant(
+        "frames kept because they exist",
+        "rendering/animation.py",
+        (("if label_in(path) != label]", "if not path.exists()]"),),
+        f"{MOVES}::test_only_frames_that_are_whole_and_of_these_settings_are_kept",
+    ),
+    Mutant(
+        "the shutter in seconds",
+        "rendering/animation.py",
+        (("shutter = ((number + opens) / fps, (number + closes) / fps)",
+          "shutter = (number / fps + opens, number / fps + closes)"),),
+        f"{MOVES}::test_frames_lie_between_the_frames_before_and_after",
     ),
 )  # fmt: skip

@@ -10,7 +10,7 @@ import alight
 from alight import filters, integrators, samplers, tone_curves
 from alight.cli.words import takes_words
 from alight.core.errors import OptionError
-from alight.options import laboratory, render, resume, view
+from alight.options import animation, laboratory, render, resume, view
 from alight.options.kinds import Anything, File, Files
 from alight.options.render import RenderOptions
 from alight.options.table import PANELS, Options, documented
@@ -21,7 +21,7 @@ TABLES = [
     laboratory.InfoOptions, laboratory.PlanOptions, laboratory.CheckOptions,
     laboratory.WhyOptions, laboratory.GuideOptions, laboratory.CompareOptions,
     laboratory.StudyOptions,
-    laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
+    animation.AnimationOptions, laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
     view.ViewOptions,
 ]  # fmt: skip
 OPTIONS = [(table, name) for table in TABLES for name in table.options()]

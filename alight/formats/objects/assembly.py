@@ -20,7 +20,7 @@ from alight.formats.textures import bitmap
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
 from alight.scene.meshes import mesh_of
-from alight.shapes.mesh import Mesh
+from alight.shapes.arrays import TriangleShape
 from alight.textures.images import as_image
 
 #: Steps of the native format that put z up, and their matrix.
@@ -44,7 +44,7 @@ def assembled(content: Content, look: Look, name: str, up: str) -> Parsed:
     numbers = [piece.values for piece in content.pieces if piece.values is not None]
     found = limits_of(np.concatenate([np.ravel(part) for part in numbers])) if numbers else (0, 1)
     limits = look.color_range or found
-    made: dict[int, Mesh] = {}
+    made: dict[int, TriangleShape] = {}
     for piece in content.pieces:
         key = id(piece.vertices)
         try:
@@ -60,7 +60,7 @@ def assembled(content: Content, look: Look, name: str, up: str) -> Parsed:
     return model.finish()
 
 
-def _place(model: ModelScene, piece: Piece, mesh: Mesh, turned: Array, look: Look) -> None:
+def _place(model: ModelScene, piece: Piece, mesh: TriangleShape, turned: Array, look: Look) -> None:
     model.report.count("meshes")
     surface = _surface(piece, look)
     name = model.name_of((id(mesh), repr(sorted(piece.core.items()))), surface, piece.name)
@@ -94,7 +94,7 @@ def _surface(piece: Piece, look: Look) -> Surface:
     return replace(plain, core=core)
 
 
-def _mesh(piece: Piece, look: Look, limits: tuple[float, float]) -> Mesh:
+def _mesh(piece: Piece, look: Look, limits: tuple[float, float]) -> TriangleShape:
     vertices = np.asarray(piece.vertices, np.float32)
     faces, normals, uvs = np.asarray(piece.faces), piece.normals, piece.uvs
     _check_indices(vertices, faces)

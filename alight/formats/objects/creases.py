@@ -7,6 +7,8 @@ a fine sphere is round, a cube keeps its edges. Vertices that have several norma
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -84,7 +86,7 @@ def _summed(rows: Array, at: NDArray[np.int64], count: int) -> Array:
     return np.stack([np.bincount(at, rows[:, k], count) for k in range(3)], axis=1)
 
 
-def _unit(vectors: Array) -> Array:
+def _unit(vectors: Any) -> Any:
     """Vectors of length 1; zero vectors stay zero."""
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(lengths > 0.0, lengths, 1.0)

@@ -148,7 +148,8 @@ def table(value: Any, columns: tuple[int, ...], path: str) -> Array:
         array = np.asarray(value)
     except ValueError:
         array = np.zeros((), object)
-    if array.dtype.kind not in "fiu" or array.ndim != 2 or array.shape[1] not in columns:
+    is_table = array.dtype.kind in "fiu" and array.ndim == 2
+    if not is_table or array.shape[-1] not in columns:
         shown = f"shape {array.shape} of {array.dtype}" if array.ndim else type(value).__name__
         width = " or ".join(f"(n, {n})" for n in columns)
         raise wrong(path, f"must be a table of numbers, shape {width}, got {shown}")
