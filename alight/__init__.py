@@ -28,6 +28,8 @@ set_application("alight", __path__[0])
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {
+    "animate": "alight.rendering.animation",
+    "changed": "alight.formats.loading",
     "check": "alight.laws.scene",
     "compare": "alight.lab.compare",
     "denoise": "alight.films.denoising",
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
     from alight.films import Film
     from alight.films.denoising import denoise
     from alight.formats import load, save
+    from alight.formats.loading import changed
     from alight.lab.compare import compare
     from alight.lab.guide import guide
     from alight.lab.info import info
@@ -72,6 +75,7 @@ if TYPE_CHECKING:
     from alight.laws.scene import check
     from alight.options.render import RenderOptions
     from alight.rendering import Progress, merge, render, resume
+    from alight.rendering.animation import animate
     from alight.rendering.plan import plan
     from alight.rendering.trace import trace
     from alight.rendering.traced_path import Trace
@@ -90,6 +94,8 @@ __all__ = [
     "SceneManager",
     "Trace",
     "__version__",
+    "animate",
+    "changed",
     "check",
     "check_laws",
     "compare",

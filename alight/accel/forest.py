@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from alight.accel.build import build_bvh
+from alight.accel.kept import tree_of
 from alight.accel.layout import (
     BLOCK,
     CHILD,
@@ -77,7 +78,7 @@ class Forest:
             return tree, View(np.zeros(6, np.float32)), (), {}
         used = {i.geometry for i in self.instances}
         used = sorted(used | {m.row for m in self.moving if m.kind == TRIANGLES})
-        trees = [build_bvh(*self.geometries[g], method=method, threads=threads) for g in used]
+        trees = [tree_of(*self.geometries[g], method=method, threads=threads) for g in used]
         blocks, boxes = np.zeros((others, BLOCK), np.float32), np.zeros((others, 2, 3), np.float32)
         self._describe_analytic(blocks, boxes)
         self._describe_instances(blocks, boxes)

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
 
-from alight.core.errors import SceneError
+from alight.core.errors import Issue, SceneError, join_path
 from alight.core.field_errors import translate
 from alight.core.fields import Interval, Model, Models, NumberOrTexture, Numbers, invalid
 
@@ -52,6 +52,15 @@ class Spec(BaseModel):
 
     # pydantic then skips this constructor when it validates, as for its own base class.
     __init__.__pydantic_base_init__ = True  # pyright: ignore[reportFunctionMemberAccess]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse changes of fields, and say how they are made."""
+        if name not in type(self).model_fields:
+            super().__setattr__(name, value)
+            return
+        text = f"never changes; make another one: .replaced({name}=...)"
+        way = 'for a whole scene: alight.changed(scene, {"path.to.key": value})'
+        raise SceneError([Issue(join_path(self.type_name(), name), f"{text}, or {way}")])
 
     @classmethod
     def type_name(cls) -> str:

@@ -264,6 +264,11 @@ class Film:
         return (fixed_point.to_float(sums) / np.maximum(n, 1)[..., None]).astype(np.float32)
 
     @property
+    def alpha(self) -> np.ndarray | None:
+        """Coverage (h, w) that `image` is multiplied by; None if it has a background."""
+        return readout.alpha_of(self)
+
+    @property
     def error(self) -> ErrorEstimate:
         """The picture's own error with its interval: `relmse_estimate` by a short name."""
         return self.relmse_estimate()
@@ -325,17 +330,15 @@ class Film:
         # largest use of memory.
         with self.lock:
             attributes = {key: str(value) for key, value in self.provenance.items()}
-            planes: dict[str, np.ndarray] = {}
+            planes, alpha = {}, self.alpha
             if layers:
                 error = self.standard_error
                 planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
                 planes["unsure"] = self.unsure.astype(np.uint32)
                 planes["samples"] = self.sample_count.astype(np.uint32)
-                for name, channels in self.aov_channels.items():
-                    plane = self.aov(name)
-                    planes |= {f"{name}.{c}": plane[..., i] for i, c in enumerate(channels)}
+                planes |= readout.aov_planes(self)
             size = (self.width, self.height)
-            return Picture(self.image, planes, attributes, size=size, offset=self.crop[:2])
+            return Picture(self.image, planes, attributes, size, self.crop[:2], alpha)
 
     def save(self, path: str | os.PathLike[str], **display: Any) -> Path:
         """Write the picture, or the film itself; the suffix chooses the format.

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 def png_of(film: Film) -> bytes:
     """Encode the picture as an 8-bit sRGB PNG."""
-    return encode_png(Display().apply(film.image), bits=8)
+    picture = film.picture(layers=False)
+    return encode_png(Display().apply(picture.straight), bits=8, alpha=picture.alpha)
 
 
 def html_of(film: Film) -> str:

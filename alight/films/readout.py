@@ -159,3 +159,22 @@ def replicates_of(film: Film) -> tuple[np.ndarray, np.ndarray]:
 def _means_and_counts(sums: np.ndarray, counts: np.ndarray) -> Any:
     means = statistics.replicate_means(sums[:, :, :, :3], counts)
     return np.concatenate([means, counts[..., None]], axis=-1).astype(np.float32)
+
+
+def alpha_of(film: Film) -> np.ndarray | None:
+    """Coverage of each pixel, float32, shape (h, w); None where the picture has a background."""
+    # With a background in it the picture has no alpha, whatever layers there are.
+    if "alpha" not in film.aov_sums or not film.options.get("hide_emitters"):
+        return None
+    return film.aov("alpha")[..., 0]
+
+
+def aov_planes(film: Film) -> dict[str, np.ndarray]:
+    """The layers of a film by the full names of their channels, but for its alpha."""
+    found: dict[str, np.ndarray] = {}
+    for name, channels in film.aov_channels.items():
+        if name == "alpha" and film.alpha is not None:
+            continue
+        plane = film.aov(name)
+        found |= {f"{name}.{c}": plane[..., i] for i, c in enumerate(channels)}
+    return found

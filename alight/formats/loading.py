@@ -9,16 +9,25 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from alight.core.errors import Issue, SceneError, is_at_or_below, nearest, quote
+from alight.core.errors import (
+    Issue,
+    OptionError,
+    SceneError,
+    is_at_or_below,
+    nearest,
+    quote,
+)
 from alight.formats import mitsuba, pbrt
 from alight.formats.bounds import Bounds
 from alight.formats.made_up import fitted
 from alight.formats.models import PARSERS, read_model
 from alight.formats.native import SUFFIXES
+from alight.formats.objects import name_of, parse_object
+from alight.formats.objects.pieces import SMOOTH, Look
 from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach, is_file
 from alight.scene import plain_yaml
-from alight.scene.build import Builder
+from alight.scene.build import FORMAT_VERSION, Builder
 from alight.scene.description import Scene
 from alight.scene.manager import SceneManager
 from alight.scene.source import Recipe, Source
@@ -35,21 +44,32 @@ def builtin_names() -> tuple[str, ...]:
 
 
 def load(
-    scene: str | os.PathLike[str],
+    scene: Any,
     changes: tuple[str, ...] | list[str] = (),
     *,
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
     root: str | os.PathLike[str] | None = None,
+    up: str | None = None,
+    smooth: float = SMOOTH,
+    color_map: str = "viridis",
+    color_range: tuple[float, float] | None = None,
+    point_radius: float | None = None,
 ) -> Scene:
     """Load a scene and check it.
 
     Parameters
     ----------
-    scene : str or path
+    scene : path, str, dict or object
         A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, pbrt's ``.pbrt``,
-        ``.gltf`` or ``.glb``), a model (``.obj``, ``.ply``, ``.stl``), or the name of a built-in
-        scene.
+        ``.gltf`` or ``.glb``), a model (``.obj``, ``.ply``, ``.stl``), the name of a built-in
+        scene, or a dictionary that holds what a native file says.
+
+        Or an object: a ``Trimesh``, ``Scene`` or ``PointCloud`` of trimesh; a data set of PyVista
+        or VTK, coloured by its active scalars; a ``TriangleMesh`` or ``PointCloud`` of Open3D;
+        arrays ``(vertices, faces)`` or ``(vertices, faces, paint)``, where paint is colours or
+        numbers, of the vertices or of the faces; an array of points, shape (n, 3). Colours are
+        those of a display. A studio and a camera stand around an object.
     changes : sequence of str, optional
         ``path.to.key=value`` assignments, as for ``--set``.
     definitions : mapping of str to str, optional
@@ -59,8 +79,20 @@ def load(
         `Scene.warnings` lists it.
     root : str or path, optional
         Folder that holds the scene file: what the file names may lie there and below, and nowhere
-        else. By default the scene's own folder, as files come from strangers. What `changes`
-        name may lie anywhere.
+        else. By default the scene's own folder, as files come from strangers. What `changes` and
+        dictionaries name may lie anywhere.
+    up : {"y", "z"}, optional
+        Axis of an object that points up. By default as its package shows it: z for PyVista and
+        VTK, y for the others.
+    smooth : float, degrees, default 30
+        An object's edges whose faces differ by less are shaded smooth, where it has no normals.
+    color_map : str, default "viridis"
+        How an object's numbers become colours: viridis, grey, or any map of Matplotlib where that
+        is installed.
+    color_range : (float, float), optional
+        Numbers at the ends of the colour map; by default the lowest and the highest.
+    point_radius : float, metres, optional
+        Radius of the ball that stands for a point; by default neighbours touch.
 
     Returns
     -------
@@ -71,12 +103,22 @@ def load(
     ------
     SceneError
         With every problem of the file, each with its place.
+    OptionError
+        If an option does not fit the scene.
 
     Examples
     --------
     >>> load("cornell-box", ["film.size=[64, 64]"]).film.size
     (64, 64)
+    >>> load(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).nodes["mesh"].bsdf
+    'mesh'
     """
+    look = Look(up, smooth, color_map, color_range, point_radius)
+    if not isinstance(scene, str | os.PathLike):
+        return _loaded_object(scene, changes, look, definitions, lenient, root)
+    if look.given:
+        text = "is for objects of other packages, not for files"
+        raise OptionError(text, look.given[0])
     name = os.fspath(scene)
     is_builtin = name in builtin_names()
     framed = None
@@ -102,6 +144,36 @@ def load(
     kept_root = None if root is None or is_builtin else str(Path(root).absolute())
     recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root)
     return result.from_source(replace(result.source, recipe=recipe))
+
+
+def _loaded_object(
+    value: Any,
+    changes: tuple[str, ...] | list[str],
+    look: Look,
+    definitions: Mapping[str, str] | None,
+    lenient: bool,
+    root: str | os.PathLike[str] | None,
+) -> Scene:
+    """The scene of a dictionary, or of an object of another package."""
+    reading = {"definitions": definitions, "lenient": lenient, "root": root}
+    for name, given in reading.items():
+        if given:
+            raise OptionError("says how a file is read, and there is none", name)
+    if isinstance(value, Scene):
+        raise SceneError([Issue("scene", "is loaded already; change it by alight.changed")])
+    if isinstance(value, Mapping):
+        if look.given:
+            raise OptionError(
+                "is for objects of other packages, not for dictionaries", look.given[0]
+            )
+        data = {"alight": FORMAT_VERSION, **value}
+        result, framed = _built(data, [], Source("", None), not changes), None
+    else:
+        parsed = parse_object(value, look)
+        name = name_of(value)
+        source = _source(parsed, name, Reach())
+        result, framed = _built(parsed.data, parsed.issues, source, not changes), parsed.framed
+    return fitted(result, changed(result, changes), framed) if changes else result
 
 
 def loads(
@@ -207,21 +279,39 @@ def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
         raise SceneError([issue])
 
 
-def changed(scene: Scene, changes: tuple[str, ...] | list[str]) -> Scene:
-    """Change keys of a scene, and check it again.
+def changed(scene: Scene, changes: Mapping[str, Any] | tuple[str, ...] | list[str]) -> Scene:
+    """Change values of a scene, and check it again.
+
+    What does not change is shared, and rendered from what is known of it: see `SceneManager` for
+    nodes that come and go.
 
     Parameters
     ----------
     scene : Scene
-    changes : sequence of str
-        ``path.to.key=value`` assignments, as for `load`.
+        Stays as it is.
+    changes : mapping of str to object, or sequence of str
+        Key path as of a scene file -> value as Python data, or ``path.to.key=value`` assignments.
+
+    Returns
+    -------
+    Scene
 
     Raises
     ------
     SceneError
         With every problem.
+
+    Examples
+    --------
+    >>> scene = load("cornell-box")
+    >>> changed(scene, {"film.size": (64, 64), "integrator.max_depth": 3}).film.size
+    (64, 64)
     """
     manager = SceneManager(scene)
+    if isinstance(changes, Mapping):
+        for path, value in changes.items():
+            manager.set_at(path, value)
+        changes = []
     for assignment in changes:
         manager.set_value(_with_camera_path(manager.scene, assignment))
     issues = find_problems(manager.scene)

@@ -22,6 +22,11 @@ those of the surface that is seen, in the world, not mirrored back: they tell su
 mirroring them would need one convention a lobe. The surface at which the number of bounces is used
 up counts as it is.
 
+The layer ``alpha`` is coverage: the share of the pixel's samples that meet a surface. They follow
+the picture's own paths through what the camera sees through, the holes of a mask and, where
+`hide_emitters` says so, lights; so a sample counts here if and only if the picture's has met a
+surface, and a picture without its surroundings is premultiplied by this very alpha.
+
 Source: the documentation of Intel Open Image Denoise, "Albedos" and "Normals": features of the
 first hit, or of the first diffuse or glossy one behind perfect reflections and refractions.
 """
@@ -33,7 +38,8 @@ from collections.abc import Iterable
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import albedo_bsdf, is_mixed, sample_bsdf
-from alight.bsdfs.flags import DELTA
+from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3, max_component
 from alight.films.fixed_point import put_limbs
@@ -57,6 +63,7 @@ from lanewise.simd import (
     count_bits,
     is_finite,
     lanes,
+    lanes_mask,
     lanes_vec3,
     local_floats,
     local_uints,
@@ -76,17 +83,23 @@ LAYERS = {
     "depth": ("Z",),
     "uv": ("U", "V"),
     "id": ("shape", "primitive", "bsdf"),
+    "alpha": ("A",),
     "albedo_through": ("R", "G", "B"),
     "normal_through": ("X", "Y", "Z"),
 }
 
-ALBEDO, NORMAL, GEOMETRIC_NORMAL, POSITION, DEPTH, UV, ID, ALBEDO_THROUGH, NORMAL_THROUGH = range(
-    len(LAYERS)
-)
+ALBEDO, NORMAL, GEOMETRIC_NORMAL, POSITION, DEPTH, UV, ID, ALPHA = range(8)
+ALBEDO_THROUGH, NORMAL_THROUGH = range(8, len(LAYERS))
+
+#: The layers of the first hit, as bits of `LayerFilm.wanted`.
+FIRST_HIT = (1 << ALPHA) - 1
 
 #: Layers that follow delta lobes, and what programs that have them say among their AOVs.
 THROUGH_LAYERS = frozenset({"albedo_through", "normal_through"})
 THROUGH = "through"
+
+#: The layer of coverage, whose rays go on through holes.
+COVERAGE = "alpha"
 
 #: What a tile keeps: the `Tile`; its wanted layers as bits; sums, whole numbers: for each of them,
 #: in the order of `LAYERS`, the two limbs of three channels a pixel.
@@ -105,7 +118,19 @@ def layer_bits(names: Iterable[str]) -> int:
 @specialised
 def look(program):
     """``look(scene, film, path)``: add the layers of a packet of camera rays to a `LayerFilm`."""
-    return _look_and_follow if THROUGH in program.aovs else look_once
+    look_at_others = _look_and_follow if THROUGH in program.aovs else look_once
+    if COVERAGE not in program.aovs:
+        return look_at_others
+    cover = _write_cover(program)
+
+    @kernel
+    def look_and_cover(scene, film, path):
+        if film.wanted != (1 << ALPHA):
+            look_at_others(scene, film, path)
+        if film.wanted & (1 << ALPHA) != 0:
+            cover(at_times_of(scene, path.sampler), film, path)
+
+    return look_and_cover
 
 
 @kernel
@@ -115,7 +140,7 @@ def look_once(scene, film, path):
     hit = intersect_closest(seen, path.o, path.d, lanes(INFINITY), path.active)
     active = path.active & (hit.t < INFINITY)
     surface = make_surface(seen, hit, path.o, path.d, active)
-    for layer in range(ALBEDO_THROUGH):
+    for layer in range(ALPHA):
         if film.wanted & (1 << layer) != 0:
             value = first_hit(seen, layer, path, hit, surface)
             add_layer(film, layer, path, value, active)
@@ -123,7 +148,7 @@ def look_once(scene, film, path):
 
 @kernel
 def _look_and_follow(scene, film, path):
-    if film.wanted & ((1 << ALBEDO_THROUGH) - 1) != 0:
+    if film.wanted & FIRST_HIT != 0:
         look_once(scene, film, path)
     follow_delta(at_times_of(scene, path.sampler), film, path)
 
@@ -182,6 +207,41 @@ def follow_delta(scene, film, path):
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         beta, depth = path.beta * weight, path.depth + 1
         path = replace(path, o=o, d=d, beta=beta, depth=depth, active=passes)
+
+
+def _write_cover(program):
+    """``(scene, film, path)``: add the layer of coverage."""
+    hides, holes = program.option("hide_emitters", False), has_null(program)
+
+    @kernel
+    def cover(scene, film, path):
+        while any_lane(path.active):
+            hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
+            active = path.active & (hit.t < INFINITY)
+            surface = make_surface(scene, hit, path.o, path.d, active)
+            passes, o, d = lanes_mask(False), path.o, path.d
+            if holes:
+                # The very random numbers of the picture: the same holes.
+                wo = to_local(surface, -path.d)
+                dimension = vertex_dimension(path.depth + 1)
+                u = get_1d(path.sampler, dimension + BSDF_CHOICE)
+                u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+                wi, _, _, flags = sample_bsdf(scene, surface, wo, u, u2, active)
+                passes = active & ((flags & NULL) != 0)
+                d = to_world(surface, wi)
+                o = spawn_origin(surface.p, surface.error, surface.ng, d)
+            depth = path.depth + 1
+            if hides:
+                # A light is no vertex of the path.
+                hidden = active & (surface.light != 0)
+                beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
+                o, d = where(hidden, beyond, o), where(hidden, path.d, d)
+                depth = where(hidden, path.depth, depth)
+                passes = passes | hidden
+            add_layer(film, ALPHA, path, path.beta, active & ~passes)
+            path = replace(path, o=o, d=d, depth=depth, active=passes)
+
+    return cover
 
 
 @kernel(strict=True)

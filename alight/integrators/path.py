@@ -202,6 +202,7 @@ def _write_trace(program, bsdf_weight, listeners):
     environment = bool(environments_of(program))
     hides = program.option("hide_emitters", False)
     reach_environment = write_reach_environment(bsdf_weight, listeners, is_guided(program))
+    is_from_camera = _write_is_from_camera(program)
 
     @kernel
     def trace(scene, settings, path):
@@ -211,7 +212,7 @@ def _write_trace(program, bsdf_weight, listeners):
         missed = path.active & (hit.t == INFINITY)
         active = path.active & (hit.t < INFINITY)
         if hides:
-            missed = missed & (path.depth > 0)
+            missed = missed & ~is_from_camera(path)
         # The ray left the scene: light of the environment.
         if environment:
             path = reach_environment(scene, path, missed)
@@ -229,7 +230,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, guided)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
-    hides = program.option("hide_emitters", False)
+    hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
     absorbing = absorbs(program)
     next_direction = write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
@@ -250,7 +251,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         # The camera looks through lights: the path continues as if it had hit nothing.
         hidden = lanes_mask(False)
         if hides:
-            hidden = active & (path.depth == 0) & (surface.light != 0)
+            hidden = active & is_from_camera(path) & (surface.light != 0)
             active = active & ~hidden
 
         # The ray hit a light: the BSDF's technique, weighted by w_b.
@@ -300,6 +301,21 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         return replace(vertex, sampler=path.sampler, rays=path.rays)
 
     return shade
+
+
+def _write_is_from_camera(program):
+    """``path -> mask``: whether nothing but holes lies between the camera and the ray."""
+    holes = has_null(program)
+
+    @kernel
+    def is_from_camera(path):
+        first = path.depth == 0
+        if holes:
+            # Paths begin like this, and a hole leaves both; a delta lobe has a probability.
+            first = path.delta & (path.pdf == 0.0)
+        return first
+
+    return is_from_camera
 
 
 def _write_end_dim_paths(program):

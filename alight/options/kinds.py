@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from alight.core.errors import quote, show_value, unknown_name
 
@@ -109,21 +109,51 @@ class Names(Kind):
         return ",".join(value)
 
 
+class Paper(NamedTuple):
+    """A size on paper, in inches."""
+
+    width: float
+    height: float
+
+    @classmethod
+    def read(cls, text: str) -> Paper | None:
+        """From a text as ``3.5x2.5in``; None if it has no unit."""
+        number = r"(\d{1,6}(?:\.\d{0,6})?|\.\d{1,6})"
+        found = re.fullmatch(rf"{number}[x*]{number}\s*(in|cm|mm)", text)
+        if found is None:
+            return None
+        unit = {"in": 1.0, "cm": 1.0 / 2.54, "mm": 1.0 / 25.4}[found[3]]
+        return cls(float(found[1]) * unit, float(found[2]) * unit)
+
+    def pixels(self, dpi: int) -> tuple[int, int]:
+        """At so many pixels per inch, at least 1."""
+        return max(1, round(self.width * dpi)), max(1, round(self.height * dpi))
+
+
 class Size(Kind):
     """Pixels: (width, height), one number for a square, or a text as ``512x512``.
+
+    A text may also be a size on paper, ``3.5x2.5in`` or ``9x6cm``: `SizedOptions` makes pixels of
+    it.
 
     Examples
     --------
     >>> Size().check("640x480")
     (640, 480)
+    >>> Size().check("3.5x2.5in")
+    Paper(width=3.5, height=2.5)
     """
 
     metavar = "WxH"
 
-    def check(self, value: Any) -> tuple[int, int]:
+    def check(self, value: Any) -> tuple[int, int] | Paper:
         """Read both; the scene checks their range."""
+        if isinstance(value, Paper):
+            return value
         if isinstance(value, str):
             text = value.strip().lower()
+            if paper := Paper.read(text):
+                return paper
             found = re.fullmatch(r"(\d{1,9})(?:[x,*](\d{1,9}))?", text)
             value = found and (int(found[1]), int(found[2] or found[1]))
             shown = quote(text)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
+from typing import Any
 
 from alight.formats import load
 from alight.formats.loading import changed
@@ -12,12 +12,12 @@ from alight.options.scene import SceneOptions
 from alight.scene import Scene
 
 
-def scene_of(scene: Scene | str | os.PathLike[str], options: SceneOptions) -> Scene:
+def scene_of(scene: Any, options: SceneOptions) -> Scene:
     """Load a scene after the models that scripts register, and change what the options say.
 
     Parameters
     ----------
-    scene : Scene, path or name of a built-in scene
+    scene : Scene, path, name of a built-in scene, dict or object
     options : SceneOptions
 
     Raises

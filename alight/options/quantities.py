@@ -38,6 +38,35 @@ class Whole(Kind):
 
 
 @dataclass(frozen=True)
+class Frames(Kind):
+    """A range of frames: (first, the one after the last), or a text as ``0:120``.
+
+    Examples
+    --------
+    >>> Frames().check("0:120")
+    (0, 120)
+    """
+
+    metavar = "FIRST:END"
+
+    def check(self, value: Any) -> tuple[int, int]:
+        """Read both; the range must not be empty."""
+        shown = show_value(value)
+        if isinstance(value, str):
+            found = re.fullmatch(r"\s*(\d{1,7}):(\d{1,7})\s*", value)
+            value = found and (int(found[1]), int(found[2]))
+        is_pair = isinstance(value, tuple | list) and len(value) == 2
+        whole = is_pair and all(isinstance(n, int) and not isinstance(n, bool) for n in value)
+        if not whole or not 0 <= value[0] < value[1] <= 10_000_000:
+            raise ValueError(f"must be FIRST:END with 0 <= FIRST < END, as 0:120, got {shown}")
+        return value[0], value[1]
+
+    def write(self, value: Any) -> str:
+        """With a colon."""
+        return f"{value[0]}:{value[1]}"
+
+
+@dataclass(frozen=True)
 class Seconds(Kind):
     """A time: a number of seconds, or a text such as ``90s``, ``5m`` or ``1.5h``.
 

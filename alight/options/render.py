@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 #: What an error may be that of, and the rules of adaptive sampling.
 METRICS, CRITERIA = ("relrmse", "pixel"), ("pilot", "cycles")
 
+#: What is seen where there is no surface: the surroundings, or nothing.
+BACKGROUNDS = ("scene", "transparent")
+#: The layer of coverage, and the setting that keeps the surroundings out of the picture.
+COVERAGE, HIDES = "alpha", "integrator.hide_emitters"
+
 #: Seconds between two checkpoints.
 EVERY = 60.0
 
@@ -90,6 +95,10 @@ class DisplayOptions(Options):
         Text("NAME"), "none, reinhard, aces, hable or agx.", default="none", panel=PICTURE
     )
     bits: int = option(Whole(8, 16), "8, or 16 (PNG).", default=8, panel=PICTURE)
+    dpi: int | None = option(
+        Whole(1, 10_000), "Pixels per inch, kept in PNG, JPEG and EXR; for sizes in inches.",
+        shown="none, 300 for a size in inches", default=None, panel=PICTURE,
+    )  # fmt: skip
     denoise: bool = option(
         Switch(), "Denoise the picture; EXR keeps the noisy one too. Needs the extra denoise.",
         default=False, panel=PICTURE,
@@ -106,7 +115,7 @@ class DisplayOptions(Options):
         """
         from alight.outputs.display import Display
 
-        return Display(self.exposure, self.tone_map, self.bits, self.white_balance)
+        return Display(self.exposure, self.tone_map, self.bits, self.white_balance, self.dpi)
 
 
 @table
@@ -149,6 +158,11 @@ class RenderOptions(
         Files(), "File to write; the suffix chooses the format. Repeatable.",
         default=(), flag="--output -o", shown="SCENE.png, in Python none",
         panel=PICTURE,
+    )  # fmt: skip
+    background: str = option(
+        Choice("background", BACKGROUNDS),
+        "scene, or transparent: alpha in EXR and PNG; lights are not seen themselves.",
+        default="scene", panel=PICTURE,
     )  # fmt: skip
     aovs: Sequence[str] | str = option(
         Names("layer", layer_names),
@@ -233,8 +247,15 @@ class RenderOptions(
                 raise OptionError(problem % name, names=("schedule", name))
         if self.part is not None:
             check_part(self)
+        if self.background == "transparent" and COVERAGE not in self.aovs:
+            object.__setattr__(self, "aovs", (*self.aovs, COVERAGE))
         if self.criterion == "pilot":
             check_end(self.error, self.spp, self.max_spp)
+
+    def assignments(self) -> list[str]:
+        """Those of any scene, and what a transparent background takes."""
+        found = super().assignments()
+        return found if self.background == "scene" else [*found, f"{HIDES}=true"]
 
 
 def check_end(error: float | None, spp: int | None, max_spp: int | None) -> None:

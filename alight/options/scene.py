@@ -7,8 +7,11 @@ from os import PathLike
 from typing import Any, Self
 
 from alight.core.errors import OptionError
-from alight.options.kinds import Crop, Definitions, File, Files, Size, Switch, Text, Texts
+from alight.options.kinds import Crop, Definitions, File, Files, Paper, Size, Switch, Text, Texts
 from alight.options.table import FOREIGN, SCENE, Options, option, table
+
+#: Pixels per inch of a size on paper, if nothing else is said.
+DPI = 300
 
 #: Names of the options that only say how a file is read.
 READING = ("definitions", "lenient", "root")
@@ -75,13 +78,21 @@ class SizedOptions(SceneOptions):
 
     size: tuple[int, int] | int | str | None = option(
         Size(),
-        "Pixels, such as 640x360; a single number is the side of a square.",
+        "Pixels, such as 640x360, or paper, such as 3.5x2.5in or 9x6cm; a single number is the "
+        "side of a square.",
         panel=SCENE,
         default=None,
     )
     crop: tuple[int, int, int, int] | str | None = option(
         Crop(), "Part to render, in pixels.", panel=SCENE, default=None
     )
+
+    def __post_init__(self) -> None:
+        """Make pixels of a size on paper."""
+        super().__post_init__()
+        if isinstance(self.size, Paper):
+            dpi = getattr(self, "dpi", None) or DPI
+            object.__setattr__(self, "size", self.size.pixels(dpi))
 
     def _sizes(self) -> list[str]:
         # Both at once: a crop of the scene file need not fit a new size.

@@ -36,6 +36,8 @@ class Display:
     white_balance : str, default "none"
         Which light looks white: ``none`` (that of D65), ``auto`` (the mean of the picture), a
         temperature as ``3200K``, or the light's colour in linear sRGB as ``1,0.8,0.6``.
+    dpi : float, optional
+        Pixels per inch, for print.
 
     Raises
     ------
@@ -47,6 +49,7 @@ class Display:
     tone_map: str = "none"
     bits: int = 8
     white_balance: str = "none"
+    dpi: float | None = None
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -75,7 +78,7 @@ class Display:
         exposure = self.exposure
         if isinstance(exposure, str):
             exposure = _automatic_exposure(_bounded(linear))
-        return Development(exposure, matrix, self.tone_map, self.bits)
+        return Development(exposure, matrix, self.tone_map, self.bits, self.dpi)
 
     def apply(self, linear: np.ndarray) -> np.ndarray:
         """Encode a whole picture as sRGB in [0, 1]: see `Development.apply`."""
@@ -94,12 +97,14 @@ class Development:
         White balance, for column vectors of linear sRGB.
     tone_map : str
     bits : int
+    dpi : float or None
     """
 
     exposure: float
     matrix: np.ndarray
     tone_map: str
     bits: int
+    dpi: float | None = None
 
     def apply(self, linear: np.ndarray) -> np.ndarray:
         """Encode as sRGB in [0, 1].

@@ -1,6 +1,7 @@
 """OpenEXR: float32, lossless, with the error, AOVs and sample counts as layers.
 
-Channels ``R G B`` are the picture, ``standard_error.R`` and so on the layers. A crop is written
+Channels ``R G B`` are the picture, premultiplied by ``A`` where it has coverage,
+``standard_error.R`` and so on the layers. A crop is written
 with the full film as display window. Provenance is in the header as strings ``alight.<key>``.
 """
 
@@ -41,6 +42,10 @@ def write(path: Path, picture: Picture, display: Development) -> None:
     }
     header |= {f"alight.{key}": value for key, value in picture.attributes.items()}
     channels = {c: np.ascontiguousarray(picture.image[..., i]) for i, c in enumerate("RGB")}
+    if picture.alpha is not None:
+        channels["A"] = np.ascontiguousarray(picture.alpha, np.float32)
+    if display.dpi is not None:
+        header["xDensity"] = float(display.dpi)
     for name, plane in picture.layers.items():
         kind = np.uint32 if plane.dtype.kind == "u" else np.float32
         channels[name] = np.ascontiguousarray(plane, kind)

@@ -57,6 +57,7 @@ def write_image(
     tone_map: str = "none",
     bits: int = 8,
     white_balance: str = "none",
+    dpi: float | None = None,
 ) -> Path:
     """Write a film or an array, whole or not at all.
 
@@ -66,7 +67,7 @@ def write_image(
         ``.exr`` (with layers and provenance), ``.png``, ``.jpg``, ``.npy``, ``.hdr`` or ``.pfm``.
     source : film, Picture, or array of shape (h, w) or (h, w, 3)
         Linear sRGB.
-    exposure, tone_map, bits, white_balance
+    exposure, tone_map, bits, white_balance, dpi
         For display formats only: see `alight.outputs.display.Display`.
 
     Returns
@@ -81,11 +82,11 @@ def write_image(
     OptionError
         For an unknown tone map or white balance, or an exposure or bits out of range.
     """
-    display = Display(exposure, tone_map, bits, white_balance)
+    display = Display(exposure, tone_map, bits, white_balance, dpi)
     module = format_of(path)
     picture = as_picture(source, layers=module.KEEPS_LAYERS)
     with replacing(path) as beside:
-        module.write(beside, picture, display.developed(picture.image))
+        module.write(beside, picture, display.developed(picture.straight))
     return Path(path)
 
 

@@ -25,7 +25,8 @@ def write(path: Path, picture: Picture, display: Development) -> None:
     pixels = np.rint(display.apply(picture.image) * 255.0).astype(np.uint8)
     # Through memory: Pillow reports a full disk without the reason.
     encoded = io.BytesIO()
-    Image.fromarray(pixels).save(encoded, format="JPEG", quality=_QUALITY, subsampling=0)
+    dots = {} if display.dpi is None else {"dpi": (round(display.dpi), round(display.dpi))}
+    Image.fromarray(pixels).save(encoded, format="JPEG", quality=_QUALITY, subsampling=0, **dots)
     path.write_bytes(encoded.getvalue())
 
 

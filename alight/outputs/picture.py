@@ -26,6 +26,8 @@ class Picture:
         Width and height of the full film; the picture may be a crop of it.
     offset : (int, int), default (0, 0)
         Pixel of the full film that the upper left corner is.
+    alpha : ndarray of float32, shape (h, w), optional
+        Coverage, by which `image` is multiplied already.
     """
 
     image: np.ndarray
@@ -33,6 +35,15 @@ class Picture:
     attributes: dict[str, str] = field(default_factory=dict)
     size: tuple[int, int] | None = None
     offset: tuple[int, int] = (0, 0)
+    alpha: np.ndarray | None = None
+
+    @property
+    def straight(self) -> np.ndarray:
+        """The colours of what covers a pixel: `image` over alpha, 0 where that is 0."""
+        if self.alpha is None:
+            return self.image
+        whole = np.where(self.alpha > 0.0, self.alpha, np.float32(np.inf))
+        return self.image / whole[..., None]
 
     @property
     def full_size(self) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""PNG (ISO/IEC 15948): sRGB, 8 or 16 bits a channel, provenance as text.
+"""PNG (ISO/IEC 15948): sRGB, 8 or 16 bits a channel, straight alpha, provenance as text.
 
 The encoder is our own because Pillow has no 16-bit RGB; it reads well enough for both.
 """
@@ -28,13 +28,14 @@ _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 def write(path: Path, picture: Picture, display: Development) -> None:
     """Write the tone-mapped picture."""
-    image, bits = picture.image, display.bits
+    image, bits = picture.straight, display.bits
     # Band by band: the steps of tone mapping would take several times the picture's own memory.
     bands = [
         _whole_numbers(display.apply(image[y : y + _BAND]), bits)
         for y in range(0, len(image), _BAND)
     ]
-    path.write_bytes(_encode(np.concatenate(bands), bits, picture.attributes))
+    whole = _with_alpha(np.concatenate(bands), picture.alpha, bits)
+    path.write_bytes(_encode(whole, bits, picture.attributes, display.dpi))
 
 
 def read(path: Path) -> np.ndarray:
@@ -51,7 +52,13 @@ def read_with_pillow(path: Path) -> np.ndarray:
     return decode_srgb(encoded / 255.0)
 
 
-def encode_png(encoded: np.ndarray, *, bits: int, text: Mapping[str, str] | None = None) -> bytes:
+def encode_png(
+    encoded: np.ndarray,
+    *,
+    bits: int,
+    text: Mapping[str, str] | None = None,
+    alpha: np.ndarray | None = None,
+) -> bytes:
     """Encode a whole PNG file.
 
     Parameters
@@ -62,28 +69,43 @@ def encode_png(encoded: np.ndarray, *, bits: int, text: Mapping[str, str] | None
         8 or 16.
     text : mapping of str to str, optional
         Stored as ``alight.<key>``.
+    alpha : ndarray of float, shape (h, w), optional
+        Coverage, of straight colours.
     """
-    return _encode(_whole_numbers(encoded, bits), bits, text)
+    return _encode(_with_alpha(_whole_numbers(encoded, bits), alpha, bits), bits, text)
+
+
+def _with_alpha(whole: np.ndarray, alpha: np.ndarray | None, bits: int) -> np.ndarray:
+    """Add the channel of coverage. It is a share, not light: no curve."""
+    if alpha is None:
+        return whole
+    shares = _whole_numbers(np.clip(alpha, 0.0, 1.0), bits)
+    return np.concatenate([whole, shares[..., None]], axis=-1)
 
 
 def _whole_numbers(encoded: np.ndarray, bits: int) -> np.ndarray:
     return np.rint(encoded * (2**bits - 1)).astype(np.uint16 if bits == 16 else np.uint8)
 
 
-def _encode(whole: np.ndarray, bits: int, text: Mapping[str, str] | None) -> bytes:
-    h, w = whole.shape[:2]
+def _encode(
+    whole: np.ndarray, bits: int, text: Mapping[str, str] | None, dpi: float | None = None
+) -> bytes:
+    h, w, channels = whole.shape
     # Big-endian, as the standard asks; joining bands makes it the machine's order.
     whole = whole.astype(">u2") if bits == 16 else whole
     rows = np.ascontiguousarray(whole).view(np.uint8).reshape(h, -1)
     chunks = [
-        _chunk(b"IHDR", struct.pack(">IIBBBBB", w, h, bits, 2, 0, 0, 0)),
+        _chunk(b"IHDR", struct.pack(">IIBBBBB", w, h, bits, {3: 2, 4: 6}[channels], 0, 0, 0)),
         _chunk(b"sRGB", b"\x00"),
     ]
+    if dpi is not None:
+        per_metre = round(dpi / 0.0254)
+        chunks.append(_chunk(b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)))
     for key, value in (text or {}).items():
         keyword = f"alight.{key}"[:79].encode("latin-1", "replace")
         # Keyword, no compression, no language, no translated keyword, then UTF-8.
         chunks.append(_chunk(b"iTXt", keyword + b"\x00\x00\x00\x00\x00" + value.encode()))
-    chunks.append(_chunk(b"IDAT", zlib.compress(_filtered(rows, 3 * bits // 8), 6)))
+    chunks.append(_chunk(b"IDAT", zlib.compress(_filtered(rows, channels * bits // 8), 6)))
     chunks.append(_chunk(b"IEND", b""))
     return _SIGNATURE + b"".join(chunks)
 

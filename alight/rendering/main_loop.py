@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
-from alight.compiled.scene import CompiledScene, compile_scene
+from alight.compiled.scene import CompiledScene
 from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.rendering.checkpoint import Origin
@@ -22,6 +22,7 @@ from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.cluster_executor import executor_of
 from alight.rendering.executors import Executor
 from alight.rendering.job import Job, Progress
+from alight.rendering.kept import compiled_of
 from alight.rendering.largest_sample import largest_sample
 from alight.rendering.layers import layers_of
 from alight.rendering.light_paths import LEAST_REPLICATES
@@ -30,7 +31,7 @@ from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import schedule_of, time_limit_of
 from alight.rendering.training import is_to_be_guided, trained
-from alight.scene import FlatScene, Scene, content_hash, flatten
+from alight.scene import FlatScene, Scene
 
 #: Seconds between two reports of progress.
 REPORT_EVERY = 0.1
@@ -79,11 +80,8 @@ def make_job(
     aovs: Sequence[str],
 ) -> Job:
     """Compile a scene for a job."""
-    flat = flatten(scene)
-    clock.lap("load")
     threads = threads or usable_processors()
-    compiled = compile_scene(flat, content_hash(flat), aovs=layers_of(aovs), threads=threads)
-    clock.lap("bvh")
+    flat, compiled = compiled_of(scene, layers_of(aovs), threads, clock.lap)
     return job_of(
         flat, compiled, schedule, clock, seed=seed, threads=threads, replicates=replicates
     )

@@ -9,19 +9,19 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
-from alight.core.errors import OptionError
+from alight.core.errors import OptionError, SceneError
 from alight.films import Film
 from alight.films.denoising import FEATURES
 from alight.films.storage import is_film_file
 from alight.options.entry import takes
 from alight.options.loading import scene_of
 from alight.options.plugins import load_plugins
-from alight.options.render import RenderOptions
+from alight.options.render import HIDES, RenderOptions
 from alight.rendering import main_loop
 from alight.rendering.writing import Targets, finish
 from alight.scene import Scene
@@ -56,7 +56,7 @@ class Prepared:
         return main_loop.render_film(self.scene, self.options.changed(**seen))
 
 
-def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Prepared:
+def prepare(scene: Any, options: RenderOptions) -> Prepared:
     """Check options and targets, and load the scene.
 
     Raises
@@ -74,7 +74,7 @@ def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Pr
     if options.part and options.output and not any(map(is_film_file, options.output)):
         text = "{part} makes a film to be merged: give {output} FILE.alight"
         raise OptionError(text, names=("part", "output"))
-    description = scene_of(scene, options.changed(plugins=()))
+    description = _described(scene, options.changed(plugins=()))
     useless = targets.useless(options.aovs) if options.output else []
     layers = options.aovs
     if options.denoise:
@@ -83,13 +83,29 @@ def prepare(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Pr
     return Prepared(description, options.changed(aovs=layers, notes=notes), targets, useless)
 
 
+def _described(scene: Any, options: RenderOptions) -> Scene:
+    """The scene, which must have a background if that shall be transparent."""
+    try:
+        description = scene_of(scene, options)
+    except SceneError as error:
+        if options.background == "transparent" and any(i.path == HIDES for i in error.issues):
+            text = "transparent needs an integrator that can hide lights: path or direct"
+            raise OptionError(text, "background") from None
+        raise
+    if options.background == "transparent" and next(description.used_media(), None):
+        text = "transparent is for surfaces; of a medium no coverage is known"
+        raise OptionError(text, "background")
+    return description
+
+
 @takes(RenderOptions)
-def render(scene: Scene | str | os.PathLike[str], options: RenderOptions) -> Film:
-    """Render a scene.
+def render(scene: Any, options: RenderOptions) -> Film:
+    """Render a scene, or an object of another package.
 
     Parameters
     ----------
-    scene : Scene, path or name of a built-in scene
+    scene : Scene, path, name of a built-in scene, dict or object
+        Everything that `alight.load` takes.
     {options}
 
     Returns

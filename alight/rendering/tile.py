@@ -14,7 +14,7 @@ from alight.compiled.scene import CompiledScene
 from alight.films import PartialFilm
 from alight.films.fixed_point import add_rows
 from alight.films.sample_ranges import cells_of
-from alight.integrators.aov import LAYERS, THROUGH, THROUGH_LAYERS, layer_bits
+from alight.integrators.aov import COVERAGE, LAYERS, THROUGH, THROUGH_LAYERS, layer_bits
 from alight.integrators.walk import Settings
 from alight.rendering.both_ends_tile import splatting_tile_kernel
 from alight.rendering.tile_kernel import (
@@ -73,7 +73,12 @@ def make_kernels(
     wanted = set(LAYERS) & set(scene.program.aovs)
     # What light does plays no part in these layers: no integrator is compiled for them.
     aovs = ("uv", THROUGH) if wanted & THROUGH_LAYERS else ("uv",)
-    looking = scene.program._replace(integrator="", options=(), aovs=aovs)
+    options: tuple = ()
+    if COVERAGE in wanted:
+        # The camera sees through the same lights as in the picture.
+        aovs += (COVERAGE,)
+        options = tuple(one for one in scene.program.options if one[0] == "hide_emitters")
+    looking = scene.program._replace(integrator="", options=options, aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
     add = compiled_add_rows() if compiled else None
     return Kernels(make(picture, beauty), make(render_layers, looking) if wanted else None, add)

@@ -179,6 +179,8 @@ class Builder:
         """Build a node with all of its children."""
         if value is None:
             return Node()
+        if isinstance(value, Node):
+            return value
         if not isinstance(value, Mapping):
             self.report(path, f"must be a node, got {show_value(value)}")
             return Node()

@@ -33,7 +33,7 @@ from alight.core.spec import (
     invalid,
 )
 from alight.media.coefficients import shines
-from alight.scene.source import Source
+from alight.scene.source import Memory, Source
 from alight.scene.transform import IDENTITY, Transform
 
 MOST_PIXELS = 2**28
@@ -257,6 +257,7 @@ class Scene(Spec):
     prototypes: Annotated[dict[str, Node], Named("node")] = {}
     nodes: Annotated[dict[str, Node], Named("node")] = {}
     _source: Source = PrivateAttr(default_factory=Source)
+    _memory: Memory = PrivateAttr(default_factory=Memory)
 
     @model_validator(mode="after")
     def _default_sees_media(self) -> Self:
@@ -283,6 +284,23 @@ class Scene(Spec):
     def source(self) -> Source:
         """Where the scene came from."""
         return self._source
+
+    @property
+    def memory(self) -> Memory:
+        """What the scenes share that were made from one another."""
+        return self._memory
+
+    def made_from(self, other: Scene) -> Scene:
+        """Copy the scene, with the origin and the memory of another."""
+        copy = self.from_source(other.source)
+        copy._memory = other.memory
+        return copy
+
+    def replaced(self, **changes: Any) -> Self:
+        """Make a checked copy with some fields changed; it has no origin."""
+        copy = super().replaced(**changes)
+        copy._memory = self._memory
+        return copy
 
     def from_source(self, source: Source) -> Scene:
         """Copy the scene, with another origin."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.errors import is_at_or_below
 from alight.core.spec import Spec
 from alight.media.volumes import Volume, holds_volume
 from alight.scene.build import FORMAT_VERSION
@@ -37,7 +38,7 @@ def dump_scene(
         Write fields at their defaults too, and leave arrays of meshes and pictures as they are.
         Otherwise they become lists.
     edited : str, optional
-        Key path of what is to be changed: meshes that do not hold it stay descriptions.
+        Key path of what is to be changed: descriptions that do not hold it stay as they are.
 
     Returns
     -------
@@ -48,7 +49,8 @@ def dump_scene(
     writer = _Writer(write_file, full, edited)
     for name, value in scene:
         if isinstance(value, Node) and name == "camera":
-            data[name] = writer.camera(value)
+            kept = edited and not is_at_or_below(edited, name)
+            data[name] = value if kept else writer.camera(value)
         elif full or not (value is None or value == {}):
             data[name] = writer.value(value, name)
     if data["film"] == {}:
@@ -70,11 +72,7 @@ class _Writer:
             holds_file = holds_arrays or holds_image(value) or holds_volume(value)
             if self.write_file is not None and holds_file:
                 value = self.write_file(value, path)
-            if (
-                self.edited
-                and isinstance(value, TriangleShape)
-                and not self.edited.startswith(path)
-            ):
+            if self.edited and not is_at_or_below(self.edited, path):
                 return value
             return self.spec(value, path)
         if isinstance(value, Transform):

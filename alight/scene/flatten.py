@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -330,8 +330,13 @@ def content_hash(scene: Scene | FlatScene) -> str:
         If the scene cannot be rendered.
     """
     flat = flatten(scene) if isinstance(scene, Scene) else scene
+    return hash_of(content_parts(flat))
+
+
+def hash_of(parts: Iterable[bytes]) -> str:
+    """SHA-256 over `content_parts`."""
     digest = hashlib.sha256()
-    for part in _parts(flat):
+    for part in parts:
         digest.update(part)
         digest.update(b"\n")
     return digest.hexdigest()
@@ -348,13 +353,14 @@ def described(flat: FlatScene) -> Iterator[Spec]:
     yield from (placed.light for placed in flat.environments)
 
 
-def _parts(flat: FlatScene) -> Iterator[bytes]:
+def content_parts(flat: FlatScene) -> Iterator[bytes]:
+    """Everything that decides the picture, in parts; the camera is one of them."""
     registered = versions(described(flat))
     if registered:
         yield repr(registered).encode()
     for settings in (flat.film, flat.sampler, flat.integrator):
         yield _content(settings)
-    yield _content(flat.camera.camera) + flat.camera.to_world.tobytes() + _moved(flat.camera)
+    yield camera_part(flat.camera)
     yield b"|".join(_placed_content(placed) for placed in flat.environments)
     for bsdf in flat.bsdfs:
         yield _content(bsdf)
@@ -374,6 +380,11 @@ def _parts(flat: FlatScene) -> Iterator[bytes]:
         borders = [shape.border for shape in flat.shapes]
         yield f"{flat.start_medium} {borders}".encode()
         yield from (_content(medium) for medium in flat.media)
+
+
+def camera_part(placed: PlacedCamera) -> bytes:
+    """The part of the camera."""
+    return _content(placed.camera) + placed.to_world.tobytes() + _moved(placed)
 
 
 def _placed_content(placed: PlacedLight) -> bytes:

@@ -158,6 +158,23 @@ class SceneManager:
             raise _error(path, error.issues[0].message) from None
         return self._edit(path.strip(), value)
 
+    def set_at(self, path: str, value: Any) -> Self:
+        """Change one value by its key path.
+
+        Parameters
+        ----------
+        path : str
+            As of the scene file, for instance ``bsdfs.ball.roughness``.
+        value : object
+            What the file would hold there, as Python data, or a description.
+
+        Raises
+        ------
+        SceneError
+            If there is no such key, with the nearest one, or the value does not fit.
+        """
+        return self._edit(path.strip(), value)
+
     def _edit(self, path: str, value: Any) -> Self:
         keys = [int(index) if index else name for name, index in _KEY.findall(path)]
         data = dump_scene(self.scene, full=True, edited=join_path(*keys))
@@ -166,7 +183,7 @@ class SceneManager:
         scene = builder.scene(data)
         if builder.issues:
             raise SceneError(builder.issues)
-        self.scene = scene.from_source(self.scene.source)
+        self.scene = scene.made_from(self.scene)
         return self
 
     def _put(self, parent: str, children: dict[str, Node]) -> Self:

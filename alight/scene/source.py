@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from alight.core.errors import Issue
 from alight.scene.files import Files, Held
@@ -58,6 +59,25 @@ class Recipe:
     definitions: Mapping[str, str] = field(default_factory=dict)
     lenient: bool = False
     root: str | None = None
+
+
+class Memory:
+    """What scenes that are made from one another share: the last one as it was compiled.
+
+    Copies and other processes begin with nothing.
+
+    Attributes
+    ----------
+    held : object
+        See `alight.rendering.kept`.
+    """
+
+    def __init__(self) -> None:
+        self.held: Any = None
+
+    def __reduce__(self) -> tuple[type[Memory], tuple[()]]:
+        """Leave what is held behind."""
+        return Memory, ()
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.media import MEDIA
+from tests.mutants.objects import OBJECTS
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
@@ -55,5 +56,6 @@ MUTANTS = (
     + FORMATS
     + VIEW
     + CLUSTER
+    + OBJECTS
     + SLIPS
 )

@@ -10,8 +10,9 @@ import alight
 from alight import filters, integrators, samplers, tone_curves
 from alight.cli.words import takes_words
 from alight.core.errors import OptionError
-from alight.options import laboratory, render, resume, view
+from alight.options import animation, laboratory, render, resume, view
 from alight.options.kinds import Anything, File, Files
+from alight.options.render import RenderOptions
 from alight.options.table import PANELS, Options, documented
 from tests.options.examples import WRONG, example
 
@@ -20,7 +21,7 @@ TABLES = [
     laboratory.InfoOptions, laboratory.PlanOptions, laboratory.CheckOptions,
     laboratory.WhyOptions, laboratory.GuideOptions, laboratory.CompareOptions,
     laboratory.StudyOptions,
-    laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
+    animation.AnimationOptions, laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
     view.ViewOptions,
 ]  # fmt: skip
 OPTIONS = [(table, name) for table in TABLES for name in table.options()]
@@ -146,3 +147,16 @@ def test_the_documentation_names_every_option(table):
         assert f"\n{name} : " in text
         assert " ".join(one.help.split()[:2]).rstrip(".") in " ".join(text.split())
     assert text in table.__doc__
+
+
+def test_a_size_on_paper_becomes_pixels_once():
+    options = RenderOptions(size="3.5x2.5in", dpi=200)
+    assert options.size == options.changed(spp=4).size == (700, 500)
+    assert RenderOptions(size="2.54x5.08cm").size == (300, 600)
+    assert RenderOptions(size="640x360", dpi=200).size == (640, 360)
+
+
+def test_a_transparent_background_asks_for_what_it_takes():
+    options = RenderOptions(background="transparent", aovs="albedo")
+    assert options.aovs == options.changed(spp=4).aovs == ("albedo", "alpha")
+    assert options.assignments() == ["integrator.hide_emitters=true"]

@@ -286,3 +286,37 @@ def test_pictures_pass_through():
     made = Picture(picture())
     assert as_picture(made) is made
     assert as_picture(np.ones((2, 3, 1))).image.shape == (2, 3, 3)
+
+
+def covered():
+    """A picture whose pixels are covered wholly, by half, and not at all."""
+    alpha = np.array([[1.0, 0.5, 0.0]], np.float32)
+    return Picture(np.float32([[[0.5] * 3, [0.25] * 3, [0.0] * 3]]), alpha=alpha)
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_png_keeps_straight_alpha_and_exr_what_is_multiplied_by_it(bits, tmp_path):
+    write_image(tmp_path / "a.png", covered(), bits=bits)
+    with Image.open(tmp_path / "a.png") as image:
+        assert image.mode == "RGBA"
+        found = np.asarray(image)[0]
+    assert found[:, 3].tolist() == [255, 128, 0]
+    half = round(255 * float(encode_srgb(np.float64(0.5))))
+    assert found[:, 0].tolist() == [half, half, 0]
+    write_image(tmp_path / "a.exr", covered())
+    channels, _ = read_layers(tmp_path / "a.exr")
+    assert channels["A"][0].tolist() == [1.0, 0.5, 0.0]
+    assert channels["R"][0].tolist() == [0.5, 0.25, 0.0]
+
+
+@pytest.mark.parametrize("suffix", ["png", "jpg"])
+def test_files_keep_the_pixels_of_an_inch(suffix, tmp_path):
+    write_image(tmp_path / f"a.{suffix}", picture(), dpi=300)
+    with Image.open(tmp_path / f"a.{suffix}") as image:
+        assert image.info["dpi"] == pytest.approx((300, 300), rel=1e-3)
+
+
+def test_a_film_has_alpha_only_where_its_picture_has_no_background():
+    for hides in (False, True):
+        film = Film(8, 8, aovs={"alpha": ("A",)}, options={"hide_emitters": hides})
+        assert (film.alpha is not None) == hides == ("alpha.A" not in film.picture().layers)

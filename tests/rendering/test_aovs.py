@@ -200,6 +200,45 @@ def test_without_delta_lobes_both_kinds_of_layers_are_the_same():
     np.testing.assert_array_equal(normal, seen)
 
 
+HOLES = """
+alight: 1
+camera: {fov: 40, transform: {look_at: {origin: [0, 0, 2], target: [0, 0, 0]}}}
+film: {size: [8, 8], filter: tent}
+sampler: sobol
+integrator: {type: path, max_depth: 8, hide_emitters: %s}
+environment: {type: constant, radiance: 1}
+nodes:
+  leaf:
+    shape: {type: rectangle}
+    transform: [{scale: 0.4}, {translate: [-0.3, 0, 0.3]}]
+    bsdf: {type: mask, opacity: 0.4, bsdf: {type: diffuse, reflectance: 0}}
+  wall: {shape: {type: sphere, radius: 0.5}, bsdf: {type: diffuse, reflectance: 0}}
+"""
+LAMP = """  lamp:
+    shape: {type: rectangle}
+    transform: [{scale: 0.3}, {translate: [0.3, 0.2, 0.9]}]
+    bsdf: {type: diffuse, reflectance: 0}
+    light: {type: area, radiance: 1}
+"""
+
+
+def test_alpha_and_the_light_beside_black_surfaces_are_all_of_a_pixel():
+    """Sample by sample: each meets black, or sees the sky through holes and past edges."""
+    picture, alpha = layers(HOLES % "false", "", "alpha", spp=16)
+    assert np.allclose(picture + alpha, 1.0, atol=1e-6)
+    assert 0.2 < alpha.mean() < 0.8
+
+
+def test_a_transparent_background_shows_no_light_and_hides_it_from_alpha():
+    picture, alpha = layers(HOLES % "true" + LAMP, "", "alpha", spp=16)
+    # Through the holes of the leaf, too.
+    assert (picture == 0.0).all()
+    (without,) = layers(HOLES % "true", "alpha", spp=16)
+    assert np.array_equal(alpha, without)
+    (shown,) = layers(HOLES % "false" + LAMP, "alpha", spp=16)
+    assert (shown >= alpha).all() and (shown > alpha).any()
+
+
 def test_compiled_layers_are_the_twins():
     film = alight.render(loads(WATER, "scene.yaml"), spp=4, seed=1, aovs=tuple(LAYERS))
     for name, expected in zip(LAYERS, layers(WATER, *LAYERS), strict=True):

@@ -1,0 +1,32 @@
+"""Trees of meshes, kept for as long as the arrays that they are of."""
+
+from __future__ import annotations
+
+import weakref
+from typing import Any
+
+import numpy as np
+
+from alight.accel.build import build_bvh
+from alight.accel.layout import Bvh
+
+#: By the arrays and the builder; arrays of a scene are never changed.
+_TREES: dict[tuple[int, int, str], tuple[Bvh, dict[str, Any]]] = {}
+
+
+def tree_of(
+    vertices: np.ndarray, faces: np.ndarray, *, method: str, threads: int
+) -> tuple[Bvh, dict[str, Any]]:
+    """The tree of a mesh in its own space, as `build_bvh` builds it, and its figures.
+
+    Of read-only arrays it is built once: who moves an instance gets it again.
+    """
+    key = id(vertices), id(faces), method
+    found = _TREES.get(key)
+    if found is None:
+        found = build_bvh(vertices, faces, method=method, threads=threads)
+        if not (vertices.flags.writeable or faces.flags.writeable):
+            _TREES[key] = found
+            for array in (vertices, faces):
+                weakref.finalize(array, _TREES.pop, key, None)
+    return found

@@ -1,0 +1,47 @@
+"""The options of an animation: those of a render, and which pictures at which times."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from alight.core.errors import OptionError
+from alight.options.kinds import Switch
+from alight.options.quantities import Frames, Whole
+from alight.options.render import RenderOptions
+from alight.options.table import option, table
+
+#: Frames of a turntable, if nothing else is said.
+ONE_TURN = 120
+
+
+@table
+class AnimationOptions(RenderOptions):
+    """Everything that `alight.animate` can be told."""
+
+    frames: tuple[int, int] | str | None = option(
+        Frames(), "First frame, and the one after the last, as 0:120.",
+        default=None, shown=f"0:{ONE_TURN} for a turntable",
+    )  # fmt: skip
+    fps: int = option(
+        Whole(1, 1000), "Frames per second: frame n shows the scene n/FPS seconds on.", default=24
+    )
+    turntable: bool = option(
+        Switch(), "Turn the camera once about the scene, over all frames.", default=False
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse what one picture has and many have not."""
+        super().__post_init__()
+        if self.frames is None:
+            if not self.turntable:
+                raise OptionError("give {frames}, as 0:120, or {turntable}", "",
+                                  ("frames", "turntable"))  # fmt: skip
+            object.__setattr__(self, "frames", (0, ONE_TURN))
+        for name in self.given("checkpoint", "part", "stats", "first_sample", "cluster"):
+            raise OptionError("is for a single picture", name)
+
+    def of_frame(self, output: Any) -> RenderOptions:
+        """The options of the render of one frame."""
+        own = set(AnimationOptions.options()) - set(RenderOptions.options())
+        words = {n: getattr(self, n) for n in RenderOptions.options() if n not in own}
+        return RenderOptions(**{**words, "output": output})

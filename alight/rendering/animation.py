@@ -1,0 +1,231 @@
+r"""`alight.animate`: many pictures of a scene, each made as `alight.render` makes one.
+
+Frame n shows the scene while the camera's shutter is open, which counts in frames: with the shutter
+[a, b] of the scene from (n + a) / fps to (n + b) / fps, in the unit of the keyframes. A turntable
+keeps the time and turns the camera about the vertical through the middle of the scene.
+
+A frame that is there already is kept if its file says that it is this very picture: of the same
+scene, by its hash, with the same samples, kernels and display. So an animation that was killed
+goes on where it was, and one whose end was changed renders the end alone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import OptionError, OutputError
+from alight.core.version import VERSION
+from alight.films.storage import is_film_file
+from alight.options.animation import AnimationOptions
+from alight.options.entry import takes
+from alight.options.render import RenderOptions
+from alight.outputs import exr, moving, png
+from alight.outputs.image import check_writable, read_image, write_image
+from alight.rendering import main_loop
+from alight.rendering.render import prepare
+from alight.scene import Node, Scene, SceneManager, content_hash, flatten
+from alight.scene.flatten import FlatScene, place_camera
+from alight.scene.transform import matrix, rotate, translate
+from lanewise.machine import fingerprint
+
+#: What a frame's file says of how it was made.
+FRAME = "frame"
+
+
+@takes(AnimationOptions)
+def animate(scene: Any, options: AnimationOptions) -> list[Path]:
+    """Render an animation.
+
+    Parameters
+    ----------
+    scene : Scene, path, name of a built-in scene, dict or object
+        Everything that `alight.load` takes.
+    {options}
+
+    Returns
+    -------
+    list of Path
+        The files: of `output`, names with ``####`` stand for a file per frame, names that end in
+        ``.gif``, ``.apng`` or ``.mp4`` for all of them.
+
+    Raises
+    ------
+    AlightError
+        For a scene or an option that is wrong, and for a file that cannot be written.
+
+    Examples
+    --------
+    >>> alight.animate("cornell-box", frames="0:8", output="box.gif")  # doctest: +SKIP
+    """
+    return Animation(scene, options).render()
+
+
+class Animation:
+    """An animation before its first frame: everything that can be wrong with it is found.
+
+    Parameters
+    ----------
+    scene, options
+        See `animate`.
+
+    Attributes
+    ----------
+    scene : Scene
+    numbers : range
+        Of the frames.
+    kept : list of Path
+        Files of frames that were there already.
+    """
+
+    def __init__(self, scene: Any, options: AnimationOptions) -> None:
+        self.options = options
+        paths = [Path(path) for path in options.output]
+        self.films = [path for path in paths if moving.is_moving(path)]
+        self.patterns = [path for path in paths if not moving.is_moving(path)]
+        self._check()
+        single = options.of_frame(())
+        self.scene = prepare(scene, single).scene
+        # What the scene says already is not said again for every frame.
+        self.single = single.with_loaded_scene()
+        self.numbers = range(*options.frames)  # type: ignore[misc]
+        self.kept: list[Path] = []
+        self._pivot = middle(flatten(self.scene)) if options.turntable else np.zeros(3)
+
+    def _check(self) -> None:
+        if not self.films and not self.patterns:
+            text = "give {output} frame_####.png, or a name that ends in .gif, .apng or .mp4"
+            raise OptionError(text, "", ("output",))
+        for path in self.films:
+            moving.check_encoder(path)
+        for path in self.patterns:
+            if "#" not in path.name or is_film_file(path):
+                text = f"must hold #### for the number of the frame, got {path}"
+                raise OptionError(text, "output")
+            check_writable(path)
+
+    def render(self) -> list[Path]:
+        """Render what is not there, and write everything."""
+        shown: list[np.ndarray] = []
+        written: list[Path] = []
+        for number in self.numbers:
+            paths = [numbered(path, number) for path in self.patterns]
+            image = self._frame(number, paths)
+            written += paths
+            if self.films:
+                encoded = self.options.display.apply(image)
+                shown.append(np.rint(255.0 * encoded).astype(np.uint8))
+            if self.options.cancel is not None and self.options.cancel.is_set():
+                return written
+        for path in self.films:
+            moving.write_moving(path, shown, self.options.fps)
+        return [*written, *self.films]
+
+    def _frame(self, number: int, paths: list[Path]) -> np.ndarray:
+        """The picture of a frame, from its file or rendered."""
+        scene = self.scene_of(number)
+        label = self.label_of(scene)
+        missing = [path for path in paths if label_in(path) != label]
+        self.kept += [path for path in paths if path not in missing]
+        linear = [path for path in paths if path.suffix.lower() in exr.SUFFIXES]
+        if paths and not missing and (linear or not self.films):
+            return read_image(linear[0]) if self.films else np.zeros((1, 1, 3), np.float32)
+        film = main_loop.render_film(scene, self.single)
+        if self.options.cancel is not None and self.options.cancel.is_set():
+            return film.image
+        picture = film.picture()
+        picture = replace(picture, attributes={**picture.attributes, FRAME: label})
+        for path in missing:
+            write_image(path, picture, **asdict(self.options.display))
+        return picture.straight
+
+    def scene_of(self, number: int) -> Scene:
+        """The scene of a frame."""
+        camera = self._camera()
+        if self.options.turntable:
+            turn = -360.0 * (number - self.numbers.start) / len(self.numbers)
+            about = translate(*self._pivot).matrix @ rotate("y", turn).matrix
+            about = about @ translate(*-self._pivot).matrix
+            seen = place_camera(self.scene)
+            camera = Node(transform=matrix(about @ seen.to_world), camera=seen.camera)
+            made = self.scene.replaced(camera=camera)
+        else:
+            opens, closes = camera.camera.shutter
+            fps = self.options.fps
+            shutter = ((number + opens) / fps, (number + closes) / fps)
+            at = camera.camera.replaced(shutter=shutter)
+            if isinstance(self.scene.camera, str):
+                node = camera.replaced(camera=at)
+                made = SceneManager(self.scene).replace(self.scene.camera, node).scene
+            else:
+                made = self.scene.replaced(camera=camera.replaced(camera=at))
+        return made.made_from(self.scene)
+
+    def _camera(self) -> Node:
+        camera = self.scene.camera
+        found = SceneManager(self.scene).get(camera) if isinstance(camera, str) else camera
+        assert isinstance(found, Node)
+        return found
+
+    def label_of(self, scene: Scene) -> str:
+        """Everything that decides the file of a frame, in short."""
+        single: RenderOptions = self.single
+        kept = {
+            name: value
+            for name, value in single.given().items()
+            if name not in ("output", "threads", "spp_per_pass", "progress", "cancel", "notes")
+        }
+        said = json.dumps({name: repr(value) for name, value in sorted(kept.items())})
+        parts = (VERSION, fingerprint(), content_hash(scene), str(scene.source.remarks.spp), said)
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def numbered(pattern: Path, number: int) -> Path:
+    """The name of a frame's file: its number in the place of the last run of ``#``."""
+    found = re.search(r"#+(?!.*#)", pattern.name)
+    assert found is not None
+    text = str(number).zfill(len(found[0]))
+    return pattern.with_name(pattern.name[: found.start()] + text + pattern.name[found.end() :])
+
+
+def label_in(path: Path) -> str | None:
+    """What the file of a frame says of how it was made; None if it is none, or broken."""
+    try:
+        if path.suffix.lower() in exr.SUFFIXES:
+            return exr.read_layers(path)[1].get(FRAME)
+        if path.suffix.lower() in png.SUFFIXES:
+            from PIL import Image
+
+            with Image.open(path) as image:
+                # Half a file is none: the pixels must be there.
+                image.load()
+                return str(image.info.get(f"alight.{FRAME}"))
+    except (OSError, ValueError, SyntaxError, OutputError):
+        return None
+    return None
+
+
+def middle(flat: FlatScene) -> np.ndarray:
+    """The middle of the box around all meshes and shapes with bounds, metres; else the origin."""
+    corners = []
+    for placed in flat.shapes:
+        if placed.geometry >= 0:
+            points = flat.geometries[placed.geometry].vertices
+            box = np.array([points.min(axis=0), points.max(axis=0)])
+        elif placed.shape.finite:
+            size = float(getattr(placed.shape, "radius", 1.0))
+            box = size * np.array([[-1.0] * 3, [1.0] * 3])
+        else:
+            continue
+        mesh = np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(-1, 3)
+        corners.append(mesh @ placed.to_world[:3, :3].T + placed.to_world[:3, 3])
+    if not corners:
+        return np.zeros(3)
+    every = np.concatenate(corners)
+    return 0.5 * (every.min(axis=0) + every.max(axis=0))

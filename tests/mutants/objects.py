@@ -1,0 +1,80 @@
+"""Bugs of objects of other packages as scenes, and of transparent backgrounds."""
+
+from tests.mutants.mutant import Mutant
+
+TESTS = "tests/formats/test_objects.py"
+KEPT = "tests/rendering/test_kept.py"
+MOVES = "tests/rendering/test_animation.py"
+AOVS = "tests/rendering/test_aovs.py"
+FORMATS = "tests/outputs/test_formats.py"
+
+OBJECTS = (
+    Mutant(
+        "lines counted as no cells of a surface",
+        "formats/objects/vtk_objects.py",
+        (("polygon += surface.GetNumberOfVerts() + surface.GetNumberOfLines()", "polygon += 0"),),
+        f"{TESTS}::test_polygons_of_vtk_stand_upright_in_the_colours_of_their_cells",
+    ),
+    Mutant(
+        "numbers of faces interpolated from face to face",
+        "formats/objects/assembly.py",
+        (("painted is not None and piece.by_faces", "painted is not None and False"),),
+        f"{TESTS}::test_numbers_of_faces_leave_no_vertex_to_two_faces",
+    ),
+    Mutant(
+        "the ends of a colour map at the edges of its texels",
+        "formats/objects/color_maps.py",
+        (("(0.5 + (TEXELS - 1) * np.where(is_none, 0.0, t)) / TEXELS", "np.where(is_none, 0, t)"),),
+        f"{TESTS}::test_numbers_lie_where_the_map_has_their_colour",
+    ),
+    Mutant(
+        "edges smooth up to twice the angle",
+        "formats/objects/creases.py",
+        (("np.cos(np.radians(0.5 * angle))", "np.cos(np.radians(angle))"),),
+        f"{TESTS}::test_only_faces_within_the_angle_share_a_normal",
+    ),
+    Mutant(
+        "coverage draws holes of its own",
+        "integrators/aov.py",
+        (("u = get_1d(path.sampler, dimension + BSDF_CHOICE)\n                u2",
+          "u = get_1d(path.sampler, dimension + BSDF_CHOICE + 16)\n                u2"),),
+        f"{AOVS}::test_alpha_and_the_light_beside_black_surfaces_are_all_of_a_pixel",
+    ),
+    Mutant(
+        "the sky seen through holes of a picture without background",
+        "integrators/path.py",
+        (("first = path.delta & (path.pdf == 0.0)", "first = path.depth == 0"),),
+        f"{AOVS}::test_a_transparent_background_shows_no_light_and_hides_it_from_alpha",
+    ),
+    Mutant(
+        "PNG with colours multiplied by alpha",
+        "outputs/png.py",
+        (("image, bits = picture.straight", "image, bits = picture.image"),),
+        f"{FORMATS}::test_png_keeps_straight_alpha_and_exr_what_is_multiplied_by_it",
+    ),
+    Mutant(
+        "the last scene taken whatever else changed",
+        "rendering/kept.py",
+        (("return a is b or (not isinstance(a, Mapping) and a == b)", "return True"),),
+        f"{KEPT}::test_whatever_else_changes_is_compiled_and_meshes_are_not_built_again",
+    ),
+    Mutant(
+        "the hash of the camera before",
+        "rendering/kept.py",
+        (("camera_part(placed), *last.parts", "camera_part(before), *last.parts"),),
+        f"{KEPT}::test_another_camera_takes_what_is_known_and_has_the_hash_of_a_fresh_scene",
+    ),
+    Mutant(
+        "frames kept because they exist",
+        "rendering/animation.py",
+        (("if label_in(path) != label]", "if not path.exists()]"),),
+        f"{MOVES}::test_only_frames_that_are_whole_and_of_these_settings_are_kept",
+    ),
+    Mutant(
+        "the shutter in seconds",
+        "rendering/animation.py",
+        (("shutter = ((number + opens) / fps, (number + closes) / fps)",
+          "shutter = (number / fps + opens, number / fps + closes)"),),
+        f"{MOVES}::test_frames_lie_between_the_frames_before_and_after",
+    ),
+)  # fmt: skip

@@ -1,0 +1,124 @@
+"""Animations: each frame at its time, none rendered twice, all in a moving picture."""
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+import alight
+from alight.cli.main import app
+from alight.options.animation import AnimationOptions
+from alight.rendering import animation
+from alight.rendering.animation import Animation, numbered
+from alight.scene.flatten import place_camera
+
+SMALL = {"size": (8, 8), "spp": 1, "threads": 1}
+
+
+def frames_of(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.fixture
+def renders(monkeypatch):
+    """The hash of every film that is rendered."""
+    made, render = [], animation.main_loop.render_film
+
+    def counted(scene, options):
+        film = render(scene, options)
+        made.append(film.scene_hash)
+        return film
+
+    monkeypatch.setattr(animation.main_loop, "render_film", counted)
+    return made
+
+
+def animate(folder, frames="0:3", **words):
+    return alight.animate(
+        "cornell-box", frames=frames, output=folder / "f_####.png", **{**SMALL, **words}
+    )
+
+
+def test_only_frames_that_are_whole_and_of_these_settings_are_kept(tmp_path, renders):
+    animate(tmp_path, turntable=True)
+    assert frames_of(tmp_path) == ["f_0000.png", "f_0001.png", "f_0002.png"]
+    assert len(set(renders)) == 3
+    before = [(tmp_path / name).read_bytes() for name in frames_of(tmp_path)]
+    # Killed: one is lacking, one is half, one is another program's of the same name.
+    (tmp_path / "f_0000.png").unlink()
+    (tmp_path / "f_0001.png").write_bytes(before[1][: len(before[1]) // 2])
+    Image.new("RGB", (8, 8)).save(tmp_path / "f_0002.png")
+    animate(tmp_path, turntable=True)
+    assert len(renders) == 6
+    assert [(tmp_path / name).read_bytes() for name in frames_of(tmp_path)] == before
+    animate(tmp_path, turntable=True, threads=2)
+    assert len(renders) == 6
+    for words in ({"spp": 2}, {"seed": 1}, {"exposure": 1.0}, {"max_depth": 3}):
+        animate(tmp_path, turntable=True, **words)
+    assert len(renders) == 18
+
+
+def test_frames_lie_between_the_frames_before_and_after():
+    moving = alight.changed(alight.load("cornell-box"), {"camera.shutter": (0.0, 0.5)})
+    made = Animation(moving, AnimationOptions(frames="3:5", fps=10, output="f_#.png"))
+    for number in made.numbers:
+        camera = place_camera(made.scene_of(number)).camera
+        assert camera.shutter == pytest.approx((number / 10, (number + 0.5) / 10))
+
+
+def test_a_turntable_goes_once_around_the_middle_of_the_scene():
+    scene = alight.load(([[9, 0, 0], [11, 0, 0], [10, 2, 0], [10, 0, 1]], [[0, 1, 2], [0, 1, 3]]))
+    made = Animation(scene, AnimationOptions(frames="0:4", turntable=True, output="f.gif"))
+    seen = np.array([place_camera(made.scene_of(n)).to_world for n in made.numbers])
+    assert np.allclose(seen[0], place_camera(scene).to_world)
+    around = seen[:, :3, 3] - [10.0, 1.0, 0.5]
+    assert np.allclose(around[:, 1], around[0, 1])
+    flat = around[:, [0, 2]]
+    assert np.allclose(np.roll(flat, -1, axis=0), np.stack([-flat[:, 1], flat[:, 0]], axis=1))
+    # It looks at the same place from everywhere.
+    local = np.linalg.inv(seen) @ [10.0, 1.0, 0.5, 1.0]
+    assert np.allclose(local, local[0])
+
+
+@pytest.mark.parametrize("suffix", ["gif", "apng"])
+def test_moving_pictures_take_the_time_of_all_frames(suffix, tmp_path):
+    path = tmp_path / f"turn.{suffix}"
+    words = {**SMALL, "frames": "0:4", "turntable": True, "fps": 25}
+    assert alight.animate("cornell-box", output=path, **words) == [path]
+    with Image.open(path) as image:
+        # Frames that are alike are one, for as long as all of them.
+        assert 1 < image.n_frames <= 4
+        total = 0.0
+        for number in range(image.n_frames):
+            image.seek(number)
+            total += image.info["duration"]
+        assert total == pytest.approx(4 * 40)
+
+
+def test_names_of_frames():
+    assert numbered(animation.Path("a#/f_###.exr"), 7).as_posix() == "a#/f_007.exr"
+    assert numbered(animation.Path("f#_##.exr"), 123).name == "f#_123.exr"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ({"output": "f_#.png"}, r"give frames, as 0:120, or turntable"),
+        ({"output": "f.png", "frames": "0:2"}, r"output: must hold ####"),
+        ({"output": "f_#.png", "frames": "2:2"}, r"frames: must be FIRST:END"),
+        ({"frames": "0:2"}, r"give output frame_####"),
+        ({"output": "f_#.png", "frames": "0:2", "part": "1/2"}, r"part: is for a single picture"),
+        ({"output": "f_#.png", "frames": "0:2", "fpss": 2}, r"did you mean \"fps\""),
+    ],
+)
+def test_mistakes_are_told(words, message):
+    with pytest.raises(alight.OptionError, match=message):
+        alight.animate("cornell-box", **words)
+
+
+def test_the_command_says_what_it_kept(tmp_path):
+    words = ["animate", "cornell-box", "--frames", "0:2", "--size", "8", "--spp", "1", "-o"]
+    for said in ("2 frames: 2 files\n", "2 frames: 2 files, 2 of them kept\n"):
+        done = CliRunner().invoke(app, [*words, str(tmp_path / "f_#.png")])
+        assert done.exit_code == 0, done.output
+        assert done.output.endswith(said)

@@ -1,0 +1,119 @@
+"""What is known of a scene is used again, and gives the bits that a fresh one would."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import alight
+from alight.accel import kept as kept_trees
+from alight.compiled.scene import compile_scene
+from alight.formats import loads
+from alight.rendering import kept
+from alight.scene import content_hash, flatten
+
+SCENE = """
+alight: 1
+camera: {fov: 40, transform: {look_at: {origin: [0, 1, 5], target: [0, 0, 0]}}}
+film: {size: [8, 8]}
+environment: {type: constant}
+bsdfs:
+  ball: {type: principled, roughness: 0.5}
+prototypes:
+  water: {shape: {type: mesh, file: "builtin:waves"}, bsdf: ball}
+nodes:
+  one: {instance: water}
+  two: {instance: water, transform: {translate: [0, 1, 0]}}
+"""
+
+
+def look_at(*origin):
+    return {"look_at": {"origin": list(origin), "target": [0, 0, 0]}}
+
+
+def compiled(scene, threads=1):
+    return kept.compiled_of(scene, (), threads, lambda name: None)[1]
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How often a scene and a mesh are built."""
+    count = {"scenes": 0, "meshes": 0}
+    build, make = kept_trees.build_bvh, compile_scene
+
+    def tree(*args, **words):
+        count["meshes"] += 1
+        return build(*args, **words)
+
+    def whole(*args, **words):
+        count["scenes"] += 1
+        return make(*args, **words)
+
+    monkeypatch.setattr(kept_trees, "_TREES", {})
+    monkeypatch.setattr(kept_trees, "build_bvh", tree)
+    monkeypatch.setattr(kept, "compile_scene", whole)
+    return count
+
+
+def test_another_camera_takes_what_is_known_and_has_the_hash_of_a_fresh_scene(counted):
+    scene = loads(SCENE)
+    first = compiled(scene)
+    moved = alight.changed(scene, {"camera.transform": look_at(3, 1, 4), "camera.fov": 30})
+    second = compiled(moved)
+    assert counted["scenes"] == 1
+    assert second.tables.accel is first.tables.accel
+    fresh = flatten(loads(SCENE.replace("[0, 1, 5]", "[3, 1, 4]").replace("fov: 40", "fov: 30")))
+    wanted = compile_scene(fresh, content_hash(fresh))
+    assert second.content_hash == wanted.content_hash != first.content_hash
+    assert np.array_equal(second.tables.camera.array, wanted.tables.camera.array)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"bsdfs.ball.roughness": 0.2},
+        {"film.size": (16, 8)},
+        {"nodes.two.transform": {"translate": [0, 2, 0]}},
+        {"environment.radiance": 2.0},
+        {"camera.type": "orthographic"},
+        {"camera.shutter": (0.0, 0.5)},
+        {"sampler.type": "independent"},
+    ],
+    ids=str,
+)
+def test_whatever_else_changes_is_compiled_and_meshes_are_not_built_again(changes, counted):
+    scene = loads(SCENE)
+    compiled(scene)
+    found = alight.changed(scene, changes)
+    assert compiled(found).content_hash == content_hash(found)
+    assert counted == {"scenes": 2, "meshes": 1}
+
+
+def test_a_change_leaves_the_scene_and_shares_the_rest():
+    scene = loads(SCENE)
+    found = alight.changed(scene, {"bsdfs.ball.roughness": 0.2, "nodes.one.transform": []})
+    assert (scene.bsdfs["ball"].roughness, found.bsdfs["ball"].roughness) == (0.5, 0.2)
+    assert found.nodes["two"] is scene.nodes["two"]
+    assert found.prototypes["water"] is scene.prototypes["water"]
+    with pytest.raises(alight.SceneError, match=r"bsdfs\.ball\.roughnes\n.*did you mean"):
+        alight.changed(scene, {"bsdfs.ball.roughnes": 0.2})
+    with pytest.raises(alight.SceneError, match=r"did you mean \"ball\""):
+        alight.changed(scene, {"bsdfs.bal.roughness": 0.2})
+
+
+def test_what_is_frozen_names_the_way():
+    scene = loads(SCENE)
+    with pytest.raises(
+        alight.SceneError, match=r"film\.size\n.*\.replaced\(size=\.\.\.\).*changed"
+    ):
+        scene.film.size = (4, 4)
+
+
+def test_copies_and_other_processes_begin_with_nothing():
+    scene = loads(SCENE)
+    compiled(scene)
+    assert scene.memory.held is not None
+    for other in (copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
+        assert other == scene
+        assert other.memory.held is None
