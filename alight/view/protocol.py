@@ -22,10 +22,17 @@ Lengths are shares of the height of the picture, right and down positive; angles
     {"do": "drop"}                          compare no more
     {"do": "more"}                          twice the samples per pixel
     {"do": "stop"}                          end the render here
+    {"do": "tree"}                          ask for the parts of the scene
+    {"do": "fields", "item": "bsdfs.ball"}  ask for what can be changed of one
+    {"do": "edit", "item": "bsdfs.ball", "path": "bsdfs.ball.alpha", "value": "0.2"}    JSON
+    {"do": "add step", "item": "nodes.ball", "step": "translate"}    to its transform
+    {"do": "undo"}                          take back the last edit
+    {"do": "redo"}                          make it again
 
 **From the server**: JSON objects with ``is``: ``state`` (everything that the page shows around the
-picture; see `alight.view.session.Session.state`), ``pixel`` (answers the one that asked) and
-``refused`` (with ``why``, for a message that is none of the above). Binary messages are frames:
+picture; see `alight.view.session.Session.state`); answers to the one that asked, ``pixel``,
+``tree``, ``fields``, ``edited``, ``wrong`` (a value that a scene cannot have: ``path`` and ``why``)
+and ``refused`` (with ``why``, for a message that is none of the above). Binary messages are frames:
 four little-endian uint32 (which picture: 0 or, to compare with, 1; width; height; number of the
 view), then RGBA bytes, the top row first. Of frames and states only the newest is sent to a browser
 that cannot keep up.
@@ -189,13 +196,64 @@ class Stop(Event):
     word = "stop"
 
 
+@dataclass(frozen=True)
+class AskTree(Event):
+    """Ask for the parts of the scene."""
+
+    word = "tree"
+
+
+@dataclass(frozen=True)
+class AskFields(Event):
+    """Ask for what can be changed of a part."""
+
+    word = "fields"
+    item: str
+
+
+@dataclass(frozen=True)
+class Edit(Event):
+    """Change a value of the scene; it is given as JSON."""
+
+    word = "edit"
+    item: str
+    path: str
+    value: str
+
+
+@dataclass(frozen=True)
+class AddStep(Event):
+    """Append a step to a transform."""
+
+    word = "add step"
+    item: str
+    step: str
+
+
+@dataclass(frozen=True)
+class Undo(Event):
+    """Take back the last edit."""
+
+    word = "undo"
+
+
+@dataclass(frozen=True)
+class Redo(Event):
+    """Make it again."""
+
+    word = "redo"
+
+
 #: Words that move the camera.
 MOVES = (Orbit, Pan, Dolly, Fly, Roll, Widen)
+
+#: Words about the scene itself.
+OF_THE_SCENE = (ChooseCamera, AskTree, AskFields, Edit, AddStep, Undo, Redo)
 
 EVENTS: dict[str, type[Event]] = {
     event.word: event
     for event in (
-        *MOVES, Rest, Pivot, ChooseCamera, Show, Develop, AskPixel, Keep, Drop, More, Stop,
+        *MOVES, *OF_THE_SCENE, Rest, Pivot, Show, Develop, AskPixel, Keep, Drop, More, Stop,
     )
 }  # fmt: skip
 

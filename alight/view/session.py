@@ -9,13 +9,13 @@ from typing import Any
 
 from alight.core.errors import AlightError
 from alight.films import Film
-from alight.formats.loading import changed
 from alight.metrics import ErrorEstimate
 from alight.options.render import RenderOptions
 from alight.outputs.display import Display
 from alight.scene import Scene
 from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
+from alight.view.editor import Editor
 from alight.view.layers import PICTURE, FilmLayers, Layers
 from alight.view.live import LiveScene
 from alight.view.protocol import RefusedError
@@ -54,6 +54,8 @@ class Session:
     look : Look
     live : LiveScene or None
         None of a film or a picture.
+    editor : Editor or None
+        Of a live scene.
     against : Layers or None
     changed : callable
         Called, from any thread, when there is something new to see; the painter sets it.
@@ -70,12 +72,10 @@ class Session:
         self.changed: Callable[[], None] = lambda: None
         self.live: LiveScene | None = None
         self._still: Layers | None = None
-        self._camera, self.cameras = "", ()
+        self.editor: Editor | None = None
         if isinstance(shown, Scene):
-            self._scene, self._options = shown, options or RenderOptions()
-            nodes = [path for path, _, node in shown.walk() if node.camera is not None]
-            self.cameras = ("", *nodes)
-            self._look_through("")
+            self.live = LiveScene(shown, options or RenderOptions(), lambda: self.changed())
+            self.editor = Editor(shown, self.live)
         else:
             self._still = shown
 
@@ -128,8 +128,6 @@ class Session:
             "exposure": self.look.display.exposure,
             "tone_map": self.look.display.tone_map,
             "tone_maps": list(TONE_CURVES),
-            "cameras": list(self.cameras),
-            "camera": self._camera,
             "against": self.against is not None,
         }
         if film:
@@ -138,8 +136,8 @@ class Session:
         if film and error:
             of_all = error.relrmse
             found["error"] = [_number(n) for n in (of_all.value, of_all.low, of_all.high)]
-        if live:
-            found |= _of_render(live)
+        if live and self.editor:
+            found |= _of_render(live) | self.editor.state()
         return found
 
     # ------------------------------------------------------------------------ what is asked for
@@ -160,8 +158,12 @@ class Session:
             self.against = self._kept()
         elif isinstance(event, protocol.Drop):
             self.against = None
-        elif self.live is None:
+        elif self.live is None or self.editor is None:
             raise RefusedError(f"{event.word}: only scenes are rendered")
+        elif isinstance(event, protocol.OF_THE_SCENE):
+            answer = self.editor.apply(event)
+            self.changed()
+            return answer
         else:
             self._steer(self.live, event)
         self.changed()
@@ -169,8 +171,6 @@ class Session:
 
     def _steer(self, live: LiveScene, event: protocol.Event) -> None:
         match event:
-            case protocol.ChooseCamera(name):
-                self._look_through(name)
             case protocol.Pivot(x, y):
                 live.aim(x, y)
             case protocol.Rest():
@@ -181,18 +181,6 @@ class Session:
                 live.stop()
             case _:
                 live.move(lambda pose: pose.moved(event, live.movable.size))
-
-    def _look_through(self, name: str) -> None:
-        """Begin anew with a camera of the scene: its shutter may be another one."""
-        if name not in self.cameras:
-            raise RefusedError("camera: the scene has none of this name")
-        scene = changed(self._scene, [f'camera="{name}"']) if name else self._scene
-        number = 0
-        if self.live:
-            self.live.close()
-            number = self.live.wish.number + 1
-        self._camera = name
-        self.live = LiveScene(scene, self._options, lambda: self.changed(), number)
 
     def _change_look(self, event: protocol.Show | protocol.Develop) -> None:
         if isinstance(event, protocol.Develop):

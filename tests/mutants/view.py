@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 SESSION, SERVER = "tests/view/test_session.py", "tests/view/test_server.py"
+EDITING = "tests/view/test_editing.py"
 
 VIEW = (
     Mutant(
@@ -28,5 +29,28 @@ VIEW = (
         "view/access.py",
         (("            return name in LOOPBACK\n", "            return True\n"),),
         f"{SERVER}::test_a_strangers_name_for_this_machine_is_refused",
+    ),
+    Mutant(
+        "the tree of shapes that have moved is used again",
+        "compiled/kept.py",
+        (("            and one.tobytes() == other.tobytes()\n", ""),),
+        f"{EDITING}::test_what_is_kept_is_of_equal_arguments_only",
+    ),
+    Mutant(
+        "a page makes the server read a file",
+        "view/editing.py",
+        (('if found is None or found.kind == "told":', "if found is None:"),),
+        f"{EDITING}::test_files_are_told_but_not_offered",
+    ),
+    Mutant(
+        "undo takes the camera back to where it was",
+        "view/editor.py",
+        (
+            (
+                "self.live.change(scene, keeps_camera=not is_of_camera(path))",
+                "self.live.change(scene, keeps_camera=False)",
+            ),
+        ),
+        f"{EDITING}::test_undo_leaves_a_camera_that_was_moved_where_it_is",
     ),
 )

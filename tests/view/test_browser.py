@@ -37,6 +37,7 @@ def test_every_control_of_a_scene(browser):
         middle = stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2
 
         page.mouse.click(*middle)
+        page.click("#tabs >> text=Inspect")
         page.wait_for_selector("#pixel tr >> nth=3")
         assert "standard error" in page.inner_text("#pixel")
 
@@ -60,9 +61,11 @@ def test_every_control_of_a_scene(browser):
         moves(lambda: page.mouse.wheel(0, -200))
         for key in ("w", "a", "s", "d", "r", "f", "q", "e", "[", "]", "ArrowLeft", "ArrowUp"):
             moves(lambda key=key: page.keyboard.press(key))
+        page.click("#tabs >> text=Render")
         for control in ("#narrow", "#wide", "#roll-left", "#roll-right", "#reset"):
             moves(lambda control=control: page.click(control))
 
+        page.click("#tabs >> text=Display")
         for layer in ("error", "samples", "normal", "depth", "picture"):
             picture = pixels_of(page)
             page.select_option("#layer", layer)
@@ -78,10 +81,11 @@ def test_every_control_of_a_scene(browser):
         assert page.evaluate("document.getElementById('divider').style.left") == "20%"
         page.click("#drop")
         page.wait_for_selector("#of-split", state="hidden")
+        page.click("#tabs >> text=Render")
         page.click("#more")
         until(page, "document.getElementById('phase').textContent.includes('16')")
         with page.expect_download() as download:
-            page.click("text=Film")
+            page.click("#saves >> text=Film")
         assert download.value.suggested_filename == "cornell-box.alight"
         page.click("#fold")
         assert page.is_hidden("#panel")

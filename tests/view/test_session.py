@@ -174,7 +174,7 @@ def read_picture():
 def test_named_cameras_are_looked_through():
     session = session_of("transform-tree", ViewOptions(size=(16, 16), spp=1, threads=1))
     try:
-        assert session.cameras[0] == ""
+        assert session.editor.cameras[0] == ""
         with pytest.raises(RefusedError, match="none of this name"):
             session.apply(protocol.ChooseCamera("nowhere"))
     finally:

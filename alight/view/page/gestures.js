@@ -42,13 +42,20 @@ export const HELP = [
   ["Q E", "roll"],
   ["[ ]", "field of view"],
   [", .", "exposure"],
+  ["Ctrl Z, Ctrl Shift Z", "undo, redo an edit"],
   ...KEYS.filter(([, words]) => words).map(([key, words]) => [key.toUpperCase().replace("HOME", "Home"), words]),
 ];
 
 export function listenToKeys(ui) {
   const actions = new Map(KEYS.map(([key, , action]) => [key, action]));
   document.addEventListener("keydown", (event) => {
-    const typing = event.target.matches("input, select");
+    const typing = event.target.matches("input, select, textarea");
+    if (!typing && (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
+      event.preventDefault();
+      ui.send(event.shiftKey ? "redo" : "undo");
+    }
+    // Arrows in tabs and lists are theirs.
+    if (event.defaultPrevented) return;
     const action = actions.get(event.key.length === 1 ? event.key.toLowerCase() : event.key);
     if (!action || typing || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();

@@ -4,16 +4,20 @@ import { Connection } from "./connection.js";
 import { Gathered, listenToKeys, listenToPointer } from "./gestures.js";
 import { makePanel, showPixel } from "./panel.js";
 import { Picture } from "./picture.js";
+import { SceneTree } from "./scene.js";
+import { Tabs } from "./tabs.js";
 
 const $ = (id) => document.getElementById(id);
 const picture = new Picture();
 const show = makePanel();
+const tabs = new Tabs();
 let state = { kind: "picture", layers: [], size: [1, 1], exposure: 0, tone_map: "none" };
 let frames = 0;
 
 const connection = new Connection({
   open(isOpen) {
     document.body.dataset.connected = isOpen;
+    tree.forget();
     if (isOpen) return;
     $("phase").textContent = "no connection; trying again";
     $("phase").className = "bad";
@@ -24,6 +28,8 @@ const connection = new Connection({
     picture.resize(state.size);
     picture.compare(state.against);
     show(state);
+    tabs.offer("Scene", state.kind === "scene");
+    if (state.kind === "scene") tree.show(state);
   },
   frame(message) {
     picture.draw(message);
@@ -31,10 +37,15 @@ const connection = new Connection({
     if (message.picture === 0) document.body.dataset.drawn = message.number;
   },
   pixel: showPixel,
+  tree: (message) => tree.tree(message),
+  fields: (message) => tree.values(message),
+  edited: (message) => tree.answered(message),
+  wrong: (message) => tree.answered(message),
   refused({ why }) { console.warn(why); },
 });
 
 const send = (word, keys) => connection.send(word, keys);
+const tree = new SceneTree(send);
 const gathered = new Gathered(send);
 const moves = (word, keys) => { if (state.kind === "scene") gathered.add(word, keys); };
 

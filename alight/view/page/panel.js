@@ -40,8 +40,9 @@ export function makePanel() {
     showPhase(state);
     showError(state);
     showRender(state);
-    $("of-cameras").hidden = state.cameras.length < 2;
-    fill($("camera"), state.cameras, state.camera, (name) => name || "the scene's own");
+    const cameras = state.cameras ?? [];
+    $("of-cameras").hidden = cameras.length < 2;
+    fill($("camera"), cameras, state.camera ?? "", (name) => name || "the scene's own");
     const { fov, height } = state.lens ?? {};
     $("lens").textContent = fov ? `Field of view ${fov.toPrecision(3)}°`
       : height ? `Height ${height.toPrecision(3)} m` : "";
