@@ -77,6 +77,11 @@ class Editor:
                 case protocol.AddStep(item, step):
                     path = f"{item}.transform"
                     return self._edit(path, lambda scene: with_step(scene, item, step))
+                case protocol.Region(x, y, width, height):
+                    left, top, _, _ = self.live.movable.window
+                    return self._crop((left + x, top + y, width, height))
+                case protocol.Whole():
+                    return self._crop(None)
                 case protocol.Undo():
                     if step := self.history.back():
                         self._show(step.before, step.path)
@@ -92,7 +97,7 @@ class Editor:
         return {
             "cameras": list(self.cameras), "camera": self.camera, "version": self.version,
             "undo": bool(self.history.done), "redo": bool(self.history.undone),
-            "prepares": self.live.prepares,
+            "prepares": self.live.prepares, "is_part": self._scene.film.crop is not None,
         }  # fmt: skip
 
     def _edit(self, path: str, change: Any) -> dict[str, Any]:
@@ -108,6 +113,15 @@ class Editor:
         self._scene = after
         self.version += 1
         return {"is": "edited", "path": path}
+
+    def _crop(self, crop: tuple[int, int, int, int] | None) -> dict[str, Any]:
+        """Render a part of the picture only, or all of it again; its pixels stay the same."""
+
+        def cropped(scene: Scene) -> Scene:
+            film = scene.film.replaced(crop=crop)
+            return scene.replaced(film=film).from_source(scene.source)
+
+        return self._edit("film.crop", cropped)
 
     def _show(self, scene: Scene, path: str) -> None:
         """Go to a scene of the history; the camera moves only if it was what was edited."""

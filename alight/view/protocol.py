@@ -18,6 +18,10 @@ Lengths are shares of the height of the picture, right and down positive; angles
     {"do": "show", "layer": "error"}        a layer
     {"do": "develop", "exposure": 0, "tone_map": "none"}
     {"do": "pixel", "x": 3, "y": 4}         ask for the values of a pixel
+    {"do": "trace", "x": 3, "y": 4, "sample": 0}     one path through a pixel
+    {"do": "why", "x": 3, "y": 4, "width": 9, "height": 9}       why a region is noisy
+    {"do": "region", "x": 3, "y": 4, "width": 9, "height": 9}    render this part only
+    {"do": "whole"}                         render the whole picture again
     {"do": "keep"}                          keep this picture, to compare with
     {"do": "drop"}                          compare no more
     {"do": "more"}                          twice the samples per pixel
@@ -30,12 +34,12 @@ Lengths are shares of the height of the picture, right and down positive; angles
     {"do": "redo"}                          make it again
 
 **From the server**: JSON objects with ``is``: ``state`` (everything that the page shows around the
-picture; see `alight.view.session.Session.state`); answers to the one that asked, ``pixel``,
-``tree``, ``fields``, ``edited``, ``wrong`` (a value that a scene cannot have: ``path`` and ``why``)
-and ``refused`` (with ``why``, for a message that is none of the above). Binary messages are frames:
-four little-endian uint32 (which picture: 0 or, to compare with, 1; width; height; number of the
-view), then RGBA bytes, the top row first. Of frames and states only the newest is sent to a browser
-that cannot keep up.
+picture; see `alight.view.session.Session.state`); answers to the one that asked: ``pixel``,
+``trace``, ``why`` (`alight.view.inspection`), ``tree``, ``fields``, ``edited``, ``wrong`` (a value
+that a scene cannot have: ``path`` and ``why``) and ``refused`` (with ``why``, for a message that is
+none of the above). Binary messages are frames: four little-endian uint32 (which picture: 0 or, to
+compare with, 1; width; height; number of the view), then RGBA bytes, the top row first. Of frames
+and states only the newest is sent to a browser that cannot keep up.
 """
 
 from __future__ import annotations
@@ -169,6 +173,45 @@ class AskPixel(Event):
 
 
 @dataclass(frozen=True)
+class AskTrace(Event):
+    """Ask for one path through a pixel."""
+
+    word = "trace"
+    x: int
+    y: int
+    sample: int
+
+
+@dataclass(frozen=True)
+class AskWhy(Event):
+    """Ask why a region is noisy."""
+
+    word = "why"
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Region(Event):
+    """Render this part only."""
+
+    word = "region"
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Whole(Event):
+    """Render the whole picture again."""
+
+    word = "whole"
+
+
+@dataclass(frozen=True)
 class Keep(Event):
     """Keep this picture, to compare with."""
 
@@ -248,12 +291,15 @@ class Redo(Event):
 MOVES = (Orbit, Pan, Dolly, Fly, Roll, Widen)
 
 #: Words about the scene itself.
-OF_THE_SCENE = (ChooseCamera, AskTree, AskFields, Edit, AddStep, Undo, Redo)
+OF_THE_SCENE = (ChooseCamera, AskTree, AskFields, Edit, AddStep, Undo, Redo, Region, Whole)
+
+#: Words whose answers take long: others do not wait for them.
+SLOW = (AskTrace, AskWhy)
 
 EVENTS: dict[str, type[Event]] = {
     event.word: event
     for event in (
-        *MOVES, *OF_THE_SCENE, Rest, Pivot, Show, Develop, AskPixel, Keep, Drop, More, Stop,
+        *MOVES, *OF_THE_SCENE, *SLOW, Rest, Pivot, Show, Develop, AskPixel, Keep, Drop, More, Stop,
     )
 }  # fmt: skip
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -16,6 +17,7 @@ from alight.scene import Scene
 from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
 from alight.view.editor import Editor
+from alight.view.inspection import path_through, why_noisy
 from alight.view.layers import PICTURE, FilmLayers, Layers
 from alight.view.live import LiveScene
 from alight.view.protocol import RefusedError
@@ -73,6 +75,7 @@ class Session:
         self.live: LiveScene | None = None
         self._still: Layers | None = None
         self.editor: Editor | None = None
+        self._inspects = threading.Lock()
         if isinstance(shown, Scene):
             self.live = LiveScene(shown, options or RenderOptions(), lambda: self.changed())
             self.editor = Editor(shown, self.live)
@@ -164,6 +167,8 @@ class Session:
             answer = self.editor.apply(event)
             self.changed()
             return answer
+        elif isinstance(event, protocol.SLOW):
+            return self._inspected(self.live, event)
         else:
             self._steer(self.live, event)
         self.changed()
@@ -193,6 +198,21 @@ class Session:
             self.look = replace(self.look, layer=event.layer)
         else:
             raise RefusedError("layer: there is none of this name")
+
+    def _inspected(self, live: LiveScene, event: protocol.Event) -> dict[str, Any]:
+        """Answer what takes long; what cannot be answered is said in the answer."""
+        answer: dict[str, Any] = {"is": event.word}
+        try:
+            # One at a time: each takes what processors there are.
+            with self._inspects:
+                match event:
+                    case protocol.AskTrace(x, y, sample):
+                        return answer | path_through(live, x, y, sample)
+                    case protocol.AskWhy(x, y, width, height):
+                        return answer | why_noisy(live, x, y, width, height)
+        except AlightError as error:
+            return answer | {"why": str(error)}
+        raise RefusedError(f"{event.word}: there is no answer")
 
     def _kept(self) -> Layers:
         if self.film:

@@ -3,7 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 SESSION, SERVER = "tests/view/test_session.py", "tests/view/test_server.py"
-EDITING = "tests/view/test_editing.py"
+EDITING, INSPECTION = "tests/view/test_editing.py", "tests/view/test_inspection.py"
 
 VIEW = (
     Mutant(
@@ -52,5 +52,22 @@ VIEW = (
             ),
         ),
         f"{EDITING}::test_undo_leaves_a_camera_that_was_moved_where_it_is",
+    ),
+    Mutant(
+        "the path of another pixel, where the picture is a part",
+        "view/inspection.py",
+        (
+            (
+                "at = left + min(x, width - 1), top + min(y, height - 1)",
+                "at = min(x, width - 1), min(y, height - 1)",
+            ),
+        ),
+        f"{INSPECTION}::test_a_cropped_picture_traces_its_own_pixels",
+    ),
+    Mutant(
+        "the noise of a region as a mean over the whole picture",
+        "lab/why/shares.py",
+        ((" * (weights.size / weights[rows, columns].size)", ""),),
+        f"{INSPECTION}::test_the_noise_of_regions_adds_up_to_that_of_the_picture",
     ),
 )

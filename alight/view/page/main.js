@@ -2,6 +2,7 @@
 
 import { Connection } from "./connection.js";
 import { Gathered, listenToKeys, listenToPointer } from "./gestures.js";
+import { Inspector } from "./inspect.js";
 import { makePanel, showPixel } from "./panel.js";
 import { Picture } from "./picture.js";
 import { SceneTree } from "./scene.js";
@@ -28,6 +29,7 @@ const connection = new Connection({
     picture.resize(state.size);
     picture.compare(state.against);
     show(state);
+    inspector.show(state);
     tabs.offer("Scene", state.kind === "scene");
     if (state.kind === "scene") tree.show(state);
   },
@@ -37,6 +39,8 @@ const connection = new Connection({
     if (message.picture === 0) document.body.dataset.drawn = message.number;
   },
   pixel: showPixel,
+  trace: (message) => inspector.traced(message),
+  why: (message) => inspector.because(message),
   tree: (message) => tree.tree(message),
   fields: (message) => tree.values(message),
   edited: (message) => tree.answered(message),
@@ -45,7 +49,7 @@ const connection = new Connection({
 });
 
 const send = (word, keys) => connection.send(word, keys);
-const tree = new SceneTree(send);
+const tree = new SceneTree(send), inspector = new Inspector(send, picture);
 const gathered = new Gathered(send);
 const moves = (word, keys) => { if (state.kind === "scene") gathered.add(word, keys); };
 
@@ -83,8 +87,14 @@ const ui = {
     const pixel = picture.pixelAt(x, y);
     if (!pixel) return;
     picture.mark(pixel);
+    inspector.at(pixel);
     send("pixel", pixel);
   },
+  trace: () => inspector.trace(0),
+  isArmed: () => inspector.isArmed && state.kind === "scene",
+  arm() { if (state.kind === "scene") inspector.arm(!inspector.isArmed); },
+  select: (...box) => inspector.between(...box),
+  selected: () => inspector.arm(false),
   reset() { if (state.kind === "scene") send("camera", { name: state.camera }); },
   nextLayer() {
     const next = (state.layers.indexOf(state.layer) + 1) % state.layers.length;

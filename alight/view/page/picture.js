@@ -75,6 +75,14 @@ export class Picture {
     return at.every((n, i) => n >= 0 && n < this.size[i]) ? { x: at[0], y: at[1] } : null;
   }
 
+  // The pixel of the picture that is nearest to a place of the screen.
+  nearest(x, y) {
+    const rect = this.box.getBoundingClientRect();
+    const at = [(x - rect.left) / this.scale, (y - rect.top) / this.scale].map(
+      (n, i) => Math.min(Math.max(Math.floor(n), 0), this.size[i] - 1));
+    return { x: at[0], y: at[1] };
+  }
+
   mark(pixel) {
     this.marked = pixel;
     $("mark").hidden = !pixel;
