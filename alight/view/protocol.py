@@ -16,7 +16,9 @@ Lengths are shares of the height of the picture, right and down positive; angles
     {"do": "pivot", "x": 3, "y": 4}         put the pivot on what this pixel shows
     {"do": "camera", "name": "cameras/top"} one of the scene's cameras; "" is the first one
     {"do": "show", "layer": "error"}        a layer
-    {"do": "develop", "exposure": 0, "tone_map": "none"}
+    {"do": "develop", "exposure": 0, "tone_map": "none", "white_balance": "none"}
+    {"do": "denoise", "on": true}           when the picture rests
+    {"do": "contrast", "way": "difference"} how it is compared with the other picture
     {"do": "pixel", "x": 3, "y": 4}         ask for the values of a pixel
     {"do": "trace", "x": 3, "y": 4, "sample": 0}     one path through a pixel
     {"do": "why", "x": 3, "y": 4, "width": 9, "height": 9}       why a region is noisy
@@ -37,9 +39,9 @@ Lengths are shares of the height of the picture, right and down positive; angles
 picture; see `alight.view.session.Session.state`); answers to the one that asked: ``pixel``,
 ``trace``, ``why`` (`alight.view.inspection`), ``tree``, ``fields``, ``edited``, ``wrong`` (a value
 that a scene cannot have: ``path`` and ``why``) and ``refused`` (with ``why``, for a message that is
-none of the above). Binary messages are frames: four little-endian uint32 (which picture: 0 or, to
-compare with, 1; width; height; number of the view), then RGBA bytes, the top row first. Of frames
-and states only the newest is sent to a browser that cannot keep up.
+none of the above). Binary messages are frames: four little-endian uint32 (which picture: 0 or, of
+what is compared with or of how both differ, 1; width; height; number of the view), then RGBA bytes,
+the top row first. Of frames and states only the newest is sent to a browser that cannot keep up.
 """
 
 from __future__ import annotations
@@ -161,6 +163,23 @@ class Develop(Event):
     word = "develop"
     exposure: float
     tone_map: str
+    white_balance: str
+
+
+@dataclass(frozen=True)
+class Denoise(Event):
+    """Show the picture denoised when it rests, or as it is."""
+
+    word = "denoise"
+    on: bool
+
+
+@dataclass(frozen=True)
+class Contrast(Event):
+    """Compare in another way."""
+
+    word = "contrast"
+    way: str
 
 
 @dataclass(frozen=True)
@@ -299,7 +318,8 @@ SLOW = (AskTrace, AskWhy)
 EVENTS: dict[str, type[Event]] = {
     event.word: event
     for event in (
-        *MOVES, *OF_THE_SCENE, *SLOW, Rest, Pivot, Show, Develop, AskPixel, Keep, Drop, More, Stop,
+        *MOVES, *OF_THE_SCENE, *SLOW, Rest, Pivot, Show, Develop, Denoise, Contrast, AskPixel, Keep,
+        Drop, More, Stop,
     )
 }  # fmt: skip
 
@@ -342,11 +362,13 @@ def _checked(name: str, value: Any, kind: str) -> Any:
         return float(value)
     if kind == "int" and number and isinstance(value, int) and 0 <= value < FARTHEST:
         return value
+    if kind == "bool" and isinstance(value, bool):
+        return value
     if kind == "str" and isinstance(value, str):
         return value
     ranges = {
         "float": f"a number in [-{LARGEST:g}, {LARGEST:g}]",
-        "int": "a whole number >= 0", "str": "a text",
+        "int": "a whole number >= 0", "str": "a text", "bool": "true or false",
     }  # fmt: skip
     raise RefusedError(f"{name} must be {ranges[kind]}")
 

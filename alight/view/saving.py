@@ -28,7 +28,10 @@ def save(session: Session, path: Path) -> None:
         path.write_text(dumps(session.editor.scene), encoding="utf-8")
         return
     film, layers, display = session.film, session.layers, session.look.display
-    shown = {"exposure": display.exposure, "tone_map": display.tone_map}
+    shown = {
+        "exposure": display.exposure, "tone_map": display.tone_map,
+        "white_balance": display.white_balance,
+    }  # fmt: skip
     if film is not None:
         film.save(path, **({} if path.suffix == ".alight" else shown))
     elif layers is None or session.live is not None or path.suffix == ".alight":

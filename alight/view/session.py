@@ -6,21 +6,27 @@ import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
 from typing import Any
 
 from alight.core.errors import AlightError
 from alight.films import Film
+from alight.films.denoising import check_denoiser
 from alight.metrics import ErrorEstimate
 from alight.options.render import RenderOptions
 from alight.outputs.display import Display
 from alight.scene import Scene
 from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
+from alight.view.contrast import DIVIDER, ways
 from alight.view.editor import Editor
 from alight.view.inspection import path_through, why_noisy
 from alight.view.layers import PICTURE, FilmLayers, Layers
 from alight.view.live import LiveScene
 from alight.view.protocol import RefusedError
+
+#: Words that change what is shown, not what there is.
+OF_THE_LOOK = (protocol.Show, protocol.Develop, protocol.Denoise, protocol.Contrast)
 
 
 @dataclass(frozen=True)
@@ -32,10 +38,16 @@ class Look:
     layer : str
         What is wished for; the picture where the layers lack it.
     display : Display
+    denoised : bool
+        The picture is, when it rests.
+    way : str
+        How it is compared, see `alight.view.contrast`.
     """
 
     layer: str = PICTURE
     display: Display = field(default_factory=Display)
+    denoised: bool = False
+    way: str = DIVIDER
 
 
 class Session:
@@ -105,7 +117,17 @@ class Session:
         """Of the view."""
         return self.live.wish.number if self.live else 0
 
-    def state(self, error: ErrorEstimate | None, scale: tuple[float, float] | None) -> dict:
+    @property
+    def rests(self) -> bool:
+        """Whether nothing is added to the picture at the moment."""
+        return self.live is None or self.live.phase in ("done", "stopped")
+
+    def state(
+        self,
+        error: ErrorEstimate | None,
+        scale: tuple[float, float] | None,
+        **shown: Any,
+    ) -> dict[str, Any]:
         """Describe everything around the picture, as plain JSON.
 
         Parameters
@@ -114,6 +136,8 @@ class Session:
             Of the film.
         scale : (float, float) or None
             Ends of the scale of the layer that is shown.
+        **shown
+            What the painter adds: plain JSON.
         """
         layers, film, live = self.layers, self.film, self.live
         names = layers.names if layers else (PICTURE,)
@@ -130,6 +154,11 @@ class Session:
             "scale": None if scale is None else [_number(end) for end in scale],
             "exposure": self.look.display.exposure,
             "tone_map": self.look.display.tone_map,
+            "white_balance": self.look.display.white_balance,
+            "denoise": self.look.denoised,
+            "can_denoise": film is not None and find_spec("pyoidn") is not None,
+            "way": self.look.way,
+            "ways": list(ways()),
             "tone_maps": list(TONE_CURVES),
             "against": self.against is not None,
         }
@@ -141,7 +170,7 @@ class Session:
             found["error"] = [_number(n) for n in (of_all.value, of_all.low, of_all.high)]
         if live and self.editor:
             found |= _of_render(live) | self.editor.state()
-        return found
+        return found | shown
 
     # ------------------------------------------------------------------------ what is asked for
 
@@ -155,7 +184,7 @@ class Session:
         """
         if isinstance(event, protocol.AskPixel):
             return self._pixel(event)
-        if isinstance(event, protocol.Show | protocol.Develop):
+        if isinstance(event, OF_THE_LOOK):
             self._change_look(event)
         elif isinstance(event, protocol.Keep):
             self.against = self._kept()
@@ -187,13 +216,25 @@ class Session:
             case _:
                 live.move(lambda pose: pose.moved(event, live.movable.size))
 
-    def _change_look(self, event: protocol.Show | protocol.Develop) -> None:
+    def _change_look(self, event: protocol.Event) -> None:
         if isinstance(event, protocol.Develop):
             try:
-                display = Display(event.exposure, event.tone_map)
+                display = Display(event.exposure, event.tone_map, white_balance=event.white_balance)
             except AlightError as error:
                 raise RefusedError(str(error)) from None
             self.look = replace(self.look, display=display)
+        elif isinstance(event, protocol.Denoise):
+            if event.on and self.film is None and self.live is None:
+                raise RefusedError("denoise: this is no film")
+            if event.on:
+                check_denoiser()
+            self.look = replace(self.look, denoised=event.on)
+        elif isinstance(event, protocol.Contrast):
+            if event.way not in ways():
+                raise RefusedError(f"way must be one of {', '.join(ways())}")
+            self.look = replace(self.look, way=event.way)
+        elif not isinstance(event, protocol.Show):
+            raise RefusedError(f"{event.word}: this changes nothing that is shown")
         elif self.layers and event.layer in self.layers.names:
             self.look = replace(self.look, layer=event.layer)
         else:

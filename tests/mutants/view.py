@@ -70,4 +70,16 @@ VIEW = (
         ((" * (weights.size / weights[rows, columns].size)", ""),),
         f"{INSPECTION}::test_the_noise_of_regions_adds_up_to_that_of_the_picture",
     ),
+    Mutant(
+        "a denoised picture is not labelled",
+        "view/painter.py",
+        (("return self._denoised[2], self._denoised[3]", 'return self._denoised[2], ""'),),
+        "tests/view/test_contrast.py::test_a_film_at_rest_is_denoised_on_the_page_only",
+    ),
+    Mutant(
+        "white balance is seen but not saved",
+        "view/saving.py",
+        (('        "white_balance": display.white_balance,\n', ""),),
+        "tests/view/test_contrast.py::test_white_balance_is_seen_and_saved",
+    ),
 )

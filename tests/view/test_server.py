@@ -129,7 +129,9 @@ def test_a_browser_gets_state_and_picture(client):
 def test_exposure_brightens_the_picture_for_all_who_look(client):
     with socket(client) as one, socket(client) as other:
         before = receive(other, "frame")
-        one.send_text('{"do": "develop", "exposure": 2, "tone_map": "none"}')
+        one.send_text(
+            '{"do": "develop", "exposure": 2, "tone_map": "none", "white_balance": "none"}'
+        )
         wait_for(lambda: receive(other, "frame")[16:] > before[16:], 20)
 
 

@@ -151,13 +151,16 @@ def test_a_file_takes_no_options_of_a_render(tmp_path):
 
 def test_what_makes_no_sense_is_refused_and_changes_nothing():
     session = Session("a", FileLayers(read_picture()))
-    for event in (protocol.Show("albedo"), protocol.AskPixel(5, 0), protocol.Develop(200.0, "none"),
-                  protocol.Develop(0.0, "asces"), protocol.More()):  # fmt: skip
+    for event in (
+        protocol.Show("albedo"), protocol.AskPixel(5, 0), protocol.Denoise(True), protocol.More(),
+        protocol.Develop(200.0, "none", "none"), protocol.Develop(0.0, "asces", "none"),
+        protocol.Develop(0.0, "none", "hot"), protocol.Contrast("blink"),
+    ):  # fmt: skip
         before = session.look
         with pytest.raises(RefusedError):
             session.apply(event)
         assert session.look == before
-    session.apply(protocol.Develop(1.0, "aces"))
+    session.apply(protocol.Develop(1.0, "aces", "3200K"))
     assert session.look.display.exposure == 1.0
     session.apply(protocol.Keep())
     assert session.against is session.layers

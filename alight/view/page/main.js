@@ -27,7 +27,7 @@ const connection = new Connection({
     if (message.number !== state.number) picture.mark(null);
     state = message;
     picture.resize(state.size);
-    picture.compare(state.against);
+    picture.compare(state.against, state.way, Boolean(state.contrast));
     show(state);
     inspector.show(state);
     tabs.offer("Scene", state.kind === "scene");
@@ -100,8 +100,11 @@ const ui = {
     const next = (state.layers.indexOf(state.layer) + 1) % state.layers.length;
     send("show", { layer: state.layers[next] });
   },
-  develop(exposure, tone_map) { send("develop", { exposure, tone_map }); },
-  expose: (by) => ui.develop(state.exposure + by, state.tone_map),
+  develop(change) {
+    const { exposure, tone_map, white_balance } = state;
+    send("develop", { exposure, tone_map, white_balance, ...change });
+  },
+  expose: (by) => ui.develop({ exposure: state.exposure + by }),
   compare: () => send(state.against ? "drop" : "keep"),
   fold() {
     const isFolded = document.body.classList.toggle("folded");
@@ -121,14 +124,22 @@ for (const [id, action] of Object.entries({
 
 $("camera").addEventListener("change", () => send("camera", { name: $("camera").value }));
 $("layer").addEventListener("change", () => send("show", { layer: $("layer").value }));
-$("tone").addEventListener("change", () => ui.develop(state.exposure, $("tone").value));
-$("exposure").addEventListener("input", () => ui.develop(Number($("exposure").value), state.tone_map));
+$("tone").addEventListener("change", () => ui.develop({ tone_map: $("tone").value }));
+$("exposure").addEventListener("input", () => ui.develop({ exposure: Number($("exposure").value) }));
+$("white").addEventListener("change", () => {
+  const white = $("white").value;
+  ui.develop({ white_balance: white === "kelvin" ? `${$("kelvin").value}K` : white });
+});
+$("kelvin").addEventListener("input", () => ui.develop({ white_balance: `${$("kelvin").value}K` }));
+$("denoise").addEventListener("change", () => send("denoise", { on: $("denoise").checked }));
+$("way").addEventListener("change", () => send("contrast", { way: $("way").value }));
 $("split").addEventListener("input", () => picture.divide(Number($("split").value)));
-paintRamp();
+paintRamp($("ramp"));
+paintRamp($("contrast-ramp"));
 
 // The scale of layers of numbers, as alight/view/shades.py paints it.
-function paintRamp() {
-  const context = $("ramp").getContext("2d"), gradient = context.createLinearGradient(0, 0, 128, 0);
+function paintRamp(canvas) {
+  const context = canvas.getContext("2d"), gradient = context.createLinearGradient(0, 0, 128, 0);
   const colours = ["#000004", "#2b1050", "#701f69", "#b53454", "#e76230", "#f9a63e", "#fcf6be"];
   colours.forEach((colour, i) => gradient.addColorStop(i / (colours.length - 1), colour));
   context.fillStyle = gradient;
