@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from alight.compiled.kept import Kept
 from alight.compiled.light_emission import Emits, emitting
 from alight.compiled.light_gain import gain_of_tree
 from alight.compiled.light_tree import (
@@ -80,6 +81,7 @@ def compile_lights(
     *,
     compensated: bool = False,
     emits: Emits = "never",
+    kept: Kept | None = None,
 ) -> CompiledLights:
     """Make the tables of all lights, and enter area lights into the tables of shapes.
 
@@ -98,13 +100,16 @@ def compile_lights(
     emits : {"never", "if possible", "always"}, default "never"
         Whether light paths start at the lights, which takes the tables of
         `alight.lights.emission_sampling`.
+    kept : Kept, optional
+        Of the compilation before: maps of environments are taken from there.
 
     Raises
     ------
     SceneError
         If they always do, and there is a light at which none can start.
     """
-    rows, around = _rows(flat, shapes), [_environment(p, compensated) for p in flat.environments]
+    rows, kept = _rows(flat, shapes), kept or Kept()
+    around = [_environment(p, compensated, kept) for p in flat.environments]
     rows += [row for row, _ in around]
     powers = _powers(rows, shapes.radius)
     weights = _weights(rows, powers, selection)
@@ -195,7 +200,9 @@ def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
     ]
 
 
-def _environment(placed: PlacedLight, compensated: bool) -> tuple[LightRow, EnvironmentMap | None]:
+def _environment(
+    placed: PlacedLight, compensated: bool, kept: Kept
+) -> tuple[LightRow, EnvironmentMap | None]:
     """The row of an environment, and its map where it has one."""
     light, to_world = placed.light, placed.to_world
     row, model = _row(light, to_world), LIGHTS[light.type_name()]
@@ -203,7 +210,7 @@ def _environment(placed: PlacedLight, compensated: bool) -> tuple[LightRow, Envi
         return row, None
     # What differs by its map only is a light of the first kind with the same kernels.
     kind = next(name for name, other in LIGHTS.items() if other.sample is model.sample)
-    made = model.map_of(light, to_world, compensated)
+    made = kept(f"map of {placed.name}", model.map_of, light, to_world, compensated)
     aside = model.beside_the_map(light)
     red, green, blue = (a * (b + c) for a, b, c in zip(row.color, made.mean, aside, strict=True))
     return row._replace(kind=kind, mean=(red, green, blue)), made

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import namedtuple
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import SmallView, compile_camera, small_view
+from alight.compiled.kept import Kept
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
 from alight.compiled.media import compile_media
@@ -89,6 +91,7 @@ def compile_scene(
     builder: str = "sah",
     threads: int = 1,
     emits: bool = False,
+    kept: Kept | None = None,
 ) -> CompiledScene:
     """Arrays and program of a scene.
 
@@ -108,25 +111,26 @@ def compile_scene(
     emits : bool
         Make the tables of `alight.lights.emission_sampling`, which integrators that splat have
         anyway, and those with a guide where it is possible.
+    kept : Kept, optional
+        Of the compilation before: the tree is taken from there if all shapes are in their places.
 
     Raises
     ------
     SceneError
         If it does, and there is a light at which no light path can start.
     """
-    paths = MotionTable()
+    kept, paths = kept or Kept(), MotionTable()
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures)
-    accel, plan, stats = build_accelerator(
+    accel, plan, stats = kept(
+        f"{structure} by {builder}",
+        partial(build_accelerator, structure=structure, builder=builder, threads=threads),
         shapes.triangles,
         shapes.analytic,
         shapes.unbounded,
         shapes.instances,
         shapes.geometries,
         shapes.moving,
-        structure=structure,
-        builder=builder,
-        threads=threads,
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights
@@ -137,6 +141,7 @@ def compile_scene(
         choice,
         compensated=flat.integrator.combines,
         emits="always" if emits or flat.integrator.splats else own,
+        kept=kept,
     )
     tables = SceneTables(
         shapes=shapes.tables,

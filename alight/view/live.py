@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from alight.compiled.kept import Kept
 from alight.core.errors import AlightError
 from alight.films import Film
 from alight.options.render import RenderOptions
@@ -94,8 +95,6 @@ class LiveScene:
     options : RenderOptions
     changed : callable
         Called from the loop's thread whenever there is more to see.
-    number : int, default 0
-        Of the first view.
 
     Attributes
     ----------
@@ -115,17 +114,18 @@ class LiveScene:
         scene: Scene,
         options: RenderOptions,
         changed: Callable[[], None],
-        number: int = 0,
     ) -> None:
-        self.movable, self._changed = Movable(scene, options), changed
+        self._kept, self._changed = Kept(), changed
+        self.movable = Movable(scene, options, self._kept)
         self.pose = Pose.of(self.movable.flat.camera)
         self.layers: Layers | None = None
         self.phase, self.problem = "compiling", ""
         self.job: Job | None = None
-        self._wish, self._cancel = Wish(number), threading.Event()
+        self._wish, self._cancel = Wish(), threading.Event()
         self._done: Wish | None = None
         self._news = threading.Condition()
         self._closed = False
+        self._next: Movable | None = None
         # Whether there is machine code for `aim`.
         self._looks = threading.Event()
         self._eye: threading.Thread | None = None
@@ -152,6 +152,68 @@ class LiveScene:
             if pose.is_usable:
                 self.pose, last = pose, self._wish
                 self._ask(Wish(last.number + 1, pose, moves=True, spp=last.spp))
+
+    def change(self, scene: Scene, keeps_camera: bool = True) -> None:
+        """Render another scene in place of this one.
+
+        At once if there are kernels for it: else they are compiled in a thread of their own, while
+        the scene before goes on.
+
+        Parameters
+        ----------
+        scene : Scene
+        keeps_camera : bool, default True
+            Whether a camera that was moved stays where it is; False takes that of the scene.
+
+        Raises
+        ------
+        SceneError
+            If it cannot be rendered; the scene before goes on.
+        """
+        movable = Movable(scene, self.movable.options, self._kept)
+        with self._news:
+            self._next = movable
+            same = movable.compiled.program == self.movable.compiled.program
+            if same:
+                self._take_next(keeps_camera)
+        if not same:
+            threading.Thread(
+                target=self._prepare, args=(movable, keeps_camera), daemon=True
+            ).start()
+        self._changed()
+
+    @property
+    def prepares(self) -> bool:
+        """Whether kernels are compiled for a changed scene."""
+        return self._next is not None
+
+    def _prepare(self, movable: Movable, keeps_camera: bool) -> None:
+        """Compile the kernels of a changed scene, and take it if none has come after it."""
+        problem = ""
+        try:
+            movable.prepare()
+        except Exception as error:
+            problem = _words(error)
+        with self._news:
+            if self._next is not movable:
+                return
+            if problem:
+                self._next, self.problem = None, problem
+            else:
+                # A kernel that looks at pixels is compiled anew, too.
+                self._looks, self._eye = threading.Event(), None
+                self._take_next(keeps_camera)
+        self._changed()
+
+    def _take_next(self, keeps_camera: bool) -> None:
+        assert self._next is not None
+        self.movable, self._next, self.problem = self._next, None, ""
+        last = self._wish
+        pose = last.pose if keeps_camera else None
+        if pose is None:
+            mine, old = Pose.of(self.movable.flat.camera), self.pose
+            self.pose = replace(mine, pivot=old.pivot, up=old.up) if keeps_camera else mine
+        self._ask(Wish(last.number + 1, pose, spp=last.spp))
 
     def rest(self) -> None:
         """The camera has come to rest: do not wait for it."""
@@ -230,9 +292,7 @@ class LiveScene:
                     self._done = wish
             except Exception as error:
                 # The page outlives a view that cannot be rendered, and a bug of ours.
-                if not isinstance(error, AlightError):
-                    traceback.print_exc()
-                self.problem = str(error) or type(error).__name__
+                self.problem = _words(error)
                 self._tell("failed")
                 self._done = wish
 
@@ -312,3 +372,10 @@ class LiveScene:
     def _tell(self, phase: str) -> None:
         self.phase = phase
         self._changed()
+
+
+def _words(error: Exception) -> str:
+    """What to tell the page of an error; those that are bugs are told on the terminal, too."""
+    if not isinstance(error, AlightError):
+        traceback.print_exception(error)
+    return str(error) or type(error).__name__

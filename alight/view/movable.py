@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from alight.compiled.cameras import compile_camera, small_view
+from alight.compiled.kept import Kept
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.aov import LAYERS, layer_bits
@@ -39,6 +40,8 @@ class Movable:
     scene : Scene
         With the changes of the options.
     options : RenderOptions
+    kept : Kept, optional
+        Of the scene before it.
 
     Attributes
     ----------
@@ -48,8 +51,8 @@ class Movable:
         x, y, width and height of what is rendered of it.
     """
 
-    def __init__(self, scene: Scene, options: RenderOptions) -> None:
-        self.scene, self.options = scene, options
+    def __init__(self, scene: Scene, options: RenderOptions, kept: Kept | None = None) -> None:
+        self.scene, self.options, self._kept = scene, options, kept
         self.threads = options.threads or usable_processors()
         self.flat = flatten(scene)
         self.compiled = self._compile(self.flat)
@@ -60,7 +63,16 @@ class Movable:
 
     def _compile(self, flat: FlatScene) -> CompiledScene:
         aovs = layers_of(self.options.aovs)
-        return compile_scene(flat, content_hash(flat), aovs=aovs, threads=self.threads)
+        return compile_scene(
+            flat, content_hash(flat), aovs=aovs, threads=self.threads, kept=self._kept
+        )
+
+    def prepare(self) -> None:
+        """Compile the kernels of the picture, unless there is machine code for them already."""
+        if is_to_be_guided(self.compiled):
+            self.coarse_job(Pose.of(self.flat.camera), 1).start(None)
+        else:
+            self.job(None, 1).start(None)
 
     def scene_from(self, pose: Pose | None) -> Scene:
         """Describe the scene with its camera in a pose; None leaves it as it is."""

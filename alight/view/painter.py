@@ -11,8 +11,12 @@ import threading
 import time
 from typing import Any, Protocol
 
+import numpy as np
+
+from alight.films.denoising import denoise
 from alight.metrics import ErrorEstimate
 from alight.view import protocol
+from alight.view.contrast import DIVIDER, FLIP, contrast
 from alight.view.layers import PICTURE, Layers
 from alight.view.session import Look, Session
 from alight.view.shades import shaded
@@ -43,7 +47,9 @@ class Painter:
         self._news = threading.Condition()
         self._woken = self._closed = False
         self._newest: dict[str, str | bytes] = {}
-        self._kept_for: tuple[Layers, Look] | None = None
+        self._kept_for: tuple[Any, ...] | None = None
+        self._denoised: tuple[int, int, np.ndarray, str] | None = None
+        self._contrast: dict[str, float | None] = {}
         self._error: tuple[int, ErrorEstimate] | None = None
         self._next_error = 0.0
         session.changed = self.wake
@@ -99,22 +105,62 @@ class Painter:
     def _paint(self) -> None:
         session = self.session
         layers, look = session.layers, session.look
-        scale = None
+        scale, told = None, {}
         if layers is not None:
-            done = _shaded(layers, look)
+            plane, label = self._plane(layers, look)
+            done = shaded(_name(layers, look), plane, look.display)
             scale = None if done.low is None or done.high is None else (done.low, done.high)
+            told = {"denoised": label}
             self._send("frame", protocol.frame(0, layers.number, done.rgba))
         # Before the error, which takes longer than a frame.
-        self._tell(scale)
-        against = session.against
-        if against is not None and self._kept_for != (against, look):
-            self._kept_for = against, look
-            self._send("kept", protocol.frame(1, 0, _shaded(against, look).rgba))
+        self._tell(scale, told)
+        if session.against is None:
+            self._kept_for = None
+        elif layers is not None and self._compare(layers, session.against, look, told):
+            self._tell(scale, told)
         if self._estimate():
-            self._tell(scale)
+            self._tell(scale, told)
 
-    def _tell(self, scale: tuple[float, float] | None) -> None:
-        state = self.session.state(self._error and self._error[1], scale)
+    def _plane(self, layers: Layers, look: Look) -> tuple[np.ndarray, str]:
+        """The layer that is shown, and what was denoised of it, in words."""
+        name, film = _name(layers, look), self.session.film
+        if not (look.denoised and name == PICTURE and film is not None and self.session.rests):
+            return layers.plane(name), ""
+        samples = int(film.sample_count.sum())
+        if self._denoised is None or self._denoised[:2] != (id(film), samples):
+            picture, bias = denoise(film)
+            self._denoised = id(film), samples, picture.image, bias.line
+        return self._denoised[2], self._denoised[3]
+
+    def _compare(self, layers: Layers, against: Layers, look: Look, told: dict[str, Any]) -> bool:
+        """Send what is compared with, or how both differ; whether there is more to tell."""
+        if look.way == DIVIDER:
+            if self._kept_for != (against, look):
+                self._kept_for = against, look
+                plane = against.plane(_name(against, look))
+                done = shaded(_name(against, look), plane, look.display)
+                self._send("kept", protocol.frame(1, 0, done.rgba))
+            return False
+        if against.size != layers.size:
+            told["differs"] = "the pictures differ in size"
+            return True
+        # FLIP takes long: it waits until the picture rests.
+        if look.way == FLIP and not self.session.rests:
+            told["differs"] = "FLIP is worked out when the picture rests"
+            return True
+        film = self.session.film
+        samples = 0 if film is None else int(film.sample_count.sum())
+        if self._kept_for != (against, look, layers, samples):
+            self._kept_for = against, look, layers, samples
+            plane, mean = contrast(look.way, layers.plane(PICTURE), against.plane(PICTURE))
+            done = shaded(look.way, plane, look.display)
+            self._send("kept", protocol.frame(1, 0, done.rgba))
+            self._contrast = {"mean": mean, "low": done.low, "high": done.high}
+        told["contrast"] = self._contrast
+        return True
+
+    def _tell(self, scale: tuple[float, float] | None, told: dict[str, Any]) -> None:
+        state = self.session.state(self._error and self._error[1], scale, **told)
         self._send("state", json.dumps(state, allow_nan=False))
 
     def _estimate(self) -> bool:
@@ -139,7 +185,6 @@ class Painter:
                 viewer.post(kind, message)
 
 
-def _shaded(layers: Layers, look: Look) -> Any:
+def _name(layers: Layers, look: Look) -> str:
     """The layer that is wished for, or the picture."""
-    name = look.layer if look.layer in layers.names else PICTURE
-    return shaded(name, layers.plane(name), look.display)
+    return look.layer if look.layer in layers.names else PICTURE

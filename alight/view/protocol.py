@@ -16,19 +16,32 @@ Lengths are shares of the height of the picture, right and down positive; angles
     {"do": "pivot", "x": 3, "y": 4}         put the pivot on what this pixel shows
     {"do": "camera", "name": "cameras/top"} one of the scene's cameras; "" is the first one
     {"do": "show", "layer": "error"}        a layer
-    {"do": "develop", "exposure": 0, "tone_map": "none"}
+    {"do": "develop", "exposure": 0, "tone_map": "none", "white_balance": "none"}
+    {"do": "denoise", "on": true}           when the picture rests
+    {"do": "contrast", "way": "difference"} how it is compared with the other picture
     {"do": "pixel", "x": 3, "y": 4}         ask for the values of a pixel
+    {"do": "trace", "x": 3, "y": 4, "sample": 0}     one path through a pixel
+    {"do": "why", "x": 3, "y": 4, "width": 9, "height": 9}       why a region is noisy
+    {"do": "region", "x": 3, "y": 4, "width": 9, "height": 9}    render this part only
+    {"do": "whole"}                         render the whole picture again
     {"do": "keep"}                          keep this picture, to compare with
     {"do": "drop"}                          compare no more
     {"do": "more"}                          twice the samples per pixel
     {"do": "stop"}                          end the render here
+    {"do": "tree"}                          ask for the parts of the scene
+    {"do": "fields", "item": "bsdfs.ball"}  ask for what can be changed of one
+    {"do": "edit", "item": "bsdfs.ball", "path": "bsdfs.ball.alpha", "value": "0.2"}    JSON
+    {"do": "add step", "item": "nodes.ball", "step": "translate"}    to its transform
+    {"do": "undo"}                          take back the last edit
+    {"do": "redo"}                          make it again
 
 **From the server**: JSON objects with ``is``: ``state`` (everything that the page shows around the
-picture; see `alight.view.session.Session.state`), ``pixel`` (answers the one that asked) and
-``refused`` (with ``why``, for a message that is none of the above). Binary messages are frames:
-four little-endian uint32 (which picture: 0 or, to compare with, 1; width; height; number of the
-view), then RGBA bytes, the top row first. Of frames and states only the newest is sent to a browser
-that cannot keep up.
+picture; see `alight.view.session.Session.state`); answers to the one that asked: ``pixel``,
+``trace``, ``why`` (`alight.view.inspection`), ``tree``, ``fields``, ``edited``, ``wrong`` (a value
+that a scene cannot have: ``path`` and ``why``) and ``refused`` (with ``why``, for a message that is
+none of the above). Binary messages are frames: four little-endian uint32 (which picture: 0 or, of
+what is compared with or of how both differ, 1; width; height; number of the view), then RGBA bytes,
+the top row first. Of frames and states only the newest is sent to a browser that cannot keep up.
 """
 
 from __future__ import annotations
@@ -150,6 +163,23 @@ class Develop(Event):
     word = "develop"
     exposure: float
     tone_map: str
+    white_balance: str
+
+
+@dataclass(frozen=True)
+class Denoise(Event):
+    """Show the picture denoised when it rests, or as it is."""
+
+    word = "denoise"
+    on: bool
+
+
+@dataclass(frozen=True)
+class Contrast(Event):
+    """Compare in another way."""
+
+    word = "contrast"
+    way: str
 
 
 @dataclass(frozen=True)
@@ -159,6 +189,45 @@ class AskPixel(Event):
     word = "pixel"
     x: int
     y: int
+
+
+@dataclass(frozen=True)
+class AskTrace(Event):
+    """Ask for one path through a pixel."""
+
+    word = "trace"
+    x: int
+    y: int
+    sample: int
+
+
+@dataclass(frozen=True)
+class AskWhy(Event):
+    """Ask why a region is noisy."""
+
+    word = "why"
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Region(Event):
+    """Render this part only."""
+
+    word = "region"
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Whole(Event):
+    """Render the whole picture again."""
+
+    word = "whole"
 
 
 @dataclass(frozen=True)
@@ -189,13 +258,68 @@ class Stop(Event):
     word = "stop"
 
 
+@dataclass(frozen=True)
+class AskTree(Event):
+    """Ask for the parts of the scene."""
+
+    word = "tree"
+
+
+@dataclass(frozen=True)
+class AskFields(Event):
+    """Ask for what can be changed of a part."""
+
+    word = "fields"
+    item: str
+
+
+@dataclass(frozen=True)
+class Edit(Event):
+    """Change a value of the scene; it is given as JSON."""
+
+    word = "edit"
+    item: str
+    path: str
+    value: str
+
+
+@dataclass(frozen=True)
+class AddStep(Event):
+    """Append a step to a transform."""
+
+    word = "add step"
+    item: str
+    step: str
+
+
+@dataclass(frozen=True)
+class Undo(Event):
+    """Take back the last edit."""
+
+    word = "undo"
+
+
+@dataclass(frozen=True)
+class Redo(Event):
+    """Make it again."""
+
+    word = "redo"
+
+
 #: Words that move the camera.
 MOVES = (Orbit, Pan, Dolly, Fly, Roll, Widen)
+
+#: Words about the scene itself.
+OF_THE_SCENE = (ChooseCamera, AskTree, AskFields, Edit, AddStep, Undo, Redo, Region, Whole)
+
+#: Words whose answers take long: others do not wait for them.
+SLOW = (AskTrace, AskWhy)
 
 EVENTS: dict[str, type[Event]] = {
     event.word: event
     for event in (
-        *MOVES, Rest, Pivot, ChooseCamera, Show, Develop, AskPixel, Keep, Drop, More, Stop,
+        *MOVES, *OF_THE_SCENE, *SLOW, Rest, Pivot, Show, Develop, Denoise, Contrast, AskPixel, Keep,
+        Drop, More, Stop,
     )
 }  # fmt: skip
 
@@ -238,11 +362,13 @@ def _checked(name: str, value: Any, kind: str) -> Any:
         return float(value)
     if kind == "int" and number and isinstance(value, int) and 0 <= value < FARTHEST:
         return value
+    if kind == "bool" and isinstance(value, bool):
+        return value
     if kind == "str" and isinstance(value, str):
         return value
     ranges = {
         "float": f"a number in [-{LARGEST:g}, {LARGEST:g}]",
-        "int": "a whole number >= 0", "str": "a text",
+        "int": "a whole number >= 0", "str": "a text", "bool": "true or false",
     }  # fmt: skip
     raise RefusedError(f"{name} must be {ranges[kind]}")
 

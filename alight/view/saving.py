@@ -23,12 +23,15 @@ def save(session: Session, path: Path) -> None:
         If there is no such thing here, or not yet.
     """
     if path.suffix == ".yaml":
-        if session.live is None:
+        if session.editor is None:
             raise OutputError("only scenes can be saved as scenes")
-        path.write_text(dumps(session.live.scene), encoding="utf-8")
+        path.write_text(dumps(session.editor.scene), encoding="utf-8")
         return
     film, layers, display = session.film, session.layers, session.look.display
-    shown = {"exposure": display.exposure, "tone_map": display.tone_map}
+    shown = {
+        "exposure": display.exposure, "tone_map": display.tone_map,
+        "white_balance": display.white_balance,
+    }  # fmt: skip
     if film is not None:
         film.save(path, **({} if path.suffix == ".alight" else shown))
     elif layers is None or session.live is not None or path.suffix == ".alight":

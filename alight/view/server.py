@@ -31,6 +31,9 @@ from alight.view.session import Session
 
 _TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
 
+#: Slow answers that one browser may wait for.
+MOST_SLOW = 2
+
 #: Code with which a WebSocket is closed that is not admitted ("policy violation").
 _REFUSED = 1008
 
@@ -103,6 +106,7 @@ async def _serve(socket: WebSocket, session: Session, painter: Painter) -> None:
     mailbox = Mailbox()
     painter.join(mailbox)
     sending = asyncio.create_task(_send(socket, mailbox))
+    slow: set[asyncio.Task[None]] = set()
     try:
         while True:
             message = await socket.receive()
@@ -112,14 +116,29 @@ async def _serve(socket: WebSocket, session: Session, painter: Painter) -> None:
                 text = message.get("text")
                 if text is None:
                     raise protocol.RefusedError("messages are texts")
-                answer = await run_in_threadpool(session.apply, protocol.parse(text))
-            except (protocol.RefusedError, AlightError) as error:
-                answer = {"is": "refused", "why": str(error)}
-            if answer is not None:
-                mailbox.answer(json.dumps(answer, allow_nan=False))
+                event = protocol.parse(text)
+                if isinstance(event, protocol.SLOW):
+                    if len(slow) >= MOST_SLOW:
+                        raise protocol.RefusedError(f"{event.word}: wait for the answers before")
+                    slow.add(task := asyncio.create_task(_answer(mailbox, session, event)))
+                    task.add_done_callback(slow.discard)
+                else:
+                    await _answer(mailbox, session, event)
+            except protocol.RefusedError as error:
+                mailbox.answer(json.dumps({"is": "refused", "why": str(error)}))
     finally:
         painter.leave(mailbox)
         sending.cancel()
+
+
+async def _answer(mailbox: Mailbox, session: Session, event: protocol.Event) -> None:
+    """Do what a browser asks, in a thread of its own, and answer if there is an answer."""
+    try:
+        answer = await run_in_threadpool(session.apply, event)
+    except (protocol.RefusedError, AlightError) as error:
+        answer = {"is": "refused", "why": str(error)}
+    if answer is not None:
+        mailbox.answer(json.dumps(answer, allow_nan=False))
 
 
 async def _send(socket: WebSocket, mailbox: Mailbox) -> None:

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
 from typing import Any
 
 from alight.core.errors import AlightError
 from alight.films import Film
-from alight.formats.loading import changed
+from alight.films.denoising import check_denoiser
 from alight.metrics import ErrorEstimate
 from alight.options.render import RenderOptions
 from alight.outputs.display import Display
 from alight.scene import Scene
 from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
+from alight.view.contrast import DIVIDER, ways
+from alight.view.editor import Editor
+from alight.view.inspection import path_through, why_noisy
 from alight.view.layers import PICTURE, FilmLayers, Layers
 from alight.view.live import LiveScene
 from alight.view.protocol import RefusedError
+
+#: Words that change what is shown, not what there is.
+OF_THE_LOOK = (protocol.Show, protocol.Develop, protocol.Denoise, protocol.Contrast)
 
 
 @dataclass(frozen=True)
@@ -30,10 +38,16 @@ class Look:
     layer : str
         What is wished for; the picture where the layers lack it.
     display : Display
+    denoised : bool
+        The picture is, when it rests.
+    way : str
+        How it is compared, see `alight.view.contrast`.
     """
 
     layer: str = PICTURE
     display: Display = field(default_factory=Display)
+    denoised: bool = False
+    way: str = DIVIDER
 
 
 class Session:
@@ -54,6 +68,8 @@ class Session:
     look : Look
     live : LiveScene or None
         None of a film or a picture.
+    editor : Editor or None
+        Of a live scene.
     against : Layers or None
     changed : callable
         Called, from any thread, when there is something new to see; the painter sets it.
@@ -70,12 +86,11 @@ class Session:
         self.changed: Callable[[], None] = lambda: None
         self.live: LiveScene | None = None
         self._still: Layers | None = None
-        self._camera, self.cameras = "", ()
+        self.editor: Editor | None = None
+        self._inspects = threading.Lock()
         if isinstance(shown, Scene):
-            self._scene, self._options = shown, options or RenderOptions()
-            nodes = [path for path, _, node in shown.walk() if node.camera is not None]
-            self.cameras = ("", *nodes)
-            self._look_through("")
+            self.live = LiveScene(shown, options or RenderOptions(), lambda: self.changed())
+            self.editor = Editor(shown, self.live)
         else:
             self._still = shown
 
@@ -102,7 +117,17 @@ class Session:
         """Of the view."""
         return self.live.wish.number if self.live else 0
 
-    def state(self, error: ErrorEstimate | None, scale: tuple[float, float] | None) -> dict:
+    @property
+    def rests(self) -> bool:
+        """Whether nothing is added to the picture at the moment."""
+        return self.live is None or self.live.phase in ("done", "stopped")
+
+    def state(
+        self,
+        error: ErrorEstimate | None,
+        scale: tuple[float, float] | None,
+        **shown: Any,
+    ) -> dict[str, Any]:
         """Describe everything around the picture, as plain JSON.
 
         Parameters
@@ -111,6 +136,8 @@ class Session:
             Of the film.
         scale : (float, float) or None
             Ends of the scale of the layer that is shown.
+        **shown
+            What the painter adds: plain JSON.
         """
         layers, film, live = self.layers, self.film, self.live
         names = layers.names if layers else (PICTURE,)
@@ -127,9 +154,12 @@ class Session:
             "scale": None if scale is None else [_number(end) for end in scale],
             "exposure": self.look.display.exposure,
             "tone_map": self.look.display.tone_map,
+            "white_balance": self.look.display.white_balance,
+            "denoise": self.look.denoised,
+            "can_denoise": film is not None and find_spec("pyoidn") is not None,
+            "way": self.look.way,
+            "ways": list(ways()),
             "tone_maps": list(TONE_CURVES),
-            "cameras": list(self.cameras),
-            "camera": self._camera,
             "against": self.against is not None,
         }
         if film:
@@ -138,9 +168,9 @@ class Session:
         if film and error:
             of_all = error.relrmse
             found["error"] = [_number(n) for n in (of_all.value, of_all.low, of_all.high)]
-        if live:
-            found |= _of_render(live)
-        return found
+        if live and self.editor:
+            found |= _of_render(live) | self.editor.state()
+        return found | shown
 
     # ------------------------------------------------------------------------ what is asked for
 
@@ -154,14 +184,20 @@ class Session:
         """
         if isinstance(event, protocol.AskPixel):
             return self._pixel(event)
-        if isinstance(event, protocol.Show | protocol.Develop):
+        if isinstance(event, OF_THE_LOOK):
             self._change_look(event)
         elif isinstance(event, protocol.Keep):
             self.against = self._kept()
         elif isinstance(event, protocol.Drop):
             self.against = None
-        elif self.live is None:
+        elif self.live is None or self.editor is None:
             raise RefusedError(f"{event.word}: only scenes are rendered")
+        elif isinstance(event, protocol.OF_THE_SCENE):
+            answer = self.editor.apply(event)
+            self.changed()
+            return answer
+        elif isinstance(event, protocol.SLOW):
+            return self._inspected(self.live, event)
         else:
             self._steer(self.live, event)
         self.changed()
@@ -169,8 +205,6 @@ class Session:
 
     def _steer(self, live: LiveScene, event: protocol.Event) -> None:
         match event:
-            case protocol.ChooseCamera(name):
-                self._look_through(name)
             case protocol.Pivot(x, y):
                 live.aim(x, y)
             case protocol.Rest():
@@ -182,29 +216,44 @@ class Session:
             case _:
                 live.move(lambda pose: pose.moved(event, live.movable.size))
 
-    def _look_through(self, name: str) -> None:
-        """Begin anew with a camera of the scene: its shutter may be another one."""
-        if name not in self.cameras:
-            raise RefusedError("camera: the scene has none of this name")
-        scene = changed(self._scene, [f'camera="{name}"']) if name else self._scene
-        number = 0
-        if self.live:
-            self.live.close()
-            number = self.live.wish.number + 1
-        self._camera = name
-        self.live = LiveScene(scene, self._options, lambda: self.changed(), number)
-
-    def _change_look(self, event: protocol.Show | protocol.Develop) -> None:
+    def _change_look(self, event: protocol.Event) -> None:
         if isinstance(event, protocol.Develop):
             try:
-                display = Display(event.exposure, event.tone_map)
+                display = Display(event.exposure, event.tone_map, white_balance=event.white_balance)
             except AlightError as error:
                 raise RefusedError(str(error)) from None
             self.look = replace(self.look, display=display)
+        elif isinstance(event, protocol.Denoise):
+            if event.on and self.film is None and self.live is None:
+                raise RefusedError("denoise: this is no film")
+            if event.on:
+                check_denoiser()
+            self.look = replace(self.look, denoised=event.on)
+        elif isinstance(event, protocol.Contrast):
+            if event.way not in ways():
+                raise RefusedError(f"way must be one of {', '.join(ways())}")
+            self.look = replace(self.look, way=event.way)
+        elif not isinstance(event, protocol.Show):
+            raise RefusedError(f"{event.word}: this changes nothing that is shown")
         elif self.layers and event.layer in self.layers.names:
             self.look = replace(self.look, layer=event.layer)
         else:
             raise RefusedError("layer: there is none of this name")
+
+    def _inspected(self, live: LiveScene, event: protocol.Event) -> dict[str, Any]:
+        """Answer what takes long; what cannot be answered is said in the answer."""
+        answer: dict[str, Any] = {"is": event.word}
+        try:
+            # One at a time: each takes what processors there are.
+            with self._inspects:
+                match event:
+                    case protocol.AskTrace(x, y, sample):
+                        return answer | path_through(live, x, y, sample)
+                    case protocol.AskWhy(x, y, width, height):
+                        return answer | why_noisy(live, x, y, width, height)
+        except AlightError as error:
+            return answer | {"why": str(error)}
+        raise RefusedError(f"{event.word}: there is no answer")
 
     def _kept(self) -> Layers:
         if self.film:

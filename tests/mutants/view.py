@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 SESSION, SERVER = "tests/view/test_session.py", "tests/view/test_server.py"
+EDITING, INSPECTION = "tests/view/test_editing.py", "tests/view/test_inspection.py"
 
 VIEW = (
     Mutant(
@@ -28,5 +29,57 @@ VIEW = (
         "view/access.py",
         (("            return name in LOOPBACK\n", "            return True\n"),),
         f"{SERVER}::test_a_strangers_name_for_this_machine_is_refused",
+    ),
+    Mutant(
+        "the tree of shapes that have moved is used again",
+        "compiled/kept.py",
+        (("            and one.tobytes() == other.tobytes()\n", ""),),
+        f"{EDITING}::test_what_is_kept_is_of_equal_arguments_only",
+    ),
+    Mutant(
+        "a page makes the server read a file",
+        "view/editing.py",
+        (('if found is None or found.kind == "told":', "if found is None:"),),
+        f"{EDITING}::test_files_are_told_but_not_offered",
+    ),
+    Mutant(
+        "undo takes the camera back to where it was",
+        "view/editor.py",
+        (
+            (
+                "self.live.change(scene, keeps_camera=not is_of_camera(path))",
+                "self.live.change(scene, keeps_camera=False)",
+            ),
+        ),
+        f"{EDITING}::test_undo_leaves_a_camera_that_was_moved_where_it_is",
+    ),
+    Mutant(
+        "the path of another pixel, where the picture is a part",
+        "view/inspection.py",
+        (
+            (
+                "at = left + min(x, width - 1), top + min(y, height - 1)",
+                "at = min(x, width - 1), min(y, height - 1)",
+            ),
+        ),
+        f"{INSPECTION}::test_a_cropped_picture_traces_its_own_pixels",
+    ),
+    Mutant(
+        "the noise of a region as a mean over the whole picture",
+        "lab/why/shares.py",
+        ((" * (weights.size / weights[rows, columns].size)", ""),),
+        f"{INSPECTION}::test_the_noise_of_regions_adds_up_to_that_of_the_picture",
+    ),
+    Mutant(
+        "a denoised picture is not labelled",
+        "view/painter.py",
+        (("return self._denoised[2], self._denoised[3]", 'return self._denoised[2], ""'),),
+        "tests/view/test_contrast.py::test_a_film_at_rest_is_denoised_on_the_page_only",
+    ),
+    Mutant(
+        "white balance is seen but not saved",
+        "view/saving.py",
+        (('        "white_balance": display.white_balance,\n', ""),),
+        "tests/view/test_contrast.py::test_white_balance_is_seen_and_saved",
     ),
 )

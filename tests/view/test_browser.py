@@ -3,75 +3,31 @@
 Skipped where there is no Playwright or no Chromium.
 """
 
-import os
 import re
-import shutil
-import subprocess
-import sys
-import time
-from contextlib import contextmanager
 
 import pytest
 
-playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+from tests.view.browsing import (
+    CHROMIUM,
+    SETTLED,
+    launched,
+    opened,
+    pixels_of,
+    served,
+    until,
+    view_of,
+)
+
+pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
-
-TOKEN = "a-token-of-ours"
-SETTLED = "body[data-phase=done][data-connected=true]"
-
-
-@contextmanager
-def served(*words):
-    """A server in a process of its own; gives the address of its page."""
-    command = [sys.executable, "-u", "-m", "alight", "view", *words, "--no-browser"]
-    process = subprocess.Popen(
-        [*command, "--token", TOKEN], stdout=subprocess.PIPE, text=True, env=dict(os.environ)
-    )
-    try:
-        line = process.stdout.readline()
-        yield re.search(r"http\S+", line)[0]
-    finally:
-        process.terminate()
-        process.wait(20)
-        process.stdout.close()
-
 
 SCENE = ("cornell-box", "--size", "48x32", "--spp", "8", "--aov", "normal,depth")
 
 
 @pytest.fixture(scope="module")
 def browser():
-    with playwright.sync_playwright() as started:
-        made = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+    with launched() as made:
         yield made
-        made.close()
-
-
-def opened(browser, address, width=1200):
-    """A page that has settled, and the errors that it notes from now on."""
-    page, errors = browser.new_page(viewport={"width": width, "height": 760}), []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.on("console", lambda m: errors.append(m.text) if m.type in ("error", "warning") else None)
-    page.goto(address)
-    page.wait_for_selector(SETTLED, timeout=300_000)
-    return page, errors
-
-
-def until(page, script, seconds=60.0):
-    """Wait for an expression to hold; the page's own rules forbid Playwright to do it there."""
-    end = time.monotonic() + seconds
-    while not page.evaluate(script):
-        assert time.monotonic() < end, script
-        page.wait_for_timeout(20)
-
-
-def view_of(page):
-    return int(page.evaluate("document.body.dataset.view"))
-
-
-def pixels_of(page):
-    return page.evaluate("document.getElementById('shown').toDataURL()")
 
 
 def test_every_control_of_a_scene(browser):
@@ -81,6 +37,7 @@ def test_every_control_of_a_scene(browser):
         middle = stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2
 
         page.mouse.click(*middle)
+        page.click("#tabs >> text=Inspect")
         page.wait_for_selector("#pixel tr >> nth=3")
         assert "standard error" in page.inner_text("#pixel")
 
@@ -104,9 +61,11 @@ def test_every_control_of_a_scene(browser):
         moves(lambda: page.mouse.wheel(0, -200))
         for key in ("w", "a", "s", "d", "r", "f", "q", "e", "[", "]", "ArrowLeft", "ArrowUp"):
             moves(lambda key=key: page.keyboard.press(key))
+        page.click("#tabs >> text=Render")
         for control in ("#narrow", "#wide", "#roll-left", "#roll-right", "#reset"):
             moves(lambda control=control: page.click(control))
 
+        page.click("#tabs >> text=Display")
         for layer in ("error", "samples", "normal", "depth", "picture"):
             picture = pixels_of(page)
             page.select_option("#layer", layer)
@@ -122,10 +81,11 @@ def test_every_control_of_a_scene(browser):
         assert page.evaluate("document.getElementById('divider').style.left") == "20%"
         page.click("#drop")
         page.wait_for_selector("#of-split", state="hidden")
+        page.click("#tabs >> text=Render")
         page.click("#more")
         until(page, "document.getElementById('phase').textContent.includes('16')")
         with page.expect_download() as download:
-            page.click("text=Film")
+            page.click("#saves >> text=Film")
         assert download.value.suggested_filename == "cornell-box.alight"
         page.click("#fold")
         assert page.is_hidden("#panel")

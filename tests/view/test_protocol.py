@@ -10,7 +10,7 @@ import pytest
 from alight.view import protocol
 from alight.view.protocol import EVENTS, RefusedError
 
-VALUES = {"float": 0.25, "int": 3, "str": "picture"}
+VALUES = {"float": 0.25, "int": 3, "str": "picture", "bool": True}
 
 
 def message(event):

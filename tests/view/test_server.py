@@ -1,6 +1,7 @@
 """The page and its socket: who is let in, and that nothing that is said brings it down."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -62,8 +63,13 @@ def receive(connection, kind):
 def test_the_page_is_there_with_everything_that_it_names(client):
     page = client.get(f"/{TOKEN}/")
     assert page.status_code == 200
-    for name in ("main.js", "connection.js", "gestures.js", "panel.js", "picture.js", "style.css"):
-        assert client.get(f"/{TOKEN}/{name}").status_code == 200
+    named = set(re.findall(r'(?:src|href)="([\w.]+)"', page.text))
+    for name in named:
+        found = client.get(f"/{TOKEN}/{name}")
+        assert found.status_code == 200
+        for other in re.findall(r'from "\./([\w.]+)"', found.text):
+            assert client.get(f"/{TOKEN}/{other}").status_code == 200
+    assert {"main.js", "style.css"} <= named
     for name, value in HEADERS.items():
         assert page.headers[name] == value
     assert TOKEN not in page.text
@@ -123,7 +129,9 @@ def test_a_browser_gets_state_and_picture(client):
 def test_exposure_brightens_the_picture_for_all_who_look(client):
     with socket(client) as one, socket(client) as other:
         before = receive(other, "frame")
-        one.send_text('{"do": "develop", "exposure": 2, "tone_map": "none"}')
+        one.send_text(
+            '{"do": "develop", "exposure": 2, "tone_map": "none", "white_balance": "none"}'
+        )
         wait_for(lambda: receive(other, "frame")[16:] > before[16:], 20)
 
 

@@ -151,13 +151,16 @@ def test_a_file_takes_no_options_of_a_render(tmp_path):
 
 def test_what_makes_no_sense_is_refused_and_changes_nothing():
     session = Session("a", FileLayers(read_picture()))
-    for event in (protocol.Show("albedo"), protocol.AskPixel(5, 0), protocol.Develop(200.0, "none"),
-                  protocol.Develop(0.0, "asces"), protocol.More()):  # fmt: skip
+    for event in (
+        protocol.Show("albedo"), protocol.AskPixel(5, 0), protocol.Denoise(True), protocol.More(),
+        protocol.Develop(200.0, "none", "none"), protocol.Develop(0.0, "asces", "none"),
+        protocol.Develop(0.0, "none", "hot"), protocol.Contrast("blink"),
+    ):  # fmt: skip
         before = session.look
         with pytest.raises(RefusedError):
             session.apply(event)
         assert session.look == before
-    session.apply(protocol.Develop(1.0, "aces"))
+    session.apply(protocol.Develop(1.0, "aces", "3200K"))
     assert session.look.display.exposure == 1.0
     session.apply(protocol.Keep())
     assert session.against is session.layers
@@ -174,7 +177,7 @@ def read_picture():
 def test_named_cameras_are_looked_through():
     session = session_of("transform-tree", ViewOptions(size=(16, 16), spp=1, threads=1))
     try:
-        assert session.cameras[0] == ""
+        assert session.editor.cameras[0] == ""
         with pytest.raises(RefusedError, match="none of this name"):
             session.apply(protocol.ChooseCamera("nowhere"))
     finally:

@@ -159,7 +159,14 @@ def _belongs(part: Part, group: Part) -> bool:
     return all(wanted is None or wanted == own for own, wanted in zip(part, group, strict=True))
 
 
-def shares_of(scene: Scene, *, size: int = 128, spp: int = 64, seed: int = 0) -> Shares:
+def shares_of(
+    scene: Scene,
+    *,
+    size: int = 128,
+    spp: int = 64,
+    seed: int = 0,
+    region: tuple[float, float, float, float] | None = None,
+) -> Shares:
     """Divide up the variance of a scene's picture.
 
     Parameters
@@ -171,6 +178,9 @@ def shares_of(scene: Scene, *, size: int = 128, spp: int = 64, seed: int = 0) ->
     spp : int >= 32, default 64
         Samples a pixel, rounded down to a multiple of 32.
     seed : int
+    region : (float, float, float, float), optional
+        x, y, width and height of the only part that counts, as shares of the full film's width and
+        height; at least the pixels that it touches.
 
     Raises
     ------
@@ -186,6 +196,8 @@ def shares_of(scene: Scene, *, size: int = 128, spp: int = 64, seed: int = 0) ->
     seeds = np.random.SeedSequence((seed, 4)).generate_state(BATCHES + 1).tolist()
     _, pilot = recorder.run(PILOT, seeds[-1])
     weights = relative_weights(pilot[:, :, 0] / PILOT)
+    if region is not None:
+        weights = _within(weights, region)
     divider = _Divider(compiled, weights, each)
     for one in seeds[:-1]:
         divider.add(*recorder.run(each * REPLICATES, one, REPLICATES))
@@ -206,6 +218,18 @@ def relative_weights(reference: np.ndarray) -> np.ndarray:
     """Weights (h, w, 3) with which squared errors add up to relMSE."""
     epsilon = (EPSILON * reference.mean()) ** 2
     return 1.0 / (np.maximum(reference, 0.0) ** 2 + max(epsilon, 1e-30)) / reference.size
+
+
+def _within(weights: np.ndarray, region: tuple[float, float, float, float]) -> np.ndarray:
+    """The weights (h, w, 3) of the pixels that a region touches, so that it has the same mean."""
+    height, width = weights.shape[:2]
+    x, y, w, h = region
+    left, top = min(int(x * width), width - 1), min(int(y * height), height - 1)
+    columns = slice(left, max(int(np.ceil((x + w) * width)), left + 1))
+    rows = slice(top, max(int(np.ceil((y + h) * height)), top + 1))
+    inside = np.zeros_like(weights)
+    inside[rows, columns] = weights[rows, columns]
+    return inside * (weights.size / weights[rows, columns].size)
 
 
 class _Divider:

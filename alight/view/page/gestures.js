@@ -28,6 +28,8 @@ export const KEYS = [
   ["+", "", (ui) => ui.zoom(1.5)],
   ["-", "", (ui) => ui.zoom(1 / 1.5)],
   ["0", "", (ui) => ui.fit()],
+  ["t", "trace a path of the clicked pixel", (ui) => ui.trace()],
+  ["b", "select a region by the next drag", (ui) => ui.arm()],
   ["p", "show or hide the panel", (ui) => ui.fold()],
 ];
 
@@ -35,6 +37,7 @@ export const HELP = [
   ["drag", "orbit about what is under the pointer"],
   ["Shift or right drag", "pan"],
   ["wheel", "towards the pivot and back"],
+  ["Alt drag", "select a region"],
   ["Ctrl wheel, + − 0", "zoom into the pixels, fit"],
   ["click", "values of a pixel"],
   ["W A S D R F", "fly"],
@@ -42,13 +45,20 @@ export const HELP = [
   ["Q E", "roll"],
   ["[ ]", "field of view"],
   [", .", "exposure"],
+  ["Ctrl Z, Ctrl Shift Z", "undo, redo an edit"],
   ...KEYS.filter(([, words]) => words).map(([key, words]) => [key.toUpperCase().replace("HOME", "Home"), words]),
 ];
 
 export function listenToKeys(ui) {
   const actions = new Map(KEYS.map(([key, , action]) => [key, action]));
   document.addEventListener("keydown", (event) => {
-    const typing = event.target.matches("input, select");
+    const typing = event.target.matches("input, select, textarea");
+    if (!typing && (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
+      event.preventDefault();
+      ui.send(event.shiftKey ? "redo" : "undo");
+    }
+    // Arrows in tabs and lists are theirs.
+    if (event.defaultPrevented) return;
     const action = actions.get(event.key.length === 1 ? event.key.toLowerCase() : event.key);
     if (!action || typing || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
@@ -66,13 +76,20 @@ export function listenToPointer(stage, ui) {
     stage.focus({ preventScroll: true });
     stage.setPointerCapture(event.pointerId);
     const pans = event.shiftKey || event.button !== 0;
-    drag = { x: event.clientX, y: event.clientY, moved: false, pans, id: event.pointerId };
+    const selects = event.altKey || ui.isArmed();
+    drag = { x: event.clientX, y: event.clientY, moved: false, pans, selects, id: event.pointerId };
+    drag.from = [drag.x, drag.y];
   });
 
   stage.addEventListener("pointermove", (event) => {
     if (!drag || event.pointerId !== drag.id) return;
     const dx = event.clientX - drag.x, dy = event.clientY - drag.y;
     if (!drag.moved && Math.hypot(dx, dy) < 4) return;
+    if (drag.selects) {
+      drag.moved = true;
+      ui.select(...drag.from, event.clientX, event.clientY);
+      return;
+    }
     if (!drag.moved) ui.grab(drag.x, drag.y);
     Object.assign(drag, { x: event.clientX, y: event.clientY, moved: true });
     ui.drag(dx, dy, drag.pans);
@@ -80,7 +97,8 @@ export function listenToPointer(stage, ui) {
 
   const end = (event) => {
     if (!drag || event.pointerId !== drag.id) return;
-    if (drag.moved) ui.rest();
+    if (drag.selects) ui.selected();
+    else if (drag.moved) ui.rest();
     else if (event.type === "pointerup") ui.ask(event.clientX, event.clientY);
     drag = null;
   };

@@ -2,18 +2,23 @@
 
 import { Connection } from "./connection.js";
 import { Gathered, listenToKeys, listenToPointer } from "./gestures.js";
+import { Inspector } from "./inspect.js";
 import { makePanel, showPixel } from "./panel.js";
 import { Picture } from "./picture.js";
+import { SceneTree } from "./scene.js";
+import { Tabs } from "./tabs.js";
 
 const $ = (id) => document.getElementById(id);
 const picture = new Picture();
 const show = makePanel();
+const tabs = new Tabs();
 let state = { kind: "picture", layers: [], size: [1, 1], exposure: 0, tone_map: "none" };
 let frames = 0;
 
 const connection = new Connection({
   open(isOpen) {
     document.body.dataset.connected = isOpen;
+    tree.forget();
     if (isOpen) return;
     $("phase").textContent = "no connection; trying again";
     $("phase").className = "bad";
@@ -22,8 +27,11 @@ const connection = new Connection({
     if (message.number !== state.number) picture.mark(null);
     state = message;
     picture.resize(state.size);
-    picture.compare(state.against);
+    picture.compare(state.against, state.way, Boolean(state.contrast));
     show(state);
+    inspector.show(state);
+    tabs.offer("Scene", state.kind === "scene");
+    if (state.kind === "scene") tree.show(state);
   },
   frame(message) {
     picture.draw(message);
@@ -31,10 +39,17 @@ const connection = new Connection({
     if (message.picture === 0) document.body.dataset.drawn = message.number;
   },
   pixel: showPixel,
+  trace: (message) => inspector.traced(message),
+  why: (message) => inspector.because(message),
+  tree: (message) => tree.tree(message),
+  fields: (message) => tree.values(message),
+  edited: (message) => tree.answered(message),
+  wrong: (message) => tree.answered(message),
   refused({ why }) { console.warn(why); },
 });
 
 const send = (word, keys) => connection.send(word, keys);
+const tree = new SceneTree(send), inspector = new Inspector(send, picture);
 const gathered = new Gathered(send);
 const moves = (word, keys) => { if (state.kind === "scene") gathered.add(word, keys); };
 
@@ -72,15 +87,24 @@ const ui = {
     const pixel = picture.pixelAt(x, y);
     if (!pixel) return;
     picture.mark(pixel);
+    inspector.at(pixel);
     send("pixel", pixel);
   },
+  trace: () => inspector.trace(0),
+  isArmed: () => inspector.isArmed && state.kind === "scene",
+  arm() { if (state.kind === "scene") inspector.arm(!inspector.isArmed); },
+  select: (...box) => inspector.between(...box),
+  selected: () => inspector.arm(false),
   reset() { if (state.kind === "scene") send("camera", { name: state.camera }); },
   nextLayer() {
     const next = (state.layers.indexOf(state.layer) + 1) % state.layers.length;
     send("show", { layer: state.layers[next] });
   },
-  develop(exposure, tone_map) { send("develop", { exposure, tone_map }); },
-  expose: (by) => ui.develop(state.exposure + by, state.tone_map),
+  develop(change) {
+    const { exposure, tone_map, white_balance } = state;
+    send("develop", { exposure, tone_map, white_balance, ...change });
+  },
+  expose: (by) => ui.develop({ exposure: state.exposure + by }),
   compare: () => send(state.against ? "drop" : "keep"),
   fold() {
     const isFolded = document.body.classList.toggle("folded");
@@ -100,14 +124,22 @@ for (const [id, action] of Object.entries({
 
 $("camera").addEventListener("change", () => send("camera", { name: $("camera").value }));
 $("layer").addEventListener("change", () => send("show", { layer: $("layer").value }));
-$("tone").addEventListener("change", () => ui.develop(state.exposure, $("tone").value));
-$("exposure").addEventListener("input", () => ui.develop(Number($("exposure").value), state.tone_map));
+$("tone").addEventListener("change", () => ui.develop({ tone_map: $("tone").value }));
+$("exposure").addEventListener("input", () => ui.develop({ exposure: Number($("exposure").value) }));
+$("white").addEventListener("change", () => {
+  const white = $("white").value;
+  ui.develop({ white_balance: white === "kelvin" ? `${$("kelvin").value}K` : white });
+});
+$("kelvin").addEventListener("input", () => ui.develop({ white_balance: `${$("kelvin").value}K` }));
+$("denoise").addEventListener("change", () => send("denoise", { on: $("denoise").checked }));
+$("way").addEventListener("change", () => send("contrast", { way: $("way").value }));
 $("split").addEventListener("input", () => picture.divide(Number($("split").value)));
-paintRamp();
+paintRamp($("ramp"));
+paintRamp($("contrast-ramp"));
 
 // The scale of layers of numbers, as alight/view/shades.py paints it.
-function paintRamp() {
-  const context = $("ramp").getContext("2d"), gradient = context.createLinearGradient(0, 0, 128, 0);
+function paintRamp(canvas) {
+  const context = canvas.getContext("2d"), gradient = context.createLinearGradient(0, 0, 128, 0);
   const colours = ["#000004", "#2b1050", "#701f69", "#b53454", "#e76230", "#f9a63e", "#fcf6be"];
   colours.forEach((colour, i) => gradient.addColorStop(i / (colours.length - 1), colour));
   context.fillStyle = gradient;

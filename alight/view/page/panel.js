@@ -40,8 +40,9 @@ export function makePanel() {
     showPhase(state);
     showError(state);
     showRender(state);
-    $("of-cameras").hidden = state.cameras.length < 2;
-    fill($("camera"), state.cameras, state.camera, (name) => name || "the scene's own");
+    const cameras = state.cameras ?? [];
+    $("of-cameras").hidden = cameras.length < 2;
+    fill($("camera"), cameras, state.camera ?? "", (name) => name || "the scene's own");
     const { fov, height } = state.lens ?? {};
     $("lens").textContent = fov ? `Field of view ${fov.toPrecision(3)}°`
       : height ? `Height ${height.toPrecision(3)} m` : "";
@@ -53,7 +54,8 @@ export function makePanel() {
     $("scale").hidden = !state.scale;
     if (state.scale) [$("low").textContent, $("high").textContent] = state.scale.map(
       (end) => (state.layer === "error" ? percent(end) : figure(end)));
-    $("drop").hidden = $("of-split").hidden = !state.against;
+    showWhite(state);
+    showContrast(state);
     if ($("saves").dataset.kind !== state.kind) {
       $("saves").dataset.kind = state.kind;
       $("saves").replaceChildren(...saves[state.kind].map(link));
@@ -69,6 +71,38 @@ function link(name) {
   made.textContent = name.split(".")[0] === "scene" ? "Scene" : name.split(".")[1].toUpperCase()
     .replace("ALIGHT", "Film");
   return made;
+}
+
+function showWhite(state) {
+  const kelvin = /^([\d.]+)k$/i.exec(state.white_balance)?.[1];
+  if (document.activeElement !== $("white")) $("white").value = kelvin ? "kelvin" : state.white_balance;
+  $("of-kelvin").hidden = !kelvin;
+  $("kelvin-told").textContent = kelvin ? `${kelvin} K` : "";
+  if (kelvin && document.activeElement !== $("kelvin")) $("kelvin").value = kelvin;
+  $("denoise").checked = state.denoise;
+  $("denoise").disabled = !state.can_denoise;
+  $("denoised").hidden = !(state.denoise || !state.can_denoise);
+  $("denoised").textContent = state.denoised || (state.can_denoise ? "waits until the picture rests"
+    : "needs a film and the extra “denoise”");
+  $("label").hidden = !state.denoised;
+}
+
+const WAYS = { divider: "a divider", difference: "the difference", flip: "FLIP" };
+
+function showContrast(state) {
+  const isSplit = state.way === "divider", contrast = state.contrast;
+  $("drop").hidden = $("of-way").hidden = !state.against;
+  $("no-contrast").hidden = state.against;
+  $("of-split").hidden = !state.against || !isSplit;
+  $("of-contrast").hidden = !state.against || isSplit;
+  fill($("way"), state.ways, state.way, (way) => WAYS[way] ?? way);
+  if (isSplit || !state.against) return;
+  const isFlip = state.way === "flip", told = isFlip ? figure : percent;
+  $("differs").textContent = contrast
+    ? isFlip ? `mean FLIP ${figure(contrast.mean)}` : `root of the relative MSE ${percent(contrast.mean)}`
+    : state.differs ?? "";
+  $("contrast-low").textContent = contrast ? told(contrast.low) : "";
+  $("contrast-high").textContent = contrast ? told(contrast.high) : "";
 }
 
 function showPhase(state) {

@@ -11,6 +11,7 @@ export class Picture {
     this.zoom = 1;
     this.shift = [0, 0];
     this.split = 50;
+    this.isSplit = true;
     new ResizeObserver(() => this.place()).observe(this.stage);
   }
 
@@ -75,6 +76,14 @@ export class Picture {
     return at.every((n, i) => n >= 0 && n < this.size[i]) ? { x: at[0], y: at[1] } : null;
   }
 
+  // The pixel of the picture that is nearest to a place of the screen.
+  nearest(x, y) {
+    const rect = this.box.getBoundingClientRect();
+    const at = [(x - rect.left) / this.scale, (y - rect.top) / this.scale].map(
+      (n, i) => Math.min(Math.max(Math.floor(n), 0), this.size[i] - 1));
+    return { x: at[0], y: at[1] };
+  }
+
   mark(pixel) {
     this.marked = pixel;
     $("mark").hidden = !pixel;
@@ -84,14 +93,19 @@ export class Picture {
     }
   }
 
-  compare(isOn) {
-    this.canvases[1].hidden = $("divider").hidden = !isOn;
+  // `way` is "divider", or another picture lies over all of this one once it is there.
+  compare(isOn, way, isThere) {
+    const isSplit = way === "divider";
+    this.canvases[1].hidden = !isOn || !(isSplit || isThere);
+    $("divider").hidden = !isOn || !isSplit;
+    this.isSplit = isSplit;
+    this.divide(this.split);
   }
 
   // The kept picture is seen to the left of the divider.
   divide(percent) {
     this.split = percent;
-    this.canvases[1].style.clipPath = `inset(0 ${100 - percent}% 0 0)`;
+    this.canvases[1].style.clipPath = this.isSplit ? `inset(0 ${100 - percent}% 0 0)` : "none";
     $("divider").style.left = `${percent}%`;
   }
 }
