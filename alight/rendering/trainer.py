@@ -104,7 +104,8 @@ class Trainer:
         self.add = instantiate(add_records)
         self.local = threading.local()
         self.unit = self.light_unit = 0.0
-        self.emits = isinstance(scene.tables.lights, EmittingLights)
+        # Light paths know of no media.
+        self.emits = isinstance(scene.tables.lights, EmittingLights) and not program.media
         if self.emits:
             self.light_kernel = instantiate(record_light_paths, program)
             self.add_light = instantiate(add_arrivals)
