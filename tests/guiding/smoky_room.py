@@ -10,7 +10,7 @@ alight: 1
 camera: {type: pinhole, fov: 70, transform: {look_at: {origin: [0, 0, 0.9], target: [0, -0.2, -1]}}}
 film: {size: [40, 32]}
 sampler: independent
-integrator: {type: volpath, max_depth: 7, guiding: "on"}
+integrator: {type: volpath, max_depth: 7, hide_emitters: true, guiding: "on"}
 medium: fog
 media:
   fog:
@@ -33,7 +33,7 @@ nodes:
   right: {shape: rectangle, bsdf: grey, transform: [{scale: 2}, {rotate: {axis: y, angle: -90}}, {translate: [1, 0, -1]}]}
   far: {shape: rectangle, bsdf: grey, transform: [{scale: 1}, {translate: [0, 0, -3]}]}
   near: {shape: rectangle, bsdf: grey, transform: [{scale: 1}, {translate: [0, 0, 1]}]}
-  wall: {shape: rectangle, bsdf: grey, transform: [{scale: 1}, {translate: [-0.6, 0, -1]}]}
+  wall: {shape: rectangle, bsdf: grey, transform: [{scale: [0.5, 1, 1]}, {translate: [-0.5, 0, -1]}]}
   curtain: {shape: rectangle, bsdf: curtain, transform: [{scale: [0.3, 1, 1]}, {translate: [0.7, 0, -1.2]}]}
   cloud:
     shape: {type: sphere, radius: 0.3}
@@ -48,8 +48,8 @@ nodes:
     transform: {translate: [-0.4, -0.7, -0.3]}
   lamp:
     shape: rectangle
-    light: {type: area, radiance: 30}
-    transform: [{scale: 0.25}, {rotate: {axis: x, angle: 90}}, {translate: [-0.5, 0.98, -2]}]
+    light: {type: area, radiance: 10}
+    transform: [{scale: 0.6}, {rotate: {axis: x, angle: 90}}, {translate: [-0.2, 0.98, -1.9]}]
 """  # noqa: E501
 
 
