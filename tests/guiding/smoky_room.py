@@ -1,10 +1,14 @@
 """A smoky room lit through a gap: what guided paths meet in media, all in one scene."""
 
 from alight.formats import loads
+from alight.media.homogeneous import Homogeneous
 from alight.scene.description import Scene
 
-#: Fog that dims channels differently, a cloud of another phase function without a surface, a curtain
-#: with holes, glass with a medium within, a material of both lobes, and a lamp in each half.
+#: What fills the room.
+FOG = Homogeneous(sigma_t=(0.3, 0.5, 0.8), albedo=(0.95, 0.9, 0.8))
+
+#: Fog that dims channels differently, a cloud of another phase function without a surface, a
+#: curtain with holes, glass with a medium within, a material of both lobes; the lamp is hidden.
 ROOM = """
 alight: 1
 camera: {type: pinhole, fov: 70, transform: {look_at: {origin: [0, 0, 0.9], target: [0, -0.2, -1]}}}
