@@ -104,8 +104,7 @@ class Trainer:
         self.add = instantiate(add_records)
         self.local = threading.local()
         self.unit = self.light_unit = 0.0
-        # Light paths know of no media.
-        self.emits = isinstance(scene.tables.lights, EmittingLights) and not program.media
+        self.emits = isinstance(scene.tables.lights, EmittingLights)
         if self.emits:
             self.light_kernel = instantiate(record_light_paths, program)
             self.add_light = instantiate(add_arrivals)
