@@ -229,6 +229,21 @@ def test_a_guided_picture_of_media_is_that_of_a_path_tracer(options, spp):
         assert error[0] < (0.01 if spp > 512 else 0.02) / 4.0 * means[1].mean((0, 1))[0]
 
 
+def test_light_sampling_in_fog_knows_the_guide():
+    """Thick fog under a large lamp, found by both ways: their weights must sum to one."""
+    text = ROOM.replace("sigma_t: [0.3, 0.5, 0.8]", "sigma_t: [1.5, 1.5, 1.5]")
+    text = text.replace("g: 0.6", "g: -0.5").replace("reflectance: 0.7", "reflectance: 0.02")
+    text = text.replace("scale: 0.6", "scale: 0.95").replace("[-0.2, 0.98, -1.9]", "[0, 0.9, -0.4]")
+    guided, free = (
+        alight.render(room(text, guiding=way, max_depth=2), spp=512, seed=seed, threads=2)
+        for way, seed in (("on", 1), ("off", 2))
+    )
+    variance = (guided.standard_error**2 + free.standard_error**2).mean((0, 1)) / (40 * 32)
+    difference = (guided.mean - free.mean).mean((0, 1))
+    assert (np.abs(difference) < 4.5 * np.sqrt(variance)).all()
+    assert (np.sqrt(variance) < 3e-3 * free.mean.mean((0, 1))).all()
+
+
 def test_parts_resumed_and_threads_have_the_bits_of_one_render(tmp_path, monkeypatch):
     """The guide of a resumed render is the same again, whoever adds its records."""
     scene = room()

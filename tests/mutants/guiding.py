@@ -44,7 +44,7 @@ GUIDING = (
                 "pdf = where(scattered, pdf, mixed_density(settings, here, light.wi, pdf, lit))",
             ),
         ),
-        SAME_IN_MEDIA,
+        f"{MEDIA}::test_light_sampling_in_fog_knows_the_guide",
     ),
     Mutant(
         "records in fog with the transmittance of one channel",
