@@ -157,12 +157,13 @@ def step(program):
         active = (met | scattered) & ~passing & (depth < settings.max_depth)
         p = where(scattered, path.o + t * path.d, surface.p)
         wo = to_local(surface, -path.d)
+        dimension = vertex_dimension(path.steps)
+        place = Vertex(p, surface, wo, dimension, scattered)
         here = guide_at(settings, p) if guided else NOWHERE
         if samples_lights:
-            path = add_direct_light(scene, settings, path, surface, wo, p, scattered, active, here)
+            path = add_direct_light(scene, settings, path, here, place, active)
 
         # Where the path continues.
-        dimension = vertex_dimension(path.steps)
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
         turning = active & ~scattered
@@ -174,7 +175,6 @@ def step(program):
             drawing = replace(
                 path, beta=path.beta * (1.0 / mean(path.ours)), active=turning | active
             )
-            place = Vertex(p, surface, wo, dimension, scattered)
             drawn, w, of_bsdf = guided_scatter(scene, settings, drawing, here, place, active)
             wi, weight, pdf, flags = drawn
             turn = Turn(w, weight, pdf, (flags & DELTA) != 0)
@@ -239,14 +239,14 @@ def step(program):
 def _write_add_direct_light(chosen_weight, by_light, guided):
     """Light sampling at surfaces and in media.
 
-    ``(scene, settings, path, surface, wo, p, scattered, active, here) -> path``; p is the surface's
-    point, or where paths scattered. Only delta lights count unless `by_light`.
+    ``(scene, settings, path, here, vertex, active) -> path``. Only delta lights count unless
+    `by_light`.
     """
 
     @kernel
-    def add_direct_light(scene, settings, path, surface, wo, p, scattered, active, here):
+    def add_direct_light(scene, settings, path, here, vertex, active):
+        p, surface, wo, dimension, scattered = vertex
         rays = path.rays
-        dimension = vertex_dimension(path.steps)
         # Media have no normal.
         n = where(scattered, lanes_vec3(0.0), lit_normal(surface.ns, wo))
         light = sample_light(

@@ -241,7 +241,7 @@ def test_light_sampling_in_fog_knows_the_guide():
     variance = (guided.standard_error**2 + free.standard_error**2).mean((0, 1)) / (40 * 32)
     difference = (guided.mean - free.mean).mean((0, 1))
     assert (np.abs(difference) < 4.5 * np.sqrt(variance)).all()
-    assert (np.sqrt(variance) < 3e-3 * free.mean.mean((0, 1))).all()
+    assert (np.sqrt(variance) < 4e-3 * free.mean.mean((0, 1))).all()
 
 
 def test_parts_resumed_and_threads_have_the_bits_of_one_render(tmp_path, monkeypatch):

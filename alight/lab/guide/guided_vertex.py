@@ -131,7 +131,8 @@ def guide(
     Parameters
     ----------
     scene : Scene, path or name of a built-in scene
-        With an integrator that can be guided and knows no media; its guide is that of a render with the same seed.
+        With an integrator that can be guided and knows no media; its guide is that of a render
+        with the same seed.
     pixel : (int, int)
         x and y on the full film, from the top left.
     {options}
