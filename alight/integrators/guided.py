@@ -30,7 +30,6 @@ from alight.integrators.walk import (
     ROULETTE,
     to_local,
     to_world,
-    vertex_dimension,
 )
 from alight.samplers.sampling import get_1d, get_2d
 from lanewise.jit import kernel
@@ -58,6 +57,10 @@ WINDOW, LEAST = 6.0, 0.05
 
 #: Place of the choice between guide and BSDF among the numbers of a vertex.
 GUIDE = 8
+
+#: Where a path scatters. p: point; surface, wo: as of `sample_bsdf`; dimension: first one of its
+#: random numbers; collided: mask, in a medium and not at the surface, or empty without media.
+Vertex = namedtuple("Vertex", "p surface wo dimension collided")
 
 #: The guide at a vertex: `Place`, and the numbers of its leaf (`alight.guiding.tables`); `NOWHERE`
 #: without one.
@@ -92,20 +95,34 @@ def mixed_density(settings, here, w, of_bsdf, active):
     return mixed(here.share, of_guide, of_bsdf)
 
 
-def write_guided_scatter(roulette):
-    """``(scene, settings, path, here, surface, wo) -> (BsdfSample, of_bsdf)``, from the mixture.
+@kernel
+def sample_at_surface(scene, path, vertex, u, u2):
+    """A direction of active paths by the BSDF: `BsdfSample`, and in world space."""
+    found = sample_bsdf(scene, vertex.surface, vertex.wo, u, u2, path.active)
+    return found, to_world(vertex.surface, found.wi)
 
-    of_bsdf: the BSDF's own density of the direction. It plays roulette, if there is one. Training
-    paths leave a record.
+
+@kernel
+def evaluate_at_surface(scene, path, vertex, w, wi, active):
+    """The BSDF's `BsdfValue` for the unit direction w in world space, wi in the shading frame."""
+    return evaluate_bsdf(scene, vertex.surface, vertex.wo, wi, active)
+
+
+def write_guided_scatter(roulette, sample, evaluate):
+    """``(scene, settings, path, here, vertex, going) -> (BsdfSample, w, of_bsdf)``.
+
+    Directions of active paths from the mixture, w in world space; of_bsdf: the BSDF's own density.
+    It plays roulette, if there is one. Training paths leave a record where they are `going`.
+    `sample` and `evaluate` are kernels as `sample_at_surface` and `evaluate_at_surface`.
     """
 
     @kernel
-    def guided_scatter(scene, settings, path, here, surface, wo):
+    def guided_scatter(scene, settings, path, here, vertex, going):
         active, guide = path.active, settings.guide
-        dimension = vertex_dimension(path.depth + 1)
+        surface, wo, dimension = vertex.surface, vertex.wo, vertex.dimension
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
-        found = sample_bsdf(scene, surface, wo, u, u2, active)
+        found, w = sample(scene, path, vertex, u, u2)
         delta = (found.flags & DELTA) != 0
         # A material has delta lobes only, or none, or both, whatever was drawn.
         only_delta = delta & ~is_mixed(scene, surface)
@@ -119,12 +136,11 @@ def write_guided_scatter(roulette):
 
         led = survived & (get_1d(path.sampler, dimension + GUIDE) < share)
         smooth = survived & (led | ~delta)
-        w = to_world(surface, found.wi)
         w, of_guide = draw_direction(guide, here.place, led, u2, w, smooth)
         f_cos, of_bsdf = found.weight * found.pdf, found.pdf
         if any_lane(led):
             wi = to_local(surface, w)
-            value = evaluate_bsdf(scene, surface, wo, wi, led)
+            value = evaluate(scene, path, vertex, w, wi, led)
             f_cos, of_bsdf = where(led, value.f_cos, f_cos), where(led, value.pdf, of_bsdf)
             side = where(wo.z * wi.z > 0.0, lanes_u32(REFLECTION), lanes_u32(TRANSMISSION))
             found = replace(found, wi=where(led, wi, found.wi), flags=where(led, side, found.flags))
@@ -134,10 +150,10 @@ def write_guided_scatter(roulette):
         weight = where(possible, f_cos / where(possible, pdf, 1.0), lanes_vec3(0.0))
         weight = where(smooth, weight, found.weight / (1.0 - share))
         if settings.log.rows.size > 0:
-            drawn = Drawn(p=surface.p, d=w, pdf=pdf, of_bsdf=of_bsdf, weight=weight)
-            record_vertices(settings.log, path, drawn, smooth & possible)
+            drawn = Drawn(p=vertex.p, d=w, pdf=pdf, of_bsdf=of_bsdf, weight=weight)
+            record_vertices(settings.log, path, drawn, smooth & possible & going)
         weight = where(survived, weight / survival, lanes_vec3(0.0))
-        return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf)), of_bsdf
+        return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf)), w, of_bsdf
 
     return guided_scatter
 

@@ -77,4 +77,24 @@ class PathLengths(Integrator):
 
 
 class PathTracing(PathLengths, LightSampling):
-    """Base class of path tracers."""
+    """Base class of path tracers.
+
+    Parameters
+    ----------
+    guiding : {"off", "on", "auto"}, default "off"
+        Whether paths also follow a guide, which learns before the picture where light comes from
+        (`alight.guiding`); "auto": where training finds that it pays. Roulette then ends paths that
+        the guide expects to add little, from the second vertex on.
+    """
+
+    guiding: Annotated[Literal["off", "on", "auto"], NoiseOnly()] = "off"
+
+    @property
+    def wants_guide(self) -> bool:
+        """As `guiding` says."""
+        return self.guiding != "off"
+
+    @property
+    def guide_must_pay(self) -> bool:
+        """As `guiding` says."""
+        return self.guiding == "auto"

@@ -58,15 +58,18 @@ from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.guided import (
     NOWHERE,
+    Vertex,
+    evaluate_at_surface,
     guide_at,
     is_guided,
     mixed_density,
+    sample_at_surface,
     write_guided_scatter,
 )
 from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
-from alight.integrators.reach import write_reach_environment, write_reach_lamp
+from alight.integrators.reach import drawn_by_bsdf, write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_roulette
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
@@ -104,26 +107,11 @@ class Path(PathTracing):
     ----------
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
-    guiding : {"off", "on", "auto"}, default "off"
-        Whether paths also follow a guide, which learns before the picture where light comes from
-        (`alight.guiding`); "auto": where training finds that it pays. Roulette then ends paths that
-        the guide expects to add little, from the second vertex on.
     """
 
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
-    guiding: Annotated[Literal["off", "on", "auto"], NoiseOnly()] = "off"
-
-    @property
-    def wants_guide(self) -> bool:
-        """As `guiding` says."""
-        return self.guiding != "off"
-
-    @property
-    def guide_must_pay(self) -> bool:
-        """As `guiding` says."""
-        return self.guiding == "auto"
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
@@ -201,7 +189,8 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
 def _write_trace(program, bsdf_weight, listeners):
     environment = bool(environments_of(program))
     hides = program.option("hide_emitters", False)
-    reach_environment = write_reach_environment(bsdf_weight, listeners, is_guided(program))
+    unguided = drawn_by_bsdf if is_guided(program) else None
+    reach_environment = write_reach_environment(bsdf_weight, listeners, unguided)
     is_from_camera = _write_is_from_camera(program)
 
     @kernel
@@ -227,12 +216,12 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
     guided = is_guided(program)
-    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, guided)
+    reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, drawn_by_bsdf if guided else None)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
     absorbing = absorbs(program)
-    next_direction = write_guided_scatter(roulette) if guided else _write_scatter(scatter)
+    next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
     @kernel
@@ -332,8 +321,22 @@ def _write_end_dim_paths(program):
     return end_dim_paths
 
 
+def _write_guided_scatter(roulette):
+    """``(scene, settings, path, here, surface, wo) -> (BsdfSample, of_bsdf)``: with a guide."""
+    guided_scatter = write_guided_scatter(roulette, sample_at_surface, evaluate_at_surface)
+
+    @kernel
+    def next_direction(scene, settings, path, here, surface, wo):
+        dimension = vertex_dimension(path.depth + 1)
+        vertex = Vertex(surface.p, surface, wo, dimension, ())
+        found, _, of_bsdf = guided_scatter(scene, settings, path, here, vertex, path.active)
+        return found, of_bsdf
+
+    return next_direction
+
+
 def _write_scatter(scatter):
-    """As `alight.integrators.guided.write_guided_scatter`, without a guide."""
+    """As `_write_guided_scatter`, without a guide."""
 
     @kernel
     def next_direction(scene, settings, path, here, surface, wo):

@@ -1,7 +1,8 @@
 """Light at the end of a ray: what paths gain where their directions happen to lead to it.
 
 In multiple importance sampling this is the technique of the BSDF; the factories take its weight,
-``bsdf_weight(path, light_pdf)``, and the kernels of `alight.integrators.contributions` that listen.
+``bsdf_weight(path, light_pdf)``, the kernels of `alight.integrators.contributions` that listen, and
+``unguided(path)``, the path as its BSDF's density would have it, if there is a guide.
 """
 
 from __future__ import annotations
@@ -15,10 +16,16 @@ from lanewise.records import replace
 from lanewise.simd import any_lane, where
 
 
-def write_reach_environment(bsdf_weight, listeners, guided=False):
+@kernel
+def drawn_by_bsdf(path):
+    """A path whose last direction has the density of the BSDF."""
+    return replace(path, pdf=path.unguided.pdf)
+
+
+def write_reach_environment(bsdf_weight, listeners, unguided=None):
     """``(scene, path, missed) -> path``: light of the environment, where rays left the scene."""
     recorded, leave = listeners.leave is not None, listeners.leave
-    reach_unguided = _write_reach_unguided(bsdf_weight)
+    guided, reach_unguided = unguided is not None, _write_reach_unguided(bsdf_weight, unguided)
 
     @kernel
     def reach_environment(scene, path, missed):
@@ -40,10 +47,10 @@ def write_reach_environment(bsdf_weight, listeners, guided=False):
     return reach_environment
 
 
-def write_reach_lamp(bsdf_weight, holes, listeners, guided=False):
+def write_reach_lamp(bsdf_weight, holes, listeners, unguided=None):
     """``(scene, path, hit, surface, active) -> path``: light of surfaces that rays hit."""
     recorded, find = listeners.find is not None, listeners.find
-    reach_unguided = _write_reach_unguided(bsdf_weight)
+    guided, reach_unguided = unguided is not None, _write_reach_unguided(bsdf_weight, unguided)
 
     @kernel
     def reach_lamp(scene, path, hit, surface, active):
@@ -68,12 +75,12 @@ def write_reach_lamp(bsdf_weight, holes, listeners, guided=False):
     return reach_lamp
 
 
-def _write_reach_unguided(bsdf_weight):
+def _write_reach_unguided(bsdf_weight, unguided):
     """``(path, Le, light_pdf, mask) -> path``: the same light to `unguided`, by its own weight."""
 
     @kernel
     def reach_unguided(path, Le, light_pdf, mask):
-        w = bsdf_weight(replace(path, pdf=path.unguided.pdf), light_pdf)
+        w = bsdf_weight(unguided(path), light_pdf)
         return gather_unguided(path, path.beta * Le * w, mask)
 
     return reach_unguided

@@ -7,14 +7,14 @@ r"""Volumetric path tracing: surfaces as `path`, and media between them that abs
 Distances are chosen by the media, directions in them by their phase functions. Lights are sampled
 at surfaces and in media alike; shadow rays go through surfaces that are not there (`null`) and are
 dimmed by the media on their way. Directions and light sampling are combined by the balance
-heuristic, together with the three channels (`alight.integrators.volume_walk`).
+heuristic, together with the three channels (`alight.integrators.volume_walk`). A guide mixes its
+directions with those of phase functions as with those of BSDFs (`alight.integrators.guided`).
 
 Source: PBR4 section 14.2.3 (VolPathIntegrator); Miller, Georgiev and Jarosz, SIGGRAPH 2019.
 """
 
 from __future__ import annotations
 
-from collections import namedtuple
 from typing import ClassVar, Literal
 
 from alight.accel import intersect_closest
@@ -23,18 +23,33 @@ from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, max_component
+from alight.integrators.collisions import (
+    Turn,
+    evaluate_anywhere,
+    pass_media,
+    phase_towards_light,
+    sample_anywhere,
+    turn_in_medium,
+)
+from alight.integrators.guided import (
+    NOWHERE,
+    Vertex,
+    guide_at,
+    is_guided,
+    mixed_density,
+    write_guided_scatter,
+)
 from alight.integrators.mis_weights import BY_BSDF, BY_LIGHT, MIS, STRATEGIES
 from alight.integrators.options import PathTracing
 from alight.integrators.path import NO_LISTENERS
 from alight.integrators.reach import write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_roulette
 from alight.integrators.shadow_rays import come_through
+from alight.integrators.volume_walk import empty_paths as empty_paths
 from alight.integrators.volume_walk import (
-    FREE_FLIGHT,
     mean,
     medium_beyond,
 )
-from alight.integrators.volume_walk import empty_paths as empty_paths
 from alight.integrators.volume_walk import start_paths as start_paths
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -44,6 +59,7 @@ from alight.integrators.walk import (
     UNLIMITED,
     count_lanes,
     gather_light,
+    gather_unguided,
     to_local,
     to_world,
     vertex_dimension,
@@ -52,27 +68,20 @@ from alight.lights.choice import lit_normal
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environments_of
 from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
-from alight.media.sampling import evaluate_phase, fly, sample_phase
-from alight.media.tables import EMISSIVE, Segment, stream_of
-from alight.media.voxels import emission
+from alight.media.tables import Segment, stream_of
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import shadow_length, spawn_origin
 from alight.shapes.surfaces import make_surface
-from lanewise.jit import kernel, specialised
+from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import (
     any_lane,
     lanes,
     lanes_mask,
-    lanes_u32,
     lanes_vec3,
     maximum,
     where,
 )
-
-#: Where a path goes on: direction d (unit, in the world), weight of its throughput, density per
-#: steradian, and whether a delta lobe chose it.
-Turn = namedtuple("Turn", "d weight pdf delta")
 
 
 class VolPath(PathTracing):
@@ -98,7 +107,7 @@ EXAMPLES = (
     VolPath(max_depth=8, rr_depth=5),
     VolPath(light_sampling="bsdf", russian_roulette="none", max_depth=4),
     VolPath(light_sampling="emitter", light_choice="uniform"),
-    VolPath(hide_emitters=True),
+    VolPath(hide_emitters=True, guiding="on"),
 )
 
 
@@ -111,9 +120,12 @@ def step(program):
     area_lights, nulls = bool(on_shapes(program)), has_null(program)
     environment = bool(environments_of(program))
     roulette = program.option("russian_roulette") == "throughput"
-    reach_environment = write_reach_environment(found_weight, NO_LISTENERS)
-    reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS)
-    add_direct_light = _write_add_direct_light(chosen_weight, by_light)
+    guided = is_guided(program)
+    unguided = _without_guide if guided else None
+    reach_environment = write_reach_environment(found_weight, NO_LISTENERS, unguided)
+    reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS, unguided)
+    add_direct_light = _write_add_direct_light(chosen_weight, by_light, guided)
+    guided_scatter = write_guided_scatter(roulette, sample_anywhere, evaluate_anywhere)
     refracting = refracts(program)
     hides = program.option("hide_emitters", False)
 
@@ -145,24 +157,41 @@ def step(program):
         active = (met | scattered) & ~passing & (depth < settings.max_depth)
         p = where(scattered, path.o + t * path.d, surface.p)
         wo = to_local(surface, -path.d)
+        dimension = vertex_dimension(path.steps)
+        place = Vertex(p, surface, wo, dimension, scattered)
+        here = guide_at(settings, p) if guided else NOWHERE
         if samples_lights:
-            path = add_direct_light(scene, path, surface, wo, p, scattered, active)
+            path = add_direct_light(scene, settings, path, here, place, active)
 
         # Where the path continues.
-        dimension = vertex_dimension(path.steps)
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
         u = get_1d(path.sampler, dimension + BSDF_CHOICE)
         turning = active & ~scattered
         if nulls:
             # The last surface may be a hole, behind which the last edge continues.
             turning = met & ~passing
-        wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, turning)
-        turn = Turn(to_world(surface, wi), weight, pdf, (flags & DELTA) != 0)
+        of_bsdf = lanes(0.0)
+        if guided:
+            drawing = replace(
+                path, beta=path.beta * (1.0 / mean(path.ours)), active=turning | active
+            )
+            drawn, w, of_bsdf = guided_scatter(scene, settings, drawing, here, place, active)
+            wi, weight, pdf, flags = drawn
+            turn = Turn(w, weight, pdf, (flags & DELTA) != 0)
+            # Roulette was played at holes too.
+            turning = turning & (max_component(weight) > 0.0)
+        else:
+            wi, weight, pdf, flags = sample_bsdf(scene, surface, wo, u, u2, turning)
+            turn = Turn(to_world(surface, wi), weight, pdf, (flags & DELTA) != 0)
         if nulls:
             # Holes in a surface are no vertices either.
             hole = turning & ((flags & NULL) != 0)
             passing, active = passing | hole, active & ~hole
-        turn = turn_in_medium(scene, path, u2, active & scattered, turn)
+            if guided:
+                # A guide never leads there.
+                path = replace(path, beta=where(hole, path.beta * weight, path.beta))
+        if not guided:
+            turn = turn_in_medium(scene, path, u2, active & scattered, turn)
         beta = path.beta * turn.weight
         # Filters with negative lobes weigh some paths negatively.
         largest = max_component(absolute_vec3(beta))
@@ -179,6 +208,8 @@ def step(program):
             on, p=p, beta=beta, pdf=turn.pdf, delta=turn.delta, depth=depth, lights=lights,
             active=active,
         )  # fmt: skip
+        if guided:
+            vertex = replace(vertex, unguided=replace(vertex.unguided, pdf=of_bsdf))
         if roulette:
             # The weight of a channel alone may be large.
             brightness = largest / mean(path.ours)
@@ -186,7 +217,15 @@ def step(program):
                 # A path in glass is not dim: it regains on the way out what it lost on the way in.
                 gathered = concentration(scene, surface, wi)
                 brightness = brightness * where(scattered, 1.0, gathered)
-            vertex = play_roulette(settings, vertex, dimension, brightness)
+            if guided:
+                # Where a guide has learnt what a vertex may gain, paths have played already.
+                unlearnt = here.gain == 0.0
+                left = play_roulette(settings, vertex, dimension, brightness)
+                beta = where(unlearnt, left.beta, vertex.beta)
+                ended = unlearnt & ~left.active
+                vertex = replace(vertex, beta=beta, active=vertex.active & ~ended)
+            else:
+                vertex = play_roulette(settings, vertex, dimension, brightness)
         going = vertex.active | passing
         path = where(passing, on, vertex)
         return replace(path, sampler=on.sampler, active=going, rays=on.rays)
@@ -194,123 +233,20 @@ def step(program):
     return volpath_step
 
 
-# ---------------------------------------------------------------- media
-
-
-@specialised
-def pass_media(program):
-    """``(scene, path, t) -> (path, scattered, t)``: collide before the surface at t, or do not.
-
-    The path that comes back is one step on, with its throughput and densities up to there.
-    """
-    return _fly if program.media else _pass_nothing
-
-
-@kernel
-def _pass_nothing(scene, path, t):
-    return replace(path, steps=path.steps + 1), lanes_mask(False), t
-
-
-@kernel
-def _fly(scene, path, t):
-    first = path.steps == 0
-    medium = where(first, lanes_u32(0) + scene.media.start[0], path.medium)
-    within = path.active & (medium != 0)
-    path, scattered = replace(path, medium=medium), lanes_mask(False)
-    if any_lane(within):
-        u = get_1d(path.sampler, vertex_dimension(path.steps + 1) + FREE_FLIGHT)
-        stream = stream_of(path.sampler, 2 * path.steps)
-        segment = Segment(path.o, path.d, t, medium, path.channel, stream)
-        flight = fly(scene, segment, u, within)
-        scattered = within & flight.scattered
-        t = where(scattered, flight.t, t)
-        path = replace(
-            path,
-            beta=where(within, path.beta * flight.factor, path.beta),
-            ours=where(within, path.ours * flight.factor, path.ours),
-            lights=where(within, path.lights * flight.light, path.lights),
-        )
-        path = shine(scene, path, t, flight.albedo, scattered)
-        path = replace(path, beta=where(scattered, path.beta * flight.albedo, path.beta))
-    return replace(path, steps=path.steps + 1), scattered, t
-
-
-@specialised
-def shine(program):
-    """``(scene, path, t, albedo, scattered) -> path``: with the light that the medium emits at t.
-
-    A collision is an absorption with the probability 1 - albedo; absorbed is what is emitted, times
-    the medium's emission (Kirchhoff). No other strategy finds this light.
-    """
-    return _shine if EMISSIVE in program.media else _stay_dark
-
-
-@kernel
-def _stay_dark(scene, path, t, albedo, scattered):
-    return path
-
-
-@kernel
-def _shine(scene, path, t, albedo, scattered):
-    Le = emission(scene, where(scattered, path.medium, 0), path.o + t * path.d)
-    absorbed = lanes_vec3(1.0) - albedo
-    emitted = path.beta * absorbed * Le * (1.0 / mean(path.ours))
-    return gather_light(path, emitted, scattered, path.depth <= 1)
-
-
-@specialised
-def turn_in_medium(program):
-    """``(scene, path, u2, scattered, turn) -> turn``: by the phase function where `scattered`."""
-    return _turn if program.media else _keep_turn
-
-
-@kernel
-def _keep_turn(scene, path, u2, scattered, turn):
-    return turn
-
-
-@kernel
-def _turn(scene, path, u2, scattered, turn):
-    if any_lane(scattered):
-        wi, density = sample_phase(scene, path.medium, path.d, u2, scattered)
-        turn = where(scattered, Turn(wi, lanes_vec3(1.0), density, lanes_mask(False)), turn)
-    return turn
-
-
-@specialised
-def phase_towards_light(program):
-    """``(scene, path, wi, scattered, f, pdf) -> (f, pdf)``: the phase function in their place."""
-    return _towards_light if program.media else _keep_values
-
-
-@kernel
-def _keep_values(scene, path, wi, scattered, f, pdf):
-    return f, pdf
-
-
-@kernel
-def _towards_light(scene, path, wi, scattered, f, pdf):
-    if any_lane(scattered):
-        density = evaluate_phase(scene, path.medium, path.d, wi, scattered)
-        f = where(scattered, lanes_vec3(1.0) * density, f)
-        pdf = where(scattered, density, pdf)
-    return f, pdf
-
-
 # ---------------------------------------------------------------- light
 
 
-def _write_add_direct_light(chosen_weight, by_light):
+def _write_add_direct_light(chosen_weight, by_light, guided):
     """Light sampling at surfaces and in media.
 
-    ``(scene, path, surface, wo, p, scattered, active) -> path``; p is the surface's point, or where
-    paths scattered. Only delta lights count unless `by_light`.
+    ``(scene, settings, path, here, vertex, active) -> path``. Only delta lights count unless
+    `by_light`.
     """
 
     @kernel
-    def add_direct_light(scene, path, surface, wo, p, scattered, active):
+    def add_direct_light(scene, settings, path, here, vertex, active):
+        p, surface, wo, dimension, scattered = vertex
         rays = path.rays
-        dimension = vertex_dimension(path.steps)
         # Media have no normal.
         n = where(scattered, lanes_vec3(0.0), lit_normal(surface.ns, wo))
         light = sample_light(
@@ -324,6 +260,9 @@ def _write_add_direct_light(chosen_weight, by_light):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit & ~scattered)
             f_cos, pdf = phase_towards_light(scene, path, light.wi, lit & scattered, f_cos, pdf)
+            of_bsdf = pdf
+            if guided:
+                pdf = mixed_density(settings, here, light.wi, pdf, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
             o, end = shadow_ray(surface, light)
             o = where(scattered, p, o)
@@ -338,9 +277,20 @@ def _write_add_direct_light(chosen_weight, by_light):
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost
             Ld = path.beta * f_cos * light.radiance * crossing.passed * w
             path = gather_light(path, Ld, lit, path.depth == 0)
+            if guided:
+                w = chosen_weight(path, light, of_bsdf, crossing) * crossing.boost
+                found = path.beta * f_cos * light.radiance * crossing.passed * w
+                path = gather_unguided(path, found, lit)
         return replace(path, rays=rays)
 
     return add_direct_light
+
+
+@kernel
+def _without_guide(path):
+    """A path whose last direction has the density of the BSDF or the phase function."""
+    more = path.pdf / maximum(path.unguided.pdf, 1e-30)
+    return replace(path, lights=path.lights * more)
 
 
 def _weights_of(strategy):

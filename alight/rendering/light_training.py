@@ -1,22 +1,32 @@
-"""Light paths that train a guide: what arrives where, in place of a picture."""
+"""Light paths that train a guide: what arrives where, in place of a picture.
+
+Where there are media, light paths collide in them too. They start in the medium of the camera,
+until they cross the first border: a guide may know less of what is about a lamp that stands in
+another one, but it leaves nothing out.
+"""
 
 from __future__ import annotations
 
+from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import is_mixed
 from alight.bsdfs.flags import DELTA, NULL
 from alight.core.constants import INFINITY
-from alight.core.vec import length, luminance
+from alight.core.vec import length, luminance, max_component
 from alight.guiding.light_records import record_arrivals
+from alight.integrators.collisions import Turn, pass_media, turn_in_medium
 from alight.integrators.light_walk import set_out, write_arrive, write_leave
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
-from alight.integrators.walk import empty_paths, to_world
+from alight.integrators.roulette import play_roulette
+from alight.integrators.volume_walk import first_channel, mean, medium_beyond
+from alight.integrators.walk import BSDF_DIRECTION, empty_paths, to_world, vertex_dimension
 from alight.lights.emission_sampling import is_around
 from alight.lights.misses import environments_of
 from alight.rendering.tile_kernel import Cursor, count_cells, next_pixel, next_samples
+from alight.samplers.sampling import get_2d
 from lanewise.jit import kernel, specialised
 from lanewise.records import replace
-from lanewise.simd import LANES, lanes_vec3, mask_bits, maximum, where
+from lanewise.simd import LANES, lanes, lanes_mask, lanes_vec3, mask_bits, maximum, where
 
 #: Shortest way, metres.
 SMALLEST = 1e-30
@@ -32,7 +42,7 @@ def start_recorded(program):
     """
     by_light = program.option("light_sampling") in ("mis", "emitter")
     count = max(len(program.environments), 1)
-    around = bool(environments_of(program))
+    around, media = bool(environments_of(program)), bool(program.media)
 
     @kernel
     def start(scene, settings, new, sampler):
@@ -42,7 +52,10 @@ def start_recorded(program):
         if around:
             far = far | is_around(scene, e.light, count)
         way = lanes_vec3(1.0) * where(far, INFINITY, 0.0)
-        return replace(path, L=way, delta=new if by_light else new & alone)
+        path = replace(path, L=way, delta=new if by_light else new & alone)
+        if media:
+            path = replace(path, channel=first_channel(sampler))
+        return path
 
     return start
 
@@ -54,6 +67,8 @@ def extend_recorded(program):
     There is none of vertices where only Dirac lobes scatter light, which ask no guide, and of light
     that light sampling finds.
     """
+    if program.media:
+        return _write_extend_in_media(program)
     arrive, leave = write_arrive(program), write_leave(program)
 
     @kernel
@@ -72,6 +87,47 @@ def extend_recorded(program):
         way = lanes_vec3(1.0) * where(delta, way, 0.0)
         # Light sampling looks straight through holes.
         return replace(on, L=way, delta=path.delta & ((flags & NULL) != 0))
+
+    return extend
+
+
+def _write_extend_in_media(program):
+    """`extend_recorded` for paths that may collide before the next surface."""
+    arrive, leave = write_arrive(program), write_leave(program)
+    roulette = program.option("russian_roulette") == "throughput"
+
+    @kernel
+    def extend(scene, settings, log, path):
+        way, dim, depth = path.L.x, path.L_direct, path.depth + 1
+        hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
+        path, collided, t = pass_media(scene, path, hit.t)
+        # Media that shine light no path from a lamp.
+        path = replace(path, L=lanes_vec3(0.0), L_direct=dim)
+        met, arrival = arrive(scene, replace(path, active=path.active & ~collided))
+        surface = arrival.surface
+        p = where(collided, path.o + t * path.d, surface.p)
+        way = way + length(p - path.o)
+        seen = (met.active | collided) & (depth + 1 < settings.max_depth)
+        on, flags = leave(scene, settings, met, arrival)
+        on = replace(on, medium=medium_beyond(scene, surface, on.d, path.medium))
+        delta = ~collided & ((flags & DELTA) != 0)
+        recorded = seen & ~path.delta & (~delta | is_mixed(scene, surface))
+        flux = luminance(where(collided, path.beta, met.beta)) / mean(path.ours)
+        w = where(collided, -path.d, to_world(surface, arrival.wl))
+        record_arrivals(log, p, w, flux, 1.0 / maximum(way, SMALLEST), recorded)
+
+        dimension = vertex_dimension(depth + 1)
+        u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+        turn = Turn(path.d, lanes_vec3(1.0), lanes(1.0), lanes_mask(False))
+        turn = turn_in_medium(scene, path, u2, collided, turn)
+        turned = replace(path, o=p, d=turn.d, p=p, depth=depth, active=collided & seen)
+        if roulette:
+            brightness = max_component(path.beta) / (mean(path.ours) * path.pdf)
+            turned = play_roulette(settings, turned, dimension, brightness)
+        on = where(collided, turned, on)
+        way = lanes_vec3(1.0) * where(delta, way, 0.0)
+        unseen = path.delta & ~collided & ((flags & NULL) != 0)
+        return replace(on, L=way, delta=unseen, sampler=path.sampler, rays=met.rays)
 
     return extend
 

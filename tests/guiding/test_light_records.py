@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
-from alight.core.vec import Vec3
+from alight.core.vec import Vec3, luminance
 from alight.formats import loads
 from alight.guiding.light_records import add_arrivals
 from alight.guiding.lookup import leaf_at
@@ -135,3 +135,40 @@ def test_sums_of_arrivals_are_those_of_their_leaves(compiled):
     by_leaf = np.bincount(tree.leaf, totals.lit.shaped.sum(1), len(tree.roots))
     assert (by_leaf == totals.near.shaped[:, 0]).all()
     assert (totals.lit.shaped[tree.children > 0] == 0).all()
+
+
+#: A lamp in fog, and nothing else.
+FOGGY = """
+alight: 1
+camera: {type: pinhole, transform: {look_at: {origin: [0, 4, 6], target: [0, 4, 0]}}}
+film: {size: [64, 64]}
+integrator: {type: volpath, max_depth: 4, guiding: "on", light_sampling: bsdf}
+medium: fog
+media: {fog: {type: homogeneous, sigma_t: [0.3, 0.6, 1.2], albedo: [0.9, 0.6, 0.3]}}
+nodes:
+  lamp: {light}
+"""
+
+
+def test_fog_dims_the_flux_that_collides_in_it():
+    """The flux of each channel that is scattered between half a metre and two from the lamp."""
+    text = FOGGY.replace("{light}", LAMP.replace("radiance: 1000", "radiance: [1000, 600, 300]"))
+    trainer = Trainer(untrained(compile_scene(flatten(loads(text, "fog.yaml")))), 1)
+    settings = make_settings(trainer.scene.integrator, seed=5, replicates=1)
+    logs = [trainer._light_tile(settings, tile, 0, 4) for tile in trainer.tiles]
+    rows = np.concatenate([log.rows.shaped for log in logs]).astype(np.float64)
+    paths = 4 * trainer.size[0] * trainer.size[1]
+    to_lamp = np.array([0.0, 4.0, 0.0]) - rows[:, :3]
+    r = np.linalg.norm(to_lamp, axis=1)
+    straight = (rows[:, 3:6] * to_lamp).sum(1) > (1.0 - 1e-3) * r
+    assert (~straight).mean() > 0.2
+    first = straight & (np.abs(1.0 / rows[:, 7] - r) < 0.02)
+    values = np.zeros(paths)
+    mine = rows[first & (r > 0.5) & (r < 2.0), 6]
+    values[: len(mine)] = mine
+    sigma_t, albedo = np.array([0.3, 0.6, 1.2]), np.array([0.9, 0.6, 0.3])
+    power = np.array([1000.0, 600.0, 300.0]) * 4.0 * np.pi**2 * 1e-4
+    scattered = power * albedo * (np.exp(-0.5 * sigma_t) - np.exp(-2.0 * sigma_t))
+    error = values.std() / paths**0.5
+    assert values.mean() == pytest.approx(luminance(Vec3(*scattered)), abs=4.5 * error)
+    assert error < 0.01 * values.mean()

@@ -141,6 +141,7 @@ def test_the_command_prints_numbers_and_refuses_what_is_wrong(tmp_path, monkeypa
         (["--pixel", "99,8"], "x in [0, 15]"),
         (["--pixel", "8,8", "-o", "a.jpg"], "the maps are a .png file"),
         (["--pixel", "8,8", "--set", "integrator={type: random_walk}"], "follows no guide"),
+        (["--pixel", "8,8", "--set", "integrator={type: volpath}"], "goes through media"),
         (["--pixel", "8,8", "--set", UPWARDS], "no surface that scatters"),
     ):
         refused = run(app, ["guide", "floor.yaml", *words])

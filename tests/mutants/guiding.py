@@ -7,13 +7,15 @@ LAWS = "tests/guiding/test_laws_of_training.py"
 GAIN = "tests/guiding/test_gain.py"
 LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
+MEDIA = "tests/guiding/test_guided_media.py"
+SAME_IN_MEDIA = f"{MEDIA}::test_a_guided_picture_of_media_is_that_of_a_path_tracer"
 SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
 
 GUIDING = (
     Mutant(
         "weights of the mixture for lamps that paths without a guide would meet",
         "integrators/reach.py",
-        (("replace(path, pdf=path.unguided.pdf)", "path"),),
+        (("return replace(path, pdf=path.unguided.pdf)", "return path"),),
         f"{GAIN}::test_paths_with_a_guide_tell_mean_and_second_moment_without_it",
     ),
     Mutant(
@@ -21,6 +23,51 @@ GUIDING = (
         "integrators/path.py",
         (("light_weight(light, of_bsdf)", "light_weight(light, pdf)"),),
         f"{GAIN}::test_paths_with_a_guide_tell_mean_and_second_moment_without_it",
+    ),
+    Mutant(
+        "records at the border of glass in fog",
+        "integrators/guided.py",
+        (
+            (
+                "record_vertices(settings.log, path, drawn, smooth & possible & going)",
+                "record_vertices(settings.log, path, drawn, survived & going)",
+            ),
+        ),
+        f"{MEDIA}::test_borders_without_a_vertex_leave_no_records",
+    ),
+    Mutant(
+        "light sampling in fog does not know the guide",
+        "integrators/volpath.py",
+        (
+            (
+                "pdf = mixed_density(settings, here, light.wi, pdf, lit)",
+                "pdf = where(scattered, pdf, mixed_density(settings, here, light.wi, pdf, lit))",
+            ),
+        ),
+        f"{MEDIA}::test_light_sampling_in_fog_knows_the_guide",
+    ),
+    Mutant(
+        "records in fog with the transmittance of one channel",
+        "integrators/volpath.py",
+        (("beta=path.beta * (1.0 / mean(path.ours))", "beta=path.beta"),),
+        f"{MEDIA}::test_a_record_in_fog_has_the_throughput_of_its_channels",
+    ),
+    Mutant(
+        "holes without the light of directions that the guide took",
+        "integrators/volpath.py",
+        (("where(hole, path.beta * weight, path.beta)", "path.beta"),),
+        SAME_IN_MEDIA,
+    ),
+    Mutant(
+        "the phase function's density in place of the mixture's",
+        "integrators/guided.py",
+        (
+            (
+                "weight=weight, pdf=where(smooth, pdf, found.pdf)), w",
+                "weight=weight), w",
+            ),
+        ),
+        f"{MEDIA}::test_directions_in_fog_have_the_density_of_the_mixture",
     ),
     Mutant(
         "a density without the Jacobian of the map",
@@ -73,8 +120,8 @@ GUIDING = (
         "integrators/guided.py",
         (
             (
-                "record_vertices(settings.log, path, drawn, smooth & possible)",
-                "record_vertices(settings.log, path, drawn, survived)",
+                "record_vertices(settings.log, path, drawn, smooth & possible & going)",
+                "record_vertices(settings.log, path, drawn, survived & going)",
             ),
         ),
         f"{RENDERS}::test_vertices_of_mirrors_leave_no_records",

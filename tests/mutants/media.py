@@ -83,7 +83,7 @@ MEDIA = (
     ),
     Mutant(
         "media shine where they scatter too",
-        "integrators/volpath.py",
+        "integrators/collisions.py",
         (("lanes_vec3(1.0) - albedo", "lanes_vec3(1.0)"),),
         "tests/media/test_emission.py::test_in_a_furnace_as_bright_as_themselves_media_vanish",
     ),

@@ -131,7 +131,8 @@ def guide(
     Parameters
     ----------
     scene : Scene, path or name of a built-in scene
-        With an integrator that can be guided; its guide is that of a render with the same seed.
+        With an integrator that can be guided and knows no media; its guide is that of a render
+        with the same seed.
     pixel : (int, int)
         x and y on the full film, from the top left.
     {options}
@@ -183,11 +184,16 @@ def _to_be_guided(scene: Scene) -> Scene:
     Raises
     ------
     OptionError
-        If its integrator knows none.
+        If its integrator knows none, or goes through media.
     """
-    able = [name for name, kind in specs_of(Integrator).items() if "guiding" in kind.model_fields]
+    able = [
+        name
+        for name, kind in specs_of(Integrator).items()
+        if "guiding" in kind.model_fields and not kind.sees_media
+    ]
     own = scene.integrator.type_name()
     if own not in able:
-        raise OptionError(f"the integrator {own} follows no guide; {', '.join(able)} can")
+        why = "goes through media" if scene.integrator.sees_media else "follows no guide"
+        raise OptionError(f"the integrator {own} {why}; between surfaces {', '.join(able)} can")
     integrator = scene.integrator.replaced(guiding="on")
     return scene.replaced(integrator=integrator).from_source(scene.source)
