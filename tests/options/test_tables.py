@@ -20,9 +20,8 @@ TABLES = [
     render.RenderOptions, render.DisplayOptions, resume.ResumeOptions,
     laboratory.InfoOptions, laboratory.PlanOptions, laboratory.CheckOptions,
     laboratory.WhyOptions, laboratory.GuideOptions, laboratory.CompareOptions,
-    laboratory.StudyOptions,
-    animation.AnimationOptions, laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
-    view.ViewOptions,
+    laboratory.StudyOptions, laboratory.TraceOptions, laboratory.ReferenceOptions,
+    laboratory.ConvertOptions, animation.AnimationOptions, view.ViewOptions,
 ]  # fmt: skip
 OPTIONS = [(table, name) for table in TABLES for name in table.options()]
 IDS = [f"{table.__name__}.{name}" for table, name in OPTIONS]
