@@ -12,7 +12,7 @@ from typing import Any
 from alight.core.errors import Issue, SceneError, is_at_or_below, nearest, quote
 from alight.formats import mitsuba, pbrt
 from alight.formats.made_up import fitted
-from alight.formats.models import PARSERS, read_model
+from alight.formats.models import PARSERS, read_model, refuse_variant
 from alight.formats.native import SUFFIXES
 from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach, is_file
@@ -40,6 +40,7 @@ def load(
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
     root: str | os.PathLike[str] | None = None,
+    variant: str | None = None,
 ) -> Scene:
     """Load a scene and check it.
 
@@ -60,6 +61,8 @@ def load(
         Folder that holds the scene file: what the file names may lie there and below, and nowhere
         else. By default the scene's own folder, as files come from strangers. What `changes`
         name may lie anywhere.
+    variant : str, optional
+        Which variant of its materials a glTF file shows.
 
     Returns
     -------
@@ -79,6 +82,8 @@ def load(
     name = os.fspath(scene)
     is_builtin = name in builtin_names()
     framed = None
+    if Path(name).suffix.lower() not in PARSERS:
+        refuse_variant(variant, name)
     if is_builtin:
         text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
@@ -87,7 +92,7 @@ def load(
         if path.suffix.lower() in PARSERS and is_file(path):
             _refuse_definitions(definitions or {}, name)
             reach = _reach(path.parent, root, name)
-            parsed = read_model(path, name, reach)
+            parsed = read_model(path, name, reach, variant)
             framed = parsed.framed
             result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
@@ -104,7 +109,7 @@ def load(
         result = fitted(result, changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
     kept_root = None if root is None or is_builtin else str(Path(root).absolute())
-    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root)
+    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root, variant)
     return result.from_source(replace(result.source, recipe=recipe))
 
 

@@ -34,6 +34,7 @@ def scene_of(scene: Scene | str | os.PathLike[str], options: SceneOptions) -> Sc
             definitions=options.definitions,
             lenient=options.lenient,
             root=options.root,
+            variant=options.variant,
         )
     options.check_reads()
     if not changes:

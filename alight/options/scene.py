@@ -11,7 +11,7 @@ from alight.options.kinds import Crop, Definitions, File, Files, Size, Switch, T
 from alight.options.table import FOREIGN, SCENE, Options, option, table
 
 #: Names of the options that only say how a file is read.
-READING = ("definitions", "lenient", "root")
+READING = ("definitions", "lenient", "root", "variant")
 
 
 @table
@@ -40,6 +40,11 @@ class SceneOptions(Options):
         File("FOLDER"),
         "Folder whose files the scene may read; must contain it.",
         shown="the scene's own folder", panel=SCENE, default=None
+    )  # fmt: skip
+
+    variant: str | None = option(
+        Text("NAME"), "Variant of the materials (.gltf, .glb).",
+        shown="the materials that the file shows", panel=FOREIGN, default=None,
     )  # fmt: skip
 
     def assignments(self) -> list[str]:
