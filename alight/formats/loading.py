@@ -20,7 +20,7 @@ from alight.core.errors import (
 from alight.formats import mitsuba, pbrt
 from alight.formats.bounds import Bounds
 from alight.formats.made_up import fitted
-from alight.formats.models import PARSERS, read_model
+from alight.formats.models import PARSERS, read_model, refuse_variant
 from alight.formats.native import SUFFIXES
 from alight.formats.objects import name_of, parse_object
 from alight.formats.objects.pieces import SMOOTH, Look
@@ -50,6 +50,7 @@ def load(
     definitions: Mapping[str, str] | None = None,
     lenient: bool = False,
     root: str | os.PathLike[str] | None = None,
+    variant: str | None = None,
     up: str | None = None,
     smooth: float = SMOOTH,
     color_map: str = "viridis",
@@ -81,6 +82,8 @@ def load(
         Folder that holds the scene file: what the file names may lie there and below, and nowhere
         else. By default the scene's own folder, as files come from strangers. What `changes` and
         dictionaries name may lie anywhere.
+    variant : str, optional
+        Which variant of its materials a glTF file shows.
     up : {"y", "z"}, optional
         Axis of an object that points up. By default as its package shows it: z for PyVista and
         VTK, y for the others.
@@ -122,6 +125,8 @@ def load(
     name = os.fspath(scene)
     is_builtin = name in builtin_names()
     framed = None
+    if Path(name).suffix.lower() not in PARSERS:
+        refuse_variant(variant, name)
     if is_builtin:
         text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
@@ -130,7 +135,7 @@ def load(
         if path.suffix.lower() in PARSERS and is_file(path):
             _refuse_definitions(definitions or {}, name)
             reach = _reach(path.parent, root, name)
-            parsed = read_model(path, name, reach)
+            parsed = read_model(path, name, reach, variant)
             framed = parsed.framed
             result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
@@ -142,7 +147,7 @@ def load(
         result = fitted(result, changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
     kept_root = None if root is None or is_builtin else str(Path(root).absolute())
-    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root)
+    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root, variant)
     return result.from_source(replace(result.source, recipe=recipe))
 
 

@@ -39,7 +39,7 @@ PARSERS: dict[str, Parser] = {
 MOST_BYTES = 2**30
 
 
-def read_model(path: Path, name: str, reach: Reach) -> Parsed:
+def read_model(path: Path, name: str, reach: Reach, variant: str | None = None) -> Parsed:
     """Read a file whose ending is one of `PARSERS`.
 
     Parameters
@@ -49,6 +49,8 @@ def read_model(path: Path, name: str, reach: Reach) -> Parsed:
         How messages call it.
     reach : Reach
         Where the files that it names may lie.
+    variant : str, optional
+        See `alight.load`.
 
     Raises
     ------
@@ -65,5 +67,15 @@ def read_model(path: Path, name: str, reach: Reach) -> Parsed:
             data = b"" if PARSERS[path.suffix.lower()] is _read_usd else file.read()
     except OSError as error:
         raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
+    parser = PARSERS[path.suffix.lower()]
     with reusing_memory():
-        return PARSERS[path.suffix.lower()](data, name, reach)
+        if parser is gltf.parse:
+            return gltf.parse(data, name, reach, variant)
+        refuse_variant(variant, name)
+        return parser(data, name, reach)
+
+
+def refuse_variant(variant: str | None, name: str) -> None:
+    """Refuse the choice of a variant for files of formats without any."""
+    if variant is not None:
+        raise SceneError([Issue("--variant", "only glTF files have variants of materials", name)])

@@ -34,6 +34,7 @@ def scene_of(scene: Any, options: SceneOptions) -> Scene:
             definitions=options.definitions,
             lenient=options.lenient,
             root=options.root,
+            variant=options.variant,
         )
     options.check_reads()
     if not changes:

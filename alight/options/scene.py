@@ -14,7 +14,7 @@ from alight.options.table import FOREIGN, SCENE, Options, option, table
 DPI = 300
 
 #: Names of the options that only say how a file is read.
-READING = ("definitions", "lenient", "root")
+READING = ("definitions", "lenient", "root", "variant")
 
 
 @table
@@ -43,6 +43,11 @@ class SceneOptions(Options):
         File("FOLDER"),
         "Folder whose files the scene may read; must contain it.",
         shown="the scene's own folder", panel=SCENE, default=None
+    )  # fmt: skip
+
+    variant: str | None = option(
+        Text("NAME"), "Variant of the materials (.gltf, .glb).",
+        shown="the materials that the file shows", panel=FOREIGN, default=None,
     )  # fmt: skip
 
     def assignments(self) -> list[str]:

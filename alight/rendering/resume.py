@@ -211,6 +211,7 @@ def _loaded(recipe, moved, root) -> Scene:
         definitions=recipe.definitions,
         lenient=recipe.lenient,
         root=recipe.root if root is None else root,
+        variant=recipe.variant,
     )
 
 

@@ -52,6 +52,8 @@ class Recipe:
     lenient : bool
     root : str, optional
         Absolute path of the folder in which and below which files may lie.
+    variant : str, optional
+        Of the materials of a glTF file.
     """
 
     path: str
@@ -59,6 +61,7 @@ class Recipe:
     definitions: Mapping[str, str] = field(default_factory=dict)
     lenient: bool = False
     root: str | None = None
+    variant: str | None = None
 
 
 class Memory:

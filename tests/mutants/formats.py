@@ -106,6 +106,17 @@ FORMATS = (
         f"{GLTF}/test_instances.py::test_the_camera_sees_all_instances",
     ),
     Mutant(
+        "variants of materials taken by their place in the list of mappings",
+        "formats/gltf/variants.py",
+        (
+            (
+                'if number in mapping.indices("variants", len(names), "variants"):',
+                'if mapping.pointer.endswith(f"/{number}"):',
+            ),
+        ),
+        f"{GLTF}/test_variants.py::test_a_variant_shows_its_materials",
+    ),
+    Mutant(
         "triangles of strips all one way round",
         "meshes/strips.py",
         (("    corners[turned, :2] = corners[turned, 1::-1]\n", ""),),

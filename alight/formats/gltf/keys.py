@@ -57,6 +57,8 @@ KINDS: dict[str, dict[str, str]] = {
     "skin": dict.fromkeys(("inverseBindMatrices", "joints", "name", "skeleton"), ""),
     "sparse": {"count": "", "indices": "sparse view", "values": "sparse view"},
     "sparse view": {"bufferView": "", "byteOffset": "", "componentType": ""},
+    "mapping": {"material": "", "name": "", "variants": ""},
+    "variant": {"name": ""},
     "texture": {"name": "", "sampler": "", "source": ""},
     "info": _INFO,
     "normal": _INFO | {"scale": ""},
@@ -65,6 +67,9 @@ KINDS: dict[str, dict[str, str]] = {
 #: Extension -> the kind of its owner -> its keys, with the kinds of what stands there.
 EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
     "EXT_mesh_gpu_instancing": {"node": {"attributes": ""}},
+    "KHR_materials_variants": {
+        "file": {"variants": "variant"}, "primitive": {"mappings": "mapping"},
+    },
     "EXT_texture_webp": {"texture": {"source": ""}},
     "KHR_draco_mesh_compression": {"primitive": {"attributes": "", "bufferView": ""}},
     "KHR_lights_punctual": {"file": {"lights": "light"}, "node": {"light": ""}},

@@ -13,6 +13,8 @@ from alight.formats.gltf.materials import COVERED as MATERIALS
 from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.nodes import Graph
 from alight.formats.gltf.textures import WAYS_OUT, WEBP
+from alight.formats.gltf.variants import NAME as VARIANTS
+from alight.formats.gltf.variants import choose_variant
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report, did_you_mean
@@ -20,11 +22,11 @@ from alight.formats.report import Report, did_you_mean
 #: Extensions that are read.
 COVERED = (
     *MATERIALS, DRACO, INSTANCES, "KHR_lights_punctual", "KHR_mesh_quantization",
-    "KHR_texture_transform", WEBP,
+    "KHR_texture_transform", VARIANTS, WEBP,
 )  # fmt: skip
 
 
-def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
+def parse(data: bytes, name: str, reach: Reach | None = None, variant: str | None = None) -> Parsed:
     """Read a scene file.
 
     Parameters
@@ -33,6 +35,8 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         Content of the file (.gltf or .glb), and its name for messages.
     reach : Reach, optional
         Where the files that it names may lie; the current folder by default.
+    variant : str, optional
+        Which of the file's variants of materials is shown.
 
     Raises
     ------
@@ -44,6 +48,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     _check_extensions(document)
     say_what_is_unknown(document.root.value, report)
     unpack_draco(document)
+    choose_variant(document, variant)
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
