@@ -11,6 +11,13 @@ STUDIO = "tests/formats/test_studio.py"
 
 FORMATS = (
     Mutant(
+        "borders of media that say nothing of their material are grey",
+        "formats/mitsuba/shapes.py",
+        (('draft.put("bsdf", {"type": "null"})', "pass"),),
+        "tests/formats/mitsuba/test_stand_ins.py"
+        "::test_the_border_of_an_old_medium_is_not_seen_unless_it_says_of_what_it_is",
+    ),
+    Mutant(
         "pixels without light count as too dark",
         "rendering/writing.py",
         (("[(np.nan_to_num(linear) > 0.0).any(axis=2)]", ".reshape(-1, 3)"),),

@@ -26,9 +26,10 @@ SIDES = ("interior", "exterior")
 SEEING = ("volpath", "volpathmis")
 
 
-def of_shape(draft: Draft) -> None:
-    """Put the media on both sides of a shape into its node."""
+def of_shape(draft: Draft) -> bool:
+    """Put the media on both sides of a shape into its node; whether it has any."""
     nested = draft.properties.take("medium")
+    bounds_media = bool(nested) or any(draft.properties.has(side) for side in SIDES)
     for side in SIDES:
         found = [element for element in nested if element.name == side]
         reference = draft.properties.find(side)
@@ -41,6 +42,7 @@ def of_shape(draft: Draft) -> None:
         if element.name not in SIDES:
             text = unknown_name("side of a shape", element.name, SIDES, listed_as="sides")
             draft.context.report.error(element, text)
+    return bounds_media
 
 
 def of_camera(draft: Draft) -> None:

@@ -55,7 +55,7 @@ def _shape(context: Context, element: Element, path: str) -> Data | None:
         p.ignore("the shape has a formula", "face_normals", "flip_tex_coords", "max_smooth_angle")
     shape = COVERED[element.type](draft, steps)
     context.places[join_path(path, "shape")] = element.place
-    interiors.of_shape(draft)
+    bounds_media = interiors.of_shape(draft)
     lights, materials = p.take("emitter"), []
     for part in p.take("bsdf", "ref"):
         # Lamps may stand elsewhere, too.
@@ -72,6 +72,9 @@ def _shape(context: Context, element: Element, path: str) -> Data | None:
     elif "light" in draft.data:
         # A lamp without a material is black.
         draft.put("bsdf", {"type": "diffuse", "reflectance": [0.0, 0.0, 0.0]})
+    elif bounds_media and element.old:
+        # In version 0.6 the border of a medium is seen only if it says of what it is.
+        draft.put("bsdf", {"type": "null"})
     for element_below in below[:1]:
         draft.put("bsdf", scattering(context, element_below))
     p.finish()

@@ -272,3 +272,47 @@ def test_coats_say_what_becomes_of_their_facets():
     assert "alike in all directions, by alpha_u" in said(ggx + metal.format("rough", uneven))
     tint = '<texture name="specularReflectance" type="checkerboard"/>'
     assert "loses the texture of what its metal reflects" in said(metal.format("", tint))
+
+
+BORDER = (
+    '<integrator type="volpath"/><shape type="cube">%s<medium name="interior" type="homogeneous">'
+    "</medium></shape>"
+)
+
+
+@pytest.mark.parametrize(
+    ("version", "inner", "bsdf"),
+    [
+        ("0.5.0", "", "null"),
+        ("3.0.0", "", None),
+        ("0.5.0", '<bsdf type="diffuse"/>', "diffuse"),
+        ("0.5.0", '<emitter type="area"/>', "diffuse"),
+    ],
+)
+def test_the_border_of_an_old_medium_is_not_seen_unless_it_says_of_what_it_is(version, inner, bsdf):
+    found = node(read(BORDER % inner, version)).bsdf
+    assert (found and found.type) == bsdf
+
+
+#: What renderers derived from Mitsuba ask for, at its place in a file.
+COUNT = '<integer name="sampleCount" value="4"/>'
+HIDE = '<boolean name="hide" value="true"/>'
+MODE = '<string name="mode" value="x"/>'
+OF_OTHERS = (
+    f'<integrator type="path_guiding">{COUNT}{MODE}</integrator>',
+    f'<integrator type="sppm"><float name="alpha" value="0.7"/>{COUNT}</integrator>',
+    f'<integrator type="path">{COUNT}</integrator>',
+    f'<shape type="sphere">{MODE}{HIDE}</shape>',
+    '<bsdf type="dielectric" id="a"><float name="ext_eta" value="1"/></bsdf>',
+    f'<sensor type="perspective">{COUNT}<sampler type="independent">{MODE}</sampler></sensor>',
+    f'<sensor type="perspective"><film type="hdrfilm">{MODE}</film></sensor>',
+    f'<emitter type="point">{HIDE}</emitter>',
+)
+
+
+@pytest.mark.parametrize("version", ["0.6.0", "3.0.0"])
+@pytest.mark.parametrize("body", OF_OTHERS)
+def test_parameters_of_other_renderers_are_listed_and_left_out(body, version):
+    scene = read(body, version, lenient=True)
+    words = ("ignored", "is taken", "becomes path")
+    assert any(word in text for text in scene.warnings for word in words)
