@@ -92,6 +92,61 @@ def test_every_control_of_a_scene(browser):
         assert not errors
 
 
+def test_the_scene_is_edited_inspected_and_compared(browser):
+    with served(*SCENE) as address:
+        page, errors = opened(browser, address)
+        page.click("#tabs >> text=Scene")
+        page.click("#tree [data-path='bsdfs.white']")
+        box = page.locator("[aria-label=reflectance] input[type=text]").first
+        before, picture = view_of(page), pixels_of(page)
+        box.fill("0,2")
+        box.press("Enter")
+        until(page, f"Number(document.body.dataset.view) > {before}")
+        until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
+        box.fill("1.5")
+        box.press("Enter")
+        page.wait_for_selector(".wrong >> text=must be in [0, 1], got 1.5")
+        assert box.get_attribute("aria-invalid") == "true"
+        page.fill("[aria-label=reflectance] input[type=color]", "#ff0000")
+        page.wait_for_selector(".wrong", state="hidden")
+        page.focus("#tree")
+        page.keyboard.press("ArrowDown")
+        assert page.get_attribute("#tree [aria-selected=true]", "data-path") != "bsdfs.white"
+        for _ in range(4):
+            if page.is_enabled("#undo"):
+                page.click("#undo")
+            page.wait_for_timeout(100)
+        page.wait_for_selector(SETTLED)
+        until(page, f"document.getElementById('shown').toDataURL() === '{picture}'")
+
+        page.click("#tabs >> text=Inspect")
+        stage = page.locator("#picture").bounding_box()
+        page.mouse.click(stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2)
+        page.keyboard.press("t")
+        page.wait_for_selector("#vertices tbody tr >> nth=1")
+        assert page.locator("#overlay line.path").count() >= 2
+        page.keyboard.press("b")
+        page.mouse.move(stage["x"] + 20, stage["y"] + 20)
+        page.mouse.down()
+        page.mouse.move(stage["x"] + 220, stage["y"] + 160, steps=3)
+        page.mouse.up()
+        page.wait_for_selector("#why:enabled")
+        page.click("#part")
+        page.wait_for_selector("#whole:visible")
+        page.click("#whole")
+        page.wait_for_selector("#whole", state="hidden")
+        page.wait_for_selector(SETTLED)
+
+        page.click("#tabs >> text=Display")
+        picture = pixels_of(page)
+        page.select_option("#white", "kelvin")
+        until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
+        page.click("#keep")
+        page.select_option("#way", "difference")
+        page.wait_for_selector("#differs >> text=root of the relative MSE 0.00 %")
+        assert not errors
+
+
 def test_two_browsers_see_the_same_and_a_narrow_window_holds_everything(browser):
     with served(*SCENE) as address:
         one, errors = opened(browser, address)

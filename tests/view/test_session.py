@@ -1,12 +1,15 @@
 """What a session renders is what `alight render` renders, wherever the camera has been."""
 
+import threading
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
 import alight
 from alight.core.errors import OutputError
 from alight.options.view import ViewOptions
-from alight.view import protocol
+from alight.view import editing, protocol
 from alight.view.layers import FileLayers, read_layers
 from alight.view.opening import session_of
 from alight.view.protocol import RefusedError
@@ -80,6 +83,34 @@ def test_a_thousand_moves_end_with_the_picture_of_the_last(session, tmp_path):
     assert session.number == 1000
     same = alight.render(session.live.scene, spp=4, threads=1)
     assert content(film, tmp_path / "a.alight") == content(same, tmp_path / "b.alight")
+
+
+def test_a_thousand_random_events_leave_nothing_behind(session, tmp_path):
+    settled(session)
+    threads, draw = threading.active_count(), np.random.default_rng(7)
+    events = [
+        *(protocol.Orbit(x, 0.01) for x in (-0.03, 0.02)), protocol.Pan(0.01, 0.0),
+        protocol.Dolly(0.01), protocol.Roll(0.02), protocol.Widen(-0.01), protocol.Rest(),
+        protocol.Show("error"), protocol.Show("picture"), protocol.Develop(1.0, "aces", "auto"),
+        protocol.AskPixel(3, 3), protocol.Keep(), protocol.Drop(), protocol.More(),
+        protocol.Stop(), protocol.Undo(), protocol.Redo(), protocol.AskTree(),
+        protocol.Edit("bsdfs.white", "bsdfs.white.reflectance", "[0.3, 0.3, 0.3]"),
+        protocol.Edit("bsdfs.white", "bsdfs.white.reflectance", "[3, 0, 0]"),
+        protocol.Region(2, 2, 8, 8), protocol.Whole(), protocol.ChooseCamera(""),
+    ]  # fmt: skip
+    for number in draw.integers(len(events), size=1000):
+        with suppress(RefusedError):
+            session.apply(events[number])
+        assert len(session.editor.history.done) <= editing.MOST_UNDONE
+    session.apply(protocol.Whole())
+    session.apply(protocol.ChooseCamera(""))
+    wait_for(lambda: session.live.phase in ("done", "stopped"))
+    film = settled(session)
+    save(session, tmp_path / "scene.yaml")
+    same = alight.render(tmp_path / "scene.yaml", spp=round(film.spp), threads=1)
+    np.testing.assert_array_equal(film.sums, same.sums)
+    # Each render has threads of its own, which have ended with it.
+    wait_for(lambda: threading.active_count() <= threads, 20)
 
 
 def test_the_pivot_is_what_a_pixel_shows(session):

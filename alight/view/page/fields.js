@@ -88,7 +88,7 @@ MAKERS.whole = MAKERS.number;
 
 // One row of the form: `send` is given the value.
 export function makeField(field, send) {
-  const wrong = element("p", { className: "wrong", hidden: true, id: `wrong ${field.path}` });
+  const wrong = element("p", { className: "wrong", hidden: true, id: `wrong-${field.path}` });
   const [parts, get, set] = MAKERS[field.kind](field, () => send(get()));
   const row = element("div", { className: `field ${field.kind}` },
     element("span", { className: "label", title: field.path,
@@ -101,8 +101,10 @@ export function makeField(field, send) {
     wrong.hidden = !why;
     wrong.textContent = why ?? "";
     parts.forEach((part) => {
-      part.toggleAttribute?.("aria-invalid", Boolean(why));
-      if (why) part.setAttribute("aria-describedby", wrong.id);
+      if (why) {
+        part.setAttribute("aria-invalid", "true");
+        part.setAttribute("aria-describedby", wrong.id);
+      } else part.removeAttribute("aria-invalid");
     });
   };
   return { row, set, tell, path: field.path };

@@ -84,7 +84,8 @@ function showWhite(state) {
   $("denoised").hidden = !(state.denoise || !state.can_denoise);
   $("denoised").textContent = state.denoised || (state.can_denoise ? "waits until the picture rests"
     : "needs a film and the extra “denoise”");
-  $("label").hidden = !state.denoised;
+  // Differences are those of the pictures themselves.
+  $("label").hidden = !state.denoised || Boolean(state.contrast);
 }
 
 const WAYS = { divider: "a divider", difference: "the difference", flip: "FLIP" };
