@@ -85,7 +85,7 @@ class Animation:
     """
 
     def __init__(self, scene: Any, options: AnimationOptions) -> None:
-        self.options = options
+        self.options, self.numbers = options, options.numbers
         paths = [Path(path) for path in options.output]
         self.films = [path for path in paths if moving.is_moving(path)]
         self.patterns = [path for path in paths if not moving.is_moving(path)]
@@ -94,7 +94,6 @@ class Animation:
         self.scene = prepare(scene, single).scene
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
-        self.numbers = range(*options.frames)  # type: ignore[misc]
         self.kept: list[Path] = []
         self._pivot = middle(flatten(self.scene)) if options.turntable else np.zeros(3)
 

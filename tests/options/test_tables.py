@@ -21,7 +21,8 @@ TABLES = [
     laboratory.InfoOptions, laboratory.PlanOptions, laboratory.CheckOptions,
     laboratory.WhyOptions, laboratory.GuideOptions, laboratory.CompareOptions,
     laboratory.StudyOptions,
-    animation.AnimationOptions, laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
+    animation.AnimationOptions,
+    laboratory.TraceOptions, laboratory.ReferenceOptions, laboratory.ConvertOptions,
     view.ViewOptions,
 ]  # fmt: skip
 OPTIONS = [(table, name) for table in TABLES for name in table.options()]
