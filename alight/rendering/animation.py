@@ -86,7 +86,8 @@ class Animation:
 
     def __init__(self, scene: Any, options: AnimationOptions) -> None:
         self.options, self.numbers = options, options.numbers
-        paths = [Path(path) for path in options.output]
+        outputs: Any = options.output
+        paths = [Path(path) for path in outputs]
         self.films = [path for path in paths if moving.is_moving(path)]
         self.patterns = [path for path in paths if not moving.is_moving(path)]
         self._check()
@@ -155,6 +156,7 @@ class Animation:
             camera = Node(transform=matrix(about @ seen.to_world), camera=seen.camera)
             made = self.scene.replaced(camera=camera)
         else:
+            assert camera.camera is not None
             opens, closes = camera.camera.shutter
             fps = self.options.fps
             shutter = ((number + opens) / fps, (number + closes) / fps)

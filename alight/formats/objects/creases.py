@@ -83,7 +83,8 @@ def _normals_of_corners(
 
 
 def _summed(rows: Array, at: NDArray[np.int64], count: int) -> Array:
-    return np.stack([np.bincount(at, rows[:, k], count) for k in range(3)], axis=1)
+    sums = [np.bincount(at, rows[:, k], count) for k in range(3)]
+    return np.stack(sums, axis=1).astype(np.float64)
 
 
 def _unit(vectors: Any) -> Any:
