@@ -58,6 +58,17 @@ def creased(
     return origin[used], new.reshape(-1, 3), joined
 
 
+def are_of(normals: Any, vertices: Any, faces: NDArray[np.int64]) -> bool:
+    """Whether normals belong to a surface.
+
+    Those of merged vertices of a box, say, are the normals of one face and lie in the others.
+    """
+    corners = np.asarray(vertices, np.float64)[faces]
+    across = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    cosine = np.einsum("fkc,fc->fk", _unit(np.asarray(normals, np.float64))[faces], across)
+    return float((np.abs(cosine) < 0.1).mean()) < 0.05
+
+
 def _normals_of_corners(
     split: NDArray[np.int64],
     at: NDArray[np.int64],
