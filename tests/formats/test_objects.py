@@ -111,7 +111,9 @@ def test_only_faces_within_the_angle_share_a_normal():
 
 def test_normals_of_merged_vertices_are_not_those_of_the_surface():
     box = trimesh.creation.box()
-    assert are_of(box.vertex_normals, box.vertices, box.faces)
+    round_one = trimesh.creation.icosphere(subdivisions=1)
+    assert are_of(round_one.vertex_normals, round_one.vertices, round_one.faces)
+    assert not are_of(box.vertex_normals, box.vertices, box.faces)
     of_one_face = np.zeros((8, 3))
     of_one_face[box.faces.ravel()] = np.repeat(box.face_normals, 3, axis=0)
     assert not are_of(of_one_face, box.vertices, box.faces)

@@ -61,12 +61,13 @@ def creased(
 def are_of(normals: Any, vertices: Any, faces: NDArray[np.int64]) -> bool:
     """Whether normals belong to a surface.
 
-    Those of merged vertices of a box, say, are the normals of one face and lie in the others.
+    Those of merged vertices of a box, say, are the normals of one face, or means over its edges:
+    50 degrees and more from those of the faces.
     """
     corners = np.asarray(vertices, np.float64)[faces]
     across = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     cosine = np.einsum("fkc,fc->fk", _unit(np.asarray(normals, np.float64))[faces], across)
-    return float((np.abs(cosine) < 0.1).mean()) < 0.05
+    return float((np.abs(cosine) < 0.64).mean()) < 0.05
 
 
 def _normals_of_corners(
