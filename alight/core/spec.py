@@ -56,8 +56,7 @@ class Spec(BaseModel):
     def __setattr__(self, name: str, value: Any) -> None:
         """Refuse changes of fields, and say how they are made."""
         if name not in type(self).model_fields:
-            super().__setattr__(name, value)
-            return
+            return super().__setattr__(name, value)
         text = f"never changes; make another one: .replaced({name}=...)"
         way = 'for a whole scene: alight.changed(scene, {"path.to.key": value})'
         raise SceneError([Issue(join_path(self.type_name(), name), f"{text}, or {way}")])

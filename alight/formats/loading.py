@@ -118,7 +118,10 @@ def load(
     """
     look = Look(up, smooth, color_map, color_range, point_radius)
     if not isinstance(scene, str | os.PathLike):
-        return _loaded_object(scene, changes, look, definitions, lenient, root)
+        reading = {
+            "definitions": definitions, "lenient": lenient, "root": root, "variant": variant,
+        }  # fmt: skip
+        return _loaded_object(scene, changes, look, reading)
     if look.given:
         text = "is for objects of other packages, not for files"
         raise OptionError(text, look.given[0])
@@ -152,15 +155,9 @@ def load(
 
 
 def _loaded_object(
-    value: Any,
-    changes: tuple[str, ...] | list[str],
-    look: Look,
-    definitions: Mapping[str, str] | None,
-    lenient: bool,
-    root: str | os.PathLike[str] | None,
+    value: Any, changes: tuple[str, ...] | list[str], look: Look, reading: Mapping[str, Any]
 ) -> Scene:
     """The scene of a dictionary, or of an object of another package."""
-    reading = {"definitions": definitions, "lenient": lenient, "root": root}
     for name, given in reading.items():
         if given:
             raise OptionError("says how a file is read, and there is none", name)

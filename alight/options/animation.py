@@ -29,16 +29,23 @@ class AnimationOptions(RenderOptions):
         Switch(), "Turn the camera once about the scene, over all frames.", default=False
     )
 
-    def __post_init__(self) -> None:
-        """Refuse what one picture has and many have not."""
-        super().__post_init__()
-        if self.frames is None:
-            if not self.turntable:
-                raise OptionError("give {frames}, as 0:120, or {turntable}", "",
-                                  ("frames", "turntable"))  # fmt: skip
-            object.__setattr__(self, "frames", (0, ONE_TURN))
+    @property
+    def numbers(self) -> range:
+        """Of the frames.
+
+        Raises
+        ------
+        OptionError
+            If nothing says which, or an option is for a single picture.
+        """
         for name in self.given("checkpoint", "part", "stats", "first_sample", "cluster"):
             raise OptionError("is for a single picture", name)
+        if self.frames is not None:
+            return range(*self.frames)  # type: ignore[misc]
+        if not self.turntable:
+            text = "give {frames}, as 0:120, or {turntable}"
+            raise OptionError(text, names=("frames", "turntable"))
+        return range(ONE_TURN)
 
     def of_frame(self, output: Any) -> RenderOptions:
         """The options of the render of one frame."""

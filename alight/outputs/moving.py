@@ -64,9 +64,8 @@ def _write_by_pillow(path: Path, suffix: str, frames: Iterable[np.ndarray], fps:
 
 
 def _write_mp4(path: Path, frames: Iterable[np.ndarray], fps: int) -> None:
-    from imageio_ffmpeg import write_frames
+    from imageio_ffmpeg import write_frames  # pyright: ignore[reportMissingImports]
 
-    # Its name would otherwise say nothing of the format.
     writer = None
     for frame in frames:
         # H.264 has half as many colours along each side: an odd last row or column goes.

@@ -85,8 +85,9 @@ class Animation:
     """
 
     def __init__(self, scene: Any, options: AnimationOptions) -> None:
-        self.options = options
-        paths = [Path(path) for path in options.output]
+        self.options, self.numbers = options, options.numbers
+        outputs: Any = options.output
+        paths = [Path(path) for path in outputs]
         self.films = [path for path in paths if moving.is_moving(path)]
         self.patterns = [path for path in paths if not moving.is_moving(path)]
         self._check()
@@ -94,7 +95,6 @@ class Animation:
         self.scene = prepare(scene, single).scene
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
-        self.numbers = range(*options.frames)  # type: ignore[misc]
         self.kept: list[Path] = []
         self._pivot = middle(flatten(self.scene)) if options.turntable else np.zeros(3)
 
@@ -156,6 +156,7 @@ class Animation:
             camera = Node(transform=matrix(about @ seen.to_world), camera=seen.camera)
             made = self.scene.replaced(camera=camera)
         else:
+            assert camera.camera is not None
             opens, closes = camera.camera.shutter
             fps = self.options.fps
             shutter = ((number + opens) / fps, (number + closes) / fps)

@@ -335,11 +335,7 @@ def content_hash(scene: Scene | FlatScene) -> str:
 
 def hash_of(parts: Iterable[bytes]) -> str:
     """SHA-256 over `content_parts`."""
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(part)
-        digest.update(b"\n")
-    return digest.hexdigest()
+    return hashlib.sha256(b"".join(part + b"\n" for part in parts)).hexdigest()
 
 
 def described(flat: FlatScene) -> Iterator[Spec]:

@@ -11,7 +11,7 @@ from PIL import Image as Pillow
 import alight
 from alight.formats import load
 from alight.formats.objects.color_maps import color_map, places_in, strip
-from alight.formats.objects.creases import creased
+from alight.formats.objects.creases import are_of, creased
 from alight.formats.objects.points import ball, sensible_radius
 from alight.meshes.triangles import srgb_to_linear
 
@@ -107,6 +107,16 @@ def test_only_faces_within_the_angle_share_a_normal():
         assert len(origin) == count
         assert np.array_equal(origin[new], faces)
         assert np.allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-6)
+
+
+def test_normals_of_merged_vertices_are_not_those_of_the_surface():
+    box = trimesh.creation.box()
+    round_one = trimesh.creation.icosphere(subdivisions=1)
+    assert are_of(round_one.vertex_normals, round_one.vertices, round_one.faces)
+    assert not are_of(box.vertex_normals, box.vertices, box.faces)
+    of_one_face = np.zeros((8, 3))
+    of_one_face[box.faces.ravel()] = np.repeat(box.face_normals, 3, axis=0)
+    assert not are_of(of_one_face, box.vertices, box.faces)
 
 
 def test_scenes_of_trimesh_keep_places_names_and_their_camera():

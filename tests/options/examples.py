@@ -13,7 +13,7 @@ from alight.options.kinds import (
     Texts,
     listed,
 )
-from alight.options.quantities import Number, Part, Seconds, Share, Whole
+from alight.options.quantities import Frames, Number, Part, Seconds, Share, Whole
 
 
 def example(option):
@@ -26,6 +26,7 @@ def example(option):
         Size: lambda: (24, 16),
         Crop: lambda: (4, 2, 8, 8),
         Part: lambda: (3, 40),
+        Frames: lambda: (3, 40),
         Switch: lambda: not option.default,
         File: lambda: "some/file.png",
         Files: lambda: ["a b.png", "c.png"],
@@ -47,6 +48,7 @@ WRONG = {
     Size: [("big", "big"), ((1, 2, 3), None), (1.5, None)],
     Crop: [("1,2,3", "1,2,3"), ((1, 2, 3), None)],
     Part: [("0/3", "0/3"), ((4, 3), None), ((True, 3), None), (2, None)],
+    Frames: [("3", "3"), ((4, 4), None), ("4:3", "4:3"), (2, None)],
     Switch: [(1, None), ("yes", None)],
     File: [(3, None)],
     Files: [(3, None), ([3], None)],

@@ -11,7 +11,7 @@ from alight.core.errors import Issue, SceneError
 from alight.formats.model_scene import Data, ModelScene
 from alight.formats.names import free_name
 from alight.formats.objects.color_maps import limits_of, places_in, strip
-from alight.formats.objects.creases import creased
+from alight.formats.objects.creases import are_of, creased
 from alight.formats.objects.pieces import Array, Content, Look, Piece, PlacedView
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
@@ -102,6 +102,8 @@ def _mesh(piece: Piece, look: Look, limits: tuple[float, float]) -> TriangleShap
         # Told as any mesh's, before anything is computed of it.
         mesh_of(MeshArrays(vertices, faces.astype(np.int32)))
     origin = np.arange(len(vertices))
+    if normals is not None and not are_of(normals, vertices, faces):
+        normals = None
     if normals is None and look.smooth > 0.0:
         origin, faces, normals = creased(vertices, faces, look.smooth)
     colors, values = piece.colors, piece.values

@@ -58,6 +58,18 @@ def creased(
     return origin[used], new.reshape(-1, 3), joined
 
 
+def are_of(normals: Any, vertices: Any, faces: NDArray[np.int64]) -> bool:
+    """Whether normals belong to a surface.
+
+    Those of merged vertices of a box, say, are the normals of one face, or means over its edges:
+    50 degrees and more from those of the faces.
+    """
+    corners = np.asarray(vertices, np.float64)[faces]
+    across = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    cosine = np.einsum("fkc,fc->fk", _unit(np.asarray(normals, np.float64))[faces], across)
+    return float((np.abs(cosine) < 0.64).mean()) < 0.05
+
+
 def _normals_of_corners(
     split: NDArray[np.int64],
     at: NDArray[np.int64],
@@ -83,7 +95,8 @@ def _normals_of_corners(
 
 
 def _summed(rows: Array, at: NDArray[np.int64], count: int) -> Array:
-    return np.stack([np.bincount(at, rows[:, k], count) for k in range(3)], axis=1)
+    sums = [np.bincount(at, rows[:, k], count) for k in range(3)]
+    return np.stack(sums, axis=1).astype(np.float64)
 
 
 def _unit(vectors: Any) -> Any:

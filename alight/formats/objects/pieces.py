@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -144,10 +145,9 @@ def table(value: Any, columns: tuple[int, ...], path: str) -> Array:
     SceneError
         If it is none; the path is its name.
     """
-    try:
+    array: Any = np.zeros((), object)
+    with suppress(ValueError):
         array = np.asarray(value)
-    except ValueError:
-        array = np.zeros((), object)
     is_table = array.dtype.kind in "fiu" and array.ndim == 2
     if not is_table or array.shape[-1] not in columns:
         shown = f"shape {array.shape} of {array.dtype}" if array.ndim else type(value).__name__
