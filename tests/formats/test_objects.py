@@ -10,6 +10,7 @@ from PIL import Image as Pillow
 
 import alight
 from alight.formats import load
+from alight.formats.made_up import without_floor
 from alight.formats.objects.color_maps import color_map, places_in, strip
 from alight.formats.objects.creases import are_of, creased
 from alight.formats.objects.points import ball, sensible_radius
@@ -20,7 +21,8 @@ HALVES = np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def only(scene):
-    """The one mesh of a scene, and its material."""
+    """The one mesh of a scene, and its material; the floor is the studio's."""
+    scene = without_floor(scene)
     ((_, _, node),) = [found for found in scene.walk() if found[2].shape is not None]
     return node.shape, scene.bsdfs[node.bsdf].bsdf
 
