@@ -52,9 +52,10 @@ def judge(film: Film, known: Judged, literature: bool) -> Judged:
     if same and known.error is not None and known.literature >= literature:
         return known
     means, counts = film.replicate_means()
-    seen = survey(means, counts)
-    unsure = known.unsure if same else unsure_pixels(seen)
-    return Judged(int(counts.sum()), unsure, relmse_of(seen, literature), literature)
+    seen, samples = survey(means, counts), int(counts.sum())
+    # Tiles may have come in between.
+    unsure = known.unsure if samples == known.samples else unsure_pixels(seen)
+    return Judged(samples, unsure, relmse_of(seen, literature), literature)
 
 
 def _samples_of(film: Film) -> int:
