@@ -31,11 +31,13 @@ def fitted(before: Scene, after: Scene, framed: Bounds | None) -> Scene:
     -------
     Scene
         An automatic camera is placed for the size that the picture has now; the studio is turned
-        to the camera that was chosen; another picture in its place stands as it is, and the
-        studio's floor goes with the studio. Remarks that no longer hold are gone.
+        to the camera that was chosen; another picture in its place stands as it is. The studio's
+        floor goes with the studio, and where lights are hidden: who does not want to see the
+        studio wants the model alone. Remarks that no longer hold are gone.
     """
     source = _without_what_is_gone(before, after)
-    if _value(before, "environment.file") == STUDIO != _value(after, "environment.file"):
+    replaced = _value(before, "environment.file") == STUDIO != _value(after, "environment.file")
+    if replaced or _value(after, "integrator.hide_emitters"):
         after = without_floor(after)
     if framed is not None and before.camera == after.camera:
         assert isinstance(after.camera, Node)

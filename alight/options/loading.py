@@ -7,6 +7,7 @@ from typing import Any
 
 from alight.formats import load
 from alight.formats.loading import changed
+from alight.formats.made_up import fitted
 from alight.options.plugins import load_plugins
 from alight.options.scene import SceneOptions
 from alight.scene import Scene
@@ -39,7 +40,7 @@ def scene_of(scene: Any, options: SceneOptions) -> Scene:
     options.check_reads()
     if not changes:
         return scene
-    made, recipe = changed(scene, changes), scene.source.recipe
+    made, recipe = fitted(scene, changed(scene, changes), None), scene.source.recipe
     if recipe is None:
         return made
     recipe = replace(recipe, changes=(*recipe.changes, *changes))

@@ -284,3 +284,14 @@ def test_no_package_is_imported_to_look_at_an_object():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
     )
     assert run.stdout.strip() == "[]"
+
+
+def test_a_transparent_background_shows_the_model_alone():
+    """Whether an object or the scene made of it is rendered, no floor of the studio is left."""
+    options = {"background": "transparent", "spp": 1, "size": (16, 12)}
+    of_object, of_scene = (
+        alight.render(given, **options).aov("alpha")
+        for given in ((SQUARE, HALVES), load((SQUARE, HALVES)))
+    )
+    assert np.array_equal(of_object, of_scene)
+    assert 0.05 < of_object.mean() < 0.95

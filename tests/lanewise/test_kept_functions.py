@@ -161,7 +161,7 @@ class Opaque:
         {"Pair": namedtuple("Pair", "b a")},
         {"inner": kernel(lambda x: x)},
     ],
-    ids=str,
+    ids=["value", "type", "sign", "item", "items", "vector", "class", "fields", "kernel"],
 )
 def test_what_a_text_names_is_in_its_digest(names):
     assert digest(copy_of(of_names, names)) != digest(copy_of(of_names)) is not None
