@@ -179,8 +179,8 @@ def _try_bitcode() -> None:
         def load_overload(self, sig: Any, target_context: Any) -> Any:
             return from_bitcode(*self.saved, target_context) if self.saved else None
 
-        def save_overload(self, sig: Any, data: Any) -> None:
-            self.saved += [bare_descriptor(data), data.library.bitcode()]
+        def save_overload(self, sig: Any, cres: Any) -> None:
+            self.saved += [bare_descriptor(cres), cres.library.bitcode()]
 
     made = []
     for _ in range(2):

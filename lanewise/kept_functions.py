@@ -68,11 +68,11 @@ class KeptFunctions(NullCache):
             return None
         return from_bitcode(descriptor, bitcode, target_context)
 
-    def save_overload(self, sig: Any, data: Any) -> None:
+    def save_overload(self, sig: Any, cres: Any) -> None:
         """Numba has compiled a function."""
-        descriptor = bare_descriptor(data)
+        descriptor = bare_descriptor(cres)
         try:
-            content = pickle.dumps((descriptor, data.library.bitcode()))
+            content = pickle.dumps((descriptor, cres.library.bitcode()))
             found, _ = pickle.loads(content)
         except Exception:  # a record that cannot be imported by its name
             return

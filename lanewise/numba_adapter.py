@@ -41,10 +41,10 @@ from numba.core.typed_passes import (
     NopythonTypeInference,  # asks `state.typingctx` for the type of every call
     PreLowerStripPhis,  # lowering knows no phi nodes
 )
-from numba.core.typing import signature  # result and arguments of a function
 from numba.core.typing.templates import (
     AbstractTemplate,  # `generic` gives the signature of an operator
     infer_global,  # adds a template to an operator of Python
+    signature,  # result and arguments of a function
 )
 from numba.core.untyped_passes import (
     DeadBranchPrune,  # after `Float32Constants` and before SSA, as in Numba's own order
