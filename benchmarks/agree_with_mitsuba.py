@@ -151,7 +151,9 @@ def compare(a: PictureStatistics, b: PictureStatistics) -> tuple[Comparison, flo
             block_variance=np.where(still, 0.0, side.block_variance),
         )
 
-    return compare_pictures(noisy(a), noisy(b)), float(differences[still].max(initial=0.0))
+    return compare_pictures(noisy(a), noisy(b), join=False), float(
+        differences[still].max(initial=0.0)
+    )
 
 
 def measure(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:

@@ -209,10 +209,7 @@ class Film:
 
     @property
     def standard_error(self) -> np.ndarray:
-        """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown.
-
-        Its square is unbiased for whole rounds of the replicates; see `statistics` for others.
-        """
+        """Standard error of `image`, float32, shape (h, w, 3); NaN means unknown."""
         return readout.error_of(self)
 
     def interval(self, confidence: float = 0.95) -> PixelBars:
@@ -291,10 +288,9 @@ class Film:
         return readout.replicates_of(self)
 
     def relmse_estimate(self, literature: bool = True) -> ErrorEstimate:
-        """Estimate the picture's own relMSE from its replicates, with a 95 % interval.
+        """Estimate the picture's own relMSE, with a 95 % interval; NaN if a replicate is empty.
 
-        Unknown (NaN) until every replicate of some pixel has a sample. Without `literature` the
-        figure for epsilon = 0.01 is left out, which saves a third of the time.
+        Without `literature` the figure for epsilon = 0.01 is left out: a third of the time.
         """
         return estimate_relmse(*self.replicate_means(), literature=literature)
 

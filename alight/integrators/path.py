@@ -2,8 +2,7 @@ r"""Path tracing: unidirectional, with light sampling combined by multiple impor
 
 Each vertex estimates the rendering equation (Kajiya 1986)
 
-.. math::
-    L_o = L_e + \int f(\omega_o, \omega_i)\, L_i(\omega_i)\, |\cos\theta_i|\, d\omega_i .
+.. math:: L_o = L_e + \int f(\omega_o, \omega_i)\, L_i(\omega_i)\, |\cos\theta_i|\, d\omega_i .
 
 Following :math:`L_i` to the next surface and repeating gives a sum over path lengths. The term of
 length k is the light that reaches the camera over k edges; a path with throughput
@@ -392,8 +391,8 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
             path = gather_light(path, Ld, lit, depth + passed <= 1)
             if guided:
                 w = share * light_weight(light, of_bsdf)
-                found = path.beta * f_cos * light.radiance * (w / light.pdf)
-                path = gather_unguided(path, found, lit)
+                Lu = path.beta * f_cos * light.radiance * (w / light.pdf)
+                path = gather_unguided(path, Lu, lit)
             if recorded:
                 sample(scene, path, surface.p, n, passed, lit, Ld)
         return replace(path, rays=rays)

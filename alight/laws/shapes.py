@@ -12,17 +12,15 @@ from typing import Any
 import numpy as np
 
 from alight.accel import intersect_closest
-from alight.cameras.basis import perspective_half_extents, project_points
 from alight.core.constants import INFINITY
 from alight.core.spec import Shape
-from alight.formats.bounds import FOV, FOV_AXIS, MARGIN, NEAREST, Bounds
 from alight.laws.bodies import Body, N, body_of, placed_everywhere, rows_of, vec_of
+from alight.laws.framing import an_automatic_camera_sees_all_of_it
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z, ROUNDING, UNIT, unit_vectors, z_of_mean
 from alight.lights.emission import coordinates
 from alight.lights.shape_emission import sample_area
 from alight.lights.shining import sample_shape, shape_pdf
-from alight.scene.transform import look_at
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import Hit, ShapeHit, spawn_origin
 from alight.shapes.model import SHAPES
@@ -75,31 +73,6 @@ def hits_lie_on_their_rays_and_in_the_box(body: Body) -> None:
         demand_close(np.linalg.norm(v, axis=0), 1.0, f"length of {name}", atol=UNIT_VECTOR)
     demand_close(np.cross(ns, s, axis=0), t, "ns x s against t", atol=FRAME)
     demand_close(np.cross(s, t, axis=0), ns, "s x t against ns", atol=FRAME)
-
-
-#: A shape that fills less of the picture has been framed as something larger; lines that miss the
-#: corners of a triangle leave a tenth of it out.
-FILLED = 0.7
-
-
-@placed_everywhere
-def an_automatic_camera_sees_all_of_it(body: Body) -> None:
-    """Hits lie within the picture of the camera that is placed for it, and reach its margins."""
-    if not body.spec.finite:
-        return
-    bounds, size = Bounds(), (80, 60)
-    bounds.add(body.spec, body.to_world)
-    view = look_at(*bounds.viewpoint(size)).matrix
-    o, d = body.lines(4)
-    hit, surface = body.hit(o, d, np.ones(N, bool))
-    p = rows_of(surface.p, N)[:, np.isfinite(hit.t)].T
-    film = project_points(p, perspective_half_extents(FOV, FOV_AXIS, *size), size, view, True)
-    places, depths = film[:, :2] / size, film[:, 2]
-    inside = (places > MARGIN - 1e-3) & (places < 1.0 - MARGIN + 1e-3)
-    demand(inside, "a hit lies outside of the picture")
-    fills = float((places.max(axis=0) - places.min(axis=0)).max())
-    close = depths.min() < 1.02 * NEAREST * bounds.sphere[1]
-    demand(fills > FILLED or close, f"it fills {fills:.3g} of the picture only")
 
 
 def _margin(body: Body, o: np.ndarray) -> float:

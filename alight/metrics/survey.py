@@ -78,7 +78,10 @@ def survey(means: np.ndarray, counts: np.ndarray) -> Survey:
     average = float(lit.mean(dtype=np.float64))
     epsilon = 0.01 * average * average
     surroundings = around(lit, variance, epsilon)
-    return Survey(means, counts, known, picture, variance, surroundings, epsilon)
+    return Survey(
+        means=means, counts=counts, known=known, picture=picture, variance=variance,
+        surroundings=surroundings, epsilon=epsilon,
+    )  # fmt: skip
 
 
 def _bands(means: np.ndarray, counts: np.ndarray) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:

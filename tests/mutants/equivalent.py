@@ -119,9 +119,6 @@ EQUIVALENT: dict[str, str] = {
     "metrics/error_estimate.py Figure.quantile: 600.0 -> 612.0": (
         "keeps an exponential from overflowing; any such number does"
     ),
-    "metrics/pixel_bars.py pixel_bars: 1 -> 0 (3)": (
-        "counts where there is one replicate, of which every bar is unknown"
-    ),
     (
         "metrics/statistics.py _beta_fraction: _not_zero(1.0 - (a + b) * x / (a + 1.0), tiny) -> "
         "_not_zero(tiny, 1.0 - (a + b) * x / (a + 1.0))"

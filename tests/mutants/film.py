@@ -89,7 +89,12 @@ FILM = (
     Mutant(
         "layers that choose at glass with other random numbers than the picture",
         "integrators/aov.py",
-        (("vertex_dimension(path.depth + 1)", "vertex_dimension(path.depth + 2)"),),
+        (
+            (
+                "wo = to_local(surface, -path.d)\n        dimension = vertex_dimension(path.depth + 1)",
+                "wo = to_local(surface, -path.d)\n        dimension = vertex_dimension(path.depth + 2)",
+            ),
+        ),
         "tests/rendering/test_aovs.py"
         "::test_the_layers_take_the_way_of_the_picture_sample_by_sample",
     ),

@@ -200,13 +200,23 @@ GUIDING = (
     Mutant(
         "light paths record what light sampling finds",
         "rendering/light_training.py",
-        (("seen & ~path.delta & (~delta", "seen & (~delta"),),
+        (
+            (
+                "seen & ~path.delta & (~delta | is_mixed(scene, arrival.surface))",
+                "seen & (~delta | is_mixed(scene, arrival.surface))",
+            ),
+        ),
         f"{LIGHT}::test_only_what_light_sampling_misses_is_recorded",
     ),
     Mutant(
         "a way that begins again at mirrors",
         "rendering/light_training.py",
-        (("where(delta, way, 0.0)", "where(delta, 0.0, 0.0)"),),
+        (
+            (
+                "where(delta, way, 0.0)\n        # Light sampling",
+                "where(delta, 0.0, 0.0)\n        # Light sampling",
+            ),
+        ),
         f"{LIGHT}::test_the_length_of_a_way_goes_over_mirrors",
     ),
     Mutant(

@@ -54,6 +54,9 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "scene/validation.py": {"environment"},
     "textures/bitmap.py": {"clamp", "mirror"},
     "textures/constant.py": {"constant"},
+    "view/editor.py": {"path"},
+    "view/inspection.py": {"light", "path"},
+    "view/tree.py": {"environment", "light"},
 }
 
 #: Files that still name models, by family.
