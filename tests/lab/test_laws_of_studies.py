@@ -244,7 +244,7 @@ def test_verdicts_are_what_the_p_values_say_at_the_level():
     arms = {name: (0.2, 1.0, {}) for name in ("base", "b", "c")}
     arms["other"] = (0.2, 1.0, {"declares_different": True})
     below = {True: 0, False: 0}
-    for seed in range(10):
+    for seed in range(100):
         truth = Truth(seed, arms, noise=0.02, ladder=(16,))
         measured = {plan.key: Measured.of(truth.replicates(plan.key), plan) for plan in truth.plans}
         for plan, test in zip(truth.plans, _bias_tests(truth.plans, measured, True), strict=True):
