@@ -177,7 +177,10 @@ def _try_bitcode() -> None:
         saved: list[Any] = []
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
-            return from_bitcode(*self.saved, target_context) if self.saved else None
+            if not self.saved:
+                return None
+            descriptor, bitcode = self.saved
+            return from_bitcode(descriptor, bitcode, target_context)
 
         def save_overload(self, sig: Any, cres: Any) -> None:
             self.saved += [bare_descriptor(cres), cres.library.bitcode()]
