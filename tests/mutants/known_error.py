@@ -28,12 +28,6 @@ KNOWN_ERROR = (
         f"{NOISY}::test_the_interval_holds_the_error_of_noisy_pictures",
     ),
     Mutant(
-        "rounding taken for what a group changes",
-        "metrics/noisy_pixels.py",
-        (("leave = (sums[0] > 0.0) & (rest[0] > 1e-9 * whole[0])", "leave = rest[0] > -1.0"),),
-        f"{SURVEY}::test_a_group_that_is_all_of_its_class_is_not_left_out_of_it",
-    ),
-    Mutant(
         "rows that are no whole cell left out of their sums",
         "metrics/surroundings.py",
         (("if whole < h:", "if whole < h - CELL:"),),

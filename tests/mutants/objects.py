@@ -18,7 +18,7 @@ OBJECTS = (
     Mutant(
         "numbers of faces interpolated from face to face",
         "formats/objects/assembly.py",
-        (("painted is not None and piece.by_faces", "painted is not None and False"),),
+        (("np.repeat(painted, 3, axis=0)", "np.concatenate([painted] * 3)"),),
         f"{TESTS}::test_numbers_of_faces_leave_no_vertex_to_two_faces",
     ),
     Mutant(
