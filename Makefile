@@ -72,7 +72,7 @@ test: setup-dev
 
 proofs: setup-dev
 	# Where packets have 8 lanes anyway, `make test` was this.
-	[ "$$($(BIN)/python -c 'from lanewise.machine import *; print(lanes_of_machine())')" = 8 ] || \
+	[ "$$($(BIN)/python -c 'from lanewise import machine; print(machine.lanes_of_machine())')" = 8 ] || \
 		ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS) --ignore tests/static # which runs no kernel
 	$(BIN)/python -m pytest -n $(JOBS) -m proofs
 
