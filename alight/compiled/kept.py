@@ -45,8 +45,13 @@ def is_same(one: Any, other: Any) -> bool:
         return (
             one.dtype == other.dtype
             and one.shape == other.shape
-            and one.tobytes() == other.tobytes()
+            and np.array_equal(_bytes_of(one), _bytes_of(other))
         )
     if isinstance(one, list | tuple):
         return len(one) == len(other) and all(map(is_same, one, other))
     return bool(one == other)
+
+
+def _bytes_of(array: np.ndarray) -> np.ndarray:
+    """See an array as bytes: -0 is not 0, and NaN is itself."""
+    return np.ascontiguousarray(array).reshape(-1).view(np.uint8)

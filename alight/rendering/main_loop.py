@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
+from alight.compiled.recompile import compiled_of
 from alight.compiled.scene import CompiledScene
 from alight.films import Film
 from alight.options.render import RenderOptions
@@ -22,7 +23,6 @@ from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.cluster_executor import executor_of
 from alight.rendering.executors import Executor
 from alight.rendering.job import Job, Progress
-from alight.rendering.kept import compiled_of
 from alight.rendering.largest_sample import largest_sample
 from alight.rendering.layers import layers_of
 from alight.rendering.light_paths import LEAST_REPLICATES
@@ -81,9 +81,9 @@ def make_job(
 ) -> Job:
     """Compile a scene for a job."""
     threads = threads or usable_processors()
-    flat, compiled = compiled_of(scene, layers_of(aovs), threads, clock.lap)
+    made = compiled_of(scene, layers_of(aovs), threads, clock.lap)
     return job_of(
-        flat, compiled, schedule, clock, seed=seed, threads=threads, replicates=replicates
+        made.flat, made.compiled, schedule, clock, seed=seed, threads=threads, replicates=replicates
     )
 
 

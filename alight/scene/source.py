@@ -72,7 +72,7 @@ class Memory:
     Attributes
     ----------
     held : object
-        See `alight.rendering.kept`.
+        See `alight.compiled.recompile`.
     """
 
     def __init__(self) -> None:

@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from alight.compiled.kept import Kept
 from alight.core.errors import AlightError
 from alight.films import Film
 from alight.options.render import RenderOptions
@@ -115,8 +114,8 @@ class LiveScene:
         options: RenderOptions,
         changed: Callable[[], None],
     ) -> None:
-        self._kept, self._changed = Kept(), changed
-        self.movable = Movable(scene, options, self._kept)
+        self._changed = changed
+        self.movable = Movable(scene, options)
         self.pose = Pose.of(self.movable.flat.camera)
         self.layers: Layers | None = None
         self.phase, self.problem = "compiling", ""
@@ -170,7 +169,7 @@ class LiveScene:
         SceneError
             If it cannot be rendered; the scene before goes on.
         """
-        movable = Movable(scene, self.movable.options, self._kept)
+        movable = Movable(scene, self.movable.options)
         with self._news:
             self._next = movable
             same = movable.compiled.program == self.movable.compiled.program

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from alight.compiled.cameras import compile_camera, small_view
-from alight.compiled.kept import Kept
-from alight.compiled.scene import CompiledScene, compile_scene
+from alight.compiled.cameras import compile_camera
+from alight.compiled.recompile import Compiled, compiled_of
+from alight.compiled.scene import CompiledScene
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.aov import LAYERS, layer_bits
 from alight.integrators.walk import make_settings
@@ -23,8 +23,8 @@ from alight.rendering.schedules import schedule_of, time_limit_of
 from alight.rendering.tile import make_kernels
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.training import is_to_be_guided, untrained
-from alight.scene import Scene, content_hash, flatten
-from alight.scene.flatten import FlatScene, PlacedCamera
+from alight.scene import FlatScene, Scene
+from alight.scene.flatten import PlacedCamera
 from alight.view.pose import Pose
 from lanewise.view import View
 
@@ -40,8 +40,6 @@ class Movable:
     scene : Scene
         With the changes of the options.
     options : RenderOptions
-    kept : Kept, optional
-        Of the scene before it.
 
     Attributes
     ----------
@@ -51,21 +49,15 @@ class Movable:
         x, y, width and height of what is rendered of it.
     """
 
-    def __init__(self, scene: Scene, options: RenderOptions, kept: Kept | None = None) -> None:
-        self.scene, self.options, self._kept = scene, options, kept
+    def __init__(self, scene: Scene, options: RenderOptions) -> None:
+        self.scene, self.options = scene, options
         self.threads = options.threads or usable_processors()
-        self.flat = flatten(scene)
-        self.compiled = self._compile(self.flat)
+        self._own = compiled_of(scene, layers_of(options.aovs), self.threads)
+        self.flat, self.compiled = self._own.flat, self._own.compiled
         self.size = self.flat.film.size
         self.window = self.flat.film.crop or (0, 0, *self.size)
-        self._at_rest: CompiledScene | None = None
+        self._at_rest: Compiled | None = None
         self._look: Callable | None = None
-
-    def _compile(self, flat: FlatScene) -> CompiledScene:
-        aovs = layers_of(self.options.aovs)
-        return compile_scene(
-            flat, content_hash(flat), aovs=aovs, threads=self.threads, kept=self._kept
-        )
 
     def prepare(self) -> None:
         """Compile the kernels of the picture, unless there is machine code for them already."""
@@ -147,18 +139,12 @@ class Movable:
         """The scene from a pose: as it would be flattened and compiled with this camera."""
         if pose is None:
             return self.flat, self.compiled
-        placed = PlacedCamera(pose.camera, pose.to_world)
-        flat = replace(self.flat, camera=placed)
-        compiled = self.compiled
-        if self.flat.camera.motion is not None:
+        placed, made = PlacedCamera(pose.camera, pose.to_world), self._own
+        if made.flat.camera.motion is not None:
             # The tables of a camera that moves are of no use to one that does not.
-            compiled = self._at_rest = self._at_rest or self._compile(flat)
-        camera = compile_camera(pose.camera, pose.to_world, self.size)
-        compiled = replace(
-            compiled,
-            tables=compiled.tables._replace(camera=camera),
-            content_hash=content_hash(flat),
-        )
-        if is_to_be_guided(compiled):
-            compiled = replace(compiled, small_view=small_view(placed, self.size))
-        return flat, compiled
+            if self._at_rest is None:
+                flat = replace(made.flat, camera=placed)
+                self._at_rest = Compiled.of(self.scene, flat, made.layers, self.threads, made.kept)
+            made = self._at_rest
+        seen = made.seen_from(placed)
+        return seen.flat, seen.compiled

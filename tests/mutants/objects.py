@@ -3,7 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 TESTS = "tests/formats/test_objects.py"
-KEPT = "tests/rendering/test_kept.py"
+KEPT = "tests/compiled/test_recompile.py"
 MOVES = "tests/rendering/test_animation.py"
 AOVS = "tests/rendering/test_aovs.py"
 FORMATS = "tests/outputs/test_formats.py"
@@ -54,13 +54,13 @@ OBJECTS = (
     ),
     Mutant(
         "the last scene taken whatever else changed",
-        "rendering/kept.py",
+        "compiled/recompile.py",
         (("return a is b or (not isinstance(a, Mapping) and a == b)", "return True"),),
-        f"{KEPT}::test_whatever_else_changes_is_compiled_and_meshes_are_not_built_again",
+        f"{KEPT}::test_whatever_else_changes_is_compiled_to_the_bits_of_a_fresh_scene",
     ),
     Mutant(
         "the hash of the camera before",
-        "rendering/kept.py",
+        "compiled/recompile.py",
         (("camera_part(placed), *last.parts", "camera_part(before), *last.parts"),),
         f"{KEPT}::test_another_camera_takes_what_is_known_and_has_the_hash_of_a_fresh_scene",
     ),

@@ -2,8 +2,10 @@
 
 A scene and all that are made from it by `replaced`, `alight.changed` and `SceneManager` share one
 memory, which holds the last compiled one. If the next scene differs by its camera alone, only the
-table of the camera is made anew; trees of meshes are kept apart (`alight.accel.kept`). The memory
-goes when the last of these scenes does, and is not copied to other processes.
+table of the camera is made anew (`Compiled.seen_from`); else what costs most and has not changed is
+taken from the last (`alight.compiled.kept`). Trees of meshes stay with their arrays
+(`alight.accel.kept`). The memory goes when the last of these scenes does, and is not copied to
+other processes.
 """
 
 from __future__ import annotations
@@ -13,10 +15,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from alight.compiled.cameras import compile_camera, small_view
+from alight.compiled.kept import Kept
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.scene import FlatScene, Scene, flatten
 from alight.scene.description import Node
-from alight.scene.flatten import camera_part, content_parts, hash_of, place_camera
+from alight.scene.flatten import (
+    PlacedCamera,
+    camera_part,
+    content_parts,
+    hash_of,
+    place_camera,
+)
 
 
 @dataclass(frozen=True)
@@ -27,10 +36,13 @@ class Compiled:
     ----------
     scene : Scene
     layers : tuple of str
+        Further ones, as of `compile_scene`.
     flat : FlatScene
     compiled : CompiledScene
     parts : tuple of bytes
         What its hash is taken of, that of the camera among them.
+    kept : Kept
+        For the next compilation.
     """
 
     scene: Scene
@@ -38,11 +50,42 @@ class Compiled:
     flat: FlatScene
     compiled: CompiledScene
     parts: tuple[bytes, ...]
+    kept: Kept
+
+    @classmethod
+    def of(
+        cls, scene: Scene, flat: FlatScene, layers: tuple[str, ...], threads: int, kept: Kept
+    ) -> Compiled:
+        """Compile a flat scene."""
+        parts = tuple(content_parts(flat))
+        compiled = compile_scene(flat, hash_of(parts), aovs=layers, threads=threads, kept=kept)
+        return cls(scene, layers, flat, compiled, parts, kept)
+
+    def seen_from(self, placed: PlacedCamera) -> Compiled:
+        """The same with another camera, as it would be compiled.
+
+        Neither camera may move, and both must be of one type and in one medium, with one shutter:
+        the kernels are the same then, and so is the place of all that moves.
+        """
+        flat = replace(self.flat, camera=placed)
+        number = self.parts.index(camera_part(self.flat.camera))
+        parts = (*self.parts[:number], camera_part(placed), *self.parts[number + 1 :])
+        camera = compile_camera(placed.camera, placed.to_world, flat.film.size)
+        compiled = replace(
+            self.compiled,
+            tables=self.compiled.tables._replace(camera=camera),
+            content_hash=hash_of(parts),
+            small_view=self.compiled.small_view and small_view(placed, flat.film.size),
+        )
+        return replace(self, flat=flat, compiled=compiled, parts=parts)
 
 
 def compiled_of(
-    scene: Scene, layers: tuple[str, ...], threads: int, lap: Callable[[str], None]
-) -> tuple[FlatScene, CompiledScene]:
+    scene: Scene,
+    layers: tuple[str, ...],
+    threads: int,
+    lap: Callable[[str], None] = lambda name: None,
+) -> Compiled:
     """Flatten and compile a scene, or take what is known of it.
 
     Parameters
@@ -51,7 +94,7 @@ def compiled_of(
     layers : tuple of str
         As of `compile_scene`.
     threads : int
-    lap : callable
+    lap : callable, optional
         Told the names of what has been done.
 
     Raises
@@ -60,19 +103,17 @@ def compiled_of(
         With every problem of the scene.
     """
     last: Compiled | None = scene.memory.held
-    found = None if last is None or last.layers != layers else _seen_anew(last, scene)
+    found = None if last is None or last.layers != layers else _from_last(last, scene)
     if found is None:
         flat = flatten(scene)
         lap("load")
-        parts = tuple(content_parts(flat))
-        compiled = compile_scene(flat, hash_of(parts), aovs=layers, threads=threads)
-        found = Compiled(scene, layers, flat, compiled, parts)
+        found = Compiled.of(scene, flat, layers, threads, Kept() if last is None else last.kept)
     lap("bvh" if found is not last else "load")
     scene.memory.held = found
-    return found.flat, found.compiled
+    return found
 
 
-def _seen_anew(last: Compiled, scene: Scene) -> Compiled | None:
+def _from_last(last: Compiled, scene: Scene) -> Compiled | None:
     """The last scene from the camera of another; None if more differs or something moves."""
     if not _differ_by_camera(last.scene, scene):
         return None
@@ -88,17 +129,7 @@ def _seen_anew(last: Compiled, scene: Scene) -> Compiled | None:
         getattr(placed.camera, name) != getattr(before.camera, name) for name in alike
     ):
         return None
-    flat = replace(last.flat, camera=placed)
-    number = last.parts.index(camera_part(before))
-    parts = (*last.parts[:number], camera_part(placed), *last.parts[number + 1 :])
-    camera = compile_camera(placed.camera, placed.to_world, flat.film.size)
-    compiled = replace(
-        last.compiled,
-        tables=last.compiled.tables._replace(camera=camera),
-        content_hash=hash_of(parts),
-        small_view=last.compiled.small_view and small_view(placed, flat.film.size),
-    )
-    return Compiled(scene, last.layers, flat, compiled, parts)
+    return replace(last.seen_from(placed), scene=scene)
 
 
 def _differ_by_camera(a: Scene, b: Scene) -> bool:
