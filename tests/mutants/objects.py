@@ -61,7 +61,7 @@ OBJECTS = (
     Mutant(
         "the hash of the camera before",
         "compiled/recompile.py",
-        (("camera_part(placed), *last.parts", "camera_part(before), *last.parts"),),
+        (("camera_part(placed), *self.parts", "camera_part(self.flat.camera), *self.parts"),),
         f"{KEPT}::test_another_camera_takes_what_is_known_and_has_the_hash_of_a_fresh_scene",
     ),
     Mutant(
