@@ -1,4 +1,4 @@
-"""Where a cluster is: processes of this machine, or a scheduler that is found by its address."""
+"""Where a cluster is: processes of this machine, a scheduler's address, or a file that says it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from alight.cluster.files import is_cluster_file, read_cluster_file, started
 from alight.cluster.keys import security_of
 from alight.core.errors import AlightError, OptionError
 from alight.core.extras import install_command
@@ -29,7 +30,8 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
     Parameters
     ----------
     where : str or distributed.Client
-        ``local:N``, ``tls://HOST:PORT``, or on this machine ``tcp://HOST:PORT``.
+        ``local:N``, ``tls://HOST:PORT``, on this machine ``tcp://HOST:PORT``, or a file
+        (`alight.cluster.files`).
     keys : path, optional
         Folder that ``alight cluster keys`` made.
 
@@ -45,10 +47,17 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
         return
     if processes_of(where):
         return
+    if is_cluster_file(where):
+        file = read_cluster_file(where, keys)
+        if file.type != "address":
+            security_of(file.checked_keys)
+            return
+        where, keys = file.address, file.keys
     found = re.fullmatch(r"(tcp|tls)://(\[[0-9a-fA-F:]+\]|[^:/\[\]]+):(\d{1,5})", where)
     if found is None:
         raise OptionError(
-            f'must be local:N, tls://HOST:PORT or tcp://127.0.0.1:PORT, got "{where}"', "cluster"
+            f'must be local:N, tls://HOST:PORT, tcp://127.0.0.1:PORT or FILE.yaml, got "{where}"',
+            "cluster",
         )
     if found[1] == "tcp" and not _is_this_machine(found[2]):
         raise OptionError(
@@ -116,6 +125,13 @@ def connected(where: Any, keys: str | os.PathLike[str] | None = None) -> Iterato
         with _local_cluster(processes) as cluster, Client(cluster) as client:
             yield client
         return
+    if is_cluster_file(where):
+        file = read_cluster_file(where, keys)
+        if file.type != "address":
+            with started(file) as client:
+                yield client
+            return
+        where, keys = file.address, file.keys
     security = None if keys is None else security_of(Path(keys))
     try:
         client = Client(where, security=security, timeout=_CONNECT, set_as_default=False)

@@ -27,7 +27,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from alight.cluster.worker import Answer, Refusal, Shared, perform
+from alight.cluster.worker import Answer, Refusal, Shared, machine_here, perform
 from alight.core.errors import AlightError
 from lanewise.machine import describe_machine, differing, fingerprint
 
@@ -152,12 +152,32 @@ class Dispatcher:
         self._look()
         if not self._threads:
             raise AlightError("the cluster has no workers")
+        self._probe()
         # A worker that does not answer gets it when it does, or its tasks are issued again.
-        with suppress(TimeoutError):
+        try:
             self._client.sync(
                 self._client._register_worker_plugin, plugin=self._shared,
                 name=self._shared.name, idempotent=True, callback_timeout=self._patience.cluster,
             )  # fmt: skip
+        except TimeoutError:
+            pass
+        except Exception as error:
+            # That of a worker which is refused; the others have it.
+            if not self.refused:
+                raise AlightError(f"the workers do not take the scene: {error}") from error
+
+    def _probe(self) -> None:
+        """Refuse workers that cannot run a function of alight: it is not installed, or another."""
+        found: dict[str, Any] = {}
+        # One that is stopped does not answer; its tasks are issued again.
+        with suppress(TimeoutError):
+            found = self._client.sync(
+                self._client._run, machine_here, on_error="return",
+                callback_timeout=self._patience.fetch,
+            )  # fmt: skip
+        for worker, answer in found.items():
+            if isinstance(answer, Exception):
+                self._refused(worker, f"{type(answer).__name__}: {answer}")
 
     def close(self) -> None:
         """Let the workers forget what tasks shared."""
@@ -250,12 +270,13 @@ class Dispatcher:
         return False
 
     def _refuse(self, refusal: Refusal) -> None:
-        if refusal.worker in self.refused:
-            return
         found = differing(refusal.machine, describe_machine())
-        why = "; ".join(found) or "its fingerprint is another one"
-        self.refused[refusal.worker] = why
-        _LOG.warning("the worker %s is refused: %s", refusal.worker, why)
+        self._refused(refusal.worker, "; ".join(found) or "its fingerprint is another one")
+
+    def _refused(self, worker: str, why: str) -> None:
+        if worker not in self.refused:
+            self.refused[worker] = why
+            _LOG.warning("the worker %s is refused: %s", worker, why)
 
     # ------------------------------------------------------------------------ tasks
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from alight.core.errors import OptionError, OutputError
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: The files: the certificate, which signs itself, and its private key.
 CERTIFICATE, KEY = "certificate.pem", "key.pem"
+
+_ROLES = ("scheduler", "worker", "client")
 
 
 def make_keys(folder: Path) -> list[Path]:
@@ -47,7 +49,7 @@ def make_keys(folder: Path) -> list[Path]:
 
 
 def security_of(folder: Path) -> Security:
-    """The keys of a folder, as Dask takes them.
+    """The keys of a folder, as Dask takes them: the same for scheduler, workers and clients.
 
     Raises
     ------
@@ -56,11 +58,35 @@ def security_of(folder: Path) -> Security:
     """
     from distributed import Security
 
+    certificate, key = _files(folder)
+    words = {}
+    for role in _ROLES:
+        words |= {f"tls_{role}_cert": certificate, f"tls_{role}_key": key}
+    return Security(require_encryption=True, tls_ca_file=certificate, **words)
+
+
+def role_settings(folder: Path) -> dict[str, Any]:
+    """The same as settings of `dask.config`, for processes that are given nothing else.
+
+    Raises
+    ------
+    OptionError
+        If there are none.
+    """
+    certificate, key = _files(folder)
+    found: dict[str, Any] = {
+        "distributed.comm.require-encryption": True,
+        "distributed.comm.tls.ca-file": certificate,
+    }
+    for role in _ROLES:
+        found[f"distributed.comm.tls.{role}.cert"] = certificate
+        found[f"distributed.comm.tls.{role}.key"] = key
+    return found
+
+
+def _files(folder: Path) -> tuple[str, str]:
     certificate, key = str(folder / CERTIFICATE), str(folder / KEY)
     if not (Path(certificate).is_file() and Path(key).is_file()):
         text = f"there is no {CERTIFICATE} and {KEY} in {folder}: alight cluster keys makes them"
         raise OptionError(text, "cluster_keys")
-    return Security(
-        require_encryption=True, tls_ca_file=certificate,
-        tls_client_cert=certificate, tls_client_key=key,
-    )  # fmt: skip
+    return certificate, key

@@ -38,7 +38,7 @@ class AnimationOptions(RenderOptions):
         OptionError
             If nothing says which, or an option is for a single picture.
         """
-        for name in self.given("checkpoint", "part", "stats", "first_sample", "cluster"):
+        for name in self.given("checkpoint", "part", "stats", "first_sample"):
             raise OptionError("is for a single picture", name)
         if self.frames is not None:
             return range(*self.frames)  # type: ignore[misc]

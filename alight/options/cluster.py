@@ -14,7 +14,7 @@ class ClusterOptions(Options):
     """Where a render's samples come from."""
 
     cluster: str | Any = option(
-        Text("ADDRESS|local:N"),
+        Text("ADDRESS|local:N|FILE.yaml"),
         "Render on a Dask cluster, or on N processes; the same bits. Needs the extra cluster.",
         default=None, shown="the threads of this process", panel=SAMPLING,
     )  # fmt: skip

@@ -6,7 +6,8 @@ keeps the time and turns the camera about the vertical through the middle of the
 
 A frame that is there already is kept if its file says that it is this very picture: of the same
 scene, by its hash, with the same samples, kernels and display. So an animation that was killed
-goes on where it was, and one whose end was changed renders the end alone.
+goes on where it was, and one whose end was changed renders the end alone. On a cluster the workers
+share the samples of each frame, and stay from frame to frame.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from alight.options.render import RenderOptions
 from alight.outputs import exr, moving, png
 from alight.outputs.image import check_writable, read_image, write_image
 from alight.rendering import main_loop
+from alight.rendering.cluster_executor import joined
 from alight.rendering.render import prepare
 from alight.scene import Node, Scene, SceneManager, content_hash, flatten
 from alight.scene.flatten import FlatScene, place_camera
@@ -37,6 +39,11 @@ from lanewise.machine import fingerprint
 
 #: What a frame's file says of how it was made.
 FRAME = "frame"
+
+#: Options that change no bit of a frame.
+_NO_PART = frozenset({
+    "output", "threads", "spp_per_pass", "progress", "cancel", "notes", "cluster", "cluster_keys",
+})  # fmt: skip
 
 
 @takes(AnimationOptions)
@@ -112,6 +119,10 @@ class Animation:
 
     def render(self) -> list[Path]:
         """Render what is not there, and write everything."""
+        with joined(self.single) as self.single:
+            return self._render()
+
+    def _render(self) -> list[Path]:
         shown: list[np.ndarray] = []
         written: list[Path] = []
         for number in self.numbers:
@@ -177,11 +188,7 @@ class Animation:
     def label_of(self, scene: Scene) -> str:
         """Everything that decides the file of a frame, in short."""
         single: RenderOptions = self.single
-        kept = {
-            name: value
-            for name, value in single.given().items()
-            if name not in ("output", "threads", "spp_per_pass", "progress", "cancel", "notes")
-        }
+        kept = {name: value for name, value in single.given().items() if name not in _NO_PART}
         said = json.dumps({name: repr(value) for name, value in sorted(kept.items())})
         parts = (VERSION, fingerprint(), content_hash(scene), str(scene.source.remarks.spp), said)
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()

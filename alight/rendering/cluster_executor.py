@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from alight.cluster.dispatch import Patience
     from alight.options.cluster import ClusterOptions
     from alight.rendering.job import Job
+
+T = TypeVar("T", bound="ClusterOptions")
 
 #: Seconds of a task while there is much to do, and of the last ones at least. A task costs the
 #: scheduler about a millisecond.
@@ -212,6 +214,23 @@ def samples_in(block: Block) -> float:
     """Samples of a block, about: as if cells at its edges were whole."""
     tile = block.tile
     return float(block.ranges[..., 1].mean()) * (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
+
+
+@contextmanager
+def joined(options: T) -> Iterator[T]:
+    """Options of several renders, whose cluster stays from the first to the last.
+
+    Raises
+    ------
+    OptionError, AlightError
+        See `alight.cluster.addresses`.
+    """
+    if options.cluster is None:
+        yield options
+        return
+    check_address(options.cluster, options.cluster_keys)
+    with connected(options.cluster, options.cluster_keys) as client:
+        yield options.changed(cluster=client, cluster_keys=None)
 
 
 def executor_of(options: ClusterOptions) -> Executor:

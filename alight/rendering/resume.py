@@ -51,9 +51,15 @@ class PreparedResume:
     def warnings(self, spell: Callable[[str], str] = str) -> list[str]:
         """What is legal but suspicious."""
         held, spp = self.saved.state.rounds[0].spp, self.options.spp
-        if spp is None or self.options.promise or spp > held:
+        if spp is None or self.options.promise:
             return []
-        return [f"there are {held:g} samples per pixel already; {spell('spp')} {spp} adds none"]
+        if spp <= held:
+            return [f"there are {held:g} samples per pixel already; {spell('spp')} {spp} adds none"]
+        least = _least_spp(self.saved)
+        if spp >= least:
+            return []
+        text = f"some pixels hold samples beyond {spell('spp')} {spp}, which stay: "
+        return [f"{text}{least} or more gives all pixels the same"]
 
     def render(self, **seen: object) -> Film:
         """Render; `seen` may replace `progress` and `cancel`."""
@@ -155,6 +161,16 @@ def _go_on_with(
         job, clock, executor, options.spp_per_pass, writer=writer, progress=options.progress,
         cancel=options.cancel,
     )  # fmt: skip
+
+
+def _least_spp(saved: Checkpoint) -> int:
+    """The fewest samples per pixel among which are all that the first film holds.
+
+    Not the most that a pixel holds: workers of a cluster answer in any order, so a render that was
+    stopped may hold the end of a pass and not its beginning.
+    """
+    ends = (end for cell in saved.state.rounds[0].cells.flat for _, end in cell)
+    return max(ends, default=0) - int(saved.state.schedule_state.get("first", 0))
 
 
 def _check_machine(saved: Checkpoint) -> None:

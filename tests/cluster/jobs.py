@@ -1,6 +1,7 @@
 """Tasks that workers of the tests run, and faults that are planted in their processes."""
 
 import os
+import sys
 import time
 from pathlib import Path
 
@@ -64,3 +65,13 @@ def become_this_machine():
 def kept():
     """How many shared objects this process keeps."""
     return len(alight.cluster.worker._kept)
+
+
+def lose_alight():
+    """Let this process be one in which alight is not installed."""
+    sys.modules["alight.cluster.worker"] = None
+
+
+def find_alight():
+    """Undo it."""
+    sys.modules["alight.cluster.worker"] = alight.cluster.worker

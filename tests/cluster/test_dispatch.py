@@ -147,6 +147,24 @@ def test_a_worker_of_another_fingerprint_is_refused(client, monkeypatch):
         client.run(jobs.become_this_machine)
 
 
+def test_a_worker_without_alight_is_refused_and_the_others_go_on(client):
+    client.wait_for_workers(2, timeout=20)
+    one, other = client.nthreads()
+    try:
+        client.run(jobs.lose_alight, workers=[one])
+        found, dispatcher = answers_of(client, jobs.multiplied, 11, 12)
+        assert found == {n: 11 * n for n in range(12)}
+        assert dispatcher.refused.keys() == {one}
+        assert "ModuleNotFoundError" in dispatcher.refused[one]
+        assert dispatcher.workers.keys() == {other}
+        assert dispatcher.counts["failed"] == 0
+        client.run(jobs.lose_alight, workers=[other])
+        with pytest.raises(AlightError, match=r"(?s)no worker gives.*ModuleNotFoundError"):
+            answers_of(client, jobs.multiplied, 12, 4)
+    finally:
+        client.run(jobs.find_alight)
+
+
 def test_a_worker_keeps_few_shared_objects(client):
     for thing in range(4):
         answers_of(client, jobs.multiplied, thing, 6)

@@ -142,6 +142,29 @@ def test_a_lost_cluster_leaves_the_rest_to_this_process(many_tasks):
     assert_same_film(film, alight.render("cornell-box", **words))
 
 
+def test_frames_of_an_animation_are_those_of_one_machine(client, many_tasks, monkeypatch, tmp_path):
+    def animate(name, **words):
+        (tmp_path / name).mkdir(exist_ok=True)
+        words = {**BOX, "spp": 6, "turntable": True, "frames": "0:3", **words}
+        alight.animate("cornell-box", output=tmp_path / name / "f_#.png", **words)
+        return [path.read_bytes() for path in sorted((tmp_path / name).iterdir())]
+
+    dispatchers, make = [], dispatch.Dispatcher
+
+    def made(*words):
+        dispatchers.append(make(*words))
+        return dispatchers[-1]
+
+    monkeypatch.setattr(dispatch, "Dispatcher", made)
+    own = animate("own")
+    assert len(set(own)) == 3
+    assert animate("theirs", cluster=client) == own
+    assert [one.counts["tasks"] > 1 for one in dispatchers] == [True] * 3
+    # Where a frame was rendered is no part of what it is.
+    animate("own", cluster=client)
+    assert len(dispatchers) == 3
+
+
 def test_a_time_limit_ends_a_render(client):
     film = alight.render("cornell-box", cluster=client, time_limit=0.5, **BOX)
     assert film.stats["verdict"]["word"] == "time"

@@ -1,0 +1,187 @@
+"""Cluster files: what they say is done, over TLS; what is wrong with one is said with its place."""
+
+import logging
+import sys
+import types
+
+import pytest
+import yaml
+
+import alight
+from alight.cluster import files, worker
+from alight.cluster.addresses import check_address
+from alight.cluster.files import job_script, read_cluster_file
+from alight.cluster.keys import make_keys, role_settings
+from alight.core.errors import AlightError, OptionError
+from tests.docs.pages import ROOT
+
+EXAMPLES = ROOT / "docs" / "clusters"
+
+
+@pytest.fixture
+def farm(tmp_path, monkeypatch):
+    """Write farm.yaml beside keys, in the folder that is the current one."""
+    monkeypatch.chdir(tmp_path)
+    make_keys(tmp_path / "keys")
+
+    def write(text):
+        (tmp_path / "farm.yaml").write_text(text, encoding="utf-8")
+        return "farm.yaml"
+
+    return write
+
+
+WRONG = {
+    "no mapping": ("- 1", "farm.yaml must be a mapping"),
+    "no type": ("workers: 3", "type\n  is missing: one of address, ssh"),
+    "another type": ("type: slum", "farm.yaml:1:7  type\n  unknown type of cluster"),
+    "another key": ("type: slurm\nworker: 3", 'did you mean "workers"'),
+    "no hosts": ("type: ssh", "hosts\n  is missing"),
+    "one host": ("type: ssh\nhosts: [a]", "farm.yaml:2:8  hosts\n  must be two texts or more"),
+    "no number": ("type: slurm\nworkers: many", 'must be a whole number > 0, got "many"'),
+    "none": ("type: slurm\nworkers: 0", "must be a whole number > 0, got 0"),
+    "yes": ("type: slurm\nworkers: true", "must be a whole number > 0, got true"),
+    "no address": ("type: address", "address\n  is missing: tls://HOST:PORT"),
+    "in the clear": ("type: address\naddress: tcp://10.0.0.1:1", "neither encrypted nor closed"),
+    "no keys": ("type: slurm", "farm.yaml needs keys, or cluster_keys"),
+    "keys of nobody": ("type: slurm\nkeys: lost", "there is no certificate.pem"),
+    "code": ("type: !!python/name:os.system x", "YAML tags"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG.values(), ids=WRONG.keys())
+def test_a_wrong_file_is_refused_before_anything_starts(farm, text, message):
+    with pytest.raises(OptionError) as refused:
+        alight.render("cornell-box", spp=1, size=8, cluster=farm(text))
+    assert message in str(refused.value)
+
+
+def test_a_file_that_is_not_there_is_refused(farm):
+    with pytest.raises(OptionError, match="cannot read no\\.yaml: No such file"):
+        check_address("no.yaml")
+
+
+def test_keys_lie_beside_the_file_unless_others_are_given(farm, tmp_path):
+    farm("type: slurm\nkeys: keys")
+    assert read_cluster_file(tmp_path / "farm.yaml").keys == tmp_path / "keys"
+    assert read_cluster_file("farm.yaml", tmp_path / "mine").keys == tmp_path / "mine"
+
+
+@pytest.fixture
+def local(monkeypatch):
+    """What the makers of clusters were asked for; each is a worker of this process, over TLS."""
+    from distributed import LocalCluster
+
+    for name in ("distributed", "distributed.core"):
+        logging.getLogger(name).setLevel(logging.ERROR)
+    asked = {}
+
+    class Made(LocalCluster):
+        def __init__(self, *hosts, security=None, **words):
+            import dask.config
+
+            asked.update(words, hosts=hosts, security=security, scaled=None)
+            asked["settings"] = dask.config.get("distributed.comm.tls.worker.key")
+            super().__init__(
+                n_workers=1, threads_per_worker=1, processes=False, host="127.0.0.1",
+                protocol="tls://", security=security, dashboard_address="127.0.0.1:0",
+            )  # fmt: skip
+
+        def scale(self, jobs=None, **words):
+            # At the end there are to be none.
+            asked["scaled"] = asked["scaled"] or jobs
+
+    queues = types.SimpleNamespace(SLURMCluster=Made)
+    monkeypatch.setitem(sys.modules, "dask_jobqueue", queues)
+    monkeypatch.setitem(sys.modules, "asyncssh", types.ModuleType("asyncssh"))
+    monkeypatch.setattr("distributed.SSHCluster", Made)
+    yield asked
+    # The process of the worker was this one.
+    worker._kept.clear()
+
+
+def test_a_queue_is_asked_for_workers_that_speak_tls(farm, local, tmp_path):
+    where = farm("type: slurm\nkeys: keys\nworkers: 40\noptions: {queue: render, cores: 16}")
+    film = alight.render("cornell-box", spp=2, size=16, threads=1, cluster=where)
+    assert (film.sums == alight.render("cornell-box", spp=2, size=16, threads=1).sums).all()
+    assert film.stats["cluster"]["tasks"] > 0
+    assert (local["queue"], local["cores"], local["processes"]) == ("render", 16, 1)
+    assert (local["scaled"], local["protocol"]) == (40, "tls://")
+    assert local["security"].require_encryption
+    for role in ("scheduler", "worker", "client"):
+        found = local["security"].get_tls_config_for_role(role)
+        assert found["key"] == str(tmp_path / "keys" / "key.pem")
+
+
+def test_hosts_are_asked_by_ssh_for_workers_that_speak_tls(farm, local, tmp_path):
+    where = farm(
+        "type: ssh\nkeys: keys\nworkers: 2\nhosts: [lion, lion, tiger]\n"
+        "options: {worker_options: {nthreads: 8}, remote_python: /opt/python}"
+    )
+    with files.started(read_cluster_file(where)):
+        pass
+    assert local["hosts"] == (["lion", "lion", "tiger"],)
+    assert local["worker_options"] == {"nthreads": 8, "n_workers": 2, "protocol": "tls://"}
+    assert local["scheduler_options"] == {"dashboard": False, "protocol": "tls://"}
+    assert local["remote_python"] == "/opt/python"
+    # What SSHCluster sends to the hosts is the configuration.
+    assert local["settings"] == str(tmp_path / "keys" / "key.pem")
+    import dask.config
+
+    assert dask.config.get("distributed.comm.tls.worker.key") is None
+    assert "distributed.comm.require-encryption" in role_settings(tmp_path / "keys")
+
+
+def test_a_cluster_that_does_not_start_is_one_message(farm, local, monkeypatch):
+    where = farm("type: slurm\nkeys: keys")
+
+    def fails(**words):
+        raise ValueError("You must specify how many cores to use")
+
+    monkeypatch.setattr(sys.modules["dask_jobqueue"], "SLURMCluster", fails)
+    with pytest.raises(AlightError, match=r"farm\.yaml does not start: ValueError: You must"):
+        alight.render("cornell-box", spp=1, size=8, cluster=where)
+    monkeypatch.setitem(sys.modules, "dask_jobqueue", None)
+    with pytest.raises(OptionError, match="type slurm needs dask-jobqueue: pip install dask-j"):
+        alight.render("cornell-box", spp=1, size=8, cluster=where)
+
+
+def test_the_examples_of_the_page_are_read(farm):
+    slurm = read_cluster_file(EXAMPLES / "slurm.yaml")
+    assert (slurm.type, slurm.workers, slurm.options["walltime"]) == ("slurm", 40, "02:00:00")
+    ssh = read_cluster_file(EXAMPLES / "ssh.yaml")
+    assert (ssh.type, len(ssh.hosts)) == ("ssh", 4)
+
+
+def test_the_script_of_a_slurm_job_starts_a_worker_with_the_keys(farm, tmp_path):
+    pytest.importorskip("dask_jobqueue")
+    where = farm((EXAMPLES / "slurm.yaml").read_text(encoding="utf-8"))
+    script = job_script(read_cluster_file(tmp_path / where))
+    for line in ("#SBATCH -p render", "#SBATCH --cpus-per-task=16", "#SBATCH -t 02:00:00"):
+        assert line in script
+    assert "--nthreads 16" in script
+    assert f"--tls-key {tmp_path / 'keys' / 'key.pem'}" in script
+    assert "tls://" in script
+
+
+def test_pods_of_the_manifest_speak_tls_with_the_keys_of_the_secret():
+    text = (EXAMPLES / "kubernetes.yaml").read_text(encoding="utf-8")
+    manifest = yaml.safe_load(text)
+    assert (manifest["apiVersion"], manifest["kind"]) == ("kubernetes.dask.org/v1", "DaskCluster")
+    spec, name = manifest["spec"], manifest["metadata"]["name"]
+    for part in ("scheduler", "worker"):
+        pod = spec[part]["spec"]
+        [container] = pod["containers"]
+        [volume], [mount] = pod["volumes"], container["volumeMounts"]
+        assert container["args"][:2] == ["dask", part]
+        assert volume["secret"]["secretName"] == "alight-keys"
+        assert volume["name"] == mount["name"]
+        paths = {f"{mount['mountPath']}/{file}" for file in ("certificate.pem", "key.pem")}
+        given = [word.partition("=") for word in container["args"] if word.startswith("--tls")]
+        assert {option for option, _, _ in given} == {"--tls-ca-file", "--tls-cert", "--tls-key"}
+        assert {value for _, _, value in given} == paths
+    port = spec["scheduler"]["service"]["ports"][0]["port"]
+    assert f"tls://{name}-scheduler:{port}" in spec["worker"]["spec"]["containers"][0]["args"]
+    assert "--protocol=tls" in spec["scheduler"]["spec"]["containers"][0]["args"]
+    page = (ROOT / "docs" / "many-machines.md").read_text(encoding="utf-8")
+    assert "create secret generic alight-keys" in page
