@@ -54,10 +54,15 @@ def client():
 
 @pytest.fixture
 def many_tasks(monkeypatch):
-    """Tasks of some milliseconds, and a second's patience."""
+    """Tasks of some milliseconds."""
     monkeypatch.setattr(cluster_executor, "LONGEST", 0.004)
     monkeypatch.setattr(cluster_executor, "SHORTEST", 0.001)
     monkeypatch.setattr(cluster_executor, "_SPEED", 1e6)
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    """What does not answer for two seconds is taken for lost: where something is."""
     short = Patience(task=1.5, times=4.0, fetch=2.0, cluster=20.0)
     monkeypatch.setattr(dispatch, "Patience", lambda: short)
 
@@ -104,7 +109,7 @@ def test_a_cancelled_render_goes_on_to_the_same_bits(client, many_tasks, monkeyp
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
-def test_workers_that_are_killed_or_stopped_change_no_bit(client, many_tasks, number):
+def test_workers_that_are_killed_or_stopped_change_no_bit(client, many_tasks, impatient, number):
     client.wait_for_workers(2, timeout=30)
     hit = []
 
@@ -123,7 +128,7 @@ def test_workers_that_are_killed_or_stopped_change_no_bit(client, many_tasks, nu
     assert_same_film(film, alight.render("cornell-box", **words))
 
 
-def test_a_lost_cluster_leaves_the_rest_to_this_process(many_tasks):
+def test_a_lost_cluster_leaves_the_rest_to_this_process(many_tasks, impatient):
     from distributed import Client, LocalCluster
 
     with LocalCluster(
