@@ -108,7 +108,14 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
     freedom = min(value * value / spread, 1e12) if spread > 0.0 else 1e12
-    return Figure(value / pixels, freedom, replicates, believed.variance * share, lowest)
+    return Figure(
+        value / pixels,
+        freedom,
+        replicates,
+        believed.variance * share,
+        lowest,
+        believed.rise * share,
+    )
 
 
 def _groups(height: int, width: int) -> np.ndarray:
@@ -195,6 +202,7 @@ def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
         (bright * bright - b.variance.ravel().take(noisy)) * inverse,
         here.epsilon * inverse,
         own * inverse,
+        b.variance.ravel().take(noisy) * inverse,
     )
     return _Weights(value, plain, classes)
 
