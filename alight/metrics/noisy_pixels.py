@@ -181,11 +181,22 @@ def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> 
     doubt = between**2 / max(effective(groups) - 1.0, _LEAST_FREEDOM)
     doubt += float((pixels**2 / np.maximum(found.pixels[:, 0], _LEAST_FREEDOM)).sum())
     freedom = (between + within) ** 2 / doubt if doubt > 0.0 else math.inf
-    student = student_t_quantile(0.975, freedom) / 1.96
+    student = _student(freedom)
     shape = _SHAPE * float(found.shape[:, 0] @ own) / value
     variance = (math.log1p(within) + between) * student**2 + shape**2
     rise = math.log1p(float(((found.lift[:, 0] * own / value) ** 2).sum()))
     return Believed(weights, value, lowest, variance, rise)
+
+
+def _student(freedom: float) -> float:
+    """Student's quantile for 95 %, over 1.96."""
+    if freedom < 30.0:
+        return student_t_quantile(0.975, freedom) / 1.96
+    # Abramowitz and Stegun 26.7.5, relative error 1e-6: the quantile itself takes milliseconds.
+    z2 = 1.96**2
+    series = (3.0 * z2**3 + 19.0 * z2**2 + 17.0 * z2 - 15.0) / (384.0 * freedom)
+    series = (series + (5.0 * z2**2 + 16.0 * z2 + 3.0) / 96.0) / freedom
+    return 1.0 + (series + 0.25 * (z2 + 1.0)) / freedom
 
 
 def left_out(moves: np.ndarray, left: np.ndarray) -> np.ndarray:

@@ -192,17 +192,17 @@ def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
     if not here.known.all():
         seen = np.broadcast_to(here.known, precise.shape).ravel().take(noisy)
         noisy, some, inverse, s, own = (each[seen] for each in (noisy, some, inverse, s, own))
-    bright = b.brightness.ravel().take(noisy)
+    bright, noise = b.brightness.ravel().take(noisy), b.variance.ravel().take(noisy)
     noisy_pixels.gather(
         sums,
         some,
         here.groups.ravel().take(noisy % here.groups.size),
         s * inverse,
         bright * np.sqrt(inverse),
-        (bright * bright - b.variance.ravel().take(noisy)) * inverse,
+        (bright * bright - noise) * inverse,
         here.epsilon * inverse,
         own * inverse,
-        b.variance.ravel().take(noisy) * inverse,
+        noise * inverse,
     )
     return _Weights(value, plain, classes)
 

@@ -24,7 +24,7 @@ KNOWN_ERROR = (
     Mutant(
         "noisy pixels as bright as the half that tells their error",
         "metrics/own_error.py",
-        (("bright = b.brightness.ravel()", "bright = a.brightness.ravel()"),),
+        (("= b.brightness.ravel()", "= a.brightness.ravel()"),),
         f"{NOISY}::test_the_interval_holds_the_error_of_noisy_pictures",
     ),
     Mutant(
