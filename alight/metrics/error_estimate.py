@@ -28,6 +28,9 @@ class Figure(NamedTuple):
     lowest : float, default 1
         What part of `value` is left if pixels of whose brightness there is no evidence are as
         bright as their brightest samples say.
+    rise : float, default 0
+        Variance of log(relMSE), upwards only, because noisy pixels may differ by more than their
+        samples can tell.
     """
 
     value: float
@@ -35,17 +38,20 @@ class Figure(NamedTuple):
     replicates: int
     brightness: float = 0.0
     lowest: float = 1.0
+    rise: float = 0.0
 
     def quantile(self, p: float) -> float:
         """Find the relMSE below which the true one lies with probability p."""
         if math.isnan(self.value) or self.value == 0.0:
             return self.value
         errors = f_quantile(p, self.freedom, (self.replicates - 1) * self.freedom)
-        # Both parts are independent; their logarithms add up as deviations do.
+        upper = p >= 0.5
+        brightness = self.brightness + (self.rise if upper else 0.0)
+        # All parts are independent; their logarithms add up as deviations do.
         doubt = math.hypot(
-            math.log(max(errors, 1e-300)), _NORMAL.inv_cdf(p) * math.sqrt(self.brightness)
+            math.log(max(errors, 1e-300)), _NORMAL.inv_cdf(p) * math.sqrt(brightness)
         )
-        if p >= 0.5:
+        if upper:
             return self.value * math.exp(min(doubt, 600.0))
         return self.value * self.lowest * math.exp(-doubt)
 

@@ -108,7 +108,14 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
     freedom = min(value * value / spread, 1e12) if spread > 0.0 else 1e12
-    return Figure(value / pixels, freedom, replicates, believed.variance * share, lowest)
+    return Figure(
+        value / pixels,
+        freedom,
+        replicates,
+        believed.variance * share,
+        lowest,
+        believed.rise * share,
+    )
 
 
 def _groups(height: int, width: int) -> np.ndarray:
@@ -185,16 +192,17 @@ def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
     if not here.known.all():
         seen = np.broadcast_to(here.known, precise.shape).ravel().take(noisy)
         noisy, some, inverse, s, own = (each[seen] for each in (noisy, some, inverse, s, own))
-    bright = b.brightness.ravel().take(noisy)
+    bright, noise = b.brightness.ravel().take(noisy), b.variance.ravel().take(noisy)
     noisy_pixels.gather(
         sums,
         some,
         here.groups.ravel().take(noisy % here.groups.size),
         s * inverse,
         bright * np.sqrt(inverse),
-        (bright * bright - b.variance.ravel().take(noisy)) * inverse,
+        (bright * bright - noise) * inverse,
         here.epsilon * inverse,
         own * inverse,
+        noise * inverse,
     )
     return _Weights(value, plain, classes)
 

@@ -109,6 +109,8 @@ def student_t_quantile(p: float, dof: float) -> float:
         step = math.log(found / tail) / slope if slope > 0.0 else math.inf
         following = t * math.exp(step) if abs(step) < 300.0 else 0.0
         if not low < following < high:
+            if abs(step) < 1e-12:  # The tail is rounded: there is nothing left to halve.
+                return math.copysign(t, p - 0.5)
             following = math.sqrt(low * high) if low > 0.0 else 0.5 * high
         if abs(following - t) <= 4e-16 * t:
             return math.copysign(following, p - 0.5)

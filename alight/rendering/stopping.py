@@ -174,7 +174,7 @@ def judge_means(
     share, doubted = math.nan, False
     if promise.metric == "relrmse":
         within = achieved <= promise.error
-        sure = estimate.figure._replace(brightness=0.0).quantile(1.0 - promise.doubt)
+        sure = estimate.figure._replace(brightness=0.0, rise=0.0).quantile(1.0 - promise.doubt)
         doubted = not within and sure <= promise.error**2
         factor = (achieved / promise.error) ** 2
     else:

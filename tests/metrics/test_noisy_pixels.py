@@ -178,7 +178,7 @@ def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0, ratio=2.0):
     noisy_pixels.gather(
         sums, np.zeros(n, np.uint8), np.arange(n) % noisy_pixels.GROUPS, r,
         0.5 * (one + two), one * two,
-        np.full(n, floor), np.full(n, ratio),
+        np.full(n, floor), np.full(n, ratio), 0.25 * (one - two) ** 2,
     )  # fmt: skip
     return noisy_pixels.believe(sums, 9, 2, 2, replicates)
 
@@ -209,6 +209,18 @@ def test_the_doubt_about_classes_is_that_of_their_noise():
         floor = 0.2 / math.sqrt(1600 / 9)
         assert believed > 0.8 * truth
         assert believed < 1.6 * math.hypot(truth, floor), noise
+
+
+@pytest.mark.parametrize("largest", [0.1, 0.5, 0.9])
+def test_groups_of_any_size_add_up_to_the_variance(largest):
+    """A mean of 40 numbers: one group has a part of them, three share the rest."""
+    at = np.arange(40)
+    of = np.eye(4)[np.where(at < 40 * largest, 0, 1 + at % 3)]
+    x = 0.01 * np.random.default_rng(7).normal(size=(4000, 40))
+    left = 1.0 - of.mean(axis=0)
+    moves = (x.sum(axis=1, keepdims=True) - x @ of) / (40 * left) - x.mean(axis=1, keepdims=True)
+    terms = [noisy_pixels.left_out(one[None], left[None]).sum() for one in moves]
+    assert np.mean(terms) == pytest.approx(0.01**2 / 40, rel=0.1)
 
 
 def test_without_a_sample_pixels_are_as_bright_as_their_surroundings():
@@ -246,6 +258,26 @@ def test_where_b_sees_nothing_the_prior_alone_speaks(pixels):
     assert found.weights[0] == pytest.approx((1.0 + expected) ** 5, rel=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("pixels", "noise", "differing"),
+    [(400, 0.5, math.exp(0.05)), (100, 0.1, math.exp(0.02)), (1, 50.0, 1.0), (2, 50.0, 2.0)],
+)
+def test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell(pixels, noise, differing):
+    """Seen alike, with rho = 1: E[rho^2] may be exp(1 / sqrt(pairs)), in n pixels at most n; and
+    rho^-2 has the mean E[rho^2]^3 in a log-normal distribution of mean 1."""
+    sums, one = noisy_pixels.no_sums(), np.ones(9 * pixels)
+    noisy_pixels.gather(
+        sums, np.zeros(len(one), np.uint8), np.zeros(len(one), np.uint8), one, one, one,
+        0.0 * one, one, noise * one,
+    )  # fmt: skip
+    found = noisy_pixels.believe(sums, 9, 2, 2, 4)
+    assert found.weights[0] == pytest.approx(1.0)
+    assert found.rise == pytest.approx(math.log1p((differing**3 - 1.0) ** 2), rel=2e-3)
+    # A tenth from their surroundings, and as sure of it as they are many: no group tells more.
+    student = stats.t.ppf(0.975, max(pixels, 2)) / stats.norm.ppf(0.975)
+    assert found.variance == pytest.approx(math.log1p(0.04 / pixels) * student**2, rel=1e-3)
+
+
 @pytest.mark.parametrize("mean", [0.01, 0.5, 3.0, 20.0, 49.0, 300.0])
 def test_the_poisson_tail_is_scipys(mean):
     for k in (0, 1, 2, round(mean), round(mean + 2 * math.sqrt(mean)) + 1):
@@ -266,6 +298,10 @@ def test_doubts_about_error_and_brightness_add_up():
     noise, light = Figure(1.0, 50.0, 4), Figure(1.0, 1e12, 4, 0.09)
     both = Figure(1.0, 50.0, 4, 0.09)
     assert light.quantile(0.975) == pytest.approx(math.exp(1.96 * 0.3), rel=1e-3)
+    # What may be missing counts upwards only.
+    missing = both._replace(brightness=0.05, rise=0.04)
+    assert missing.quantile(0.975) == both.quantile(0.975)
+    assert missing.quantile(0.025) == both._replace(brightness=0.05).quantile(0.025)
     for p in (0.025, 0.9, 0.975):
         parts = math.hypot(math.log(noise.quantile(p)), math.log(light.quantile(p)))
         assert abs(math.log(both.quantile(p))) == pytest.approx(parts, rel=1e-3)

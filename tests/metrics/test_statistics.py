@@ -56,6 +56,20 @@ def test_quantiles_of_student_t(dof, p):
     assert student_t_quantile(p, dof) == pytest.approx(stats.t.ppf(p, dof), rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.parametrize("dof", [2.0, 2.3, 8.2, 29.0, 300.0])
+def test_a_quantile_needs_a_few_tails(monkeypatch, dof):
+    """Where the tail is rounded, no bracket is halved again from one end to the other."""
+    asked = []
+
+    def counted(t, nu):
+        asked.append(t)
+        return student_t_tail(t, nu)
+
+    monkeypatch.setattr("alight.metrics.statistics.student_t_tail", counted)
+    student_t_quantile(0.975, dof)
+    assert len(asked) <= 10
+
+
 @pytest.mark.parametrize(("p", "dof"), [(0.0, 3), (1.0, 3), (0.5, 0)])
 def test_impossible_quantiles_are_refused(p, dof):
     with pytest.raises(ValueError, match="must lie in"):

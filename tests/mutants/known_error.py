@@ -24,7 +24,7 @@ KNOWN_ERROR = (
     Mutant(
         "noisy pixels as bright as the half that tells their error",
         "metrics/own_error.py",
-        (("bright = b.brightness.ravel()", "bright = a.brightness.ravel()"),),
+        (("= b.brightness.ravel()", "= a.brightness.ravel()"),),
         f"{NOISY}::test_the_interval_holds_the_error_of_noisy_pictures",
     ),
     Mutant(
@@ -46,10 +46,45 @@ KNOWN_ERROR = (
         f"{NOISY}::test_without_a_sample_pixels_are_as_bright_as_their_surroundings",
     ),
     Mutant(
-        "a jackknife divided as a mean",
+        "a jackknife of unequal groups as of equal ones",
         "metrics/noisy_pixels.py",
-        (("(GROUPS - 1) / GROUPS * float", "1.0 / GROUPS * float"),),
-        f"{NOISY}::test_the_doubt_about_classes_is_that_of_their_noise",
+        (("(moves * np.sqrt(left))", "(moves * math.sqrt(1.0 - 1.0 / GROUPS))"),),
+        f"{NOISY}::test_groups_of_any_size_add_up_to_the_variance",
+    ),
+    Mutant(
+        "Student's factor by the groups alone, where no group tells anything",
+        "metrics/noisy_pixels.py",
+        (
+            (
+                "freedom = (between + within) ** 2 / doubt if doubt > 0.0 else math.inf",
+                "freedom = max(effective(groups) - 1.0, _LEAST_FREEDOM)",
+            ),
+        ),
+        f"{NOISY}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+    ),
+    Mutant(
+        "a trace of other pixels speaks for a whole class",
+        "metrics/noisy_pixels.py",
+        (("(moves * np.sqrt(left))", "moves"),),
+        f"{SURVEY}::test_a_part_that_vanishes_has_no_say",
+    ),
+    Mutant(
+        "pixels that differ as their brightness, not as its square, tells",
+        "metrics/noisy_pixels.py",
+        (("1.0 / np.sqrt(pairs)", "0.5 / np.sqrt(pairs)"),),
+        f"{NOISY}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+    ),
+    Mutant(
+        "one pixel that differs from itself",
+        "metrics/noisy_pixels.py",
+        (("mean * mean * pixels)", "mean * mean * (pixels + 1.0))"),),
+        f"{NOISY}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+    ),
+    Mutant(
+        "a doubt that counts upwards only, in both directions",
+        "metrics/error_estimate.py",
+        (("(self.rise if upper else 0.0)", "self.rise"),),
+        f"{NOISY}::test_doubts_about_error_and_brightness_add_up",
     ),
     Mutant(
         "a pixel in its own surroundings",
