@@ -1,61 +1,60 @@
 r"""What a guide gains: the noise of guided paths beside that which paths without it would have.
 
-Both follow from the records of the same guided paths. Vertex k of a path drew its direction with
-the density :math:`p_k`; the BSDF alone would have had :math:`b_k`. So without the guide the path is
-:math:`P_k = \prod_{j \le k} p_j / b_j` times as rare as far as it goes, and what it brings from
-there weighs as much more; and its multiple importance sampling has the weights of :math:`b_k`, not
-of :math:`p_k`. With :math:`T_k`, what the sample gathers by these weights after vertex k, and
-:math:`L`, all that it gathers, the second moment without the guide is
+Both follow from the same guided paths. Vertex k of a path drew its direction with the density
+:math:`p_k`, or a delta lobe with the probability :math:`p_k`; the BSDF alone would have had
+:math:`b_k`. So without the guide the path is :math:`P_k = \prod_{j \le k} p_j / b_j` times as rare
+as far as it goes, and what it brings from there weighs as much more; and its multiple importance
+sampling has the weights of :math:`b_k`, not of :math:`p_k`. With :math:`c_k`, what the sample
+gathers by these weights after vertex k and before the next, the second moment without the guide is
 
 .. math:: \operatorname E_b[L^2] = \operatorname E_p\Bigl[
-    L^2 + \sum_k T_k^2\, (P_k - P_{k-1}) \Bigr], \qquad P_{-1} = 1 .
+    \sum_k c_k \Bigl( P_k c_k + 2 \sum_{i<k} P_i c_i \Bigr) \Bigr], \qquad P_{-1} = 1 .
 
+Of two contributions the later decides how rare both together are, and cancels one of its weights.
 This finds what a comparison of two pictures would miss: the light that paths without a guide do
 not meet in so few samples. It leaves out that evenly distributed samples help unguided paths more.
 """
 
 from __future__ import annotations
 
+from collections import namedtuple
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.guiding.tables import Log
+from lanewise.jit import kernel
+from lanewise.simd import lanes, where
 
 #: As of relMSE(0.01): added to squared means.
 EPSILON = 0.01
 
+#: What the same path would have without its guide. pdf: the BSDF's density of its last direction;
+#: rarity: how many times as rare it would be, P; L: luminance that it gathers; square: the sample's
+#: part of the second moment.
+Unguided = namedtuple("Unguided", "pdf rarity L square")
 
-def moments_without(log: Log) -> NDArray[np.float64]:
-    """Each sample's part of the second moment without the guide.
 
-    Parameters
-    ----------
-    log : Log
-        Of finished samples; the vertices of a sample are in their order.
+@kernel
+def begin_unguided():
+    """Of paths that have found nothing yet."""
+    return Unguided(pdf=lanes(0.0), rarity=lanes(1.0), L=lanes(0.0), square=lanes(0.0))
 
-    Returns
-    -------
-    ndarray of float64, shape (samples,)
+
+@kernel
+def add_unguided(unguided, found, mask):
+    """With more that paths find in the lanes of the mask.
+
+    found: luminance, with the throughput of the guided path and the weights of one without a guide.
     """
-    ends = log.unguided.array.astype(np.float64)
-    rows, moments = log.rows.shaped, ends**2
-    if not len(rows):
-        return moments
-    number = rows[:, 11].copy().view(np.uint32).astype(np.int64)
-    order = np.argsort(number, kind="stable")
-    rows, number = rows[order].astype(np.float64), number[order]
-    pdf, of_bsdf, before = rows[:, 6], rows[:, 7], rows[:, 12]
-    # What a BSDF never draws is light that it does not scatter.
-    ratio = np.log(np.where(of_bsdf > 0.0, pdf / np.where(of_bsdf > 0.0, of_bsdf, 1.0), 1.0))
-    first = np.diff(number, prepend=-1) != 0
-    earlier = np.cumsum(ratio) - ratio
-    earlier -= earlier[first][np.cumsum(first) - 1]
-    with np.errstate(all="ignore"):
-        more = (ends[number] - before) ** 2 * np.exp(earlier) * np.expm1(ratio)
-    np.add.at(moments, number, np.where(np.isfinite(more), more, 0.0))
-    return moments
+    weighed = unguided.rarity * found
+    square = unguided.square + found * (weighed + 2.0 * unguided.L)
+    return Unguided(
+        pdf=unguided.pdf,
+        rarity=unguided.rarity,
+        L=where(mask, unguided.L + weighed, unguided.L),
+        square=where(mask, square, unguided.square),
+    )
 
 
 @dataclass

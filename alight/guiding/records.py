@@ -89,7 +89,6 @@ def record_vertices(log, path, drawn, mask):
     store_lanes(values, 8 * LANES, luminance(drawn.weight))
     store_lanes(values, 9 * LANES, luminance(beta))
     store_lanes(values, 10 * LANES, luminance(path.L))
-    store_lanes(values, 12 * LANES, path.unguided.L)
     store_lanes(values, 11 * LANES, bits_float(sample_number(log.window, path.sampler)))
     append_rows(log, values, RECORD, mask)
 
@@ -115,10 +114,10 @@ def append_rows(log, values, size, mask):
 
 @kernel
 def record_ends(log, path, finished):
-    """Keep the luminance of finished samples, and that without a guide, in training."""
+    """Keep what finished samples of training come to, with the guide and without."""
     values, numbers = local_floats(32), local_uints(16)
     store_lanes(values, 0, luminance(path.L))
-    store_lanes(values, LANES, path.unguided.L)
+    store_lanes(values, LANES, path.unguided.square)
     store_lanes(numbers, 0, sample_number(log.window, path.sampler))
     bits = mask_bits(finished)
     while bits != 0:
@@ -126,7 +125,7 @@ def record_ends(log, path, finished):
         bits &= bits - 1
         at = as_int(numbers[lane])
         log.ends[at] = values[lane]
-        log.unguided[at] = values[LANES + lane]
+        log.without[at] = values[LANES + lane]
 
 
 @kernel

@@ -44,10 +44,10 @@ PART_BITS, PARTS = 10, 1 << 10
 QUADRANTS = 4
 
 #: What training paths leave behind. rows: `RECORD` float32 a vertex; count: vertices, and how many
-#: did not fit; ends, unguided: float32, luminance of each finished sample, and the same with the
-#: weights of paths without the guide; window: u32, first column and row of the tile, its columns,
+#: did not fit; ends, without: float32, luminance of each finished sample, and its part of the
+#: second moment without the guide; window: u32, first column and row of the tile, its columns,
 #: first sample, samples a pixel, replicates.
-Log = namedtuple("Log", "rows count ends unguided window")
+Log = namedtuple("Log", "rows count ends without window")
 
 #: What light paths of training leave behind: `LIGHT_RECORD` float32 a vertex, and counts as above.
 LightLog = namedtuple("LightLog", "rows count")
@@ -58,8 +58,8 @@ LIGHT_RECORD = 8
 
 #: A vertex: position, direction, density of the direction, that of the BSDF alone; luminance of
 #: f cos over the density, of the throughput after the vertex, and of the radiance gathered before;
-#: number of the sample (bits); what was gathered before with the weights of paths without a guide.
-RECORD = 13
+#: number of the sample (bits).
+RECORD = 12
 
 
 def no_log() -> Log:
@@ -68,6 +68,6 @@ def no_log() -> Log:
         rows=View(np.zeros(0, np.float32)),
         count=View(np.zeros(2, np.int64)),
         ends=View(np.zeros(0, np.float32)),
-        unguided=View(np.zeros(0, np.float32)),
+        without=View(np.zeros(0, np.float32)),
         window=View(np.zeros(6, np.uint32)),
     )

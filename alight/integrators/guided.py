@@ -18,7 +18,7 @@ from collections import namedtuple
 from typing import Any
 
 from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
-from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
+from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
 from alight.core.vec import luminance
 from alight.guiding.lookup import direction_density, draw_direction, place_at
 from alight.guiding.records import Drawn, record_vertices
@@ -109,11 +109,12 @@ def evaluate_at_surface(scene, path, vertex, w, wi, active):
 
 
 def write_guided_scatter(roulette, sample, evaluate):
-    """``(scene, settings, path, here, vertex, going) -> (BsdfSample, w, of_bsdf)``.
+    """``(scene, settings, path, here, vertex, going) -> (BsdfSample, w, unguided)``.
 
-    Directions of active paths from the mixture, w in world space; of_bsdf: the BSDF's own density.
-    It plays roulette, if there is one. Training paths leave a record where they are `going`.
-    `sample` and `evaluate` are kernels as `sample_at_surface` and `evaluate_at_surface`.
+    Directions of active paths from the mixture, w in world space; unguided: `Unguided` with the
+    BSDF's own density (behind holes the last one), and as rare as the choice makes it. It plays
+    roulette, if there is one. Training paths leave a record where they are `going`. `sample` and
+    `evaluate` are kernels as `sample_at_surface` and `evaluate_at_surface`.
     """
 
     @kernel
@@ -153,7 +154,17 @@ def write_guided_scatter(roulette, sample, evaluate):
             drawn = Drawn(p=vertex.p, d=w, pdf=pdf, of_bsdf=of_bsdf, weight=weight)
             record_vertices(settings.log, path, drawn, smooth & possible & going)
         weight = where(survived, weight / survival, lanes_vec3(0.0))
-        return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf)), w, of_bsdf
+        # A delta lobe waits until the guide does not draw.
+        likelier = where(of_bsdf > 0.0, pdf / where(of_bsdf > 0.0, of_bsdf, 1.0), 1.0)
+        likelier = where(smooth, likelier, 1.0 - share)
+        # Behind a hole the last vertex still looks for light.
+        turned = active & ((found.flags & NULL) == 0)
+        unguided = replace(
+            path.unguided,
+            pdf=where(turned, of_bsdf, path.unguided.pdf),
+            rarity=where(active, path.unguided.rarity * likelier, path.unguided.rarity),
+        )
+        return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf)), w, unguided
 
     return guided_scatter
 

@@ -257,7 +257,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
 
         # Where the path continues: beta gains f cos / p_b.
         arrived = replace(path, active=active)
-        drawn, of_bsdf = next_direction(scene, settings, arrived, here, surface, wo)
+        drawn, unguided = next_direction(scene, settings, arrived, here, surface, wo)
         wi, weight, pdf, flags = drawn
         beta = path.beta * weight
         # Filters with negative lobes weigh some paths negatively.
@@ -266,7 +266,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         active = active & ~(brightness <= 0.0)
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
-        on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active)
+        on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
         if roulette:
             if guided:
                 # Where a guide has learnt what a vertex may gain, paths have played already.
@@ -278,8 +278,6 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
             else:
                 on = end_dim_paths(scene, settings, on, surface, wi, brightness)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
-        if guided:
-            vertex = replace(vertex, unguided=replace(vertex.unguided, pdf=of_bsdf))
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
             vertex = where((flags & NULL) != 0, on, vertex)
@@ -321,15 +319,14 @@ def _write_end_dim_paths(program):
 
 
 def _write_guided_scatter(roulette):
-    """``(scene, settings, path, here, surface, wo) -> (BsdfSample, of_bsdf)``: with a guide."""
+    """``(scene, settings, path, here, surface, wo) -> (BsdfSample, unguided)``: with a guide."""
     guided_scatter = write_guided_scatter(roulette, sample_at_surface, evaluate_at_surface)
 
     @kernel
     def next_direction(scene, settings, path, here, surface, wo):
-        dimension = vertex_dimension(path.depth + 1)
-        vertex = Vertex(surface.p, surface, wo, dimension, ())
-        found, _, of_bsdf = guided_scatter(scene, settings, path, here, vertex, path.active)
-        return found, of_bsdf
+        vertex = Vertex(surface.p, surface, wo, vertex_dimension(path.depth + 1), ())
+        found, _, unguided = guided_scatter(scene, settings, path, here, vertex, path.active)
+        return found, unguided
 
     return next_direction
 

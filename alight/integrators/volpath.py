@@ -121,9 +121,9 @@ def step(program):
     environment = bool(environments_of(program))
     roulette = program.option("russian_roulette") == "throughput"
     guided = is_guided(program)
-    unguided = _without_guide if guided else None
-    reach_environment = write_reach_environment(found_weight, NO_LISTENERS, unguided)
-    reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS, unguided)
+    without = _without_guide if guided else None
+    reach_environment = write_reach_environment(found_weight, NO_LISTENERS, without)
+    reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS, without)
     add_direct_light = _write_add_direct_light(chosen_weight, by_light, guided)
     guided_scatter = write_guided_scatter(roulette, sample_anywhere, evaluate_anywhere)
     refracting = refracts(program)
@@ -170,12 +170,12 @@ def step(program):
         if nulls:
             # The last surface may be a hole, behind which the last edge continues.
             turning = met & ~passing
-        of_bsdf = lanes(0.0)
+        unguided = path.unguided
         if guided:
             drawing = replace(
                 path, beta=path.beta * (1.0 / mean(path.ours)), active=turning | active
             )
-            drawn, w, of_bsdf = guided_scatter(scene, settings, drawing, here, place, active)
+            drawn, w, unguided = guided_scatter(scene, settings, drawing, here, place, active)
             wi, weight, pdf, flags = drawn
             turn = Turn(w, weight, pdf, (flags & DELTA) != 0)
             # Roulette was played at holes too.
@@ -201,15 +201,14 @@ def step(program):
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         medium = medium_beyond(scene, surface, d, path.medium)
         on = replace(
-            path, o=where(scattered, p, o), d=d, medium=where(scattered, path.medium, medium)
-        )
+            path, o=where(scattered, p, o), d=d, medium=where(scattered, path.medium, medium),
+            unguided=unguided,
+        )  # fmt: skip
         lights = where(turn.delta, lanes_vec3(0.0), path.ours * (1.0 / maximum(turn.pdf, 1e-30)))
         vertex = replace(
             on, p=p, beta=beta, pdf=turn.pdf, delta=turn.delta, depth=depth, lights=lights,
             active=active,
         )  # fmt: skip
-        if guided:
-            vertex = replace(vertex, unguided=replace(vertex.unguided, pdf=of_bsdf))
         if roulette:
             # The weight of a channel alone may be large.
             brightness = largest / mean(path.ours)

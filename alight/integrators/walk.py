@@ -13,6 +13,7 @@ import numpy as np
 
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, luminance, normalize
+from alight.guiding.gain import add_unguided, begin_unguided
 from alight.guiding.tables import GUIDED, Guide, no_log
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
@@ -39,14 +40,10 @@ from lanewise.simd import (
 #: delta : mask, d was chosen by a delta lobe, or is a camera ray;
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far;
-#: unguided : `Unguided` where there is a guide, else empty.
+#: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty.
 PathState = namedtuple(
     "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided"
 )
-
-#: What the same path would have without its guide. pdf: the BSDF's density of d; L: luminance that
-#: is gathered with the weights that follow from it.
-Unguided = namedtuple("Unguided", "pdf L")
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
 #: metres).
@@ -129,7 +126,7 @@ def empty_paths(program):
 
     @kernel
     def empty_guided_paths():
-        return replace(own(), unguided=Unguided(lanes(0.0), lanes(0.0)))
+        return replace(own(), unguided=begin_unguided())
 
     return empty_guided_paths
 
@@ -148,8 +145,7 @@ def start_paths(program):
     @kernel
     def start_guided_paths(new, o, d, weight, sampler, path):
         path = own(new, o, d, weight, sampler, path)
-        unguided = where(new, Unguided(lanes(0.0), lanes(0.0)), path.unguided)
-        return replace(path, unguided=unguided)
+        return replace(path, unguided=where(new, begin_unguided(), path.unguided))
 
     return start_guided_paths
 
@@ -171,8 +167,7 @@ def gather_light(path, found, mask, direct):
 @kernel
 def gather_unguided(path, found, mask):
     """As `gather_light`, with the weights of a path without its guide."""
-    L = where(mask, path.unguided.L + luminance(found), path.unguided.L)
-    return replace(path, unguided=replace(path.unguided, L=L))
+    return replace(path, unguided=add_unguided(path.unguided, luminance(found), mask))
 
 
 @kernel

@@ -14,7 +14,7 @@ from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import SceneError, show_value, unknown_name
 from alight.core.noise_only import noise_only_fields
 from alight.core.registry import default_of
-from alight.core.spec import Sampler, Spec
+from alight.core.spec import Integrator, Sampler, Spec
 from alight.formats import builtin_names, load
 from alight.lab.measure import Rung, compiled_kernels, render_ladder
 from alight.lab.steering import is_steered, problem_of, steered_ladder
@@ -209,13 +209,24 @@ def _window(scene: Scene) -> tuple:
 
 def same_picture_hash(scene: Scene) -> str:
     """Content hash without all that changes the noise only."""
-    plain = without_choices(scene).model_copy(
-        update={
-            "sampler": default_of(Sampler),
-            "film": scene.film.model_copy(update={"replicates": 1}),
-        }
-    )
-    return content_hash(plain)
+    plain = without_choices(scene)
+    update = {
+        "sampler": default_of(Sampler),
+        "film": scene.film.model_copy(update={"replicates": 1}),
+        "integrator": _transport(plain.integrator),
+    }
+    return content_hash(plain.model_copy(update=update))
+
+
+def _transport(integrator: Integrator) -> Integrator:
+    """The path tracer whose picture this one must have: a law where an integrator `transports`."""
+    if integrator.sees_media or not integrator.transports:
+        return integrator
+    tracer, its = default_of(Integrator), dict(integrator)
+    shared = {name: its[name] for name, _ in tracer if name in its and name != "type"}
+    if integrator.longest_path is not None:
+        shared["max_depth"] = integrator.longest_path
+    return without_choices(tracer.model_copy(update=shared))
 
 
 def without_choices(value: Any) -> Any:

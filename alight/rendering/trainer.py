@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from alight.compiled.scene import CompiledScene
 from alight.films import CELL_SIZE
-from alight.guiding.gain import Moments, moments_without
+from alight.guiding.gain import Moments
 from alight.guiding.light_records import add_arrivals
 from alight.guiding.records import Totals, add_records
 from alight.guiding.tables import LIGHT_RECORD, RECORD, Frame, Guide, LightLog, Log
@@ -130,7 +130,7 @@ class Trainer:
                     guide=tree.guide(frame),
                 )
                 assert isinstance(settings, GuidedSettings)
-                found = self._round(pool, tree, settings, 2**number, judged)
+                found = self._round(pool, tree, settings, 2**number)
                 if not number:
                     rays_alone = found.rays
                 # The bounds stay: later rounds divide what the first has bounded.
@@ -159,7 +159,7 @@ class Trainer:
         """Run all kernels without a sample: what they take from now on is training."""
         settings = make_settings(self.scene.integrator, seed=0, replicates=1, guide=guide)
         assert isinstance(settings, GuidedSettings)
-        self._tile(settings, self.tiles[0], 0, 0, False)
+        self._tile(settings, self.tiles[0], 0, 0)
         self.add(guide, tree.densities(), settings.log, tree.empty_totals(), np.float32(1.0))
         if self.emits:
             log = self._light_tile(settings, self.tiles[0], 0, 0)
@@ -167,12 +167,7 @@ class Trainer:
         self.seconds.clear()
 
     def _round(
-        self,
-        pool: ThreadPoolExecutor,
-        tree: Tree,
-        settings: GuidedSettings,
-        samples: int,
-        judged: bool,
+        self, pool: ThreadPoolExecutor, tree: Tree, settings: GuidedSettings, samples: int
     ) -> _Round:
         found = _Round(
             tree.empty_totals(),
@@ -183,8 +178,8 @@ class Trainer:
         densities = tree.densities()
         for first in range(0, samples, AT_ONCE):
             count = min(AT_ONCE, samples - first)
-            render = partial(self._tile, settings, first=first, count=count, judged=judged)
-            logs, rays, without = zip(*pool.map(render, self.tiles), strict=True)
+            render = partial(self._tile, settings, first=first, count=count)
+            logs, rays = zip(*pool.map(render, self.tiles), strict=True)
             found.rays += sum(rays)
             if self.unit == 0.0:
                 self.unit = _typical_gain(logs)
@@ -195,16 +190,16 @@ class Trainer:
                 found.totals.cells.array[:] += totals.cells.array
                 found.totals.leaves.array[:] += totals.leaves.array
                 found.totals.middles.array[:] += totals.middles.array
-            for tile, log, more in zip(self.tiles, logs, without, strict=True):
-                _look(found, tile, log, more)
+            for tile, log in zip(self.tiles, logs, strict=True):
+                _look(found, tile, log)
                 self.paths += log.ends.size
                 self.vertices += int(log.count.array[0])
         return found
 
     def _tile(
-        self, settings: GuidedSettings, tile: Tile, first: int, count: int, judged: bool
-    ) -> tuple[Log, int, NDArray[np.float64]]:
-        """Render samples of a tile: what their paths met, their rays, and `moments_without`."""
+        self, settings: GuidedSettings, tile: Tile, first: int, count: int
+    ) -> tuple[Log, int]:
+        """Render samples of a tile: what their paths met, and their rays."""
         began = time.thread_time()
         samples = _pixels(tile) * count
         window = [tile.x0, tile.y0, tile.x1 - tile.x0, first, count, settings.replicates]
@@ -212,8 +207,8 @@ class Trainer:
             self.local.scratch = Scratch()
 
         def run(rows: View, counted: View) -> Log:
-            ends, unguided = (View(np.zeros(samples, np.float32)) for _ in range(2))
-            log = Log(rows, counted, ends, unguided, View(np.array(window, np.uint32)))
+            ends, without = (View(np.zeros(samples, np.float32)) for _ in range(2))
+            log = Log(rows, counted, ends, without, View(np.array(window, np.uint32)))
             film = self.local.scratch.film(settings, tile, False)
             ranges = _ranges(tile, first, count)
             self.kernel(self.tables, settings._replace(log=log), tile, ranges, film)
@@ -222,9 +217,8 @@ class Trainer:
 
         rays = [0]
         log = _logged(run, samples, RECORD)
-        without = moments_without(log) if judged else np.zeros(samples)
         self.seconds.append(time.thread_time() - began)
-        return log, rays[0], without
+        return log, rays[0]
 
     def _light_round(
         self, pool: ThreadPoolExecutor, guide: Guide, totals: Totals, seed: int, number: int
@@ -276,14 +270,17 @@ class Trainer:
         return totals
 
 
-def _look(found: _Round, tile: Tile, log: Log, without: NDArray[np.float64]) -> None:
+def _look(found: _Round, tile: Tile, log: Log) -> None:
     """Add a tile's pixels to the moments, and its vertices to the bounds."""
     shape = tile.y1 - tile.y0, tile.x1 - tile.x0, -1
     ends = log.ends.array.reshape(shape).astype(np.float64)
     window = slice(tile.y0, tile.y1), slice(tile.x0, tile.x1)
     found.moments.sums[window] += ends.sum(2)
     found.moments.squares[window] += (ends**2).sum(2)
-    found.moments.without[window] += without.reshape(shape).sum(2)
+    without = log.without.array.reshape(shape).astype(np.float64)
+    # Too rare to be a number: at least as noisy as it is with the guide.
+    without = np.where(np.isfinite(without), without, ends**2)
+    found.moments.without[window] += without.sum(2)
     p = log.rows.shaped[:, :3]
     if len(p):
         found.low, found.high = np.minimum(found.low, p.min(0)), np.maximum(found.high, p.max(0))

@@ -11,6 +11,7 @@ from alight.compiled.scene import compile_scene
 from alight.core.constants import INFINITY
 from alight.core.equal_area import sphere_to_square, square_to_sphere
 from alight.core.vec import Vec3, luminance
+from alight.guiding.gain import Unguided
 from alight.guiding.records import add_records
 from alight.guiding.tables import RECORD
 from alight.integrators.collisions import evaluate_anywhere, sample_anywhere
@@ -46,9 +47,9 @@ def turn_in_fog(scene, settings, path, p):
     surface = make_surface(scene, hit, path.o, path.d, path.active)
     here = guide_at(settings, p)
     vertex = Vertex(p, surface, path.d, vertex_dimension(path.depth + 1), path.active)
-    found, w, of_phase = SCATTER(scene, settings, path, here, vertex, path.active)
+    found, w, unguided = SCATTER(scene, settings, path, here, vertex, path.active)
     again = evaluate_phase(scene, path.medium, path.d, w, path.active)
-    return found, w, of_phase, again, mixed_density(settings, here, w, again, path.active)
+    return found, w, unguided, again, mixed_density(settings, here, w, again, path.active)
 
 
 @kernel
@@ -69,6 +70,8 @@ def paths_in_fog(scene, n):
     index = np.arange(n, dtype=np.uint32)
     sampler = sampler_state(zero, zero, index, zero, zero)
     path = instantiate(start, scene.program, compiled=False)(yes)
+    nothing = np.zeros(n, np.float32)
+    path = replace(path, unguided=Unguided(nothing, nothing + 1.0, nothing, nothing))
     return replace(path, o=at, d=d, sampler=sampler, active=yes, medium=zero + 1)
 
 
@@ -90,15 +93,16 @@ def test_directions_in_fog_have_the_density_of_the_mixture():
     for point in FRAME.box[:3] + rng.random((60, 3)) / FRAME.box[3:]:
         p = [Vec3(*np.tile(point[:, None], k).astype(np.float32)) for k in (n, fine * fine)]
         with np.errstate(all="ignore"):
-            found, w, of_phase, again, told = run(turn_in_fog)(scene.tables, settings, path, p[0])
+            found, w, unguided, again, told = run(turn_in_fog)(scene.tables, settings, path, p[0])
         share = guide_at(settings, p[0]).share[0]
         if share == 0.0 or len(worst) == 12:
             continue
         shares.append(share)
-        np.testing.assert_allclose(of_phase, again, 2e-3)
+        np.testing.assert_allclose(unguided.pdf, again, 2e-3)
+        np.testing.assert_allclose(unguided.rarity, found.pdf / unguided.pdf, 1e-5)
         # Directions at the border of a quadrant may be rounded into the next one.
         assert (np.abs(found.pdf - told) > 2e-3 * told).mean() < 0.01
-        np.testing.assert_allclose(found.weight.x * found.pdf, of_phase, 1e-4)
+        np.testing.assert_allclose(found.weight.x * found.pdf, unguided.pdf, 1e-4)
         x, y = sphere_to_square(w)
         drawn, _, _ = np.histogram2d(x, y, grid, range=[(0, 1), (0, 1)])
         a, b = (np.indices((fine, fine))[::-1] + rng.random((2, fine, fine))) / fine

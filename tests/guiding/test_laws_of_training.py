@@ -118,7 +118,7 @@ def test_sums_are_those_of_the_records_one_by_one(seed):
     middles = np.zeros((len(tree.roots), 3))
     mine = leaf_at(guide, Vec3(*rows[:, :3].T.copy()))
     for i in range(n):
-        *_, pdf, of_bsdf, weight, beta, before, _, _ = rows[i].astype(float)
+        *_, pdf, of_bsdf, weight, beta, before, _ = rows[i].astype(float)
         end = float(ends[number[i]])
         gain = weight * (end - before) / (beta or 1.0) if np.isfinite(end) else 0.0
         moment = gain**2 * pdf

@@ -106,6 +106,23 @@ def test_what_changes_the_noise_only_needs_no_declaration():
         load_arms(study, study.scenes[0], quick=False)
 
 
+def test_another_integrator_may_compute_the_same_picture():
+    """Those that carry light along all paths must; catches a cap of the depth that is lost."""
+    text = _broken("light_sampling: bsdf", "integrator: bidirectional")
+    scenes = load_arms(parse_study(text), parse_study(text).scenes[0], quick=False)
+    assert scenes["bsdf"].integrator.type == "bidirectional"
+    for option, told in (
+        ("integrator: bidirectional, max_depth: 3", "max_depth 3"),
+        ("integrator: bidirectional, integrator.hide_emitters: true", "hide_emitters"),
+        ("integrator: light", "integrator"),
+        ("integrator: {type: random_walk, max_depth: 4}", "integrator"),
+        ("integrator: volpath", "integrator"),
+    ):
+        study = parse_study(_broken("light_sampling: bsdf", option))
+        with pytest.raises(StudyError, match=told):
+            load_arms(study, study.scenes[0], quick=False)
+
+
 def test_an_unknown_study_names_the_nearest():
     with pytest.raises(StudyError, match='did you mean "control"'):
         load_study("controll")

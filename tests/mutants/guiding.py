@@ -5,6 +5,7 @@ from tests.mutants.mutant import Mutant
 TREE = "tests/guiding/test_tree.py"
 LAWS = "tests/guiding/test_laws_of_training.py"
 GAIN = "tests/guiding/test_gain.py"
+WITHOUT = f"{GAIN}::test_paths_with_a_guide_tell_the_second_moment_without_it"
 LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
 MEDIA = "tests/guiding/test_guided_media.py"
@@ -16,13 +17,36 @@ GUIDING = (
         "weights of the mixture for lamps that paths without a guide would meet",
         "integrators/reach.py",
         (("return replace(path, pdf=path.unguided.pdf)", "return path"),),
-        f"{GAIN}::test_paths_with_a_guide_tell_mean_and_second_moment_without_it",
+        f"{WITHOUT}[path]",
     ),
     Mutant(
         "weights of the mixture for the light sampling of paths without a guide",
         "integrators/path.py",
         (("light_weight(light, of_bsdf)", "light_weight(light, pdf)"),),
-        f"{GAIN}::test_paths_with_a_guide_tell_mean_and_second_moment_without_it",
+        f"{WITHOUT}[path]",
+    ),
+    Mutant(
+        "weights of the mixture for what phase functions meet without a guide",
+        "integrators/volpath.py",
+        (("return replace(path, lights=path.lights * more)", "return path"),),
+        f"{WITHOUT}[volpath]",
+    ),
+    Mutant(
+        "weights of the mixture for light sampling in media without a guide",
+        "integrators/volpath.py",
+        (
+            (
+                "chosen_weight(path, light, of_bsdf, crossing)",
+                "chosen_weight(path, light, pdf, crossing)",
+            ),
+        ),
+        f"{WITHOUT}[volpath]",
+    ),
+    Mutant(
+        "delta lobes that are as rare without a guide as with one",
+        "integrators/guided.py",
+        (("where(smooth, likelier, 1.0 - share)", "where(smooth, likelier, 1.0)"),),
+        f"{WITHOUT}[lobes]",
     ),
     Mutant(
         "records at the border of glass in fog",
@@ -243,10 +267,21 @@ GUIDING = (
         f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
     ),
     Mutant(
-        "a product of densities that is one vertex too long",
+        "two contributions that weigh by the rarity of the later one",
         "guiding/gain.py",
-        (("earlier = np.cumsum(ratio) - ratio", "earlier = np.cumsum(ratio)"),),
+        (
+            (
+                "found * (weighed + 2.0 * unguided.L)",
+                "unguided.rarity * found * (found + 2.0 * unguided.L)",
+            ),
+        ),
         f"{GAIN}::test_the_second_moment_without_a_guide_is_exact",
+    ),
+    Mutant(
+        "paths that are too rare for a number",
+        "rendering/trainer.py",
+        (("np.where(np.isfinite(without), without, ends**2)", "without"),),
+        f"{GAIN}::test_samples_that_are_no_numbers_say_nothing",
     ),
     Mutant(
         "a guide that is used whatever it is worth",
