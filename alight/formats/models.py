@@ -10,12 +10,14 @@ from alight.core.extras import install_command
 from alight.formats import gltf, mesh_scene, obj_scene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
+from alight.formats.shown import Shown
 from alight.outputs.texels import reusing_memory
 
+AS_IT_IS = Shown()
 Parser = Callable[[bytes, str, Reach], Parsed]
 
 
-def _read_usd(data: bytes, name: str, reach: Reach) -> Parsed:
+def _read_usd(data: bytes, name: str, reach: Reach, shown: Shown = AS_IT_IS) -> Parsed:
     """Read a file of OpenUSD, if the package for it is there."""
     import importlib.util
 
@@ -25,7 +27,7 @@ def _read_usd(data: bytes, name: str, reach: Reach) -> Parsed:
         raise SceneError([Issue("", text, name)])
     from alight.formats.usd.scene import parse
 
-    return parse(data, name, reach)
+    return parse(data, name, reach, shown.at)
 
 
 PARSERS: dict[str, Parser] = {
@@ -39,7 +41,7 @@ PARSERS: dict[str, Parser] = {
 MOST_BYTES = 2**30
 
 
-def read_model(path: Path, name: str, reach: Reach, variant: str | None = None) -> Parsed:
+def read_model(path: Path, name: str, reach: Reach, shown: Shown = AS_IT_IS) -> Parsed:
     """Read a file whose ending is one of `PARSERS`.
 
     Parameters
@@ -49,8 +51,8 @@ def read_model(path: Path, name: str, reach: Reach, variant: str | None = None) 
         How messages call it.
     reach : Reach
         Where the files that it names may lie.
-    variant : str, optional
-        See `alight.load`.
+    shown : Shown, optional
+        Which of what the file holds.
 
     Raises
     ------
@@ -70,12 +72,9 @@ def read_model(path: Path, name: str, reach: Reach, variant: str | None = None) 
     parser = PARSERS[path.suffix.lower()]
     with reusing_memory():
         if parser is gltf.parse:
-            return gltf.parse(data, name, reach, variant)
-        refuse_variant(variant, name)
+            return gltf.parse(data, name, reach, shown)
+        if parser is _read_usd:
+            shown.refuse(name, ("at",))
+            return _read_usd(data, name, reach, shown)
+        shown.refuse(name)
         return parser(data, name, reach)
-
-
-def refuse_variant(variant: str | None, name: str) -> None:
-    """Refuse the choice of a variant for files of formats without any."""
-    if variant is not None:
-        raise SceneError([Issue("--variant", "only glTF files have variants of materials", name)])

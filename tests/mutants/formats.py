@@ -124,6 +124,24 @@ FORMATS = (
         f"{GLTF}/test_variants.py::test_a_variant_shows_its_materials",
     ),
     Mutant(
+        "animated rotations that turn the longer way",
+        "formats/gltf/animations.py",
+        (("if cosine < 0.0:", "if cosine < -2.0:"),),
+        f"{GLTF}/test_animations.py::test_rotations_turn_evenly_the_shorter_way",
+    ),
+    Mutant(
+        "tangents of splines that do not grow with the time between keys",
+        "formats/gltf/animations.py",
+        (("+ length * (s**3 - 2", "+ (s**3 - 2"),),
+        f"{GLTF}/test_animations.py::test_splines_are_the_cubics_of_their_tangents",
+    ),
+    Mutant(
+        "seconds of a stage counted from the time code 0",
+        "formats/usd/stage.py",
+        (("code = start + at", "code = at"),),
+        f"{USD}/test_skins.py::test_seconds_count_from_the_first_time",
+    ),
+    Mutant(
         "triangles of strips all one way round",
         "meshes/strips.py",
         (("    corners[turned, :2] = corners[turned, 1::-1]\n", ""),),

@@ -11,7 +11,7 @@ from alight.formats.usd.modules import Tf
 from alight.formats.usd.stage import first_line, open_stage, to_world, world_matrix
 
 
-def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
+def parse(data: bytes, name: str, reach: Reach | None = None, at: float | None = None) -> Parsed:
     """Read a scene file.
 
     Parameters
@@ -20,6 +20,8 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         Nothing, as OpenUSD reads the file itself; and its name for messages.
     reach : Reach, optional
         Where it lies, and its layers and pictures may lie; the current folder by default.
+    at : float, seconds, optional
+        After the stage's first time code; that one by default.
 
     Raises
     ------
@@ -28,7 +30,7 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
     """
     report = Report()
     try:
-        stage = open_stage(name, reach or Reach(), report)
+        stage = open_stage(name, reach or Reach(), report, at)
         steps = to_world(stage)
         graph = Graph(stage, world_matrix(steps))
         graph.build(steps)
