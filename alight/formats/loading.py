@@ -20,6 +20,7 @@ from alight.core.errors import (
 from alight.formats import mitsuba, pbrt
 from alight.formats.bounds import Bounds
 from alight.formats.made_up import fitted
+from alight.formats.missing import replace_missing
 from alight.formats.models import PARSERS, read_model
 from alight.formats.native import SUFFIXES
 from alight.formats.objects import name_of, parse_object
@@ -80,8 +81,8 @@ def load(
     definitions : mapping of str to str, optional
         Values of the ``$names`` of an XML file, as for ``-D``.
     lenient : bool, default False
-        Replace what a foreign file asks for and alight lacks, instead of refusing it;
-        `Scene.warnings` lists it.
+        Replace what a foreign file asks for and alight lacks, and files that are missing, instead
+        of refusing the scene; `Scene.warnings` lists it.
     root : str or path, optional
         Folder that holds the scene file: what the file names may lie there and below, and nowhere
         else. By default the scene's own folder, as files come from strangers. What `changes` and
@@ -152,7 +153,7 @@ def load(
         if path.suffix.lower() in PARSERS and is_file(path):
             _refuse_definitions(definitions or {}, name)
             reach = _reach(path.parent, root, name)
-            parsed = read_model(path, name, reach, shown)
+            parsed = read_model(path, name, reach, shown, lenient)
             framed = parsed.framed
             result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
@@ -281,6 +282,8 @@ def _parse(
         # Whatever else is wrong would be found by reading these files.
         located = [source.located(Issue(path, text)) for path, text in refused.items()]
         raise SceneError([*issues, *located])
+    if lenient and isinstance(data, dict):
+        source = replace_missing(data, source, reach)
     return data, list(issues), source
 
 

@@ -17,7 +17,9 @@ AS_IT_IS = Shown()
 Parser = Callable[[bytes, str, Reach], Parsed]
 
 
-def _read_usd(data: bytes, name: str, reach: Reach, shown: Shown = AS_IT_IS) -> Parsed:
+def _read_usd(
+    data: bytes, name: str, reach: Reach, shown: Shown = AS_IT_IS, lenient: bool = False
+) -> Parsed:
     """Read a file of OpenUSD, if the package for it is there."""
     import importlib.util
 
@@ -27,7 +29,7 @@ def _read_usd(data: bytes, name: str, reach: Reach, shown: Shown = AS_IT_IS) -> 
         raise SceneError([Issue("", text, name)])
     from alight.formats.usd.scene import parse
 
-    return parse(data, name, reach, shown.at)
+    return parse(data, name, reach, shown.at, lenient)
 
 
 PARSERS: dict[str, Parser] = {
@@ -41,7 +43,9 @@ PARSERS: dict[str, Parser] = {
 MOST_BYTES = 2**30
 
 
-def read_model(path: Path, name: str, reach: Reach, shown: Shown = AS_IT_IS) -> Parsed:
+def read_model(
+    path: Path, name: str, reach: Reach, shown: Shown = AS_IT_IS, lenient: bool = False
+) -> Parsed:
     """Read a file whose ending is one of `PARSERS`.
 
     Parameters
@@ -53,6 +57,8 @@ def read_model(path: Path, name: str, reach: Reach, shown: Shown = AS_IT_IS) -> 
         Where the files that it names may lie.
     shown : Shown, optional
         Which of what the file holds.
+    lenient : bool, default False
+        See `alight.load`.
 
     Raises
     ------
@@ -72,9 +78,11 @@ def read_model(path: Path, name: str, reach: Reach, shown: Shown = AS_IT_IS) -> 
     parser = PARSERS[path.suffix.lower()]
     with reusing_memory():
         if parser is gltf.parse:
-            return gltf.parse(data, name, reach, shown)
+            return gltf.parse(data, name, reach, shown, lenient)
         if parser is _read_usd:
             shown.refuse(name, ("at",))
-            return _read_usd(data, name, reach, shown)
+            return _read_usd(data, name, reach, shown, lenient)
         shown.refuse(name)
+        if parser is obj_scene.parse:
+            return obj_scene.parse(data, name, reach, lenient)
         return parser(data, name, reach)

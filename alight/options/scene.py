@@ -37,7 +37,7 @@ class SceneOptions(Options):
         default={}, flag="-D", panel=FOREIGN,
     )  # fmt: skip
     lenient: bool = option(
-        Switch(), "Replace unsupported parts (.xml, .pbrt), and list them.",
+        Switch(), "Replace unsupported parts (.xml, .pbrt) and missing files, and list them.",
         default=False, panel=FOREIGN,
     )  # fmt: skip
     root: str | PathLike[str] | None = option(

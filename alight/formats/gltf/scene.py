@@ -29,7 +29,13 @@ COVERED = (
 )  # fmt: skip
 
 
-def parse(data: bytes, name: str, reach: Reach | None = None, shown: Shown | None = None) -> Parsed:
+def parse(
+    data: bytes,
+    name: str,
+    reach: Reach | None = None,
+    shown: Shown | None = None,
+    lenient: bool = False,
+) -> Parsed:
     """Read a scene file.
 
     Parameters
@@ -40,13 +46,15 @@ def parse(data: bytes, name: str, reach: Reach | None = None, shown: Shown | Non
         Where the files that it names may lie; the current folder by default.
     shown : Shown, optional
         Which variant of the materials, which scene, and at which time.
+    lenient : bool, default False
+        Whether something stands for pictures that are missing.
 
     Raises
     ------
     SceneError
         If the file is no scene at all.
     """
-    report = Report()
+    report = Report(lenient)
     document = open_document(data, name, reach or Reach(), report)
     _check_extensions(document)
     say_what_is_unknown(document.root.value, report)

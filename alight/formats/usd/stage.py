@@ -193,10 +193,18 @@ def open_stage(name: str, reach: Reach, report: Report, at: float | None = None)
     finally:
         warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
     errors = stage.GetCompositionErrors()
-    issues = [Issue("", f"does not fit together: {first_line(error)}", name) for error in errors]
+    torn = [first_line(error) for error in errors]
+    issues = []
+    for text in torn:
+        if report.lenient:
+            report.approximate(f"{name}: {text}: what it names is left out")
+        else:
+            issues.append(Issue("", f"does not fit together: {text}", name))
     if not issues:
-        for text in warnings:
-            report.approximate(f"OpenUSD: {first_line(text)}")
+        # What is torn comes as a warning, too.
+        for text in map(first_line, warnings):
+            if not any(part in text for part in torn):
+                report.approximate(f"OpenUSD: {text}")
     for layer in stage.GetUsedLayers():
         real = layer.realPath
         try:
