@@ -44,7 +44,10 @@ def sheet(
         typer.Option(help="Line below the sheet, such as the scenes' origin. Repeatable."),
     ] = None,
     lenient: Annotated[
-        bool, typer.Option("--lenient", help="Replace unsupported parts, and list them.")
+        bool,
+        typer.Option(
+            "--lenient", help="Replace unsupported parts and missing files, and list them."
+        ),
     ] = False,
     root: Annotated[
         Path | None,

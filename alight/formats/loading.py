@@ -20,12 +20,14 @@ from alight.core.errors import (
 from alight.formats import mitsuba, pbrt
 from alight.formats.bounds import Bounds
 from alight.formats.made_up import fitted
-from alight.formats.models import PARSERS, read_model, refuse_variant
+from alight.formats.missing import replace_missing
+from alight.formats.models import PARSERS, read_model
 from alight.formats.native import SUFFIXES
 from alight.formats.objects import name_of, parse_object
 from alight.formats.objects.pieces import SMOOTH, Look
 from alight.formats.parsed import Parsed
 from alight.formats.reach import OutOfReachError, Reach, is_file
+from alight.formats.shown import Shown
 from alight.scene import plain_yaml
 from alight.scene.build import FORMAT_VERSION, Builder
 from alight.scene.description import Scene
@@ -51,6 +53,9 @@ def load(
     lenient: bool = False,
     root: str | os.PathLike[str] | None = None,
     variant: str | None = None,
+    scene_name: str | None = None,
+    animation: str | None = None,
+    at: float | None = None,
     up: str | None = None,
     smooth: float = SMOOTH,
     color_map: str = "viridis",
@@ -76,14 +81,22 @@ def load(
     definitions : mapping of str to str, optional
         Values of the ``$names`` of an XML file, as for ``-D``.
     lenient : bool, default False
-        Replace what a foreign file asks for and alight lacks, instead of refusing it;
-        `Scene.warnings` lists it.
+        Replace what a foreign file asks for and alight lacks, and files that are missing, instead
+        of refusing the scene; `Scene.warnings` lists it.
     root : str or path, optional
         Folder that holds the scene file: what the file names may lie there and below, and nowhere
         else. By default the scene's own folder, as files come from strangers. What `changes` and
         dictionaries name may lie anywhere.
     variant : str, optional
         Which variant of its materials a glTF file shows.
+    scene_name : str, optional
+        Which of its scenes a glTF file shows: name or number, from 0.
+    animation : str, optional
+        Which of its animations `at` is a time of in a glTF file: name or number; the first one by
+        default.
+    at : float, seconds, optional
+        When a glTF or OpenUSD file is shown, from the beginning of its animation. By default glTF
+        files are shown at rest, OpenUSD files at their first time.
     up : {"y", "z"}, optional
         Axis of an object that points up. By default as its package shows it: z for PyVista and
         VTK, y for the others.
@@ -120,6 +133,7 @@ def load(
     if not isinstance(scene, str | os.PathLike):
         reading = {
             "definitions": definitions, "lenient": lenient, "root": root, "variant": variant,
+            "scene_name": scene_name, "animation": animation, "at": at,
         }  # fmt: skip
         return _loaded_object(scene, changes, look, reading)
     if look.given:
@@ -128,8 +142,9 @@ def load(
     name = os.fspath(scene)
     is_builtin = name in builtin_names()
     framed = None
+    shown = Shown(variant, scene_name, animation, at)
     if Path(name).suffix.lower() not in PARSERS:
-        refuse_variant(variant, name)
+        shown.refuse(name)
     if is_builtin:
         text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
@@ -138,7 +153,7 @@ def load(
         if path.suffix.lower() in PARSERS and is_file(path):
             _refuse_definitions(definitions or {}, name)
             reach = _reach(path.parent, root, name)
-            parsed = read_model(path, name, reach, variant)
+            parsed = read_model(path, name, reach, shown, lenient)
             framed = parsed.framed
             result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
@@ -150,7 +165,8 @@ def load(
         result = fitted(result, changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
     kept_root = None if root is None or is_builtin else str(Path(root).absolute())
-    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root, variant)
+    chosen = (variant, scene_name, animation, at)
+    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root, *chosen)
     return result.from_source(replace(result.source, recipe=recipe))
 
 
@@ -159,7 +175,7 @@ def _loaded_object(
 ) -> Scene:
     """The scene of a dictionary, or of an object of another package."""
     for name, given in reading.items():
-        if given:
+        if given or (given is not None and name == "at"):
             raise OptionError("says how a file is read, and there is none", name)
     if isinstance(value, Scene):
         raise SceneError([Issue("scene", "is loaded already; change it by alight.changed")])
@@ -266,6 +282,8 @@ def _parse(
         # Whatever else is wrong would be found by reading these files.
         located = [source.located(Issue(path, text)) for path, text in refused.items()]
         raise SceneError([*issues, *located])
+    if lenient and isinstance(data, dict):
+        source = replace_missing(data, source, reach)
     return data, list(issues), source
 
 

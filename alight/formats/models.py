@@ -10,12 +10,16 @@ from alight.core.extras import install_command
 from alight.formats import gltf, mesh_scene, obj_scene
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
+from alight.formats.shown import Shown
 from alight.outputs.texels import reusing_memory
 
+AS_IT_IS = Shown()
 Parser = Callable[[bytes, str, Reach], Parsed]
 
 
-def _read_usd(data: bytes, name: str, reach: Reach) -> Parsed:
+def _read_usd(
+    data: bytes, name: str, reach: Reach, shown: Shown = AS_IT_IS, lenient: bool = False
+) -> Parsed:
     """Read a file of OpenUSD, if the package for it is there."""
     import importlib.util
 
@@ -25,7 +29,7 @@ def _read_usd(data: bytes, name: str, reach: Reach) -> Parsed:
         raise SceneError([Issue("", text, name)])
     from alight.formats.usd.scene import parse
 
-    return parse(data, name, reach)
+    return parse(data, name, reach, shown.at, lenient)
 
 
 PARSERS: dict[str, Parser] = {
@@ -39,7 +43,9 @@ PARSERS: dict[str, Parser] = {
 MOST_BYTES = 2**30
 
 
-def read_model(path: Path, name: str, reach: Reach, variant: str | None = None) -> Parsed:
+def read_model(
+    path: Path, name: str, reach: Reach, shown: Shown = AS_IT_IS, lenient: bool = False
+) -> Parsed:
     """Read a file whose ending is one of `PARSERS`.
 
     Parameters
@@ -49,7 +55,9 @@ def read_model(path: Path, name: str, reach: Reach, variant: str | None = None) 
         How messages call it.
     reach : Reach
         Where the files that it names may lie.
-    variant : str, optional
+    shown : Shown, optional
+        Which of what the file holds.
+    lenient : bool, default False
         See `alight.load`.
 
     Raises
@@ -70,12 +78,11 @@ def read_model(path: Path, name: str, reach: Reach, variant: str | None = None) 
     parser = PARSERS[path.suffix.lower()]
     with reusing_memory():
         if parser is gltf.parse:
-            return gltf.parse(data, name, reach, variant)
-        refuse_variant(variant, name)
+            return gltf.parse(data, name, reach, shown, lenient)
+        if parser is _read_usd:
+            shown.refuse(name, ("at",))
+            return _read_usd(data, name, reach, shown, lenient)
+        shown.refuse(name)
+        if parser is obj_scene.parse:
+            return obj_scene.parse(data, name, reach, lenient)
         return parser(data, name, reach)
-
-
-def refuse_variant(variant: str | None, name: str) -> None:
-    """Refuse the choice of a variant for files of formats without any."""
-    if variant is not None:
-        raise SceneError([Issue("--variant", "only glTF files have variants of materials", name)])

@@ -29,7 +29,7 @@ from alight.core.errors import Issue, SceneError, quote
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
 from alight.formats.surfaces import LARGEST_IOR, Surface
-from alight.formats.textures import channel, complement, multiplied
+from alight.formats.textures import CHECKERED, MISSING, WITHOUT, channel, complement, multiplied
 
 Data = dict[str, Any]
 GLASS, METAL, MATT = (4, 6, 7, 9), (3, 5, 8), (0, 1)
@@ -198,10 +198,13 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
         return None
     try:
         made.file = reach.name_of(find(" ".join(words), place, reach, report))
+        data["file"] = made.file
     except OutOfReachError as error:
-        report.problem(place, key, str(error))
-        return None
-    data["file"] = made.file
+        is_color = _MAPS[key] == "color"
+        report.lacks_at(place, key, error, CHECKERED if is_color else WITHOUT)
+        if not (is_color and report.can_do_without(error)):
+            return None
+        data["pixels"] = MISSING
     one = made.channel in ("r", "g", "b", "a")
     if one and _MAPS[key] == "number":
         made.data = channel(data, made.channel)

@@ -57,7 +57,7 @@ class _Part:
     faces: list[tuple[int, int]] = field(default_factory=list)
 
 
-def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
+def parse(data: bytes, name: str, reach: Reach | None = None, lenient: bool = False) -> Parsed:
     """Read an OBJ file as a scene.
 
     Parameters
@@ -66,13 +66,15 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         Content of the file, and its name for messages.
     reach : Reach, optional
         Where material libraries and pictures may lie; the current folder by default.
+    lenient : bool, default False
+        Whether something stands for pictures that are missing.
 
     Raises
     ------
     SceneError
         If the file is broken; messages name the line.
     """
-    report, reach = Report(), reach or Reach()
+    report, reach = Report(lenient), reach or Reach()
     try:
         content = obj.parse(data)
     except SceneError as error:

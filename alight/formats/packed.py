@@ -7,7 +7,7 @@ import zlib
 from pathlib import Path
 
 from alight.core.errors import quote
-from alight.formats.reach import OutOfReachError
+from alight.formats.reach import UnreadableError
 
 
 def content_of(path: Path, most: int) -> bytes:
@@ -21,7 +21,7 @@ def content_of(path: Path, most: int) -> bytes:
 
     Raises
     ------
-    OutOfReachError
+    UnreadableError
         If it cannot be read or unpacked, or is larger.
     """
     try:
@@ -30,10 +30,10 @@ def content_of(path: Path, most: int) -> bytes:
             data = (gzip.GzipFile(fileobj=file) if packed else file).read(most + 1)
     except (OSError, EOFError, zlib.error) as error:
         reason = " ".join(str(getattr(error, "strerror", None) or error).split())
-        raise OutOfReachError(f"cannot read {quote(path.name)}: {reason}") from None
+        raise UnreadableError(f"cannot read {quote(path.name)}: {reason}") from None
     if len(data) > most:
         text = f"{quote(path.name)} must be at most {most / 2**20:.0f} MB"
-        raise OutOfReachError(text)
+        raise UnreadableError(text)
     return data
 
 
@@ -42,7 +42,7 @@ def text_of(path: Path, most: int) -> str:
 
     Raises
     ------
-    OutOfReachError
+    UnreadableError
         If it holds anything else, too.
     """
     data = content_of(path, most)
@@ -50,4 +50,4 @@ def text_of(path: Path, most: int) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         byte = f"byte 0x{data[error.start]:02x} at {error.start}"
-        raise OutOfReachError(f"{quote(path.name)} must be UTF-8 text, got {byte}") from None
+        raise UnreadableError(f"{quote(path.name)} must be UTF-8 text, got {byte}") from None

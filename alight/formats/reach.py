@@ -22,6 +22,10 @@ class OutOfReachError(ValueError):
     """A path that must not or cannot be read; the message says why."""
 
 
+class UnreadableError(OutOfReachError):
+    """A file that is there, and cannot be read."""
+
+
 class Reach:
     """Finds the files of a scene.
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.formats.reach import OutOfReachError, UnreadableError
 
 
 class Item(Protocol):
@@ -80,6 +81,24 @@ class Report:
         listed = ", ".join(word or '""' for word in known)
         text = f"{kind} {quote(name)} is not covered{did_you_mean(name, known)}"
         self.not_covered(item, f"{text}  (covered: {listed})", replacement)
+
+    def lacks(self, item: Item, error: OutOfReachError, replacement: str) -> None:
+        """Report a file that cannot be had; when lenient, say what takes its place."""
+        if self.can_do_without(error):
+            self.warn(item, f"{error}: {replacement}")
+        else:
+            self.error(item, str(error))
+
+    def lacks_at(self, place: str, path: str, error: OutOfReachError, replacement: str) -> None:
+        """As `lacks`, of a place: file or line, and what it is about there."""
+        if self.can_do_without(error):
+            self.approximate(f"{place} {path}: {error}: {replacement}")
+        else:
+            self.problem(place, path, str(error))
+
+    def can_do_without(self, error: OutOfReachError) -> bool:
+        """Tell whether something takes the place of a file; not of one that is there but broken."""
+        return self.lenient and not isinstance(error, UnreadableError)
 
     def note(self, item: Item, text: str) -> None:
         """Remark on a part of the file that is left out without harm."""

@@ -8,11 +8,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from alight.core.spec import invalid
 from alight.outputs.texels import decode_texels
 from alight.textures.images import Image, as_image, size_problem
 
 Data = dict[str, Any]
+_SQUARES = np.indices((8, 8)).sum(axis=0) % 2 == 0
+#: Stands for a picture of colours that is missing: squares of magenta and black.
+MISSING = Image(np.where(_SQUARES[..., None], [255, 0, 255], 0).astype(np.uint8))
+#: What takes the place of missing files, as a remark says it.
+CHECKERED = "squares of magenta and black stand for it"
+FLAT = "an even value of 0.5, or a flat normal map, stands for it"
+WITHOUT = "the material does without"
+DARK = "an even grey sky stands for it"
+#: Radiance of a sky whose picture is missing.
+GREY_SKY = [0.5] * 3
+#: An even picture of numbers: flat as a normal map, the middle of all else.
+LEVEL = [0.5, 0.5, 1.0]
 
 
 def packed_picture(data: bytes | memoryview) -> Image:

@@ -36,6 +36,9 @@ def scene_of(scene: Any, options: SceneOptions) -> Scene:
             lenient=options.lenient,
             root=options.root,
             variant=options.variant,
+            scene_name=options.scene_name,
+            animation=options.animation,
+            at=options.at,
         )
     options.check_reads()
     if not changes:

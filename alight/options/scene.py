@@ -8,13 +8,14 @@ from typing import Any, Self
 
 from alight.core.errors import OptionError
 from alight.options.kinds import Crop, Definitions, File, Files, Paper, Size, Switch, Text, Texts
+from alight.options.quantities import Number
 from alight.options.table import FOREIGN, SCENE, Options, option, table
 
 #: Pixels per inch of a size on paper, if nothing else is said.
 DPI = 300
 
 #: Names of the options that only say how a file is read.
-READING = ("definitions", "lenient", "root", "variant")
+READING = ("definitions", "lenient", "root", "variant", "scene_name", "animation", "at")
 
 
 @table
@@ -36,7 +37,7 @@ class SceneOptions(Options):
         default={}, flag="-D", panel=FOREIGN,
     )  # fmt: skip
     lenient: bool = option(
-        Switch(), "Replace unsupported parts (.xml, .pbrt), and list them.",
+        Switch(), "Replace unsupported parts (.xml, .pbrt) and missing files, and list them.",
         default=False, panel=FOREIGN,
     )  # fmt: skip
     root: str | PathLike[str] | None = option(
@@ -48,6 +49,19 @@ class SceneOptions(Options):
     variant: str | None = option(
         Text("NAME"), "Variant of the materials (.gltf, .glb).",
         shown="the materials that the file shows", panel=FOREIGN, default=None,
+    )  # fmt: skip
+    scene_name: str | None = option(
+        Text("NAME|NUMBER"), "Scene of the file (.gltf, .glb), from 0.",
+        shown="the scene that the file shows", panel=FOREIGN, default=None,
+    )  # fmt: skip
+    animation: str | None = option(
+        Text("NAME|NUMBER"), "Animation that --at is a time of (.gltf, .glb), from 0.",
+        shown="the first one", panel=FOREIGN, default=None,
+    )  # fmt: skip
+    at: float | None = option(
+        Number(-1e9, 1e9, is_closed=True),
+        "Time of the animation in seconds, from its beginning (.gltf, .glb, .usd).",
+        shown="glTF at rest, OpenUSD at its first time", panel=FOREIGN, default=None,
     )  # fmt: skip
 
     def assignments(self) -> list[str]:

@@ -228,6 +228,9 @@ def _loaded(recipe, moved, root) -> Scene:
         lenient=recipe.lenient,
         root=recipe.root if root is None else root,
         variant=recipe.variant,
+        scene_name=recipe.scene_name,
+        animation=recipe.animation,
+        at=recipe.at,
     )
 
 

@@ -54,6 +54,10 @@ class Recipe:
         Absolute path of the folder in which and below which files may lie.
     variant : str, optional
         Of the materials of a glTF file.
+    scene_name, animation : str, optional
+        Which of those of a glTF file.
+    at : float, seconds, optional
+        Time of its animation, or of a stage of OpenUSD.
     """
 
     path: str
@@ -62,6 +66,9 @@ class Recipe:
     lenient: bool = False
     root: str | None = None
     variant: str | None = None
+    scene_name: str | None = None
+    animation: str | None = None
+    at: float | None = None
 
 
 class Memory:

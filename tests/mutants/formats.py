@@ -4,6 +4,7 @@ from tests.mutants.mutant import Mutant
 
 USD = "tests/formats/usd"
 GLTF = "tests/formats/gltf"
+MITSUBA = "tests/formats/mitsuba"
 
 SEEN = "tests/formats/test_seen_whole.py"
 
@@ -122,6 +123,48 @@ FORMATS = (
             ),
         ),
         f"{GLTF}/test_variants.py::test_a_variant_shows_its_materials",
+    ),
+    Mutant(
+        "animated rotations that turn the longer way",
+        "formats/gltf/animations.py",
+        (("if cosine < 0.0:", "if cosine < -2.0:"),),
+        f"{GLTF}/test_animations.py::test_rotations_turn_evenly_the_shorter_way",
+    ),
+    Mutant(
+        "tangents of splines that do not grow with the time between keys",
+        "formats/gltf/animations.py",
+        (("+ length * (s**3 - 2", "+ (s**3 - 2"),),
+        f"{GLTF}/test_animations.py::test_splines_are_the_cubics_of_their_tangents",
+    ),
+    Mutant(
+        "seconds of a stage counted from the time code 0",
+        "formats/usd/stage.py",
+        (("code = start + at", "code = at"),),
+        f"{USD}/test_skins.py::test_seconds_count_from_the_first_time",
+    ),
+    Mutant(
+        "a sun that turns with its sky",
+        "formats/mitsuba/daylight.py",
+        (("turn = matrix_of(steps)[:3, :3]", "turn = matrix_of(steps[:1])[:3, :3]"),),
+        f"{MITSUBA}/test_daylight_and_projectors.py::test_the_sun_is_in_the_world_whatever_turns_the_sky",
+    ),
+    Mutant(
+        "scales of the sun and the sky times the common one",
+        "formats/mitsuba/daylight.py",
+        (("both, each = (1.0, factor) if old", "both, each = (factor, 1.0) if old"),),
+        f"{MITSUBA}/test_daylight_and_projectors.py::test_scales_of_version_0_6_take_the_place_of_the_common_one",
+    ),
+    Mutant(
+        "stand-ins for files that are there and broken",
+        "formats/report.py",
+        (("self.lenient and not isinstance(error, UnreadableError)", "self.lenient"),),
+        "tests/formats/test_lenient.py::test_a_broken_include_is_an_error_all_the_same",
+    ),
+    Mutant(
+        "missing pictures of numbers that show squares",
+        "formats/gltf/textures.py",
+        ((" or (picture is MISSING and not is_color)", ""),),
+        "tests/formats/test_lenient.py::test_lenient_reading_lists_what_is_missing_and_shows_the_rest",
     ),
     Mutant(
         "triangles of strips all one way round",

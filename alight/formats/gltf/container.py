@@ -106,16 +106,20 @@ class Document:
         SceneError
             If it leads elsewhere, or is broken.
         """
+        try:
+            return self.located(item, uri)
+        except OutOfReachError as error:
+            raise item.fatal("uri", str(error)) from None
+
+    def located(self, item: Item, uri: str) -> bytes | Path:
+        """As `resource`; raises `OutOfReachError` for a file that cannot be had."""
         head = _DATA_URI.match(uri[:200])
         if head is not None:
             return _decoded(item, uri, head)
         if re.match(r"[A-Za-z][A-Za-z0-9+.-]+:", uri):
             text = f"must be a file beside the scene or a data: URI, got {quote(uri)}"
-            raise item.fatal("uri", text)
-        try:
-            return self.reach.find(unquote(uri))
-        except OutOfReachError as error:
-            raise item.fatal("uri", str(error)) from None
+            raise OutOfReachError(text)
+        return self.reach.find(unquote(uri))
 
 
 def _decoded(item: Item, uri: str, head: re.Match[str]) -> bytes:

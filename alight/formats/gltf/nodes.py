@@ -94,9 +94,6 @@ class Graph(ModelScene):
         count, scenes = len(document.list("nodes")), document.list("scenes")
         if scenes:
             index = document.root.index("scene", len(scenes), "scenes") or 0
-            for other in range(len(scenes)):
-                if other != index:
-                    document.report.drop(f"scene {other}: the file shows scene {index}")
             return scenes[index].indices("nodes", count, "nodes")
         nodes = document.list("nodes")
         children = {child for node in nodes for child in node.indices("children", count, "nodes")}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from alight.core.errors import SceneError
 from alight.formats.gltf.accessors import COMPRESSED
+from alight.formats.gltf.animations import pose
 from alight.formats.gltf.container import Document, open_document
 from alight.formats.gltf.draco import NAME as DRACO
 from alight.formats.gltf.draco import unpack_draco
@@ -12,12 +13,14 @@ from alight.formats.gltf.keys import left_out, say_what_is_unknown
 from alight.formats.gltf.materials import COVERED as MATERIALS
 from alight.formats.gltf.materials import Materials
 from alight.formats.gltf.nodes import Graph
+from alight.formats.gltf.scenes import choose_scene
 from alight.formats.gltf.textures import WAYS_OUT, WEBP
 from alight.formats.gltf.variants import NAME as VARIANTS
 from alight.formats.gltf.variants import choose_variant
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report, did_you_mean
+from alight.formats.shown import Shown
 
 #: Extensions that are read.
 COVERED = (
@@ -26,7 +29,13 @@ COVERED = (
 )  # fmt: skip
 
 
-def parse(data: bytes, name: str, reach: Reach | None = None, variant: str | None = None) -> Parsed:
+def parse(
+    data: bytes,
+    name: str,
+    reach: Reach | None = None,
+    shown: Shown | None = None,
+    lenient: bool = False,
+) -> Parsed:
     """Read a scene file.
 
     Parameters
@@ -35,20 +44,25 @@ def parse(data: bytes, name: str, reach: Reach | None = None, variant: str | Non
         Content of the file (.gltf or .glb), and its name for messages.
     reach : Reach, optional
         Where the files that it names may lie; the current folder by default.
-    variant : str, optional
-        Which of the file's variants of materials is shown.
+    shown : Shown, optional
+        Which variant of the materials, which scene, and at which time.
+    lenient : bool, default False
+        Whether something stands for pictures that are missing.
 
     Raises
     ------
     SceneError
         If the file is no scene at all.
     """
-    report = Report()
+    report = Report(lenient)
     document = open_document(data, name, reach or Reach(), report)
     _check_extensions(document)
     say_what_is_unknown(document.root.value, report)
     unpack_draco(document)
-    choose_variant(document, variant)
+    shown = shown or Shown()
+    choose_variant(document, shown.variant)
+    choose_scene(document, shown.scene_name)
+    pose(document, shown)
     graph = Graph(document, Materials(document))
     graph.build()
     _say_what_is_dropped(document)
@@ -80,9 +94,6 @@ def _check_extensions(document: Document) -> None:
 
 
 def _say_what_is_dropped(document: Document) -> None:
-    animations = document.list("animations")
-    if animations:
-        document.report.drop(f"animations ({len(animations)}): the scene is shown at rest")
     if document.list("samplers"):
         document.report.drop("minification filters: many samples do the same")
     asset = document.root.object("asset")

@@ -21,7 +21,8 @@ from alight.core.errors import SceneError
 from alight.formats.gltf.accessors import view_bytes
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.values import Item
-from alight.formats.textures import bitmap, packed_picture, wrapped
+from alight.formats.reach import OutOfReachError
+from alight.formats.textures import CHECKERED, MISSING, WITHOUT, bitmap, packed_picture, wrapped
 from alight.textures.images import Image
 
 Data = dict[str, Any]
@@ -79,7 +80,7 @@ class Textures:
                 info.wrong("", "needs an index")
             return None
         picture = self._picture_of(textures[index])
-        if picture is None:
+        if picture is None or (picture is MISSING and not is_color):
             return None
         data = bitmap(picture, "auto" if is_color else "linear")
         data |= self._sampler(textures[index])
@@ -146,13 +147,18 @@ class Textures:
         self.document.report.count("pictures")
         try:
             if image.has("uri"):
-                found = self.document.resource(image, image.text("uri"))
+                found = self.document.located(image, image.text("uri"))
                 if isinstance(found, Path):
                     return self.document.reach.name_of(found)
                 data: bytes | memoryview = found
             else:
                 data, _ = view_bytes(self.document, image, "bufferView")
             return packed_picture(data)
+        except OutOfReachError as error:
+            self.document.report.lacks_at(
+                image.name, image.at("uri"), error, f"{CHECKERED}, or {WITHOUT}"
+            )
+            return MISSING if self.document.report.lenient else None
         except PydanticCustomError as error:
             image.wrong("", f"the picture {error.message()}")
         except (OSError, ValueError) as error:

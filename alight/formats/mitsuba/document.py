@@ -106,7 +106,7 @@ class Document:
             path = self.reach.find(element.attributes.get("filename", ""))
             root = self.read(text_of(path, MOST_BYTES), str(path))
         except OutOfReachError as error:
-            self.report.error(element, str(error))
+            self.report.lacks(element, error, "what it includes is left out")
             return []
         except SceneError as error:
             self.report.issues.extend(error.issues)

@@ -17,6 +17,7 @@ from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.textures import NUMBERS, texture_value
 from alight.formats.mitsuba.transforms import Step, steps_of
 from alight.formats.reach import OutOfReachError
+from alight.formats.textures import DARK, GREY_SKY
 
 #: How lights are chosen is not the file's business; the picture is the same.
 _UNUSED = ("sampling_weight",)
@@ -128,9 +129,9 @@ def _map(light: Draft) -> list[Step]:
             report.error(light.element, 'needs <string name="filename" .../>')
     except OutOfReachError as error:
         assert found is not None
-        report.error(found[0], str(error))
+        report.lacks(found[0], error, DARK)
     if "file" not in light.data:
-        light.data = {"type": "constant"}
+        light.data = {"type": "constant", "radiance": GREY_SKY}
     return steps
 
 

@@ -41,8 +41,8 @@ def convert(context: Context, element: Element) -> Data | None:
         context.report.warn(element, "shows a layer: path is taken, and --aov asks for layers")
         return {"type": "path"}
     if kind not in COVERED:
-        context.report.unknown(element, "integrator", element.type, COVERED, "path is taken")
-        return {"type": "path"}
+        text = "path is taken, with its max_depth and rr_depth"
+        context.report.unknown(element, "integrator", element.type, COVERED, text)
     draft = Draft(context, element, "integrator", "direct" if kind == "direct" else "path")
     p = draft.properties
     if p.flag("hide_emitters"):
@@ -53,6 +53,10 @@ def convert(context: Context, element: Element) -> Data | None:
         context.report.warn(element, text)
         others = [name for name in p.named if name not in ("max_depth", "rr_depth")]
         p.ignore("path has no such parameter", *others)
+    if kind not in COVERED:
+        # Programs that are derived from Mitsuba have integrators with parameters of their own.
+        p.forget()
+        p.take(*(child.tag for child in p.objects))
     if kind == "direct":
         _direct(draft)
     else:

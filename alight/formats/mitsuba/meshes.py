@@ -57,7 +57,7 @@ def load_mesh(draft: Draft, mirrored: bool) -> Mesh | None:
             context.loaded[key] = _mesh(mesh, face_normals, flip_v, flip_normals, mirrored)
         return context.loaded[key]
     except OutOfReachError as error:
-        context.report.error(element, str(error))
+        context.report.lacks(element, error, "the shape is left out")
     except SceneError as error:
         for issue in error.issues:
             context.report.error(element, f"{quote(name)}: {issue.sentence}")

@@ -17,6 +17,7 @@ from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.transforms import matrix_of, steps_of
 from alight.formats.reach import OutOfReachError
+from alight.formats.textures import CHECKERED, FLAT, LEVEL, MISSING
 
 #: What takes the place of a texture that is not covered.
 GREY = [0.5, 0.5, 0.5]
@@ -135,8 +136,11 @@ def _bitmap(context: Context, element: Element, path: str) -> Data:
         try:
             draft.put("file", context.reach.name_of(context.reach.find(found[1])), "filename")
         except OutOfReachError as error:
-            context.report.error(found[0], str(error))
-            draft.data = {"type": "constant"}
+            is_color = not p.flag("raw", False)
+            context.report.lacks(found[0], error, CHECKERED if is_color else FLAT)
+            draft.data = {"type": "constant", "color": LEVEL}
+            if is_color:
+                draft.data = {"type": "bitmap", "pixels": MISSING}
     raw = p.flag("raw", False)
     kind = filters[p.text("filter_type", "bilinear", tuple(filters))]
     wrap = p.text("wrap_mode", "repeat", ("repeat", "mirror", "clamp"))

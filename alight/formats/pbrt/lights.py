@@ -21,6 +21,7 @@ from alight.formats.pbrt.slides import goniometric, projection
 from alight.formats.pbrt.textures import Source, bitmap
 from alight.formats.pbrt.transforms import keeps_angles, turned_to
 from alight.formats.reach import OutOfReachError
+from alight.formats.textures import DARK, GREY_SKY
 from alight.scene import images
 from alight.textures.images import Image
 
@@ -109,7 +110,7 @@ def area_light(context: Context, p: Parameters) -> Data:
     if p.has("filename"):
         picture = bitmap(Source(context, p, {}), {"type": "bitmap", "wrap": "clamp"})
         if picture is not None:
-            if power > 0.0:
+            if power > 0.0 and "file" in context.tables["textures"][picture]:
                 power /= _mean_luminance(context, context.tables["textures"][picture]["file"])
             return {"type": "area", "radiance": radiance, "power": power, "picture": picture}
     return {"type": "area", "radiance": radiance, "power": power}
@@ -170,7 +171,9 @@ def surroundings(
             light = {"type": "environment", "pixels": pixels, "scale": color}
             node = placed(light, matrix @ _MAP_OF_4)
     except OutOfReachError as error:
-        p.report.error(found, str(error))
+        p.report.lacks(found, error, DARK)
+        if p.report.can_do_without(error):
+            return GREY_SKY, None
     except SceneError as error:
         p.report.errors_of(found, error)
     return [0.0] * 3, node or None

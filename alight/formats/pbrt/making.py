@@ -13,6 +13,7 @@ from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.textures import Role, Source, TextureItem, Value, entry
 from alight.formats.reach import OutOfReachError
 from alight.formats.surfaces import two_sided
+from alight.formats.textures import WITHOUT
 
 MOST_LEVELS = 12
 #: Endings of pictures whose numbers have no limit.
@@ -155,7 +156,7 @@ def _bumpy(m: Making, data: Data) -> Data:
     try:
         file = m.context.reach.name_of(m.context.reach.find(found.values[0]))
     except OutOfReachError as error:
-        m.p.report.error(found, str(error))
+        m.p.report.lacks(found, error, WITHOUT)
         return data
     texture = {"type": "bitmap", "file": file, "color_space": "linear"}
     return {"type": "normal_map", "texture": texture, "bsdf": data}

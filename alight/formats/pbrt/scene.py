@@ -187,7 +187,10 @@ class _Reader:
             path = context.reach.find(name)
             text = text_of(path, MOST_BYTES - self.bytes)
             self.bytes += len(text)
-        except (OutOfReachError, SceneError) as error:
+        except OutOfReachError as error:
+            context.report.lacks(directive, error, "what it includes is left out")
+            return
+        except SceneError as error:
             context.report.error(directive, str(error))
             return
         self.levels += 1

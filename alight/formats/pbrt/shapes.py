@@ -102,7 +102,7 @@ def _ply_mesh(placed: Placed) -> Mesh | None:
             context.loaded[key] = described(placed, arrays, placed.reverse)
         return context.loaded[key]
     except OutOfReachError as error:
-        p.report.error(found, str(error))
+        p.report.lacks(found, error, "the shape is left out")
     except SceneError as error:
         for issue in error.issues:
             p.report.error(found, f"{quote(found.values[0])}: {issue.sentence}")

@@ -18,6 +18,7 @@ from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, Parameter
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.reach import OutOfReachError
+from alight.formats.textures import CHECKERED, MISSING, WITHOUT
 
 #: A colour, or the name of a texture.
 Value = list[float] | str
@@ -296,8 +297,11 @@ def bitmap(source: Source, data: Data) -> str | None:
     try:
         file = context.reach.name_of(context.reach.find(found.values[0]))
     except OutOfReachError as error:
-        p.report.error(found, str(error))
-        return None
+        is_color = data.get("color_space") != "linear"
+        p.report.lacks(found, error, CHECKERED if is_color else WITHOUT)
+        if not (is_color and p.report.can_do_without(error)):
+            return None
+        return entry(source, {**data, "pixels": MISSING})
     return entry(source, {**data, "file": file})
 
 

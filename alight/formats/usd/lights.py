@@ -24,6 +24,7 @@ from alight.formats.lamps import (
     turned,
 )
 from alight.formats.reach import OutOfReachError
+from alight.formats.textures import DARK
 from alight.formats.usd.modules import UsdLux
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import picture_of
@@ -192,8 +193,8 @@ def _dome(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     try:
         picture = picture_of(stage, asset)
     except OutOfReachError as error:
-        stage.problem(prim, str(error))
-        return Placed({})
+        stage.report.lacks_at(stage.name, str(prim.GetPath()), error, DARK)
+        return Placed({}, {"type": "constant", "radiance": [0.5 * c for c in radiance]})
     turned = world[:3, :3] / np.maximum(_scale_of(world), 1e-30)
     if turned[1, 1] < 1.0 - 1e-6:
         stage.report.approximate(f"{prim.GetPath()}: only its turn about the vertical is taken")

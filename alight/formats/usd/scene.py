@@ -11,7 +11,13 @@ from alight.formats.usd.modules import Tf
 from alight.formats.usd.stage import first_line, open_stage, to_world, world_matrix
 
 
-def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
+def parse(
+    data: bytes,
+    name: str,
+    reach: Reach | None = None,
+    at: float | None = None,
+    lenient: bool = False,
+) -> Parsed:
     """Read a scene file.
 
     Parameters
@@ -20,15 +26,19 @@ def parse(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
         Nothing, as OpenUSD reads the file itself; and its name for messages.
     reach : Reach, optional
         Where it lies, and its layers and pictures may lie; the current folder by default.
+    at : float, seconds, optional
+        After the stage's first time code; that one by default.
+    lenient : bool, default False
+        Whether a stage may lack layers and pictures.
 
     Raises
     ------
     SceneError
         If the file is no scene at all.
     """
-    report = Report()
+    report = Report(lenient)
     try:
-        stage = open_stage(name, reach or Reach(), report)
+        stage = open_stage(name, reach or Reach(), report, at)
         steps = to_world(stage)
         graph = Graph(stage, world_matrix(steps))
         graph.build(steps)

@@ -160,7 +160,7 @@ def _kind(name: str) -> str:
     return ("quaternion" if base.startswith("quat") else base) + array
 
 
-def open_stage(name: str, reach: Reach, report: Report) -> Stage:
+def open_stage(name: str, reach: Reach, report: Report, at: float | None = None) -> Stage:
     """Open a file with everything that it refers to.
 
     Parameters
@@ -171,6 +171,8 @@ def open_stage(name: str, reach: Reach, report: Report) -> Stage:
         Where layers and pictures may lie.
     report : Report
         Takes what is noticed.
+    at : float, seconds, optional
+        The time that is shown, after the first time code; that one by default.
 
     Raises
     ------
@@ -191,10 +193,18 @@ def open_stage(name: str, reach: Reach, report: Report) -> Stage:
     finally:
         warnings = [item.commentary for item in delegate.TakeUncoalescedDiagnostics()]
     errors = stage.GetCompositionErrors()
-    issues = [Issue("", f"does not fit together: {first_line(error)}", name) for error in errors]
+    torn = [first_line(error) for error in errors]
+    issues = []
+    for text in torn:
+        if report.lenient:
+            report.approximate(f"{name}: {text}: what it names is left out")
+        else:
+            issues.append(Issue("", f"does not fit together: {text}", name))
     if not issues:
-        for text in warnings:
-            report.approximate(f"OpenUSD: {first_line(text)}")
+        # What is torn comes as a warning, too.
+        for text in map(first_line, warnings):
+            if not any(part in text for part in torn):
+                report.approximate(f"OpenUSD: {text}")
     for layer in stage.GetUsedLayers():
         real = layer.realPath
         try:
@@ -204,13 +214,30 @@ def open_stage(name: str, reach: Reach, report: Report) -> Stage:
             issues.append(Issue("", f"layer {error}", name))
     if issues:
         raise SceneError(issues[:20])
-    has_times = stage.HasAuthoredTimeCodeRange()
-    if not has_times:
-        return Stage(stage, Usd.TimeCode.EarliestTime(), name, reach, report)
+    return Stage(stage, _time(stage, name, report, at), name, reach, report)
+
+
+def _time(stage: Any, name: str, report: Report, at: float | None) -> Any:
+    """The time code that is shown: `at` seconds after the first one."""
+    if at is None and not stage.HasAuthoredTimeCodeRange():
+        return Usd.TimeCode.EarliestTime()
     start = float(_metadata(stage, "startTimeCode", 0.0))
-    if _metadata(stage, "endTimeCode", start) > start:
-        report.drop(f"times after {start:g}: the scene is shown at that one")
-    return Stage(stage, Usd.TimeCode(start), name, reach, report)
+    if at is None:
+        if _metadata(stage, "endTimeCode", start) > start:
+            report.drop(
+                f"times after {start:g}: the scene is shown at that one; --at SECONDS shows it "
+                "at another"
+            )
+        return Usd.TimeCode(start)
+    rate = _metadata(stage, "timeCodesPerSecond", _metadata(stage, "framesPerSecond", 24.0))
+    if not isinstance(rate, int | float) or not 0.0 < rate < math.inf:
+        report.problem(name, "timeCodesPerSecond", f"must be > 0, got {show_value(rate)}")
+        rate = 24.0
+    code = start + at * float(rate)
+    if not math.isfinite(code):
+        report.problem(name, "--at", f"must be a time of the stage, got {at:g} s")
+        code = start
+    return Usd.TimeCode(code)
 
 
 def _metadata(stage: Any, name: str, default: float) -> Any:

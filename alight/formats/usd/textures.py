@@ -14,8 +14,11 @@ from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
 from alight.core.uv_sets import MOST_SETS
-from alight.formats.reach import OutOfReachError
+from alight.formats.reach import OutOfReachError, UnreadableError
 from alight.formats.textures import (
+    CHECKERED,
+    MISSING,
+    WITHOUT,
     bitmap,
     channel,
     normals,
@@ -87,7 +90,7 @@ class Textures:
         if asset is None or not getattr(asset, "path", ""):
             self._approximate(shader, "names no picture")
             return None
-        picture = self._picture(shader, asset)
+        picture = self._picture(shader, asset, is_color)
         if picture is None:
             return None
         space = str(self._input(shader, "sourceColorSpace") or "auto")
@@ -205,12 +208,13 @@ class Textures:
             return self.stage.value(attributes[0])
         return self.stage.alike(attributes[0], default)
 
-    def _picture(self, shader: Any, asset: Any) -> str | Image | None:
+    def _picture(self, shader: Any, asset: Any, is_color: bool) -> str | Image | None:
         try:
             return picture_of(self.stage, asset)
         except OutOfReachError as error:
-            self.stage.problem(shader.GetPrim(), str(error))
-        return None
+            place, report = str(shader.GetPath()), self.stage.report
+            report.lacks_at(self.stage.name, place, error, CHECKERED if is_color else WITHOUT)
+            return MISSING if is_color and report.can_do_without(error) else None
 
     def _approximate(self, shader: Any, text: str) -> None:
         self.stage.report.approximate(f"{shader.GetPath()}: {text}")
@@ -234,7 +238,7 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
         text = error.message()
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         text = " ".join(str(error).split())[:200]
-    raise OutOfReachError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
+    raise UnreadableError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
 
 
 def _member(stage: Stage, authored: str) -> str:

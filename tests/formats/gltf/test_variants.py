@@ -5,6 +5,7 @@ import pytest
 import alight
 from alight.core.errors import SceneError
 from alight.formats.gltf.scene import parse
+from alight.formats.shown import Shown
 from tests.formats.gltf.maker import Maker
 from tests.formats.gltf.reading import core
 
@@ -27,7 +28,7 @@ def shoe():
 
 
 def color(variant):
-    found = parse(shoe().gltf(), "a.gltf", None, variant)
+    found = parse(shoe().gltf(), "a.gltf", None, Shown(variant))
     assert not any(NAME in line for line in found.warnings)
     name = found.data["nodes"]["node 0"]["bsdf"]
     assert core(found.data["bsdfs"][name])["base_color"] == COLORS[name]
@@ -48,7 +49,7 @@ def test_names_that_could_be_asked_for_are_told():
 
 def test_a_variant_that_is_not_there_is_one_message(tmp_path):
     with pytest.raises(SceneError, match=r'--variant\n.*did you mean "night"'):
-        parse(shoe().gltf(), "a.gltf", None, "nigth")
+        parse(shoe().gltf(), "a.gltf", None, Shown("nigth"))
     m = Maker()
     m.node(mesh=m.square())
     (tmp_path / "a.gltf").write_bytes(m.gltf())

@@ -3,8 +3,10 @@
 import math
 
 import numpy as np
+import pytest
 
 from alight.lights.daylight import Daylight
+from alight.lights.sun import disk
 from tests.formats.mitsuba.reading import issues, node, read
 
 
@@ -21,6 +23,54 @@ def test_version_3_has_its_sun_where_it_says_with_z_up():
     np.testing.assert_allclose(to_sun(body), [1 / 3, 2 / 3, 2 / 3], atol=1e-6)
     light = node(read(body)).light
     assert light.diameter == 2.0 and light.scale[0] * 106.857 == 1.0
+
+
+def daylight(more, version="0.6.0"):
+    """The light of a sunsky of version 0.6, and the unit vector to its sun in the world."""
+    body = f'<emitter type="sunsky">{more}</emitter>'
+    found = node(read(body, version))
+    return found.light, found.transform.matrix[:3, :3] @ found.light.to_sun
+
+
+def floats(**values):
+    return "".join(f'<float name="{name}" value="{value}"/>' for name, value in values.items())
+
+
+@pytest.mark.parametrize("version", ["0.6.0", "3.0.0"])
+@pytest.mark.parametrize("turned", ['x="1" angle="40"', 'y="1" angle="90"'])
+def test_the_sun_is_in_the_world_whatever_turns_the_sky(version, turned):
+    old = version < "2"
+    name, to_world = ("sunDirection", "toWorld") if old else ("sun_direction", "to_world")
+    more = f'<transform name="{to_world}"><rotate {turned}/></transform>'
+    more += f'<vector name="{name}" x="1" y="2" z="2"/>'
+    np.testing.assert_allclose(daylight(more, version)[1], [1 / 3, 2 / 3, 2 / 3], atol=1e-6)
+
+
+def test_a_wider_sun_of_version_0_6_gives_the_same_light():
+    sun = '<vector name="sunDirection" x="1" y="2" z="2"/>'
+    plain, wide = daylight(sun)[0], daylight(sun + floats(sunRadiusScale=4, scale=50))[0]
+    assert wide.diameter == pytest.approx(4 * 0.5358)
+    np.testing.assert_allclose(sun_light(wide), 50.0 * sun_light(plain), rtol=1e-6)
+    assert daylight(sun + floats(sunRadiusScale=0))[0].diameter == 0.01
+
+
+def sun_light(light):
+    """W/m^2 on what faces the sun, in the units of the file: radiance times solid angle."""
+    factor = np.multiply(light.scale, light.sun_scale)
+    radiance = disk(light, light.diameter, factor, np.eye(4))[4:]
+    return radiance * 2.0 * math.pi * (1.0 - math.cos(math.radians(0.5 * light.diameter)))
+
+
+def test_scales_of_version_0_6_take_the_place_of_the_common_one():
+    for more, sun, sky in (
+        (floats(scale=50), 50, 50),
+        (floats(scale=50, sunScale=2), 2, 50),
+        (floats(scale=50, skyScale=0), 50, 0),
+        (floats(scale=0, sunScale=3), 3, 0),
+    ):
+        light, _ = daylight(more)
+        for scale, meant in ((light.sun_scale, sun), (light.sky_scale, sky)):
+            np.testing.assert_allclose(np.multiply(light.scale, scale) * 106.857, meant, rtol=1e-6)
 
 
 def test_the_date_gives_mitsubas_sun():

@@ -1,5 +1,7 @@
 """Files: both spellings, parameters, includes, references, and what a file may reach."""
 
+import re
+
 import pytest
 
 from alight.core.errors import SceneError
@@ -233,6 +235,33 @@ def test_lenient_replaces_and_lists_everything():
         assert word in warned
     # The same file is refused as a whole otherwise, each of them with its line.
     assert len(issues(body)) == 8
+
+
+def test_integrators_of_other_programs_keep_their_depths():
+    body = """<integrator type="guided_path"><integer name="maxDepth" value="3"/>
+    <integer name="rrDepth" value="9"/><float name="sdTreeThreshold" value="4000"/>
+    <integrator type="path"/></integrator>"""
+    scene = read(body, "0.6.0", lenient=True)
+    assert (scene.integrator.max_depth, scene.integrator.rr_depth) == (3, 9)
+    [warning] = [line for line in scene.warnings if "guided_path" in line]
+    assert "path is taken, with its max_depth and rr_depth" in warning
+    [issue] = issues(body, "0.6.0")
+    assert 'integrator "guided_path" is not covered' in issue.message
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<integrator type="sppm"><integer name="photonCount" value="5"/></integrator>',
+        '<shape type="sphere"><boolean name="hide" value="true"/></shape>',
+        '<shape type="sphere"><bsdf type="diffuse"><float name="extEta" value="1"/></bsdf></shape>',
+        '<integrator type="path"><string name="mode" value="fast"/></integrator>',
+    ],
+)
+def test_parameters_of_other_programs_are_listed_and_left_out(body):
+    scene = read(body, "0.6.0", lenient=True)
+    remarks = "\n".join((*scene.warnings, *scene.source.remarks.notes))
+    assert re.search("photon_?count|photonCount|hide|ext_?eta|extEta|mode", remarks)
 
 
 def test_nothing_is_dropped_silently():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from alight.core.errors import SceneError
 from alight.scene.flatten import flatten
 from tests.formats import bare
 from tests.formats.usd.stage import HEAD, SQUARE, shapes, world_points
@@ -84,9 +85,9 @@ def character(played=True, kind="def SkelRoot", more="", path="/r", start=None):
 def load(tmp_path):
     """Load a stage given as text."""
 
-    def run(text):
+    def run(text, **shown):
         (tmp_path / "a.usda").write_text(text)
-        return bare.load(tmp_path / "a.usda")
+        return bare.load(tmp_path / "a.usda", **shown)
 
     return run
 
@@ -125,6 +126,20 @@ def test_meshes_are_where_openusd_itself_bakes_them(load, tmp_path, start):
     UsdSkel.BakeSkinning(UsdSkel.Root(stage.GetPrimAtPath("/r")), Gf.Interval(0, 10))
     baked = UsdGeom.Mesh(stage.GetPrimAtPath("/r/m")).GetPointsAttr().Get(start)
     same_points(scene, np.add(baked, [10, 0, 3]))
+
+
+@pytest.mark.parametrize(("start", "at"), [(None, 2.0), (1, 1.0)])
+def test_seconds_count_from_the_first_time(load, start, at):
+    # Both are the time code 2 at one time code a second: half way between the two samples.
+    text = character(start=start).replace("    upAxis", "    timeCodesPerSecond = 1\n    upAxis")
+    bulged = STILL + np.array([[-0.5, 0, 0], [0, 0, 0], [0.25, 0, 0], [0, 0, 0]])
+    bulged[2:] = bulged[2:] * [-1, -1, 1] + [0, 0, 7]
+    same_points(load(text, at=at), np.add(bulged, [10, 0, 0]))
+
+
+def test_animations_of_other_formats_are_no_choice_of_a_stage(load):
+    with pytest.raises(SceneError, match="--animation\n  only glTF files name their animations"):
+        load(character(), animation="walk")
 
 
 def test_instances_of_a_character_stand_in_its_pose(load):

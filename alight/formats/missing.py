@@ -1,0 +1,80 @@
+"""What stands for missing files of scenes in the native format, where a lenient reader is asked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from alight.core.errors import Issue, join_path
+from alight.formats.reach import OutOfReachError, Reach
+from alight.formats.report import Report
+from alight.formats.textures import CHECKERED, DARK, GREY_SKY, MISSING
+from alight.scene.builtin.pictures import is_builtin
+from alight.scene.source import Remarks, Source
+
+#: Type of what names a file -> what is said of it.
+_STAND_INS = {
+    "bitmap": CHECKERED,
+    "environment": DARK,
+    "mesh": "the shape is left out",
+}
+
+
+def replace_missing(data: dict[str, Any], source: Source, reach: Reach) -> Source:
+    """Let something stand for the files that a description names and that are not there.
+
+    Parameters
+    ----------
+    data : dict
+        As of a native file; pictures, skies and meshes in it are replaced.
+    source : Source
+        Knows the places of keys.
+    reach : Reach
+        Where files may lie.
+
+    Returns
+    -------
+    Source
+        With a remark on each.
+    """
+    report = Report(lenient=True)
+    stack: list[tuple[tuple[str | int, ...], Any]] = [((), data)]
+    while stack:
+        path, value = stack.pop()
+        items = list(value.items() if isinstance(value, dict) else enumerate(value))
+        for key, item in items:
+            if isinstance(item, list):
+                stack.append(((*path, key), item))
+            elif isinstance(item, dict):
+                error = _lacks(item, reach)
+                if error is None:
+                    stack.append(((*path, key), item))
+                    continue
+                place = source.located(Issue(join_path(*path, key, "file"), "")).place
+                kind = item.get("type")
+                report.lacks_at(place, join_path(*path, key, "file"), error, _STAND_INS[kind])
+                value[key] = _stand_in(kind, item)
+                if value[key] is None:
+                    del value[key]
+    return replace(source, remarks=Remarks(warnings=tuple(report.warnings)))
+
+
+def _lacks(item: dict[str, Any], reach: Reach) -> OutOfReachError | None:
+    """Why the file of a description cannot be had; None where it can, or nothing stands for it."""
+    name = item.get("file")
+    if item.get("type") not in _STAND_INS or not isinstance(name, str) or is_builtin(name):
+        return None
+    try:
+        reach.find(name)
+    except OutOfReachError as error:
+        return error
+    return None
+
+
+def _stand_in(kind: str, item: dict[str, Any]) -> dict[str, Any] | None:
+    if kind == "bitmap":
+        rest = {key: value for key, value in item.items() if key != "file"}
+        return {**rest, "pixels": MISSING}
+    if kind == "environment":
+        return {"type": "constant", "radiance": GREY_SKY}
+    return None
