@@ -6,6 +6,9 @@ import time
 from pathlib import Path
 
 import alight.cluster.worker
+import alight.lab.spread
+
+_PROCESSOR = alight.lab.spread.processor
 
 
 def multiplied(factor, number):
@@ -75,3 +78,13 @@ def lose_alight():
 def find_alight():
     """Undo it."""
     sys.modules["alight.cluster.worker"] = alight.cluster.worker
+
+
+def become_another_processor():
+    """Let this process be timed on another processor."""
+    alight.lab.spread.processor = lambda: "Slow 3000"
+
+
+def become_this_processor():
+    """Undo it."""
+    alight.lab.spread.processor = _PROCESSOR
