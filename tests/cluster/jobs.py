@@ -70,6 +70,11 @@ def kept():
     return len(alight.cluster.worker._kept)
 
 
+def ticks_of_the_worker(dask_worker):
+    """Milliseconds between two looks at its event loop."""
+    return dask_worker.periodic_callbacks["tick"].callback_time
+
+
 def lose_alight():
     """Let this process be one in which alight is not installed."""
     sys.modules["alight.cluster.worker"] = None
