@@ -56,10 +56,8 @@ def test_times_of_another_processor_are_refused_or_marked(client, tmp_path):
     one, options = min(client.nthreads()), ClusterOptions(cluster=client)
     client.run(jobs.become_another_processor, workers=[one])
     try:
-        with pytest.raises(OptionError, match=r"of one kind.*others are Slow 3000.*equal_time: f"):
-            run_study(
-                study(equal_time=True), tmp_path / "a", cluster=ClusterOptions(cluster=client)
-            )
+        told = refusal_of(run_study, study(equal_time=True), tmp_path / "a", cluster=options)
+        assert "others are Slow 3000: take those away, or say equal_time: false" in told
         # Dask may give one of two workers nothing; of so many replicates it does not.
         found = run_study(study(replicates=8), tmp_path / "b", cluster=options)
     finally:
@@ -111,5 +109,12 @@ def test_an_answer_is_its_pictures():
     ],
 )
 def test_a_malformed_answer_is_refused(data, message):
-    with pytest.raises(FilmError, match=message):
-        read_replicate(TASK, SIZE, data)
+    assert message in refusal_of(read_replicate, TASK, SIZE, data)
+
+
+def refusal_of(function, *words, **options):
+    try:
+        function(*words, **options)
+    except (FilmError, OptionError) as error:
+        return str(error)
+    return "none"

@@ -90,12 +90,6 @@ CLUSTER = (
         "::test_samples_that_came_out_of_order_leave_no_hole",
     ),
     Mutant(
-        "a worker without alight given tasks",
-        "cluster/dispatch.py",
-        (("            if isinstance(answer, Exception):", "            if False:"),),
-        f"{DISPATCH}::test_a_worker_without_alight_is_refused_and_the_others_go_on",
-    ),
-    Mutant(
         "keys that lie beside the current folder, not beside the cluster file",
         "cluster/files.py",
         (('Path(path).parent / data["keys"]', 'data["keys"]'),),
