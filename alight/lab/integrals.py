@@ -25,8 +25,8 @@ import numpy as np
 from alight.compiled.program import Program
 from alight.core.spec import Sampler
 from alight.lab.arms import seed_of
-from alight.lab.pictures import Session, StudyProgress
 from alight.lab.results import Curve, CurveResult, TableResult
+from alight.lab.session import Session, StudyProgress
 from alight.lab.statistics import fit_slope, log_slope, positive_interval
 from alight.metrics.relmse import Estimate
 from alight.samplers.model import SAMPLERS, SamplerModel

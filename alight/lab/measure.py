@@ -79,6 +79,7 @@ def render_ladder(
     ladder : sequence of int
         Rising numbers of samples per pixel.
     threads : int
+        0 renders on the caller's own.
     """
     scene, kernels, seconds = made_ready(scene, kernels, seed, threads)
     film = film_for(scene, seed, replicates)
@@ -104,7 +105,7 @@ def made_ready(
     """
     if not is_to_be_guided(scene):
         return scene, kernels, 0.0
-    scene, training = trained(scene, seed=seed, threads=threads)
+    scene, training = trained(scene, seed=seed, threads=max(threads, 1))
     return scene, kernels if training.used else compiled_kernels(scene), training.cpu_seconds
 
 
@@ -121,6 +122,7 @@ def add_tiles(
     Parameters
     ----------
     threads : int
+        0 renders on the caller's own.
     kernels : Kernels
     scene : CompiledScene
     settings : Settings
@@ -140,6 +142,10 @@ def add_tiles(
         film.add_tile(partial)
         return time.thread_time() - begin
 
+    if threads == 0:
+        for part in parts:
+            work(*part)
+        return 0.0
     futures = [_pool(threads).submit(work, *part) for part in parts]
     try:
         return sum(future.result() for future in futures)

@@ -9,17 +9,15 @@ run.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from alight.lab.arm_plan import Plan
 from alight.lab.arms import Arm, compile_arm, digest, load_arms, seed_of
-from alight.lab.blocks import block_row
 from alight.lab.equal_time import Bracket, bracket, is_natural
 from alight.lab.evaluate import evaluate_arms, no_noise
-from alight.lab.figures import Figures
 from alight.lab.references import (
     SEEDS,
     WANTED_SHARE,
@@ -31,15 +29,10 @@ from alight.lab.references import (
     rendered_reference,
 )
 from alight.lab.results import BIASED, SceneResult
-from alight.lab.store import Example, Replicate, Store
-from alight.lab.study import SceneSpec, Study, scene_name
-
-#: Under ``--quick``: replicates, and most samples per pixel of the ladder.
-QUICK_REPLICATES, QUICK_SPP = 8, 16
-
-#: Replicates whose FLIP is worked out: it costs fifty times all other figures together, and hardly
-#: differs from one replicate to the next.
-_FLIPS = 2
+from alight.lab.run_blocks import run_blocks
+from alight.lab.session import Session, StudyProgress
+from alight.lab.spread import Spread
+from alight.lab.study import SceneSpec, scene_name
 
 #: Processor seconds of a reference above which a shortcut is suggested.
 _LONG = 600.0
@@ -47,62 +40,6 @@ _LONG = 600.0
 #: Slope of the MSE that a pilot is extrapolated with, to the steps of equal time: between
 #: independent samples and nets.
 _PILOT_SLOPE = 1.5
-
-
-@dataclass(frozen=True)
-class StudyProgress:
-    """How far a study is.
-
-    Attributes
-    ----------
-    text : str
-        What is being done.
-    done, total : float
-        CPU seconds of rendering in the present phase; the total is 0 where it is not known.
-    """
-
-    text: str
-    done: float = 0.0
-    total: float = 0.0
-
-
-@dataclass
-class Session:
-    """What all scenes of a study share while it runs.
-
-    Attributes
-    ----------
-    study : Study
-    store : Store
-    quick : bool
-    threads : int
-    progress : callable
-    seconds : dict of str to float
-        Spent so far, by kind.
-    """
-
-    study: Study
-    store: Store
-    quick: bool
-    threads: int
-    progress: Callable[[StudyProgress], None]
-    seconds: dict[str, float] = field(
-        default_factory=lambda: dict.fromkeys(
-            ("render", "reference", "load", "compile", "statistics"), 0.0
-        )
-    )
-
-    @property
-    def replicates(self) -> int:
-        """S."""
-        return min(self.study.replicates, QUICK_REPLICATES) if self.quick else self.study.replicates
-
-    def ladder(self, scene: SceneSpec) -> tuple[int, ...]:
-        """Samples per pixel at which arms are compared."""
-        full = tuple(scene.spp or self.study.spp)
-        if not self.quick:
-            return full
-        return tuple(n for n in full if n <= QUICK_SPP) or full[:1]
 
 
 @dataclass(frozen=True)
@@ -199,7 +136,8 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
         )  # fmt: skip
         plans.append(Plan(arm, key, setup.ladder, times[name], mine, own))
     order_seed = seed_of("order", study.seed, scene_name(scene))
-    _run_blocks(session, scene, plans, setup.pilots, order_seed)
+    costs = [setup.pilots[plan.arm.spec.name].seconds * plan.ladder[-1] for plan in plans]
+    run_blocks(session, scene, plans, costs, order_seed)
     begin = time.process_time()
     session.progress(StudyProgress(f"{scene_name(scene)}: statistics"))
     baseline = study.baseline_of(scene).name
@@ -220,12 +158,12 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
         reference_variance=reference.variance,
         arms=results,
         crops=[list(crop) for crop in scene.crops] if not session.quick else [],
-        notes=_notes(results),
+        notes=_notes(results, session.spread),
     )
 
 
-def _notes(results: Sequence) -> list[str]:
-    notes = []
+def _notes(results: Sequence, spread: Spread | None) -> list[str]:
+    notes = [spread.note] if spread is not None and spread.note else []
     if all(point.flip is None for arm in results for point in arm.times or arm.samples):
         notes.append("FLIP is skipped: the package flip-evaluator is not installed")
     return notes + [
@@ -323,63 +261,3 @@ def _render_reference(session: Session, arm: Arm, spp: int, seconds: float) -> R
     if reference.info.source == "rendered":
         session.seconds["reference"] += reference.info.seconds
     return reference
-
-
-def _run_blocks(
-    session: Session,
-    scene: SceneSpec,
-    plans: Sequence[Plan],
-    pilots: dict[str, Pilot],
-    order_seed: int,
-) -> None:
-    """Render what the store does not have yet, block by block."""
-    costs = [pilots[plan.arm.spec.name].seconds * plan.ladder[-1] for plan in plans]
-    done = [session.store.numbers(plan.key) for plan in plans]
-    figures = {
-        id(plan.reference): Figures(plan.reference.image, plan.reference.variance) for plan in plans
-    }
-    count = session.replicates
-    total = sum(
-        cost * len(set(range(count)) - known) for cost, known in zip(costs, done, strict=True)
-    )
-    spent = 0.0
-    order = np.random.default_rng(order_seed)
-    for number in range(count):
-        # The order is drawn for all arms, done or not: it is the same after an interruption.
-        for i in order.permutation(len(plans)).tolist():
-            if number in done[i]:
-                continue
-            plan = plans[i]
-            text = f"{scene_name(scene)}: replicate {number + 1} of {count}, {plan.arm.spec.name}"
-            session.progress(StudyProgress(text, spent, total))
-            _run_replicate(session, scene, plan, figures[id(plan.reference)], number)
-            spent += costs[i]
-    session.progress(StudyProgress(f"{scene_name(scene)}: rendered", total, total))
-
-
-def _run_replicate(
-    session: Session, scene: SceneSpec, plan: Plan, figures: Figures, number: int
-) -> None:
-    study, name = session.study, plan.arm.spec.name
-    seed = seed_of("arm", study.seed, scene_name(scene), "" if study.paired else name, number)
-    rungs, pictures, looked_at = {}, {}, {}
-    example, blocks, invalid = None, np.zeros(0), 0
-    for rung in plan.arm.render(seed, plan.ladder, session.threads):
-        begin = time.process_time()
-        rungs[rung.spp] = {"seconds": rung.seconds, **figures.of(rung.picture)}
-        if rung.spp in (plan.judged.low, plan.judged.high) and number < _FLIPS:
-            looked_at[rung.spp] = rung.picture
-        if rung.spp in plan.tops:
-            pictures[rung.spp] = rung.picture
-        if rung.spp == plan.shown and number == 0:
-            example = Example(rung.spp, rung.seconds, rung.picture)
-        if rung.spp == plan.ladder[-1]:
-            blocks, invalid = block_row(rung.picture), rung.invalid
-            session.seconds["render"] += rung.seconds
-        session.seconds["statistics"] += time.process_time() - begin
-    begin = time.process_time()
-    # Between the steps it would leave the caches cold for some of the arms.
-    for spp, picture in looked_at.items():
-        rungs[spp] |= figures.of(picture, with_flip=True)
-    session.store.add(plan.key, Replicate(number, seed, invalid, rungs, blocks), pictures, example)
-    session.seconds["statistics"] += time.process_time() - begin

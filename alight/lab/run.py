@@ -13,14 +13,17 @@ from pathlib import Path
 import numpy as np
 
 import alight
-from alight.core.errors import OutputError
-from alight.lab.pictures import QUICK_REPLICATES, Session, StudyProgress, run_scene
+from alight.core.errors import OptionError, OutputError
+from alight.lab.pictures import run_scene
 from alight.lab.result_files import save
 from alight.lab.results import SceneResult, StudyResult, TableResult
+from alight.lab.session import QUICK_REPLICATES, Session, StudyProgress
+from alight.lab.spread import processor, spread_over
 from alight.lab.store import Store
 from alight.lab.study import Study
 from alight.lab.study_file import load_study, ready_names
 from alight.metrics.relmse import Estimate
+from alight.options.cluster import ClusterOptions
 from alight.rendering.main_loop import usable_processors
 from lanewise.machine import fingerprint, lanes_of_machine
 
@@ -35,6 +38,7 @@ def run_study(
     quick: bool = False,
     threads: int | None = None,
     progress: Callable[[StudyProgress], None] | None = None,
+    cluster: ClusterOptions | None = None,
 ) -> StudyResult:
     """Run a study, or what is left of it, and write its results.
 
@@ -49,6 +53,8 @@ def run_study(
         All processors that this process may use by default.
     progress : callable, optional
         Called with a `StudyProgress` from time to time.
+    cluster : ClusterOptions, optional
+        Whose workers render the replicates.
 
     Returns
     -------
@@ -61,6 +67,8 @@ def run_study(
         What was measured is kept, and the same call continues from there.
     """
     study = (study if isinstance(study, Study) else load_study(study)).checked()
+    if cluster is not None and cluster.cluster is not None and study.kind != "pictures":
+        raise OptionError(f"is for studies of pictures, this one is of {study.kind}", "cluster")
     # Ready studies have a name instead of a path.
     named = study.name if study.name in ready_names() else study.file or study.name
     folder = Path(folder)
@@ -69,10 +77,11 @@ def run_study(
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {error.strerror}") from error
     begin = time.perf_counter()
-    with Store(folder / STORE) as store:
+    with Store(folder / STORE) as store, spread_over(cluster, study.equal_time) as spread:
         session = Session(
-            study, store, quick, threads or usable_processors(), progress or (lambda _: None)
-        )
+            study, store, quick, threads or usable_processors(), progress or (lambda _: None),
+            spread,
+        )  # fmt: skip
         scenes, curves, tables = [], [], []
         if study.kind == "integrals":
             from alight.lab.integrals import run_integrals
@@ -176,22 +185,13 @@ def machine(threads: int) -> dict[str, str]:
     import llvmlite.binding as llvm
 
     return {
-        "processor": _processor(),
+        "processor": processor(),
         "architecture": llvm.get_host_cpu_name(),
         "processors": str(os.cpu_count() or 0),
         "threads": str(threads),
         "lanes": str(lanes_of_machine()),
         "system": f"{platform.system()} {platform.release()}",
     }
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 def versions() -> dict[str, str]:

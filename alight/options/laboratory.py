@@ -7,6 +7,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from alight.options import scene
+from alight.options.cluster import ClusterOptions
 from alight.options.kinds import Anything, File, Names, Switch, Text, Texts
 from alight.options.quantities import Number, Seconds, Share, Whole
 from alight.options.render import MOST_SAMPLES, PromiseOptions, ThreadOptions
@@ -116,7 +117,7 @@ class CompareOptions(Options):
 
 
 @table
-class StudyOptions(Options):
+class StudyOptions(ClusterOptions, Options):
     """Everything that `alight.study` can be told."""
 
     output: str | PathLike[str] | None = option(

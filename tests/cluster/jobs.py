@@ -6,6 +6,9 @@ import time
 from pathlib import Path
 
 import alight.cluster.worker
+import alight.lab.spread
+
+_PROCESSOR = alight.lab.spread.processor
 
 
 def multiplied(factor, number):
@@ -67,6 +70,11 @@ def kept():
     return len(alight.cluster.worker._kept)
 
 
+def ticks_of_the_worker(dask_worker):
+    """Milliseconds between two looks at its event loop."""
+    return dask_worker.periodic_callbacks["tick"].callback_time
+
+
 def lose_alight():
     """Let this process be one in which alight is not installed."""
     sys.modules["alight.cluster.worker"] = None
@@ -75,3 +83,13 @@ def lose_alight():
 def find_alight():
     """Undo it."""
     sys.modules["alight.cluster.worker"] = alight.cluster.worker
+
+
+def become_another_processor():
+    """Let this process be timed on another processor."""
+    alight.lab.spread.processor = lambda: "Slow 3000"
+
+
+def become_this_processor():
+    """Undo it."""
+    alight.lab.spread.processor = _PROCESSOR

@@ -57,11 +57,23 @@ def pids(client):
 
 
 def test_every_task_is_answered_once(client):
-    found, dispatcher = answers_of(client, jobs.multiplied, 7, 40)
+    # On a busy machine a second is soon over, and then tasks are issued again.
+    patient = Patience(task=100.0)
+    found, dispatcher = answers_of(client, jobs.multiplied, 7, 40, patience=patient)
     assert found == {n: 7 * n for n in range(40)}
     assert sum(of["tasks"] for of in dispatcher.workers.values()) == 40
     assert len(dispatcher.workers) == 2
     assert dispatcher.counts["failed"] == dispatcher.counts["issued again"] == 0
+
+
+def test_processes_of_a_local_cluster_do_not_watch_themselves_all_the_time(client):
+    """Of Dask's own accord scheduler and nannies take 3 % of a core, and workers too."""
+
+    def is_quiet(server):
+        return server.periodic_callbacks["tick"].callback_time >= 500 and not server.io_loop.profile
+
+    assert is_quiet(client.cluster.scheduler)
+    assert set(client.run(jobs.ticks_of_the_worker).values()) == {500}
 
 
 def test_few_tasks_are_drawn_ahead_and_results_are_released(client):

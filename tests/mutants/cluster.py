@@ -5,6 +5,7 @@ from tests.mutants.mutant import Mutant
 PARTS = "tests/cli/test_parts.py"
 TASKS = "tests/cluster/test_block_tasks.py"
 DISPATCH = "tests/cluster/test_dispatch.py"
+STUDIES = "tests/cluster/test_studies.py"
 
 CLUSTER = (
     Mutant(
@@ -77,5 +78,33 @@ CLUSTER = (
         "cluster/dispatch.py",
         (("if not late:", "if True:"),),
         f"{DISPATCH}::test_a_late_task_is_issued_again_and_its_first_answer_counts",
+    ),
+    Mutant(
+        "the most samples of a pixel taken for its last one",
+        "rendering/resume.py",
+        (
+            ("ends = (end for cell in", "ends = (cell.count for cell in"),
+            ("cells.flat for _, end in cell)", "cells.flat)"),
+        ),
+        "tests/rendering/test_samples_out_of_order.py"
+        "::test_samples_that_came_out_of_order_leave_no_hole",
+    ),
+    Mutant(
+        "keys that lie beside the current folder, not beside the cluster file",
+        "cluster/files.py",
+        (('Path(path).parent / data["keys"]', 'data["keys"]'),),
+        "tests/cluster/test_files.py::test_keys_lie_beside_the_file_unless_others_are_given",
+    ),
+    Mutant(
+        "answers of another replicate let in",
+        "lab/spread.py",
+        (('if content["task"] != task.digest:', "if False:"),),
+        f"{STUDIES}::test_a_malformed_answer_is_refused",
+    ),
+    Mutant(
+        "times of different processors compared",
+        "lab/spread.py",
+        (("if equal_time and others:", "if False:"),),
+        f"{STUDIES}::test_times_of_another_processor_are_refused_or_marked",
     ),
 )

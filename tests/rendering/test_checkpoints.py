@@ -17,12 +17,8 @@ import alight
 from alight.bsdfs.diffuse import Diffuse
 from alight.core.errors import FilmError, OptionError, OutputError
 from alight.films import Film
-from alight.options.resume import ResumeOptions
-from alight.rendering import checkpoint_writer, main_loop, resume, schedules
+from alight.rendering import checkpoint_writer, resume, schedules
 from alight.rendering.checkpoint import read_checkpoint
-from alight.rendering.cluster_executor import split
-from alight.rendering.executors import Threads
-from alight.rendering.resume import prepare_resume
 from alight.rendering.schedule import Goal, Schedule, Verdict
 from alight.rendering.summary import summary_lines
 from alight.scene import SceneManager
@@ -72,36 +68,6 @@ def test_more_samples_are_those_of_a_longer_render(tmp_path, monkeypatch, refere
     alight.render(scene(), spp=9, checkpoint=path)
     assert_same(alight.resume(path, spp=SPP), reference)
     stopped_after(3, path, monkeypatch, spp=100)
-    assert_same(alight.resume(path, spp=SPP), reference)
-
-
-class Backwards(Threads):
-    """The second half of each tile's samples first, as workers of a cluster may answer."""
-
-    def render(self, settings, blocks, add, cancel, report):
-        for block in blocks:
-            for half in reversed(split(block, 0.5)):
-                if half.ranges[..., 1].any() and not cancel.is_set():
-                    super().render(settings, [half], add, cancel, report)
-
-
-def test_samples_that_came_out_of_order_leave_no_hole(tmp_path, monkeypatch, reference):
-    """A pixel that holds samples 12 to 23 alone has 12, and needs 24 to be whole."""
-    path = tmp_path / "a.alight"
-    with cancelled_after(1, monkeypatch) as cancel, monkeypatch.context() as patch:
-        patch.setattr(main_loop, "executor_of", lambda options: Backwards())
-        film = alight.render(
-            scene(), spp=SPP, spp_per_pass=SPP, checkpoint=path, cancel=cancel, threads=1
-        )
-    assert film.sample_count.max() == SPP // 2
-    assert {tuple(cell) for cell in film.cells.flat} == {(), ((SPP // 2, SPP),)}
-
-    def warnings_of(spp):
-        return prepare_resume(path, ResumeOptions(spp=spp)).warnings()
-
-    assert warnings_of(SPP) == []
-    (warning,) = warnings_of(SPP - 1)
-    assert warning.endswith(f"beyond spp 23, which stay: {SPP} or more gives all pixels the same")
     assert_same(alight.resume(path, spp=SPP), reference)
 
 

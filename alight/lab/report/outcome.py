@@ -92,7 +92,7 @@ def study(name: Study | str | Path, options: StudyOptions) -> StudyReport:
     )
     result = run_study(
         description, folder, quick=options.quick, threads=options.threads,
-        progress=options.progress,
+        progress=options.progress, cluster=options,
     )  # fmt: skip
     begin = time.process_time()
     page = write_report(result, folder)

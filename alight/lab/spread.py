@@ -1,0 +1,264 @@
+"""Replicates of a study on the workers of a cluster: whole ladders, each on one thread.
+
+Pictures have the bits of those that this machine renders. Their times are CPU time of the worker's
+thread, and can be compared only among processors of one kind: a study of equal times is refused on
+others, any other one is marked.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from alight.cluster.addresses import check_address, connected
+from alight.compiled.scene import CompiledScene
+from alight.core.errors import FilmError, OptionError
+from alight.films.archive import pack_archive, unpack_archive
+from alight.lab.measure import Rung, compiled_kernels, render_ladder
+from alight.lab.steering import is_steered, steered_ladder
+from alight.rendering.tile import Kernels
+
+if TYPE_CHECKING:
+    from alight.lab.arms import Arm
+    from alight.options.cluster import ClusterOptions
+
+#: Seconds after which a replicate counts as late, at least, and as a multiple of its expected ones.
+_LATE, _TIMES = 60.0, 10.0
+
+#: Bytes of an answer besides its pictures, at most.
+_HEADER = 2**16
+
+
+class Ladder(NamedTuple):
+    """One replicate of one arm, along its steps.
+
+    Attributes
+    ----------
+    arm : int
+    seed : int
+    ladder : tuple of int
+    """
+
+    arm: int
+    seed: int
+    ladder: tuple[int, ...]
+
+    @property
+    def digest(self) -> str:
+        """Names arm, seed and ladder."""
+        return hashlib.sha256(repr(tuple(self)).encode()).hexdigest()
+
+
+class SharedArms:
+    """What all replicates of a scene's arms need; kernels are made where they are used.
+
+    Parameters
+    ----------
+    arms : sequence of (CompiledScene, int, schedule)
+        The replicates of the film, and the option `schedule` or None.
+    """
+
+    def __init__(self, arms: Sequence[tuple[CompiledScene, int, Any]]) -> None:
+        self.arms = tuple(arms)
+        self._kernels: dict[int, Kernels] = {}
+        self._lock = threading.Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SharedArms, (self.arms,)
+
+    def kernels(self, arm: int) -> Kernels:
+        """Machine code of this process."""
+        with self._lock:
+            if arm not in self._kernels:
+                self._kernels[arm] = compiled_kernels(self.arms[arm][0])
+            return self._kernels[arm]
+
+
+@cache
+def processor() -> str:
+    """The processor's name: times of two machines compare only if it is the same."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def render_replicate(shared: SharedArms, task: Ladder) -> bytes:
+    """Render a ladder on the thread that asks, and pack its pictures."""
+    scene, replicates, schedule = shared.arms[task.arm]
+    words = scene, shared.kernels(task.arm), replicates, task.seed, task.ladder, 0
+    rungs = list(
+        steered_ladder(*words, schedule) if is_steered(schedule) else render_ladder(*words)
+    )
+    told = [{"spp": r.spp, "seconds": r.seconds, "invalid": r.invalid} for r in rungs]
+    content = {"task": task.digest, "rungs": told, "processor": processor()}
+    arrays = {str(number): rung.picture for number, rung in enumerate(rungs)}
+    return b"".join(pack_archive(content, arrays))
+
+
+def read_replicate(task: Ladder, size: tuple[int, int], data: Any) -> tuple[list[Rung], str]:
+    """Read an answer, and refuse what cannot be one.
+
+    Parameters
+    ----------
+    task : Ladder
+    size : (int, int)
+        Width and height of the pictures.
+    data : bytes
+
+    Returns
+    -------
+    list of Rung
+    str
+        The processor that it was timed on.
+
+    Raises
+    ------
+    FilmError
+    """
+    width, height = size
+    most = 12 * width * height * len(task.ladder) + _HEADER
+    if not isinstance(data, bytes) or len(data) > most:
+        raise FilmError("a worker's answer is no bytes, or too long for its pictures")
+    try:
+        content, arrays = unpack_archive("a worker's answer", memoryview(data))
+        if content["task"] != task.digest:
+            raise FilmError("a worker's answer is that of another replicate")
+        rungs = [
+            _rung(told, arrays[str(number)], size) for number, told in enumerate(content["rungs"])
+        ]
+        if tuple(rung.spp for rung in rungs) != task.ladder:
+            raise FilmError("a worker's answer has other steps than were asked for")
+        return rungs, str(content["processor"])
+    except (KeyError, TypeError, ValueError) as error:
+        if isinstance(error, FilmError):
+            raise
+        raise FilmError(f"a worker's answer cannot be read: {error!r}") from error
+
+
+def _rung(told: Any, picture: np.ndarray, size: tuple[int, int]) -> Rung:
+    width, height = size
+    if picture.shape != (height, width, 3) or picture.dtype != np.float32:
+        raise FilmError(f"a worker's answer has a picture of shape {picture.shape}")
+    spp, seconds, invalid = told["spp"], told["seconds"], told["invalid"]
+    if not (np.isfinite(picture).all() and seconds >= 0.0 and invalid >= 0):
+        raise FilmError("a worker's answer has numbers that no replicate has")
+    return Rung(int(spp), float(seconds), picture, int(invalid))
+
+
+class Spread:
+    """The workers that render a study's replicates.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    equal_time : bool
+        Whether the study compares arms at equal times.
+
+    Attributes
+    ----------
+    processors : set of str
+        Names of those that replicates were timed on.
+
+    Raises
+    ------
+    OptionError
+        If times would be compared among processors of different kinds.
+    """
+
+    def __init__(self, client: Any, equal_time: bool) -> None:
+        self._client, self._equal_time = client, equal_time
+        self.processors: set[str] = set()
+        own = processor()
+        others = sorted({name for name in client.run(processor).values() if name != own})
+        if equal_time and others:
+            raise OptionError(
+                f"equal times are compared among processors of one kind, and this one is {own}, "
+                f"others are {', '.join(others)}: take those away, or say equal_time: false",
+                "cluster",
+            )
+
+    def render(
+        self,
+        arms: Sequence[Arm],
+        tasks: Sequence[Ladder],
+        seconds: float,
+        take: Callable[[Ladder, list[Rung]], None],
+    ) -> None:
+        """Render replicates in any order.
+
+        Parameters
+        ----------
+        arms : sequence of Arm
+            Of one scene.
+        tasks : sequence of Ladder
+        seconds : float
+            That the longest of them should take.
+        take : callable
+            Takes a task and its pictures, each task once, in this thread.
+        """
+        from alight.cluster.dispatch import Dispatcher, Patience
+
+        shared = SharedArms([
+            (arm.compiled, arm.replicates, arm.spec.options.get("schedule")) for arm in arms
+        ])  # fmt: skip
+
+        def read(task: Ladder, data: Any) -> tuple[list[Rung], str]:
+            rungs, name = read_replicate(task, arms[task.arm].size, data)
+            if self._equal_time and name != processor():
+                raise FilmError(f"a replicate was timed on {name}, others on {processor()}")
+            return rungs, name
+
+        def took(task: Ladder, answer: tuple[list[Rung], str], seconds: float) -> None:
+            rungs, name = answer
+            self.processors.add(name)
+            take(task, rungs)
+
+        patience = Patience(task=max(_LATE, _TIMES * seconds), times=_TIMES)
+        dispatcher = Dispatcher(self._client, render_replicate, shared, read, patience)
+        dispatcher.open()
+        waiting = iter(tasks)
+        try:
+            left = dispatcher.run(
+                lambda: next(waiting, None), took, threading.Event(), lambda: None
+            )
+        finally:
+            dispatcher.close()
+        # A cluster that is lost leaves the rest to this process.
+        for task in (*left, *waiting):
+            took(task, read(task, render_replicate(shared, task)), 0.0)
+
+    @property
+    def note(self) -> str:
+        """What a reader must know of the times; empty where they compare."""
+        if len(self.processors) < 2:
+            return ""
+        return f"times are those of different processors: {', '.join(sorted(self.processors))}"
+
+
+@contextmanager
+def spread_over(options: ClusterOptions | None, equal_time: bool) -> Iterator[Spread | None]:
+    """The cluster that the options name, or None for the threads of this process.
+
+    Raises
+    ------
+    OptionError, AlightError
+        See `alight.cluster.addresses`.
+    """
+    if options is None or options.cluster is None:
+        yield None
+        return
+    check_address(options.cluster, options.cluster_keys)
+    with connected(options.cluster, options.cluster_keys) as client:
+        client.wait_for_workers(1, timeout=_LATE)
+        yield Spread(client, equal_time)

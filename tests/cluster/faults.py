@@ -1,0 +1,266 @@
+"""Renders on a cluster that is damaged meanwhile: the campaign, as a program of its own.
+
+    python -m tests.cluster.faults --faults 100 --folder /tmp/faults
+
+A scheduler and two workers with nannies, behind TLS, stay from trial to trial; each render is a
+process with a checkpoint that is written without a pause. At a moment drawn uniformly from the
+length of such a render one of `FAULTS` happens. Whatever is gone is started again for the next
+trial; a client that was killed goes on from its checkpoint. The last line is JSON: what happened,
+how many films differ from that of one process, and the longest delay over a render without fault.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+import alight
+from alight.cluster import dispatch
+from alight.cluster.dispatch import Patience
+from alight.cluster.keys import CERTIFICATE, KEY, make_keys
+from alight.films import Film
+from alight.rendering import cluster_executor
+
+#: Seconds that a client waits for what is lost, in the campaign.
+PATIENCE = Patience(task=3.0, times=4.0, fetch=3.0, cluster=12.0)
+
+SPP = 1500
+RENDER = {"size": (72, 40), "crop": (3, 2, 60, 37), "threads": 1, "aovs": "depth"}
+
+FAULTS = (
+    "kill worker", "stop worker", "kill nanny", "stop nanny", "kill scheduler", "stop scheduler",
+    "kill client", "kill worker twice",
+)  # fmt: skip
+
+#: Seconds after which a render hangs.
+HANGS = 180.0
+
+
+class Damaged:
+    """The processes of a cluster, started again when they are gone."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.port = folder, _free_port()
+        self.keys = folder / "keys"
+        make_keys(self.keys)
+        self.address = f"tls://127.0.0.1:{self.port}"
+        self.scheduler: subprocess.Popen | None = None
+        self.nannies: list[subprocess.Popen] = []
+        self.log = (folder / "cluster.log").open("wb")
+
+    def _start(self, *words: str) -> subprocess.Popen:
+        certificate, key = str(self.keys / CERTIFICATE), str(self.keys / KEY)
+        tls = ["--tls-ca-file", certificate, "--tls-cert", certificate, "--tls-key", key]
+        return subprocess.Popen(
+            [sys.executable, "-m", "dask", *words, "--host", "127.0.0.1", *tls],
+            stdout=self.log, stderr=self.log, cwd=self.folder,
+            env={**os.environ, "PYTHONPATH": str(Path.cwd())},
+        )  # fmt: skip
+
+    def repair(self) -> None:
+        """Start what is not there, and wait for it."""
+        if self.scheduler is None or self.scheduler.poll() is not None:
+            self.end()
+            port = str(self.port)
+            self.scheduler = self._start(
+                "scheduler", "--port", port, "--no-dashboard", "--protocol", "tls"
+            )
+        alive = [nanny for nanny in self.nannies if nanny.poll() is None]
+        while len(alive) < 2:
+            alive.append(self._start("worker", self.address, "--nthreads", "1", "--no-dashboard"))
+        self.nannies = alive
+        with suppress(alight.AlightError):
+            self._wait()
+            return
+        # A scheduler that was stopped for long has given up its workers.
+        self.end()
+        self.repair()
+
+    def _wait(self) -> None:
+        from alight.cluster.addresses import connected
+
+        with connected(self.address, self.keys) as client:
+            try:
+                client.wait_for_workers(2, timeout=30)
+            except TimeoutError:
+                raise alight.AlightError("no workers") from None
+
+    def workers(self) -> list[int]:
+        """Processes that render."""
+        found = []
+        for nanny in self.nannies:
+            children = Path(f"/proc/{nanny.pid}/task/{nanny.pid}/children")
+            with suppress(OSError):
+                found += [int(pid) for pid in children.read_text().split() if _renders(int(pid))]
+        return found
+
+    def end(self) -> None:
+        """Kill everything."""
+        for process in (*self.nannies, *([self.scheduler] if self.scheduler else [])):
+            for pid in (*(self.workers() if process in self.nannies else ()), process.pid):
+                _signal(pid, signal.SIGKILL)
+            process.wait()
+        self.nannies, self.scheduler = [], None
+
+
+def _renders(pid: int) -> bool:
+    try:
+        return b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return False
+
+
+def _free_port() -> int:
+    import socket
+
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+def _signal(pid: int, number: int) -> None:
+    with suppress(ProcessLookupError):
+        os.kill(pid, number)
+
+
+def client(address: str, keys: str, path: str) -> None:
+    """What the process of a client does: begin, or go on."""
+    # A render of seconds has many tasks only if they are short.
+    cluster_executor.LONGEST, cluster_executor.SHORTEST = 0.2, 0.05
+    dispatch.Patience = lambda: PATIENCE  # type: ignore[assignment,misc]
+    where = {"cluster": address, "cluster_keys": keys, "every": 0.0}
+    if Path(path).exists():
+        alight.resume(path, **where, threads=1)
+    else:
+        alight.render("cornell-box", spp=SPP, checkpoint=path, **where, **RENDER)
+
+
+class Campaign:
+    """Trials of one folder."""
+
+    def __init__(self, folder: Path, seed: int) -> None:
+        self.cluster, self.folder = Damaged(folder), folder
+        self.random = random.Random(seed)
+        self.whole = alight.render("cornell-box", spp=SPP, **RENDER)
+        self.told: Counter[str] = Counter()
+        self.differing: list[str] = []
+        self.delays: dict[str, float] = {}
+        self.length = 0.0
+
+    def begin(self) -> None:
+        """Start the cluster, and see how long a render takes."""
+        self.cluster.repair()
+        # The first one warms the workers up.
+        self.length = [self._trial(f"none-{n}", None) for n in range(2)][-1]
+
+    def trial(self, number: int) -> None:
+        """One render, and one fault."""
+        fault = FAULTS[number % len(FAULTS)]
+        self.cluster.repair()
+        took = self._trial(f"{number}", fault)
+        self.told[fault] += 1
+        delay = took - self.length
+        self.delays[fault] = max(self.delays.get(fault, 0.0), delay)
+        print(f"{number}: {fault}, {took:.1f} s, {len(self.differing)} differ", flush=True)
+
+    def _trial(self, name: str, fault: str | None) -> float:
+        path, begin = self.folder / f"{name}.alight", time.perf_counter()
+        process = self._client(path)
+        stopped: list[int] = []
+        if fault is not None:
+            time.sleep(self.random.uniform(0.0, self.length))
+            process, stopped = self._happen(fault, process, path)
+        try:
+            process.wait(HANGS)
+            took = time.perf_counter() - begin
+        finally:
+            for pid in stopped:
+                _signal(pid, signal.SIGCONT)
+            process.kill()
+        if process.returncode != 0:
+            self.differing.append(f"{name}: {fault}: exit code {process.returncode}")
+            return took
+        film = Film.load(path)
+        planes = [(film.sums, self.whole.sums), (film.counts, self.whole.counts),
+                  (film.aov_sums["depth"], self.whole.aov_sums["depth"])]  # fmt: skip
+        if not all(np.array_equal(a, b) for a, b in planes):
+            self.differing.append(f"{name}: {fault}: other bits")
+        path.unlink()
+        return took
+
+    def _client(self, path: Path) -> subprocess.Popen:
+        words = ["--client", self.cluster.address, str(self.cluster.keys), str(path)]
+        return subprocess.Popen(
+            [sys.executable, "-m", "tests.cluster.faults", *words],
+            stdout=self.cluster.log, stderr=self.cluster.log,
+        )  # fmt: skip
+
+    def _happen(
+        self, fault: str, process: subprocess.Popen, path: Path
+    ) -> tuple[subprocess.Popen, list[int]]:
+        word, _, whom = fault.partition(" ")
+        if whom == "client":
+            process.kill()
+            process.wait()
+            return self._client(path), []
+        assert self.cluster.scheduler is not None
+        pids = {
+            "worker": self.cluster.workers(), "worker twice": self.cluster.workers(),
+            "nanny": [nanny.pid for nanny in self.cluster.nannies],
+            "scheduler": [self.cluster.scheduler.pid],
+        }[whom]  # fmt: skip
+        if not pids:
+            return process, []
+        victim = self.random.choice(pids)
+        _signal(victim, signal.SIGKILL if word == "kill" else signal.SIGSTOP)
+        if whom == "worker twice":
+            time.sleep(self.random.uniform(0.0, 1.0))
+            for pid in self.cluster.workers():
+                _signal(pid, signal.SIGKILL)
+        return process, [victim] if word == "stop" else []
+
+
+def run(folder: Path, faults: int, seed: int) -> dict:
+    """A campaign; gives what its last line says."""
+    campaign = Campaign(folder, seed)
+    try:
+        campaign.begin()
+        for number in range(faults):
+            campaign.trial(number)
+    finally:
+        campaign.cluster.end()
+    return {
+        "faults": dict(campaign.told), "differing": campaign.differing,
+        "length_s": round(campaign.length, 1),
+        "delay_s": {name: round(delay, 1) for name, delay in campaign.delays.items()},
+    }  # fmt: skip
+
+
+def main() -> None:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--faults", type=int, default=16)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--folder", type=Path)
+    parser.add_argument("--client", nargs=3)
+    given = parser.parse_args()
+    if given.client:
+        client(*given.client)
+        return
+    given.folder.mkdir(parents=True, exist_ok=True)
+    print(json.dumps(run(given.folder.resolve(), given.faults, given.seed)))
+
+
+if __name__ == "__main__":
+    main()
