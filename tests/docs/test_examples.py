@@ -61,7 +61,7 @@ def test_script_runs_in_a_process_of_its_own(name, tmp_path, monkeypatch):
 def test_every_script_is_run_and_listed_with_what_it_says_of_itself():
     assert {path.stem for path in SCRIPTS} == {*HERE, *APART}
     page = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
-    listed = dict(re.findall(r"^\| `(\w+)\.py` \| (.+?) \|", page, re.MULTILINE))
+    listed = dict(re.findall(r"^\* `(\w+)\.py`: (.+)$", page, re.MULTILINE))
     said = {}
     for path in SCRIPTS:
         told = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
