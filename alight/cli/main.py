@@ -28,6 +28,7 @@ from alight.cli.scene import random
 from alight.cli.scenes import scenes
 from alight.cli.sheet import sheet
 from alight.cli.study import study
+from alight.cli.tonemap import tonemap
 from alight.cli.trace import trace
 from alight.cli.view import view
 from alight.cli.why import why
@@ -47,6 +48,7 @@ for command in (
     plan,
     resume,
     merge,
+    tonemap,
     info,
     convert,
     trace,

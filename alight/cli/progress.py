@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 #: The error is worked out for at most this share of the time.
 _ERROR_SHARE = 0.02
 
+#: Characters of the bar itself, however narrow the terminal.
+_SHORTEST_BAR = 10
+
 
 class Bar:
     """One line on stderr: what is done, how far it is, some figures, the time that is left.
@@ -29,13 +32,15 @@ class Bar:
     def __init__(self, quiet: bool = False) -> None:
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+        from rich.table import Column
 
         console = Console(stderr=True)
         # In files and pipes a bar would leave nothing but empty lines.
         self._hidden = quiet or not console.is_terminal
         self._bar = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
+            TextColumn("{task.description}", table_column=Column(no_wrap=True)),
+            # On a narrow terminal the texts are cut before the bar is.
+            BarColumn(table_column=Column(min_width=_SHORTEST_BAR)),
             TextColumn("{task.fields[rate]}"),
             TimeRemainingColumn(),
             TextColumn("{task.fields[error]}"),

@@ -76,7 +76,9 @@ class WhyOptions(SceneOptions):
     )  # fmt: skip
     size: int = option(Whole(8, 1024), "Pixels of the longer side.", default=128)
     spp: int = option(
-        Whole(32, MOST_SAMPLES), "Samples per pixel, rounded down to a multiple of 32.", default=64
+        Whole(32, MOST_SAMPLES),
+        "Samples per pixel, 32 or more, rounded down to a multiple of 32.",
+        default=64,
     )
     measure: bool = option(
         Switch(), "Try other options, for advice.", default=True, flag="--measure/--no-measure"

@@ -13,7 +13,7 @@ from alight.core.errors import OutputError, unknown_name
 from alight.outputs import exr, hdr, jpeg, npy, pfm, png
 from alight.outputs.atomic import check_folder, replacing
 from alight.outputs.display import Display
-from alight.outputs.picture import as_picture
+from alight.outputs.picture import Picture, as_picture
 
 #: The formats. Each module has SUFFIXES, IS_DISPLAY (tone mapped, not linear),
 #: KEEPS_LAYERS, `write` and `read`.
@@ -118,3 +118,16 @@ def read_image(path: str | os.PathLike[str]) -> np.ndarray:
     except (OSError, ValueError, EOFError) as error:
         raise OutputError(f"cannot read {os.fspath(path)}: {error}") from error
     return np.ascontiguousarray(image, np.float32)
+
+
+def read_picture(path: str | os.PathLike[str]) -> Picture:
+    """Read a picture with its alpha, which EXR files may hold as channel ``A``.
+
+    Raises
+    ------
+    OutputError
+        If the file is missing, broken or of an unknown format.
+    """
+    image = read_image(path)
+    alpha = exr.read_layers(path)[0].get("A") if format_of(path) is exr else None
+    return Picture(image, alpha=None if alpha is None else np.float32(alpha))

@@ -21,6 +21,7 @@ from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
+from tests.mutants.shown_again import SHOWN_AGAIN
 from tests.mutants.slips import SLIPS
 from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
@@ -57,5 +58,6 @@ MUTANTS = (
     + VIEW
     + CLUSTER
     + OBJECTS
+    + SHOWN_AGAIN
     + SLIPS
 )

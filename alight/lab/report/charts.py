@@ -18,6 +18,9 @@ from alight.metrics.relmse import Estimate
 _WIDTH, _HEIGHT = 4.6, 3.2
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.115, 0.64, 0.145, 0.93
 
+#: What part of an axis a number takes, along it and across it.
+_WIDE, _HIGH = 0.16, 0.06
+
 #: Points (1 / 72 inch) from a label to the next one: a line of text, and room after it.
 _LINE, _GAP = 9.5, 3.0
 
@@ -158,13 +161,30 @@ def _set_ticks(axes: Any, lines: Sequence[Line], counts: bool) -> None:
     ticks = shown if counts and 2 <= len(shown) <= 7 else _ticks(low, high)
     if counts and len(shown) > 7:
         ticks = shown[:: math.ceil(len(shown) / 6)]
-    heights = _ticks(*axes.get_ylim())
+    bottom, top = axes.get_ylim()
+    ticks = legible(ticks, low, high, _WIDE)
+    heights = legible(_ticks(bottom, top), bottom, top, _HIGH)
     for axis, values in ((axes.xaxis, ticks), (axes.yaxis, heights)):
         axis.set_major_locator(FixedLocator(values))
         axis.set_minor_locator(NullLocator())
         axis.set_major_formatter(FixedFormatter(tick_texts(values)))
     axes.grid(axis="y")
     axes.spines["left"].set_visible(False)
+
+
+def legible(values: Sequence[float], low: float, high: float, share: float) -> list[float]:
+    """Leave out numbers that would overprint those before them on a logarithmic axis.
+
+    Examples
+    --------
+    >>> legible([1.0, 1.1, 10.0, 95.0, 100.0], 1.0, 100.0, 0.1)
+    [1.0, 10.0, 95.0]
+    """
+    kept: list[float] = []
+    for value in values:
+        if not kept or math.log(value / kept[-1]) >= share * math.log(high / low):
+            kept.append(value)
+    return kept
 
 
 def _ticks(low: float, high: float) -> list[float]:

@@ -17,6 +17,7 @@ from typing import Any, Literal, get_args, get_origin
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.core.noise_only import noise_only_fields
 from alight.core.spec import Spec
 from alight.integrators.contributions import BY_LIGHT
 from alight.lab.statistics import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
@@ -107,11 +108,9 @@ def _is_by_light(cause: Part | None) -> bool:
 
 
 def _other_choices(spec: Spec) -> Iterator[tuple[str, Any]]:
-    """Fields with a few choices, and the choices that are not taken."""
-    for name, field in type(spec).model_fields.items():
-        value = getattr(spec, name)
-        if name == "type":
-            continue
+    """Fields with a few choices that leave the picture as it is, and the choices not taken."""
+    for name in noise_only_fields(spec):
+        field, value = type(spec).model_fields[name], getattr(spec, name)
         if get_origin(field.annotation) is Literal:
             choices = get_args(field.annotation)
             yield from ((name, choice) for choice in choices if choice not in (value, AUTO))

@@ -3,9 +3,10 @@
 import itertools
 import math
 
+import numpy as np
 import pytest
 
-from alight.lab.report.charts import spread, tick_texts
+from alight.lab.report.charts import legible, spread, tick_texts
 from alight.lab.report.numbers import Column, interval, number, p_value
 from alight.metrics.relmse import Estimate
 
@@ -78,3 +79,14 @@ def test_labels_keep_apart_in_order_and_inside(wanted):
 def test_labels_with_room_stay_where_they_belong():
     assert spread([10.0, 40.0, 80.0], [20.0] * 3, 0.0, 100.0) == [10.0, 40.0, 80.0]
     assert spread([40.0, 42.0], [20.0] * 2, 0.0, 100.0) == [31.0, 51.0]
+
+
+def test_numbers_of_an_axis_do_not_overprint():
+    fine = [0.003, 0.004, 0.005, 0.006, 0.007, 0.008, 0.009]
+    kept = legible(fine, 0.0029, 0.0095, 0.16)
+    apart = np.diff(np.log(kept)) / np.log(0.0095 / 0.0029)
+    assert len(kept) >= 3
+    assert apart.min() >= 0.16
+    # Seven doublings across an axis stay.
+    doubled = [2.0**k for k in range(7)]
+    assert legible(doubled, 1.0, 64.0, 0.16) == doubled

@@ -1,0 +1,38 @@
+"""Bugs of showing pictures again, and of lists and axes that must fit."""
+
+from tests.mutants.mutant import Mutant
+
+SHOWN = "tests/cli/test_shown_again.py"
+
+SHOWN_AGAIN = (
+    Mutant(
+        "a picture shown again without its alpha",
+        "outputs/image.py",
+        (("alpha=None if alpha is None else np.float32(alpha)", "alpha=None"),),
+        f"{SHOWN}::test_alpha_of_an_exr_stays",
+    ),
+    Mutant(
+        "a picture shown again without its exposure",
+        "cli/tonemap.py",
+        (("write_image(path, shown, **vars(display))", "write_image(path, shown)"),),
+        f"{SHOWN}::test_a_linear_picture_is_shown_as_a_render_would_have_been",
+    ),
+    Mutant(
+        "a description that starts beside a name without room for it",
+        "cli/scenes.py",
+        (("if columns - width - 2 < _NARROW:", "if False:"),),
+        f"{SHOWN}::test_a_scene_fits_the_terminal",
+    ),
+    Mutant(
+        "advice that makes another picture",
+        "lab/why/trials.py",
+        (("in noise_only_fields(spec):", "in set(type(spec).model_fields) - {'type'}:"),),
+        "tests/lab/test_why.py::test_alternatives_are_the_other_choices",
+    ),
+    Mutant(
+        "numbers of an axis that are all kept",
+        "lab/report/charts.py",
+        (("if not kept or math.log(value / kept[-1]) >= share", "if not kept or share"),),
+        "tests/lab/report/test_numbers.py::test_numbers_of_an_axis_do_not_overprint",
+    ),
+)
