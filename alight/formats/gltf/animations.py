@@ -67,10 +67,10 @@ def pose(document: Document, shown: Shown) -> None:
         raise SceneError([Issue("--at", text, document.root.name)])
     if not animations:
         raise SceneError([Issue("--at", "the file has no animations", document.root.name)])
-    chosen = shown.animation or "0"
     index = 0
     if shown.animation is not None:
-        index = numbered(animations, chosen, "animation", "animation", document.root.name)
+        name = shown.animation
+        index = numbered(animations, name, "animation", "animation", document.root.name)
     others = ", ".join(
         quote(item.text("name") or str(number))
         for number, item in list(enumerate(animations))[:21]
