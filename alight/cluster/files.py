@@ -18,7 +18,7 @@ import logging
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -235,17 +235,3 @@ def _queue(file: ClusterFile, security: Any) -> Any:
     cluster = make(**words)
     cluster.scale(jobs=file.workers)
     return cluster
-
-
-def job_script(file: ClusterFile) -> str:
-    """The script that a queue is given for each job; nothing is submitted.
-
-    Raises
-    ------
-    OptionError
-        If the cluster is not one of a queue.
-    """
-    if file.type not in _QUEUES:
-        raise OptionError(f"{file.path} is not of a queue", "cluster")
-    with _queue(replace(file, workers=0), security_of(file.checked_keys)) as cluster:
-        return cluster.job_script()

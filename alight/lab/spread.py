@@ -11,7 +11,7 @@ import hashlib
 import platform
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -180,7 +180,11 @@ class Spread:
         self._client, self._equal_time = client, equal_time
         self.processors: set[str] = set()
         own = processor()
-        others = sorted({name for name in client.run(processor).values() if name != own})
+        found: dict[str, str] = {}
+        # One that does not answer now, or lacks alight, is told apart by its answers.
+        with suppress(TimeoutError):
+            found = client.sync(client._run, processor, on_error="ignore", callback_timeout=_LATE)
+        others = sorted(set(found.values()) - {own})
         if equal_time and others:
             raise OptionError(
                 f"equal times are compared among processors of one kind, and this one is {own}, "
@@ -260,5 +264,6 @@ def spread_over(options: ClusterOptions | None, equal_time: bool) -> Iterator[Sp
         return
     check_address(options.cluster, options.cluster_keys)
     with connected(options.cluster, options.cluster_keys) as client:
-        client.wait_for_workers(1, timeout=_LATE)
+        with suppress(TimeoutError):
+            client.wait_for_workers(1, timeout=_LATE)
         yield Spread(client, equal_time)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound="ClusterOptions")
 
 #: Seconds of a task while there is much to do, and of the last ones at least. A task costs the
-#: scheduler about a millisecond.
+#: scheduler some milliseconds.
 LONGEST, SHORTEST = 2.0, 0.1
 
 #: The rest is cut into so many tasks for each thread at least, so that all end together.

@@ -3,6 +3,7 @@
 import logging
 import sys
 import types
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -10,8 +11,8 @@ import yaml
 import alight
 from alight.cluster import files, worker
 from alight.cluster.addresses import check_address
-from alight.cluster.files import job_script, read_cluster_file
-from alight.cluster.keys import make_keys, role_settings
+from alight.cluster.files import read_cluster_file
+from alight.cluster.keys import make_keys, role_settings, security_of
 from alight.core.errors import AlightError, OptionError
 from tests.docs.pages import ROOT
 
@@ -156,7 +157,9 @@ def test_the_examples_of_the_page_are_read(farm):
 def test_the_script_of_a_slurm_job_starts_a_worker_with_the_keys(farm, tmp_path):
     pytest.importorskip("dask_jobqueue")
     where = farm((EXAMPLES / "slurm.yaml").read_text(encoding="utf-8"))
-    script = job_script(read_cluster_file(tmp_path / where))
+    file = replace(read_cluster_file(tmp_path / where), workers=0)
+    with files._queue(file, security_of(file.checked_keys)) as cluster:
+        script = cluster.job_script()
     for line in ("#SBATCH -p render", "#SBATCH --cpus-per-task=16", "#SBATCH -t 02:00:00"):
         assert line in script
     assert "--nthreads 16" in script
