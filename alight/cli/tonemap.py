@@ -33,6 +33,8 @@ def tonemap(
     from alight.outputs.image import check_writable, format_of, read_picture, write_image
     from alight.rendering.writing import Targets, write_outputs
 
+    if not picture.name:
+        raise OutputError(f"cannot read {picture}: it is a folder")
     outputs = output or [picture.with_suffix(".png")]
     for path in outputs:
         if not format_of(path).IS_DISPLAY:

@@ -8,7 +8,7 @@ from typing import Any
 from alight.core.errors import Issue, join_path
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
-from alight.formats.textures import CHECKERED, DARK, GREY_SKY, MISSING
+from alight.formats.textures import CHECKERED, DARK, FLAT, GREY_SKY, LEVEL, MISSING
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.source import Remarks, Source
 
@@ -41,7 +41,7 @@ def replace_missing(data: dict[str, Any], source: Source, reach: Reach) -> Sourc
     stack: list[tuple[tuple[str | int, ...], Any]] = [((), data)]
     while stack:
         path, value = stack.pop()
-        items = list(value.items() if isinstance(value, dict) else enumerate(value))
+        items = list(value.items() if isinstance(value, dict) else enumerate(value))[::-1]
         for key, item in items:
             if isinstance(item, list):
                 stack.append(((*path, key), item))
@@ -52,17 +52,27 @@ def replace_missing(data: dict[str, Any], source: Source, reach: Reach) -> Sourc
                     continue
                 place = source.located(Issue(join_path(*path, key, "file"), "")).place
                 kind = item.get("type")
-                report.lacks_at(place, join_path(*path, key, "file"), error, _STAND_INS[kind])
+                is_number = kind == "bitmap" and item.get("color_space") == "linear"
+                said = FLAT if is_number else _STAND_INS[kind]
+                report.lacks_at(place, join_path(*path, key, "file"), error, said)
                 value[key] = _stand_in(kind, item)
                 if value[key] is None:
                     del value[key]
+                    if key == "shape" and isinstance(value, dict):
+                        _forget_what_needs_it(value)
     return replace(source, remarks=Remarks(warnings=tuple(report.warnings)))
 
 
 def _lacks(item: dict[str, Any], reach: Reach) -> OutOfReachError | None:
     """Why the file of a description cannot be had; None where it can, or nothing stands for it."""
     name = item.get("file")
-    if item.get("type") not in _STAND_INS or not isinstance(name, str) or is_builtin(name):
+    kind = item.get("type")
+    if (
+        not isinstance(kind, str)
+        or kind not in _STAND_INS
+        or not isinstance(name, str)
+        or is_builtin(name)
+    ):
         return None
     try:
         reach.find(name)
@@ -74,7 +84,18 @@ def _lacks(item: dict[str, Any], reach: Reach) -> OutOfReachError | None:
 def _stand_in(kind: str, item: dict[str, Any]) -> dict[str, Any] | None:
     if kind == "bitmap":
         rest = {key: value for key, value in item.items() if key != "file"}
+        if item.get("color_space") == "linear":
+            return {"type": "constant", "color": LEVEL}
         return {**rest, "pixels": MISSING}
     if kind == "environment":
         return {"type": "constant", "radiance": GREY_SKY}
     return None
+
+
+def _forget_what_needs_it(node: dict[str, Any]) -> None:
+    """Leave out what a node can only have with a shape."""
+    light = node.get("light")
+    if light == "area" or (isinstance(light, dict) and light.get("type") == "area"):
+        del node["light"]
+    for medium in ("interior", "exterior"):
+        node.pop(medium, None)

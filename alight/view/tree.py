@@ -92,10 +92,10 @@ def items_of(scene: Scene) -> list[Item]:
         if node.light is not None:
             found.append(_item(f"{path}.light", _name(path), "Lights", node.light))
     found += [_item(path, _name(path), "Objects", node.shape) for path, node in nodes]
-    found += [
+    render = [
         _item(name, name, "Render", getattr(scene, name)) for name in ("integrator", "sampler")
     ]
-    return found[:MOST_ITEMS]
+    return [*found[: MOST_ITEMS - len(render)], *render]
 
 
 def _item(path: str, name: str, group: str, spec: Spec | None) -> Item:

@@ -151,6 +151,54 @@ def test_lenient_reading_lists_what_is_missing_and_shows_the_rest(case):
         assert [light.type_name() for light in lights if light is not None] == ["constant"]
 
 
+def native(tmp_path, nodes, rest=""):
+    path = tmp_path / "a.yaml"
+    path.write_text(
+        "alight: 1\ncamera: {type: pinhole, transform: {translate: [0, 0, 3]}}\n"
+        f"environment: constant\n{rest}nodes:\n  ball: {{shape: sphere}}\n{nodes}"
+    )
+    return path
+
+
+def test_a_lost_mesh_takes_along_what_a_node_has_by_its_shape_only(tmp_path):
+    lost = "shape: {type: mesh, file: lost.ply}"
+    nodes = f"  lamp: {{{lost}, light: {{type: area, radiance: 3}}}}\n"
+    nodes += f"  spark: {{{lost}, light: {{type: point, intensity: 1}}}}\n"
+    nodes += f"  smoke: {{{lost}, interior: fog}}\n"
+    fog = "media: {fog: {type: homogeneous, sigma_a: 0.1, sigma_s: 0.1}}\n"
+    scene = bare.load(native(tmp_path, nodes, fog), lenient=True)
+    assert scene.nodes["lamp"].light is None
+    assert scene.nodes["spark"].light.type_name() == "point"
+    assert scene.nodes["smoke"].interior is None
+    assert sum("lost.ply" in line for line in scene.warnings) == 3
+
+
+@pytest.mark.parametrize("kind", ["[mesh]", "{mesh: 1}"])
+def test_types_that_are_no_names_are_told_as_ever(kind, tmp_path):
+    path = native(tmp_path, f"  odd: {{shape: {{type: {kind}, file: lost.ply}}}}\n")
+    with pytest.raises(SceneError, match=r"odd\.shape"):
+        alight.load(path, lenient=True)
+
+
+def test_pictures_of_numbers_and_normals_are_flat_where_they_are_missing(tmp_path):
+    dents = "{type: bitmap, file: dents.png, color_space: linear}"
+    rest = (
+        f"bsdfs: {{b: {{type: normal_map, texture: {dents}, "
+        f"bsdf: {{type: principled, roughness: {dents}}}}}}}\n"
+    )
+    scene = bare.load(native(tmp_path, "", rest), lenient=True)
+    assert MISSING.digest not in repr(scene.bsdfs)
+    assert "squares" not in " ".join(scene.warnings)
+    (tmp_path / "a.pbrt").write_text(
+        'Camera "perspective"\nWorldBegin\nLightSource "infinite"\n'
+        'Texture "holes" "float" "imagemap" "string filename" "holes.png"\n'
+        'Shape "sphere" "texture alpha" "holes"\n'
+    )
+    scene = bare.load(tmp_path / "a.pbrt", lenient=True)
+    assert MISSING.digest not in repr((scene.bsdfs, scene.textures, scene.nodes))
+    assert any("holes.png" in line for line in scene.warnings)
+
+
 def test_what_lies_elsewhere_is_never_read(tmp_path):
     (tmp_path / "secret.ply").write_bytes(b"ply")
     (tmp_path / "inner").mkdir()

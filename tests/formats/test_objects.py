@@ -72,6 +72,12 @@ def test_numbers_lie_where_the_map_has_their_colour():
     assert texels[0, 255].tolist() == [253, 231, 37]
 
 
+def test_a_range_from_numpy_is_a_range():
+    numbers = np.arange(4.0)
+    of_array = load((SQUARE, HALVES, numbers), color_range=np.percentile(numbers, [2, 98]))
+    assert only(of_array)[0] == only(load((SQUARE, HALVES, numbers), color_range=(0.06, 2.94)))[0]
+
+
 def test_the_range_of_the_map_can_be_chosen_and_equal_numbers_are_its_middle():
     places = places_in([0.0, 5.0, 99.0], (0.0, 10.0))
     assert places[:, 0] * 256 - 0.5 == pytest.approx([0.0, 127.5, 255.0], abs=1e-4)
@@ -138,9 +144,23 @@ def test_scenes_of_trimesh_keep_places_names_and_their_camera():
     assert found.film.size[0] / found.film.size[1] == pytest.approx(wanted, rel=0.01)
 
 
+def test_instances_of_trimesh_share_their_mesh():
+    scene = trimesh.Scene()
+    for x in range(3):
+        moved = np.eye(4)
+        moved[0, 3] = x
+        scene.add_geometry(trimesh.creation.box(), geom_name="brick", transform=moved)
+        scene.graph.update(f"again{x}", geometry="brick", matrix=moved)
+    found = without_floor(load(scene))
+    geometries = len(scene.geometry)
+    assert len(scene.graph.nodes_geometry) == len(found.nodes) > geometries
+    shapes = {id(node.shape) for _, _, node in found.walk() if node.shape is not None}
+    assert len(shapes) == geometries
+
+
 def test_materials_and_pictures_of_trimesh_are_kept():
     material = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=[255, 0, 0, 255], metallicFactor=0.25, roughnessFactor=0.75,
+        baseColorFactor=[255, 51, 0, 255], metallicFactor=0.25, roughnessFactor=0.75,
         baseColorTexture=Pillow.new("RGB", (2, 2), (0, 255, 0)),
     )  # fmt: skip
     uv = SQUARE[:, :2]
@@ -150,7 +170,8 @@ def test_materials_and_pictures_of_trimesh_are_kept():
     assert (bsdf.metallic, bsdf.roughness) == (0.25, 0.75)
     assert bsdf.base_color.type == "multiply"
     assert np.asarray(bsdf.base_color.a.pixels.whole)[0, 0].tolist() == [0, 255, 0]
-    assert bsdf.base_color.b == (1.0, 0.0, 0.0)
+    # A linear multiplier, as in glTF.
+    assert bsdf.base_color.b == (1.0, 0.2, 0.0)
     assert np.array_equal(found.uvs, found.vertices[:, :2])
 
 
@@ -255,6 +276,10 @@ def test_dictionaries_are_native_scenes_as_python_data():
     ("value", "words", "message"),
     [
         (3, {}, r"cannot load 3: give a path"),
+        (np.float64(3), {}, r"cannot load .*3.*: give a path"),
+        ((SQUARE, HALVES + 2.0**40), {}, r"faces\n  must index vertices"),
+        ((SQUARE, HALVES.astype(np.int64) + 2**40), {}, r"faces\n  must index vertices 0 to 3"),
+        ((SQUARE, np.full((2, 3), np.inf)), {}, r"faces\n  must index vertices"),
         ((SQUARE, HALVES + 9), {}, r"faces\n  must index vertices 0 to 3, got 12"),
         ((SQUARE, HALVES, [1, 2, 3]), {}, r"row per vertex \(4\) or per face \(2\)"),
         ((SQUARE * np.nan, HALVES), {}, r"vertices\n  must be finite"),

@@ -10,6 +10,7 @@ import alight
 from alight.compiled.kept import Kept, is_same
 from alight.scene import content_hash
 from alight.view import editing, protocol
+from alight.view import tree as tree_of_scene
 from alight.view.editing import WrongValueError, edited, with_step
 from alight.view.movable import Movable
 from alight.view.saving import save
@@ -62,6 +63,13 @@ def test_the_film_of_edited_values_is_that_of_the_saved_scene(session, tmp_path)
     assert not np.array_equal(film.image, before)
     # The camera has stayed where it was moved to.
     assert session.live.wish.pose is not None
+
+
+def test_a_scene_of_very_many_parts_keeps_its_integrator(session, monkeypatch):
+    monkeypatch.setattr(tree_of_scene, "MOST_ITEMS", 5)
+    found = items_of(session.editor.scene)
+    assert len(found) == 5
+    assert [item.path for item in found[-2:]] == ["integrator", "sampler"]
 
 
 def test_values_neither_compile_kernels_nor_build_the_tree_again(session, monkeypatch):

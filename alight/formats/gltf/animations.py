@@ -143,6 +143,8 @@ def sampled(document: Document, sampler: Item, at: float, columns: int) -> Rows:
     if rows.size % (keys * parts) or (columns and rows.size != keys * parts * columns):
         raise sampler.fatal("output", f"must hold {parts} values for each of {keys} times")
     values = rows.reshape(keys, parts, -1)
+    # Keys are stored in single precision: 0.1 means the key that is written as 0.1.
+    at = float(np.float32(at))
     before = int(np.clip(np.searchsorted(times, at, "right") - 1, 0, keys - 1))
     after = min(before + 1, keys - 1)
     length = float(times[after] - times[before])

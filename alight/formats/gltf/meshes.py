@@ -76,9 +76,17 @@ def read_primitive(
     colors = vertex_colors(document, attributes, count)
     vertices, normals = _morphed(document, primitive, weights, vertices, normals)
     if joints is not None:
-        held = _table(document, attributes, "JOINTS_0", 4, count)
-        shares = _table(document, attributes, "WEIGHTS_0", 4, count)
-        if held is not None and shares is not None:
+        sets = [name[6:] for name in attributes.value if name.startswith("JOINTS_")]
+        tables = [
+            (
+                _table(document, attributes, f"JOINTS{s}", 4, count),
+                _table(document, attributes, f"WEIGHTS{s}", 4, count),
+            )
+            for s in sorted(sets)
+        ]
+        pairs = [(j, w) for j, w in tables if j is not None and w is not None]
+        if pairs:
+            held, shares = (np.concatenate(part, axis=1) for part in zip(*pairs, strict=True))
             vertices, normals = skinned(primitive, held, shares, joints, vertices, normals)
     try:
         return mesh_of(MeshArrays(vertices, faces, normals, uvs, colors, more_uvs))
@@ -164,6 +172,9 @@ def _morphed(
     for target, weight in zip(primitive.objects("targets"), weights, strict=False):
         if weight == 0.0:
             continue
+        for name in target.value:
+            if name not in ("POSITION", "NORMAL", "TANGENT"):
+                document.report.approximate(f"{target.pointer}: {name} of a morph target stays")
         moved = _table(document, target, "POSITION", 3, len(vertices))
         turned = _table(document, target, "NORMAL", 3, len(vertices))
         with np.errstate(over="ignore", invalid="ignore"):

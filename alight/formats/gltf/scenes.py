@@ -19,7 +19,7 @@ def numbered(items: list[Item], wanted: str, option: str, kind: str, file: str) 
     SceneError
         If there is no such item.
     """
-    names = [item.text("name") for item in items]
+    wanted, names = str(wanted), [item.text("name") for item in items]
     if wanted in names:
         return names.index(wanted)
     if wanted.isdecimal() and int(wanted[:9]) < len(items):

@@ -35,6 +35,9 @@ def joint_matrices(
         One for each joint.
     """
     joints = skin.indices("joints", len(document.list("nodes")), "nodes")
+    if not worlds.keys() >= set(joints):
+        text = f"{skin.pointer}: joints outside of the scene that is shown stand at its origin"
+        document.report.approximate(text)
     placed = np.array([worlds.get(joint, np.eye(4)) for joint in joints]).reshape(-1, 4, 4)
     accessors = len(document.list("accessors"))
     index = skin.index("inverseBindMatrices", accessors, "accessors")

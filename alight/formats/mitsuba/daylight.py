@@ -22,6 +22,7 @@ import numpy as np
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.transforms import Step, matrix_of, steps_of
 from alight.lights.solar_position import sun_direction
+from alight.scene.transform import is_singular
 
 #: Nanometres: ours over Mitsuba's radiance is the integral of the CIE's y.
 UNIT = 106.857
@@ -93,14 +94,17 @@ def _direction(light: Draft, old: bool, steps: list[Step]) -> list[float]:
     place = {name: p.number(name, value) for name, value in _PLACE.items()}
     time = {name: p.number(name, value) for name, value in _TIME.items()}
     if given is not None:
-        turn = matrix_of(steps)[:3, :3]
-        ours = (np.linalg.inv(turn) @ given).tolist()
+        turn = matrix_of(steps)
+        if is_singular(turn):
+            # Told of as any node's transform is.
+            return [0.0, 1.0, 0.0]
+        ours = (np.linalg.inv(turn[:3, :3]) @ given).tolist()
         # What is nought but for rounding lies on the horizon.
         ours = [0.0 if abs(c) < 1e-12 * max(map(abs, ours)) else c for c in ours]
     else:
         east, up, south = _by_date(light, place, time)
         # Version 3: +x is south and +y west; turned as `sky_and_sun` turns it back.
-        ours = [-east, up, -south] if old else [south, up, east]
+        ours = [east, up, south] if old else [south, up, east]
     if ours[1] < 0.0 or not any(ours):
         text = "the sun is below the horizon"
         light.context.report.not_covered(light.element, text, "it is put on the horizon")
@@ -111,7 +115,9 @@ def _direction(light: Draft, old: bool, steps: list[Step]) -> list[float]:
 def _by_date(light: Draft, place: dict, time: dict) -> tuple[float, float, float]:
     try:
         day = datetime(int(time["year"]), int(time["month"]), int(time["day"]), tzinfo=UTC)
-    except ValueError as error:
+        hours = time["hour"] - place["timezone"]
+        moment = day + timedelta(hours=hours, minutes=time["minute"], seconds=time["second"])
+    except (OverflowError, ValueError) as error:
         light.context.report.error(light.element, f"is not a date: {error}")
         return 0.0, 1.0, 0.0
     if not abs(place["latitude"]) <= 90.0 or not abs(place["longitude"]) <= 180.0:
@@ -119,6 +125,4 @@ def _by_date(light: Draft, place: dict, time: dict) -> tuple[float, float, float
         got = f"{place['latitude']:g} and {place['longitude']:g}"
         light.context.report.error(light.element, f"{text}, got {got}")
         return 0.0, 1.0, 0.0
-    hours = time["hour"] - place["timezone"]
-    moment = day + timedelta(hours=hours, minutes=time["minute"], seconds=time["second"])
     return sun_direction(moment, place["latitude"], place["longitude"])

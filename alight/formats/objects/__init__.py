@@ -64,7 +64,8 @@ def package_of(value: Any) -> str | None:
     """The package of `READERS` that an object comes from; None if it is none of them."""
     if isinstance(value, tuple | list):
         return "numpy" if value and all(map(_is_table, value)) else None
-    return next((p for p in _packages(type(value)) if p in READERS), None)
+    found = next((p for p in _packages(type(value)) if p in READERS), None)
+    return None if found == "numpy" and not isinstance(value, np.ndarray) else found
 
 
 def name_of(value: Any) -> str:

@@ -133,4 +133,4 @@ def _mesh(piece: Piece, look: Look, limits: tuple[float, float]) -> TriangleShap
 def _check_indices(vertices: Array, faces: Array) -> None:
     """Refuse faces of vertices that there are not."""
     if faces.size and not (faces.min() >= 0 and faces.max() < len(vertices)):
-        mesh_of(MeshArrays(vertices, faces.astype(np.int32)))
+        mesh_of(MeshArrays(vertices, np.clip(faces, -(2**31), 2**31 - 1).astype(np.int32)))

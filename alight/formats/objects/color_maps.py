@@ -71,7 +71,10 @@ def places_in(values: Any, limits: tuple[float, float]) -> NDArray[np.float32]:
     numbers = np.asarray(values, np.float64)
     low, high = limits
     # Equal limits: all numbers are the middle.
-    t = np.clip((numbers - low) / (high - low), 0.0, 1.0) if high > low else 0.0 * numbers + 0.5
+    t = np.full(numbers.shape, 0.5)
+    if high > low:
+        # Halves: the difference of the largest numbers is none.
+        t = np.clip((numbers / 2 - low / 2) / (high / 2 - low / 2), 0.0, 1.0)
     is_none = np.isnan(numbers)
     u = (0.5 + (TEXELS - 1) * np.where(is_none, 0.0, t)) / TEXELS
     # Centres of the outer rows of four, so that nothing is interpolated between the halves.

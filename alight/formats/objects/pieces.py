@@ -47,7 +47,7 @@ class Look:
         if self.color_map not in OWN and self.color_map not in (known := names_of_maps()):
             raise OptionError(unknown_name("colour map", str(self.color_map), known), "color_map")
         if self.color_range is not None:
-            _check_range(self.color_range)
+            object.__setattr__(self, "color_range", _checked_range(self.color_range))
         radius = self.point_radius
         if radius is not None and not (_is_number(radius) and 0.0 < radius < np.inf):
             raise OptionError(f"must be above 0, got {show_value(radius)}", "point_radius")
@@ -63,7 +63,7 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 
-def _check_range(value: Any) -> None:
+def _checked_range(value: Any) -> tuple[float, float]:
     try:
         low, high = (float(x) for x in value)
     except (TypeError, ValueError):
@@ -71,6 +71,7 @@ def _check_range(value: Any) -> None:
     if not (np.isfinite([low, high]).all() and low < high):
         text = f"must be (lowest, highest), got {show_value(value)}"
         raise OptionError(text, "color_range")
+    return low, high
 
 
 @dataclass
@@ -179,7 +180,10 @@ def display_colors(value: Any, path: str = "colors") -> Array:
 def triangles(value: Any, path: str = "faces") -> Array:
     """Take triangles, or quadrilaterals cut in two, (m, 3) int64."""
     faces = table(value, (3, 4), path)
-    if faces.dtype.kind == "f" and (faces != np.floor(faces)).any():
+    if (
+        faces.dtype.kind == "f"
+        and not ((faces == np.floor(faces)) & (np.abs(faces) < 2.0**31)).all()
+    ):
         raise wrong(path, "must index vertices by whole numbers, got fractions")
     faces = faces.astype(np.int64)
     if faces.shape[1] == 4:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,10 +25,18 @@ def read(value: Any, look: Look) -> Content:
     """Read a ``Trimesh``, a ``Scene`` or a ``PointCloud``."""
     content = Content()
     if hasattr(value, "graph") and hasattr(value, "geometry"):
+        made: dict[str, Piece] = {}
         for node in sorted(value.graph.nodes_geometry):
             matrix, name = value.graph[node]
+            if name in made:
+                again = replace(made[name], to_world=np.asarray(matrix, np.float64))
+                content.pieces.append(again)
+                continue
+            before = len(content.pieces)
             geometry = value.geometry[name]
             _add(content, geometry, look, np.asarray(matrix, np.float64), str(name))
+            if len(content.pieces) > before:
+                made[name] = content.pieces[-1]
         # Asked for a camera that it lacks, a scene makes one up; one without a place shows nothing.
         if value.has_camera and value.camera.name in value.graph.nodes:
             content.view = _view(value)
@@ -73,7 +82,12 @@ def _dress(piece: Piece, visual: Any, report: Report) -> None:
     color = _first(material, "baseColorFactor", "diffuse")
     if color is not None:
         part = np.atleast_2d(np.asarray(color))
-        piece.core["base_color"] = display_colors(part, "material")[0].tolist()
+        given = display_colors(part, "material")[0].tolist()
+        if hasattr(material, "baseColorFactor"):
+            # Of glTF's materials: a linear multiplier, stored as bytes.
+            most = 255.0 if part.dtype.kind in "iu" else 1.0
+            given = (part[0, :3] / most).tolist()
+        piece.core["base_color"] = given
         if part.shape[1] == 4 and part[0, 3] not in (255, 1.0):
             report.approximate("materials are taken as opaque")
     for name, key in (("metallicFactor", "metallic"), ("roughnessFactor", "roughness")):

@@ -18,7 +18,7 @@ from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, Parameter
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.reach import OutOfReachError
-from alight.formats.textures import CHECKERED, MISSING, WITHOUT
+from alight.formats.textures import CHECKERED, FLAT, MISSING
 
 #: A colour, or the name of a texture.
 Value = list[float] | str
@@ -297,8 +297,8 @@ def bitmap(source: Source, data: Data) -> str | None:
     try:
         file = context.reach.name_of(context.reach.find(found.values[0]))
     except OutOfReachError as error:
-        is_color = data.get("color_space") != "linear"
-        p.report.lacks(found, error, CHECKERED if is_color else WITHOUT)
+        is_color = data.get("color_space") != "linear" and p.directive.texts[1:2] != ["float"]
+        p.report.lacks(found, error, CHECKERED if is_color else FLAT)
         if not (is_color and p.report.can_do_without(error)):
             return None
         return entry(source, {**data, "pixels": MISSING})

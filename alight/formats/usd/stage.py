@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import Issue, SceneError, quote, show_value
-from alight.formats.reach import OutOfReachError, Reach
+from alight.formats.reach import OutOfReachError, Reach, is_file
 from alight.formats.report import Report
 from alight.formats.usd.modules import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
@@ -279,8 +279,10 @@ def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
                 continue
             try:
                 below = _opened(found)
-            except Tf.ErrorException:
-                # OpenUSD says so when it puts the stage together.
+            except Tf.ErrorException as error:
+                # Missing ones are told of when OpenUSD puts the stage together.
+                if is_file(Path(found.partition("[")[0])):
+                    refused[authored] = f"does not fit together: {first_line(error)}"
                 continue
             layers += [] if below is None else [below]
     if refused:

@@ -57,7 +57,8 @@ def write_sheet(
     with replacing(path) as beside:
         if path.suffix.lower() == ".html":
             page = render_page("sheet.html.j2", _page_context(tiles, size, notes))
-            beside.write_text(page, encoding="utf-8")
+            # Names of files may hold bytes that are no text.
+            beside.write_text(page, encoding="utf-8", errors="backslashreplace")
         else:
             kind = "PNG" if path.suffix.lower() == ".png" else "JPEG"
             sheet = draw_sheet(tiles, size, columns, notes)

@@ -59,6 +59,15 @@ def test_steps_jump_at_their_keys(at, x, tmp_path):
     np.testing.assert_allclose(points_at(m, at, tmp_path), np.add(POINTS, [x, 0, 0]), atol=1e-5)
 
 
+@pytest.mark.parametrize("frame", [1, 3, 7])
+def test_steps_at_their_keys_are_those_of_the_keys_as_they_are_written(frame, tmp_path):
+    # Single precision puts 1 / 30 s a trifle later.
+    times = np.arange(8) / 30.0
+    m = moving("translation", times, [[n, 0, 0] for n in range(8)], "STEP")
+    found = points_at(m, frame / 30.0, tmp_path)
+    np.testing.assert_allclose(found, np.add(POINTS, [frame, 0, 0]), atol=1e-5)
+
+
 def test_splines_are_the_cubics_of_their_tangents(tmp_path):
     # x = t^3 - 2t, y = 1, z = t^2 between 1 and 3: a cubic of Hermite gives them back.
     rows = []

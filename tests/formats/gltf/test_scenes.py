@@ -30,6 +30,11 @@ def test_a_scene_is_shown_by_name_or_number(wanted, shown):
     assert not {"sofa", "stove", "box"} - {shown} & set(found.data["nodes"])
 
 
+def test_a_number_may_be_a_number_of_python(tmp_path):
+    (tmp_path / "a.gltf").write_bytes(rooms().gltf())
+    assert "stove" in alight.load(tmp_path / "a.gltf", scene_name=0).nodes
+
+
 def test_scenes_that_are_not_shown_are_told():
     [line] = [n for n in parse(rooms().gltf(), "a.gltf").notes if "other scenes" in n]
     assert line.startswith('other scenes ("kitchen", "2"): the file shows scene 1; --scene-name')

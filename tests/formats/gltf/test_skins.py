@@ -15,11 +15,11 @@ JOINTS = np.array([[0, 0, 0, 0], [1, 0, 0, 0], [1, 0, 0, 0], [0, 0, 0, 0]], "u1"
 WEIGHTS = np.array([[1, 0, 0, 0]] * 4, "<f4")
 
 
-def with_skin(joints=JOINTS, weights=WEIGHTS, bind=None):
-    """A square in a moved node, with two joints elsewhere."""
+def with_skin(joints=JOINTS, weights=WEIGHTS, bind=None, more=None):
+    """A square in a moved node, with two joints elsewhere; `more` are attributes."""
     m = Maker()
     upright = np.tile(np.array([[0, 0, 1]], "<f4"), (4, 1))
-    attributes = {"JOINTS_0": joints, "WEIGHTS_0": weights, "NORMAL": upright}
+    attributes = {"JOINTS_0": joints, "WEIGHTS_0": weights, "NORMAL": upright, **(more or {})}
     square = m.square(**{key: m.accessor(table) for key, table in attributes.items()})
     turn = [0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)]
     first = m.node(name="a", translation=[0, 0, 5])
@@ -64,6 +64,12 @@ def test_weights_are_shares():
     meant = 0.5 * np.add(POINTS, [0, 0, 5]) + 0.5 * (
         np.stack([2 * POINTS[:, 2], 2 * POINTS[:, 1], 5 - 2 * POINTS[:, 0]], 1)
     )
+    np.testing.assert_allclose(points, meant, atol=2e-5)
+    # The same by two sets: each joint in one of its own.
+    first, second = np.zeros((2, 4, 4), "u1")
+    second[:, 0] = 1
+    more = {"JOINTS_1": second, "WEIGHTS_1": WEIGHTS}
+    points, _ = in_the_world(with_skin(first, WEIGHTS, more=more))
     np.testing.assert_allclose(points, meant, atol=2e-5)
 
 

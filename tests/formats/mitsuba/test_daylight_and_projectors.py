@@ -83,6 +83,10 @@ def test_the_date_gives_mitsubas_sun():
         found = to_sun(f'<emitter type="sunsky">{body}</emitter>')
         # The sun's disk is half a degree wide, and a sample of it is what we know.
         assert np.degrees(np.arccos(found @ expected / np.linalg.norm(expected))) < 0.4
+        # Version 0.6 has +x in the east, +y up and +z in the south (its sunmodel.h, toSphere).
+        found = daylight(body)[1]
+        meant = np.array([-expected[1], expected[2], expected[0]])
+        assert np.degrees(np.arccos(found @ meant / np.linalg.norm(meant))) < 0.4
 
 
 def test_what_is_left_out_is_said():
@@ -99,6 +103,10 @@ def test_what_is_left_out_is_said():
     [issue] = issues(body)
     assert "below the horizon" in issue.message
     [issue] = issues('<emitter type="sunsky"><integer name="month" value="13"/></emitter>')
+    assert "is not a date" in issue.message
+    late = '<integer name="year" value="9999"/><integer name="month" value="12"/>'
+    late += '<integer name="day" value="31"/><float name="hour" value="48"/>'
+    [issue] = issues(f'<emitter type="sunsky">{late}</emitter>')
     assert "is not a date" in issue.message
     [issue] = issues('<emitter type="sunsky"><float name="latitude" value="140"/></emitter>')
     assert "latitude must be in [-90, 90]" in issue.message and "got 140" in issue.message
