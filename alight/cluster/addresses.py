@@ -66,6 +66,9 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
             f'must be local:N, tls://HOST:PORT, tcp://127.0.0.1:PORT or FILE.yaml, got "{where}"',
             "cluster",
         )
+    if found[1] == "tcp" and keys is not None:
+        text = "tcp:// takes no keys: use tls://, or leave out {cluster_keys}"
+        raise OptionError(text, "cluster", names=("cluster_keys",))
     if found[1] == "tcp" and not _is_this_machine(found[2]):
         raise OptionError(
             "tcp:// is neither encrypted nor closed to strangers, and only for this machine: use "

@@ -53,6 +53,10 @@ _KEYS: dict[str, tuple[type | tuple[type, ...], str]] = {
 _NEEDED = {"address": ("address",), "ssh": ("hosts",)}
 
 
+#: Pages of Dask know no keys: none of its dashboard, the others for the machine itself.
+_CLOSED = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
+
+
 @dataclass(frozen=True)
 class ClusterFile:
     """What a cluster file says.
@@ -223,7 +227,7 @@ def _ssh(file: ClusterFile, security: Any) -> Any:
     protocol = {"protocol": "tls://"}
     for of in ("scheduler_options", "worker_options"):
         words[of] = {**words.get(of, {}), **protocol}
-    words["scheduler_options"].setdefault("dashboard", False)
+        words[of] = {**_CLOSED, **words[of]}
     words["worker_options"].setdefault("n_workers", file.workers)
     return SSHCluster(file.hosts, security=security, silence_logs=logging.WARNING, **words)
 
@@ -232,6 +236,9 @@ def _queue(file: ClusterFile, security: Any) -> Any:
     make: Callable[..., Any] = getattr(_needed("dask_jobqueue", file), _QUEUES[file.type])
     # One process a job, of all its cores: they share the scene.
     words = {"processes": 1, **file.options, "protocol": "tls://", "security": security}
+    words["scheduler_options"] = {**_CLOSED, **words.get("scheduler_options", {})}
+    closed = ["--no-dashboard", "--dashboard-address", _CLOSED["dashboard_address"]]
+    words["worker_extra_args"] = [*closed, *words.get("worker_extra_args", [])]
     cluster = make(**words)
     cluster.scale(jobs=file.workers)
     return cluster

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -210,10 +211,15 @@ def _environment(
         return row, None
     # What differs by its map only is a light of the first kind with the same kernels.
     kind = next(name for name, other in LIGHTS.items() if other.sample is model.sample)
-    made = kept(f"map of {placed.name}", model.map_of, light, to_world, compensated)
+    made = kept(f"map of {placed.name}", _mapped, model.map_of, light, to_world, compensated)
     aside = model.beside_the_map(light)
     red, green, blue = (a * (b + c) for a, b, c in zip(row.color, made.mean, aside, strict=True))
     return row._replace(kind=kind, mean=(red, green, blue)), made
+
+
+def _mapped(map_of: Callable[..., EnvironmentMap], *of: Any) -> EnvironmentMap:
+    """The function is one of the arguments: a model may be registered anew under its name."""
+    return map_of(*of)
 
 
 def _row(light: Light, to_world: np.ndarray) -> LightRow:

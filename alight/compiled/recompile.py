@@ -17,12 +17,14 @@ from typing import Any
 from alight.compiled.cameras import compile_camera, small_view
 from alight.compiled.kept import Kept
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.core.registry import versions
 from alight.scene import FlatScene, Scene, flatten
 from alight.scene.description import Node
 from alight.scene.flatten import (
     PlacedCamera,
     camera_part,
     content_parts,
+    described,
     hash_of,
     place_camera,
 )
@@ -115,7 +117,9 @@ def compiled_of(
 
 def _from_last(last: Compiled, scene: Scene) -> Compiled | None:
     """The last scene from the camera of another; None if more differs or something moves."""
-    if not _differ_by_camera(last.scene, scene):
+    # A model that a script has registered anew has other kernels under its name.
+    known = last.compiled.program.registered
+    if known != versions(described(last.flat)) or not _differ_by_camera(last.scene, scene):
         return None
     if scene.camera == last.scene.camera:
         return last

@@ -4,8 +4,10 @@ Both follow from the same guided paths. Vertex k of a path drew its direction wi
 :math:`p_k`, or a delta lobe with the probability :math:`p_k`; the BSDF alone would have had
 :math:`b_k`. So without the guide the path is :math:`P_k = \prod_{j \le k} p_j / b_j` times as rare
 as far as it goes, and what it brings from there weighs as much more; and its multiple importance
-sampling has the weights of :math:`b_k`, not of :math:`p_k`. With :math:`c_k`, what the sample
-gathers by these weights after vertex k and before the next, the second moment without the guide is
+sampling has the weights of :math:`b_k`, not of :math:`p_k`. Roulette belongs to both: :math:`p_k`
+is times the survival by what the guide expects, :math:`b_k` by what the path itself has left. With
+:math:`c_k`, what the sample gathers by these weights after vertex k and before the next, the second
+moment without the guide is
 
 .. math:: \operatorname E_b[L^2] = \operatorname E_p\Bigl[
     \sum_k c_k \Bigl( P_k c_k + 2 \sum_{i<k} P_i c_i \Bigr) \Bigr], \qquad P_{-1} = 1 .

@@ -162,7 +162,9 @@ def write_guided_scatter(roulette, sample, evaluate):
         unguided = replace(
             path.unguided,
             pdf=where(turned, of_bsdf, path.unguided.pdf),
-            rarity=where(active, path.unguided.rarity * likelier, path.unguided.rarity),
+            rarity=where(
+                active, path.unguided.rarity * (likelier * survival), path.unguided.rarity
+            ),
         )
         return replace(found, weight=weight, pdf=where(smooth, pdf, found.pdf)), w, unguided
 

@@ -69,7 +69,7 @@ from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import drawn_by_bsdf, write_reach_environment, write_reach_lamp
-from alight.integrators.roulette import play_roulette
+from alight.integrators.roulette import play_roulette, rarer_alone
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -219,7 +219,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
-    absorbing = absorbs(program)
+    absorbing, refracting = absorbs(program), refracts(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
@@ -271,10 +271,15 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
             if guided:
                 # Where a guide has learnt what a vertex may gain, paths have played already.
                 unlearnt = here.gain == 0.0
+                seen = brightness
+                if refracting:
+                    seen = seen * concentration(scene, surface, wi)
+                rare = rarer_alone(settings, on, seen, unlearnt)
                 if any_lane(active & unlearnt):
                     left = end_dim_paths(scene, settings, on, surface, wi, brightness)
                     beta = where(unlearnt, left.beta, on.beta)
                     on = replace(on, beta=beta, active=on.active & (left.active | ~unlearnt))
+                on = replace(on, unguided=rare.unguided)
             else:
                 on = end_dim_paths(scene, settings, on, surface, wi, brightness)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)

@@ -38,3 +38,23 @@ def play_roulette(settings, path, dimension, brightness):
     survived = get_1d(path.sampler, dimension + ROULETTE) < survival
     beta = where(playing, beta / survival, beta)
     return replace(path, beta=beta, active=active & (survived | ~playing))
+
+
+@kernel
+def survival_by_throughput(settings, path, brightness):
+    """With which probability `play_roulette` lets paths go on."""
+    return where(path.depth >= settings.rr_depth, minimum(brightness, MAX_SURVIVAL), 1.0)
+
+
+@kernel
+def rarer_alone(settings, path, brightness, played):
+    """Paths, as rare as ordinary roulette would have made them without their guide.
+
+    brightness: as of `play_roulette`; played: mask, where the guided path plays that roulette too.
+    """
+    rarity = path.unguided.rarity
+    alone = survival_by_throughput(settings, path, brightness * rarity)
+    own = where(played, survival_by_throughput(settings, path, brightness), 1.0)
+    going = path.active & (alone > 0.0)
+    rarity = where(going, rarity * own / where(going, alone, 1.0), rarity)
+    return replace(path, unguided=replace(path.unguided, rarity=rarity))

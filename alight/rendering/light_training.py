@@ -107,7 +107,7 @@ def _write_extend_in_media(program):
         surface = arrival.surface
         p = where(collided, path.o + t * path.d, surface.p)
         way = way + length(p - path.o)
-        seen = (met.active | collided) & (depth + 1 < settings.max_depth)
+        seen = met.active | collided
         on, flags = leave(scene, settings, met, arrival)
         on = replace(on, medium=medium_beyond(scene, surface, on.d, path.medium))
         delta = ~collided & ((flags & DELTA) != 0)
@@ -120,7 +120,8 @@ def _write_extend_in_media(program):
         u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
         turn = Turn(path.d, lanes_vec3(1.0), lanes(1.0), lanes_mask(False))
         turn = turn_in_medium(scene, path, u2, collided, turn)
-        turned = replace(path, o=p, d=turn.d, p=p, depth=depth, active=collided & seen)
+        going = collided & (depth + 1 < settings.max_depth)
+        turned = replace(path, o=p, d=turn.d, p=p, depth=depth, active=going)
         if roulette:
             brightness = max_component(path.beta) / (mean(path.ours) * path.pdf)
             turned = play_roulette(settings, turned, dimension, brightness)

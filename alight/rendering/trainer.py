@@ -274,6 +274,8 @@ def _look(found: _Round, tile: Tile, log: Log) -> None:
     """Add a tile's pixels to the moments, and its vertices to the bounds."""
     shape = tile.y1 - tile.y0, tile.x1 - tile.x0, -1
     ends = log.ends.array.reshape(shape).astype(np.float64)
+    # As in the film: what is no number is black.
+    ends = np.where(np.isfinite(ends), ends, 0.0)
     window = slice(tile.y0, tile.y1), slice(tile.x0, tile.x1)
     found.moments.sums[window] += ends.sum(2)
     found.moments.squares[window] += (ends**2).sum(2)

@@ -29,6 +29,7 @@ def alight(*words):
         (["--cluster", "tcp://10.0.0.1:8786"], "use tls:// and --cluster-keys"),
         (["--cluster", "tls://h:1"], "--cluster with tls:// needs --cluster-keys"),
         (["--cluster-keys", "k"], "--cluster-keys are those of --cluster"),
+        (["--cluster", "tcp://127.0.0.1:1", "--cluster-keys", "k"], "tcp:// takes no keys"),
     ],
 )
 def test_what_cannot_be_is_one_message(tmp_path, monkeypatch, words, message):

@@ -108,6 +108,8 @@ def test_a_queue_is_asked_for_workers_that_speak_tls(farm, local, tmp_path):
     assert film.stats["cluster"]["tasks"] > 0
     assert (local["queue"], local["cores"], local["processes"]) == ("render", 16, 1)
     assert (local["scaled"], local["protocol"]) == (40, "tls://")
+    assert local["scheduler_options"] == {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
+    assert local["worker_extra_args"][:2] == ["--no-dashboard", "--dashboard-address"]
     assert local["security"].require_encryption
     for role in ("scheduler", "worker", "client"):
         found = local["security"].get_tls_config_for_role(role)
@@ -122,8 +124,10 @@ def test_hosts_are_asked_by_ssh_for_workers_that_speak_tls(farm, local, tmp_path
     with files.started(read_cluster_file(where)):
         pass
     assert local["hosts"] == (["lion", "lion", "tiger"],)
-    assert local["worker_options"] == {"nthreads": 8, "n_workers": 2, "protocol": "tls://"}
-    assert local["scheduler_options"] == {"dashboard": False, "protocol": "tls://"}
+    # Dask's pages know no keys.
+    closed = {"dashboard": False, "dashboard_address": "127.0.0.1:0", "protocol": "tls://"}
+    assert local["worker_options"] == {"nthreads": 8, "n_workers": 2, **closed}
+    assert local["scheduler_options"] == closed
     assert local["remote_python"] == "/opt/python"
     # What SSHCluster sends to the hosts is the configuration.
     assert local["settings"] == str(tmp_path / "keys" / "key.pem")
