@@ -48,20 +48,26 @@ def test_the_second_moment_without_a_guide_is_exact(vertices):
 
 
 def test_samples_that_are_no_numbers_say_nothing(monkeypatch):
-    """A path that is too rare for a float counts as noisy as it is with the guide."""
+    """A path that is too rare for a float counts as noisy as it is with the guide.
+
+    And one that ends in no number is black, as in the film: the picture that roulette asks for
+    what a path may still bring has numbers only.
+    """
     asked, told = Trainer._tile, []
 
     def tile(*args, **options):
         log, rays = asked(*args, **options)
         told.append(log)
         log.without.array[::7] = np.inf
+        log.ends.array[::11] = np.nan
         return log, rays
 
     monkeypatch.setattr(Trainer, "_tile", tile)
     trainer = Trainer(untrained(compile_scene(flatten(scene_with(LAMP)))), threads=1)
     # Of a single sample a pixel no variance is known.
-    trainer.train(3, 2)
+    guide = trainer.train(3, 2)
     assert any(len(log.without.array) for log in told) and np.isfinite(trainer.gain)
+    assert np.isfinite(guide.picture.array).all() and guide.picture.array.max() > 0.0
 
 
 def test_a_guide_is_worth_the_ratio_of_relative_variances():
@@ -112,10 +118,11 @@ def means(film):
 
 def test_a_guide_that_does_not_pay_is_left_out():
     """The picture is that of a path tracer, to the bit, and so are its kernels."""
-    found = alight.render(scene_with(LAMP), spp=8, seed=3, threads=2)
+    found = alight.render(scene_with(LAMP, max_depth=4), spp=8, seed=3, threads=2)
     told = found.stats["guide"]
     assert not told["used"] and 0.3 < told["gain"] < LEAST_GAIN and "not used" in told["line"]
-    alone = alight.render(scene_with(LAMP, guiding="off"), spp=8, seed=3, threads=2)
+    plain = scene_with(LAMP, max_depth=4, guiding="off")
+    alone = alight.render(plain, spp=8, seed=3, threads=2)
     assert means(found) == means(alone)
     assert found.stats["program"] == alone.stats["program"]
 

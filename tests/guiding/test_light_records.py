@@ -47,9 +47,11 @@ LAMP = """
 """
 
 
-def arrivals(light, *, sampling="mis", wall="diffuse", depth=4, samples=16):
-    """Rows of a log, and the number of paths."""
+def arrivals(light, *, sampling="mis", wall="diffuse", depth=4, samples=16, air=""):
+    """Rows of a log, and the number of paths; `air` is a medium that fills the scene."""
     text = MIRROR.format(light=light, sampling=sampling, wall=wall, depth=depth)
+    if air:
+        text = text.replace("type: path", "type: volpath") + f"medium: {air}\n"
     trainer = Trainer(untrained(compile_scene(flatten(loads(text, "mirror.yaml")))), 1)
     settings = make_settings(trainer.scene.integrator, seed=5, replicates=1)
     logs = [trainer._light_tile(settings, tile, 0, samples) for tile in trainer.tiles]
@@ -105,6 +107,17 @@ def test_walls_of_mirrors_and_too_long_paths_leave_no_records():
     assert len(arrivals(SUN, wall="mirror")[0]) == 0
     assert len(arrivals(SUN, depth=3)[0]) > 0
     assert len(arrivals(SUN, depth=2)[0]) == 0
+
+
+@pytest.mark.parametrize("depth", [2, 3, 4])
+def test_air_that_hardly_scatters_changes_no_arrivals(depth):
+    """The last vertex that light may have is recorded on both walks."""
+    air = "{type: homogeneous, sigma_t: 1.0e-7, albedo: 0.5}"
+    found = [arrivals(POINT, depth=depth, air=one)[0] for one in ("", air)]
+    # What misses the wall is scattered far away.
+    clear, foggy = ((np.abs(rows[:, :3]) < 10.0).all(1).sum() for rows in found)
+    assert abs(clear - foggy) <= 5.0 * np.sqrt(clear)
+    assert (clear > 1000) == (depth > 2)
 
 
 @pytest.mark.parametrize("compiled", [False, True])

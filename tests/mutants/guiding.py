@@ -211,6 +211,40 @@ GUIDING = (
         f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves",
     ),
     Mutant(
+        "what a guide gains without its roulette",
+        "integrators/guided.py",
+        (("path.unguided.rarity * (likelier * survival)", "path.unguided.rarity * likelier"),),
+        f"{WITHOUT}[path and roulette]",
+    ),
+    Mutant(
+        "what a guide gains without the roulette of paths in media that have none",
+        "integrators/volpath.py",
+        (
+            (
+                "active=vertex.active & ~ended, unguided=rare.unguided",
+                "active=vertex.active & ~ended",
+            ),
+        ),
+        f"{WITHOUT}[volpath and roulette]",
+    ),
+    Mutant(
+        "training pictures with samples that are no numbers",
+        "rendering/trainer.py",
+        (("    ends = np.where(np.isfinite(ends), ends, 0.0)\n", ""),),
+        f"{GAIN}::test_samples_that_are_no_numbers_say_nothing",
+    ),
+    Mutant(
+        "light paths in media that do not record their last vertex",
+        "rendering/light_training.py",
+        (
+            (
+                "        seen = met.active | collided\n",
+                "        seen = (met.active | collided) & (depth + 1 < settings.max_depth)\n",
+            ),
+        ),
+        f"{LIGHT}::test_air_that_hardly_scatters_changes_no_arrivals",
+    ),
+    Mutant(
         "light paths leave records at mirrors",
         "rendering/light_training.py",
         (

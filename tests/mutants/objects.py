@@ -59,6 +59,12 @@ OBJECTS = (
         f"{KEPT}::test_whatever_else_changes_is_compiled_to_the_bits_of_a_fresh_scene",
     ),
     Mutant(
+        "a scene that was compiled before its model was registered anew",
+        "compiled/recompile.py",
+        (("known != versions(described(last.flat)) or ", ""),),
+        "tests/extension/test_register.py::test_machine_code_of_an_earlier_version_is_not_used_again",
+    ),
+    Mutant(
         "the hash of the camera before",
         "compiled/recompile.py",
         (("camera_part(placed), *self.parts", "camera_part(self.flat.camera), *self.parts"),),

@@ -8,8 +8,8 @@ EDITING, INSPECTION = "tests/view/test_editing.py", "tests/view/test_inspection.
 VIEW = (
     Mutant(
         "a camera that was moved keeps the name of the scene before",
-        "view/movable.py",
-        (("content_hash=content_hash(flat),", "content_hash=compiled.content_hash,"),),
+        "compiled/recompile.py",
+        (("content_hash=hash_of(parts),", "content_hash=self.compiled.content_hash,"),),
         f"{SESSION}::test_the_saved_scene_gives_the_same_picture",
     ),
     Mutant(
