@@ -69,7 +69,7 @@ from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import drawn_by_bsdf, write_reach_environment, write_reach_lamp
-from alight.integrators.roulette import play_roulette, rarer_alone
+from alight.integrators.roulette import play_beside_guide, play_roulette
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -219,7 +219,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
-    absorbing, refracting = absorbs(program), refracts(program)
+    absorbing = absorbs(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
@@ -268,20 +268,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
         if roulette:
-            if guided:
-                # Where a guide has learnt what a vertex may gain, paths have played already.
-                unlearnt = here.gain == 0.0
-                seen = brightness
-                if refracting:
-                    seen = seen * concentration(scene, surface, wi)
-                rare = rarer_alone(settings, on, seen, unlearnt)
-                if any_lane(active & unlearnt):
-                    left = end_dim_paths(scene, settings, on, surface, wi, brightness)
-                    beta = where(unlearnt, left.beta, on.beta)
-                    on = replace(on, beta=beta, active=on.active & (left.active | ~unlearnt))
-                on = replace(on, unguided=rare.unguided)
-            else:
-                on = end_dim_paths(scene, settings, on, surface, wi, brightness)
+            on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
@@ -310,15 +297,18 @@ def _write_is_from_camera(program):
 
 
 def _write_end_dim_paths(program):
-    """Roulette by throughput, ``(scene, settings, path, surface, wi, brightness) -> path``."""
-    refracting = refracts(program)
+    """Roulette by throughput, of ``(scene, settings, path, surface, wi, brightness, here)``."""
+    refracting, guided = refracts(program), is_guided(program)
 
     @kernel
-    def end_dim_paths(scene, settings, path, surface, wi, brightness):
+    def end_dim_paths(scene, settings, path, surface, wi, brightness, here):
         if refracting:
             # A path in glass is not dim: it regains on the way out what it lost on the way in.
             brightness = brightness * concentration(scene, surface, wi)
-        return play_roulette(settings, path, vertex_dimension(path.depth), brightness)
+        dimension = vertex_dimension(path.depth)
+        if guided:
+            return play_beside_guide(settings, path, dimension, brightness, here.gain)
+        return play_roulette(settings, path, dimension, brightness)
 
     return end_dim_paths
 

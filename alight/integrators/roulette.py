@@ -41,20 +41,26 @@ def play_roulette(settings, path, dimension, brightness):
 
 
 @kernel
-def survival_by_throughput(settings, path, brightness):
-    """With which probability `play_roulette` lets paths go on."""
-    return where(path.depth >= settings.rr_depth, minimum(brightness, MAX_SURVIVAL), 1.0)
+def play_beside_guide(settings, path, dimension, brightness, gain):
+    """Roulette of a guided path, which has played by the guide's gain where that has learnt any.
+
+    What the path would be without its guide plays by throughput in any case.
+    """
+    unlearnt = gain == 0.0
+    alone = _survival(settings, path, brightness * path.unguided.rarity)
+    own = where(unlearnt, _survival(settings, path, brightness), 1.0)
+    going = path.active & (alone > 0.0)
+    rarity = path.unguided.rarity * where(going, own / where(going, alone, 1.0), 1.0)
+    left = play_roulette(settings, path, dimension, brightness)
+    return replace(
+        path,
+        beta=where(unlearnt, left.beta, path.beta),
+        active=path.active & (left.active | ~unlearnt),
+        unguided=replace(path.unguided, rarity=rarity),
+    )
 
 
 @kernel
-def rarer_alone(settings, path, brightness, played):
-    """Paths, as rare as ordinary roulette would have made them without their guide.
-
-    brightness: as of `play_roulette`; played: mask, where the guided path plays that roulette too.
-    """
-    rarity = path.unguided.rarity
-    alone = survival_by_throughput(settings, path, brightness * rarity)
-    own = where(played, survival_by_throughput(settings, path, brightness), 1.0)
-    going = path.active & (alone > 0.0)
-    rarity = where(going, rarity * own / where(going, alone, 1.0), rarity)
-    return replace(path, unguided=replace(path.unguided, rarity=rarity))
+def _survival(settings, path, brightness):
+    """With which probability `play_roulette` lets paths go on."""
+    return where(path.depth >= settings.rr_depth, minimum(brightness, MAX_SURVIVAL), 1.0)

@@ -43,7 +43,7 @@ from alight.integrators.mis_weights import BY_BSDF, BY_LIGHT, MIS, STRATEGIES
 from alight.integrators.options import PathTracing
 from alight.integrators.path import NO_LISTENERS
 from alight.integrators.reach import write_reach_environment, write_reach_lamp
-from alight.integrators.roulette import play_roulette, rarer_alone
+from alight.integrators.roulette import play_beside_guide, play_roulette
 from alight.integrators.shadow_rays import come_through
 from alight.integrators.volume_walk import empty_paths as empty_paths
 from alight.integrators.volume_walk import (
@@ -217,15 +217,7 @@ def step(program):
                 gathered = concentration(scene, surface, wi)
                 brightness = brightness * where(scattered, 1.0, gathered)
             if guided:
-                # Where a guide has learnt what a vertex may gain, paths have played already.
-                unlearnt = here.gain == 0.0
-                rare = rarer_alone(settings, vertex, brightness, unlearnt)
-                left = play_roulette(settings, vertex, dimension, brightness)
-                beta = where(unlearnt, left.beta, vertex.beta)
-                ended = unlearnt & ~left.active
-                vertex = replace(
-                    vertex, beta=beta, active=vertex.active & ~ended, unguided=rare.unguided
-                )
+                vertex = play_beside_guide(settings, vertex, dimension, brightness, here.gain)
             else:
                 vertex = play_roulette(settings, vertex, dimension, brightness)
         going = vertex.active | passing

@@ -217,14 +217,9 @@ GUIDING = (
         f"{WITHOUT}[path and roulette]",
     ),
     Mutant(
-        "what a guide gains without the roulette of paths in media that have none",
-        "integrators/volpath.py",
-        (
-            (
-                "active=vertex.active & ~ended, unguided=rare.unguided",
-                "active=vertex.active & ~ended",
-            ),
-        ),
+        "what a guide gains without the roulette of paths that have none",
+        "integrators/roulette.py",
+        (("        unguided=replace(path.unguided, rarity=rarity),\n", ""),),
         f"{WITHOUT}[volpath and roulette]",
     ),
     Mutant(
