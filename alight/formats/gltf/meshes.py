@@ -5,6 +5,7 @@ Source: Khronos Group, glTF 2.0 specification, section 3.7; KHR_mesh_quantizatio
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from alight.shapes.arrays import TriangleShape
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
+_JOINTS = re.compile(r"JOINTS_\d+")
 
 
 def read_primitive(
@@ -76,17 +78,15 @@ def read_primitive(
     colors = vertex_colors(document, attributes, count)
     vertices, normals = _morphed(document, primitive, weights, vertices, normals)
     if joints is not None:
-        sets = [name[6:] for name in attributes.value if name.startswith("JOINTS_")]
+        # Each set holds four further joints.
+        names = sorted(name for name in attributes.value if _JOINTS.fullmatch(name))
         tables = [
-            (
-                _table(document, attributes, f"JOINTS{s}", 4, count),
-                _table(document, attributes, f"WEIGHTS{s}", 4, count),
-            )
-            for s in sorted(sets)
+            tuple(_table(document, attributes, one, 4, count) for one in (name, _weights_of(name)))
+            for name in names
+            if attributes.has(_weights_of(name))
         ]
-        pairs = [(j, w) for j, w in tables if j is not None and w is not None]
-        if pairs:
-            held, shares = (np.concatenate(part, axis=1) for part in zip(*pairs, strict=True))
+        if tables:
+            held, shares = (np.concatenate(part, axis=1) for part in zip(*tables, strict=True))
             vertices, normals = skinned(primitive, held, shares, joints, vertices, normals)
     try:
         return mesh_of(MeshArrays(vertices, faces, normals, uvs, colors, more_uvs))
@@ -185,13 +185,18 @@ def _morphed(
     return vertices, normals
 
 
+def _weights_of(joints: str) -> str:
+    """Name of the attribute with the shares of a set of joints."""
+    return joints.replace("JOINTS", "WEIGHTS")
+
+
 def _say_what_is_dropped(document: Document, attributes: Item, sets: tuple[int, ...]) -> None:
-    used = {"POSITION", "NORMAL", "COLOR_0", "JOINTS_0", "WEIGHTS_0"}
+    used = {"POSITION", "NORMAL", "COLOR_0"}
+    for name in filter(_JOINTS.fullmatch, attributes.value):
+        used |= {name, _weights_of(name)}
     used |= {f"TEXCOORD_{number}" for number in sets}
     reasons: dict[str, Any] = {
         "TANGENT": "tangents follow from the texture coordinates",
-        "JOINTS_1": "four joints hold a vertex at most",
-        "WEIGHTS_1": "four joints hold a vertex at most",
     }
     for name in attributes.value:
         if name not in used:

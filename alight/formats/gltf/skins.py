@@ -62,7 +62,7 @@ def skinned(
     vertices: NDArray[np.float32],
     normals: NDArray[np.float32] | None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-    """Move vertices and normals, each by its four joints."""
+    """Move vertices and normals, each by its joints."""
     attributes = primitive.object("attributes") or primitive
     if not (joints == np.floor(joints)).all():
         raise attributes.fatal("JOINTS_0", "must hold whole numbers")
