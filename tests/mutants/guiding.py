@@ -320,8 +320,8 @@ GUIDING = (
     ),
     Mutant(
         "paths that nothing is known of never end",
-        "integrators/path.py",
-        (("if any_lane(active & unlearnt):", "if any_lane(active & unlearnt & ~unlearnt):"),),
+        "integrators/roulette.py",
+        (("unlearnt = gain == 0.0", "unlearnt = gain < 0.0"),),
         f"{GAIN}::test_a_guide_that_knows_nothing_changes_nothing",
     ),
 )
