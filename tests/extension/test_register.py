@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import alight
 from alight.bsdfs.diffuse import Diffuse
 from alight.cli.main import app
+from alight.compiled.recompile import compiled_of
 from alight.compiled.shapes import compile_shapes
 from alight.core.errors import SceneError
 from alight.core.registration import RegistrationError, _copy, unregister
@@ -90,6 +91,15 @@ def test_machine_code_of_an_earlier_version_is_not_used_again():
     np.testing.assert_array_equal(pictures[1], pictures[0])
     for later in pictures[2:]:
         np.testing.assert_allclose(later, 0.5 * pictures[0], rtol=1e-6)
+
+
+def test_what_was_compiled_of_a_scene_is_of_the_version_of_its_models():
+    registered()
+    scene = loads(SCENE % "lambert")
+    programs = [compiled_of(scene, (), 1).compiled.program]
+    registered(LAMBERT.replace("STRENGTH = 1.0", "STRENGTH = 0.5"))
+    programs.append(compiled_of(scene, (), 1).compiled.program)
+    assert programs[0].registered != programs[1].registered == ((("bsdfs", "lambert", version()),))
 
 
 def test_fields_of_an_integrator_are_options_of_its_program():

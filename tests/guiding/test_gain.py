@@ -146,6 +146,13 @@ CEILING = """
 """
 
 
+#: All light comes from the floor that the lamp shines on: many paths have little to expect.
+INDIRECT = """
+  lamp:
+    shape: rectangle
+    transform: [{scale: 0.15}, {rotate: {axis: x, angle: -90}}, {translate: [0.3, 0.6, -0.3]}]
+    light: {type: area, radiance: 50}
+"""
 #: The room of `test_guided_renders`, lit from above, with a floor that hardly scatters but shines.
 LIT_ROOM = ROOM.replace("[-0.5, 0.98, -2]", "[0.2, 0.98, 0.1]")
 LIT_ROOM = LIT_ROOM.replace("scale: 0.25", "scale: 0.5")
@@ -157,24 +164,24 @@ LIT_SMOKE = LIT_SMOKE.replace("[0.6, 0.3, 0.2]", "0.1, int_ior: 2.4").replace("g
 
 
 @pytest.mark.parametrize(
-    ("text", "samples", "rr_depth"),
+    ("text", "samples", "depth", "rr_depth"),
     [
-        pytest.param(SCENE + CEILING, 16, 99, id="path"),
-        pytest.param(SCENE + CEILING, 16, 2, id="path and roulette"),
+        pytest.param(SCENE + CEILING, 16, 4, 99, id="path"),
+        pytest.param(SCENE + INDIRECT, 128, 8, 3, id="path and roulette"),
         # A material with a delta lobe of its own.
-        pytest.param(LIT_ROOM, 32, 99, id="lobes"),
+        pytest.param(LIT_ROOM, 32, 4, 99, id="lobes"),
         # Collisions, holes and three channels as well.
-        pytest.param(LIT_SMOKE, 32, 99, id="volpath"),
-        pytest.param(LIT_SMOKE, 32, 2, id="volpath and roulette"),
+        pytest.param(LIT_SMOKE, 32, 4, 99, id="volpath"),
+        pytest.param(LIT_SMOKE, 32, 4, 2, id="volpath and roulette"),
     ],
 )
-def test_paths_with_a_guide_tell_the_second_moment_without_it(text, samples, rr_depth):
+def test_paths_with_a_guide_tell_the_second_moment_without_it(text, samples, depth, rr_depth):
     """Weights of multiple importance sampling are the BSDF's, and so is the rarity of all lobes.
 
     With roulette, that of the guide is played by what is to come, the other by throughput.
     """
     scene = loads(text, "room.yaml")
-    options = {"guiding": "on", "max_depth": 4, "rr_depth": rr_depth}
+    options = {"guiding": "on", "max_depth": depth, "rr_depth": rr_depth}
     scene = scene.replaced(integrator=scene.integrator.replaced(**options))
     compiled = untrained(compile_scene(flatten(scene)))
     trainer = Trainer(compiled, threads=2)

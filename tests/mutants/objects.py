@@ -62,7 +62,7 @@ OBJECTS = (
         "a scene that was compiled before its model was registered anew",
         "compiled/recompile.py",
         (("known != versions(described(last.flat)) or ", ""),),
-        "tests/extension/test_register.py::test_machine_code_of_an_earlier_version_is_not_used_again",
+        "tests/extension/test_register.py::test_what_was_compiled_of_a_scene_is_of_the_version_of_its_models",
     ),
     Mutant(
         "the hash of the camera before",
