@@ -224,10 +224,8 @@ def _ssh(file: ClusterFile, security: Any) -> Any:
     from distributed import SSHCluster
 
     words = dict(file.options)
-    protocol = {"protocol": "tls://"}
     for of in ("scheduler_options", "worker_options"):
-        words[of] = {**words.get(of, {}), **protocol}
-        words[of] = {**_CLOSED, **words[of]}
+        words[of] = {**_CLOSED, **words.get(of, {}), "protocol": "tls://"}
     words["worker_options"].setdefault("n_workers", file.workers)
     return SSHCluster(file.hosts, security=security, silence_logs=logging.WARNING, **words)
 

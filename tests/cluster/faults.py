@@ -3,8 +3,9 @@
     python -m tests.cluster.faults --faults 100 --folder /tmp/faults
 
 A scheduler and two workers with nannies, behind TLS, stay from trial to trial; each render is a
-process with a checkpoint that is written without a pause. At a moment drawn uniformly from the
-length of such a render one of `FAULTS` happens. Whatever is gone is started again for the next
+process with a checkpoint that is written without a pause. At a moment drawn uniformly from what is
+left of such a render when its first samples are there, one of `FAULTS` happens: before, a scheduler
+that does not answer is an error. Whatever is gone is started again for the next
 trial; a client that was killed goes on from its checkpoint. The last line is JSON: what happened,
 how many films differ from that of one process, and the longest delay over a render without fault.
 """
@@ -179,7 +180,10 @@ class Campaign:
         process = self._client(path)
         stopped: list[int] = []
         if fault is not None:
-            time.sleep(self.random.uniform(0.0, self.length))
+            while process.poll() is None and not (path.exists() and Film.load(path).spp > 0.0):
+                time.sleep(0.05)
+            left = self.length - (time.perf_counter() - begin)
+            time.sleep(self.random.uniform(0.0, max(left, 0.0)))
             process, stopped = self._happen(fault, process, path)
         try:
             process.wait(HANGS)
@@ -240,6 +244,7 @@ def run(folder: Path, faults: int, seed: int) -> dict:
             campaign.trial(number)
     finally:
         campaign.cluster.end()
+        campaign.cluster.log.close()
     return {
         "faults": dict(campaign.told), "differing": campaign.differing,
         "length_s": round(campaign.length, 1),

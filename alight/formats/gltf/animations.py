@@ -112,8 +112,6 @@ def _move(
         document.report.approximate(text)
         return
     value = sampled(document, samplers[number], at, PATHS[path])
-    if path == "weights":
-        value = value.reshape(-1)
     node[path] = value.reshape(-1).tolist()
 
 

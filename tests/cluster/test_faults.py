@@ -1,0 +1,16 @@
+"""The campaign of faults, each once: every film has the bits of one process, and none hangs.
+
+``python -m tests.cluster.faults`` runs any number of them.
+"""
+
+import pytest
+
+from tests.cluster.faults import FAULTS, run
+
+
+@pytest.mark.proofs
+@pytest.mark.timeout(1200)
+def test_no_fault_changes_a_bit(tmp_path):
+    told = run(tmp_path, len(FAULTS), seed=0)
+    assert told["differing"] == []
+    assert told["faults"] == dict.fromkeys(FAULTS, 1)
