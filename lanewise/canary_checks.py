@@ -159,36 +159,42 @@ def _try_constants() -> None:
 
 @_check("OptimisedLibrary")
 def _try_library() -> None:
-    """A finalised module gives object code; Numba's engine need not have it."""
-    made = load_compiler().object_code(_fresh(_strict_root), (_numbers(),))
+    """A finalised module gives object code; Numba's engine need not have it, nor its runtime."""
+    dispatcher = _fresh(_strict_root)
+    made = load_compiler().object_code(dispatcher, (_numbers(),))
+    [compiled] = dispatcher.overloads.values()
+    assert len(compiled.library.linked) == 1, "linked with more than what it calls"
+    assert compiled.library.alone, "what was lowered for it is not one module"
     assert made.symbol.encode() in made.code, "the object code lacks its symbol"
     _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made))
 
 
 @_check("unused_entry")
 @_check("bare_descriptor")
-@_check("from_bitcode")
+@_check("as_compiled")
 @_check("look_in")
 def _try_bitcode() -> None:
     """A dispatcher asks its cache first, and takes names, types and bitcode for a function."""
-    from lanewise.numba_adapter import NullCache, bare_descriptor, from_bitcode, look_in
+    from lanewise import numba_adapter as adapter
 
-    class Kept(NullCache):
+    class Kept(adapter.NullCache):
         saved: list[Any] = []
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
             if not self.saved:
                 return None
             descriptor, bitcode = self.saved
-            return from_bitcode(descriptor, bitcode, target_context)
+            library = adapter.OptimisedLibrary(target_context.codegen(), descriptor.qualname)
+            library.load(bitcode)
+            return adapter.as_compiled(descriptor, library, target_context)
 
         def save_overload(self, sig: Any, cres: Any) -> None:
-            self.saved += [bare_descriptor(cres), cres.library.bitcode()]
+            self.saved += [adapter.bare_descriptor(cres), cres.library.bitcode()]
 
     made = []
     for _ in range(2):
         dispatcher = _fresh(_root)
-        look_in(dispatcher, Kept())
+        adapter.look_in(dispatcher, Kept())
         made.append(load_compiler().object_code(dispatcher, (_numbers(),)))
     assert made[0].symbol == made[1].symbol, "the second was compiled"
     _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made[1]))
@@ -215,6 +221,9 @@ def _try_inference() -> None:
     answers.clear()
     _compiled(kernel(lambda x: x - x), np.float32(1))
     assert answers, "nothing was asked"
+    [compiled] = _compiled(_two_times, np.float32(1)).overloads.values()
+    asked = {kernel.__name__ for (kernel, _, _), _ in compiled.library.calls}
+    assert asked == {"_times"}, f"asked about {asked or 'no kernel'}"
 
 
 @_check("LeanCompiler")

@@ -185,8 +185,9 @@ class _CompiledBuild(_Build):
             return self.compiler.digest_on_disk(self.get(value, strict))
 
         digest = digest_of_text(node, digest_of_callee, *words)
-        if digest is not None:
-            self.compiler.keep_on_disk(dispatcher, digest)
+        alone = digest_of_text(node, lambda callee: "", *words)
+        if digest is not None and alone is not None:
+            self.compiler.keep_on_disk(dispatcher, digest, alone)
 
     def replacement(self, value: Any, strict: bool) -> Any:
         value = self.compiler.primitive(value)

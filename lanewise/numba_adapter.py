@@ -57,9 +57,9 @@ from numba.core.untyped_passes import (
 from lanewise.machine_code import ObjectCode
 
 __all__ = [
-    "DIGEST", "AbstractTemplate", "NullCache", "TypingError", "bare_descriptor", "cgutils",
-    "from_bitcode", "infer_global", "jit", "look_in", "lower_constant", "make_struct",
-    "object_code",
+    "DIGEST", "AbstractTemplate", "NullCache", "OptimisedLibrary", "TypingError", "as_compiled",
+    "bare_descriptor", "cgutils", "infer_global", "jit", "look_in", "lower_constant",
+    "make_struct", "object_code",
 ]  # fmt: skip
 
 
@@ -119,6 +119,33 @@ class OptimisedLibrary(JITCodeLibrary):
     its callers, and the same program could round differently from one process to the next.
     """
 
+    #: What was lowered for the function itself, as bitcode; None if that was several modules.
+    alone: bytes | None = b""
+    #: What type inference asked about other kernels, with the answers.
+    calls: tuple = ()
+
+    def add_linking_library(self, library):
+        """Link with a function; not with Numba's runtime, "nrt", as kernels count no references."""
+        if library.name != "nrt" or isinstance(library, OptimisedLibrary):
+            super().add_linking_library(library)
+
+    def add_llvm_module(self, ll_module):
+        """Take in what was lowered."""
+        self._optimize_functions(ll_module)
+        bitcode = ll_module.as_bitcode()
+        self.alone = bitcode if self.alone == b"" else None
+        # Through bitcode, as one that is linked anew (`lanewise.unlinked`).
+        self.take_in(llvm.parse_bitcode(bitcode))
+
+    def take_in(self, module: Any) -> None:
+        """Take in a module whose functions have been optimised one by one."""
+        self._final_module.link_in(module)
+
+    @property
+    def linked(self) -> list[Any]:
+        """The libraries that it is linked with, each once."""
+        return list(dict.fromkeys(self._linking_libraries))
+
     def _finalize_final_module(self):
         # Numba's method of this name, without its last steps: the engine and its object cache.
         # Callers get what `load` would give them, so that they become the same code in a process
@@ -161,6 +188,7 @@ class LowerToLibrary(NativeLowering):
             # functions of several processes meet in one module, and must not share a name.
             state.func_id.unique_id = digest
         state.library = OptimisedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.calls = tuple(state.calls)
         super().run_pass(state)
         entry = unused_entry()
         lowered = state["cr"]
@@ -181,10 +209,8 @@ def unused_entry() -> Any:
 DIGEST = "__lanewise_digest__"
 
 
-def from_bitcode(descriptor: Any, bitcode: bytes, target_context: Any) -> Any:
-    """What Numba would have compiled: a function that is described and optimised already."""
-    library = OptimisedLibrary(target_context.codegen(), descriptor.qualname)
-    library.load(bitcode)
+def as_compiled(descriptor: Any, library: OptimisedLibrary, target_context: Any) -> Any:
+    """What Numba would have made: a function that is described, and the library that has it."""
     return compile_result(
         typing_context=target_context.typing_context,
         target_context=target_context,
@@ -219,6 +245,8 @@ class RememberingContext:
 
     def __init__(self, context: Any) -> None:
         self._context = context
+        #: ((dispatcher, arguments, keywords), signature) of each call of a kernel.
+        self.calls: list[tuple] = []
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._context, name)
@@ -226,7 +254,12 @@ class RememberingContext:
     def resolve_function_type(self, function: Any, arguments: Any, keywords: Any) -> Any:
         """The signature of a call; not of kernels and methods, which are asked once each."""
         if keywords or not isinstance(function, types.Function):
-            return self._context.resolve_function_type(function, arguments, keywords)
+            answer = self._context.resolve_function_type(function, arguments, keywords)
+            if isinstance(function, types.Dispatcher):
+                asked = function.dispatcher, tuple(arguments), dict(keywords)
+                if (asked, answer) not in self.calls:
+                    self.calls.append((asked, answer))
+            return answer
         question = function, tuple(arguments)
         if question not in ANSWERS:
             answer = self._context.resolve_function_type(function, arguments, keywords)
@@ -252,7 +285,7 @@ class KernelTypeInference(NopythonTypeInference):
         try:
             return super().run_pass(state)
         finally:
-            state.typingctx = context
+            state.calls, state.typingctx = state.typingctx.calls, context
 
 
 class LeanCompiler(CompilerBase):

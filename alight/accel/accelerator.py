@@ -193,7 +193,7 @@ class _Sorter:
         for kind, shape, row in self.unbounded:
             lists.setdefault(kind, []).append((shape, row))
         plan = list(kinds_in_order(set(lists)))
-        tables = tuple(View(np.array(lists[kind], np.uint32).reshape(-1)) for kind in plan)
+        shapes = _joined([np.array(lists[kind], np.uint32).reshape(-1) for kind in plan])
         corners, ids = self._listed_triangles()
         first = first_of_pairs(corners, ids) if in_pairs else np.zeros(len(ids), bool)
         alone = ~first & ~np.roll(first, 1)
@@ -214,7 +214,7 @@ class _Sorter:
         tree, box, tree_plan, stats = forest.build(builder, threads)
         count = len(ids) + sum(len(rows) for rows in lists.values())
         accelerator = Accelerator(
-            tables,
+            shapes,
             triangles=_corner_table(corners[alone]),
             triangle_ids=View(ids[alone].reshape(-1)),
             pairs=_corner_table(np.hstack([corners[first], corners[second, 2:]])),
@@ -256,6 +256,12 @@ class _Sorter:
         ids = np.concatenate([np.stack([t.shape, t.prim], axis=1) for t in listed])
         order = np.lexsort((ids[:, 1], ids[:, 0]))
         return corners[order], ids[order].astype(np.uint32)
+
+
+def _joined(lists: list[np.ndarray]) -> View:
+    """Where each list starts and the last one ends, then the lists."""
+    ends = np.cumsum([len(lists) + 1, *map(len, lists)]).astype(np.uint32)
+    return View(np.concatenate([ends, *lists]))
 
 
 def _corner_table(corners: np.ndarray) -> View:

@@ -145,7 +145,7 @@ def _run(text, bvh, origins, directions, t_max, columns, threads) -> np.ndarray:
     out, empty = View(results), View(np.zeros(0, np.float32))
     no_ids = View(np.zeros(0, np.uint32))
     accel = Accelerator(
-        shapes=(),
+        shapes=no_ids,
         triangles=empty,
         triangle_ids=no_ids,
         pairs=empty,

@@ -22,11 +22,12 @@ from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 
-#: What `alight.accel.accelerator` makes and kernels are given. shapes: of each kind with a formula
-#: in the plan's lists, u32, shape and row in the data of each; triangles: float32, corners of those
-#: in the list, and triangle_ids: u32, their shape and prim; pairs: float32, four corners of two
-#: triangles each (`intersect_pair`), and pair_ids: u32, their shape and two prims; tree: `Bvh`;
-#: box: float32, lower and upper bounds of it.
+#: What `alight.accel.accelerator` makes and kernels are given. shapes: u32, where the list of each
+#: kind with a formula starts, in the plan's order, and where the last one ends; then the lists, of
+#: shapes and their rows in the data. They are one table so that kernels are given the same types
+#: however many kinds there are. triangles: float32, corners of those in the list, and triangle_ids:
+#: u32, their shape and prim; pairs: float32, four corners of two triangles each (`intersect_pair`),
+#: and pair_ids: u32, their shape and two prims; tree: `Bvh`; box: float32, lower and upper bounds.
 Accelerator = namedtuple("Accelerator", "shapes triangles triangle_ids pairs pair_ids tree box")
 
 #: Kinds of lists beside those of shapes.
@@ -90,10 +91,10 @@ def _write_shape_list(kind: str, place: int) -> Callable:
 
     @kernel(strict=True)
     def search_shapes(accel, data, o, d, best, nearest):
-        table, found = accel.shapes[place], start_list(best, nearest)
-        for i in range(table.size // 2):
-            t, u, v, met = intersect(data, as_int(table[2 * i + 1]), o, d, found.t)
-            hit = Hit(t, u, v, lanes_u32(table[2 * i]), lanes_u32(0))
+        table, found = accel.shapes, start_list(best, nearest)
+        for i in range(as_int(table[place]), as_int(table[place + 1]), 2):
+            t, u, v, met = intersect(data, as_int(table[i + 1]), o, d, found.t)
+            hit = Hit(t, u, v, lanes_u32(table[i]), lanes_u32(0))
             found = take_next(found, met, hit, nearest)
         return end_list(found, best, nearest)
 

@@ -76,7 +76,11 @@ def table():
 
 def code_of(program):
     """What the processor gets: all of an object file but names."""
-    made = instantiate(root, program).compile_for((table(),))
+    return sections_of(instantiate(root, program).compile_for((table(),)))
+
+
+def sections_of(made):
+    """Of an object file."""
     sections = llvm.ObjectFileRef.from_data(made.code).sections()
     found = [(part.name(), bytes(part.data())) for part in sections]
     return [part for part in found if part[0] not in (".strtab", ".symtab", b".strtab", b".symtab")]
@@ -85,7 +89,7 @@ def code_of(program):
 def test_only_what_is_new_is_compiled(folder, compiled, monkeypatch):
     code_of(2.0)
     assert sorted(compiled) == ["inner", "root", "text"]
-    for program, expected in ((2.0, []), (3.0, ["root", "text"]), (3.0, [])):
+    for program, expected in ((2.0, []), (3.0, ["text"]), (3.0, [])):
         monkeypatch.setattr(jit, "_SHARED", {})
         compiled.clear()
         code_of(program)
@@ -122,6 +126,105 @@ def test_damaged_files_are_compiled_again(folder, compiled, monkeypatch):
     compiled.clear()
     assert code_of(2.0) == whole
     assert sorted(compiled) == ["inner", "root", "text"]
+
+
+def write_operation(operation):
+    @kernel
+    def text(x):
+        return operation(x)
+
+    return text
+
+
+def doubled(x):
+    return x + x
+
+
+def constant(x):
+    return 2.0
+
+
+OPERATIONS = {"root": sqrt, "double": kernel(doubled), "constant": kernel(constant)}
+
+
+@specialised
+def left(program):
+    """The first of the operations that a program names."""
+    return write_operation(OPERATIONS[program[0]])
+
+
+@specialised
+def right(program):
+    """The second one; the very kernel that is `left` where a program names no second."""
+    return write_operation(OPERATIONS[program[1]]) if len(program) > 1 else left
+
+
+@kernel
+def both(table):
+    """Name two kernels, and one that is always the same."""
+    x = load_lanes(table, 0)
+    store_lanes(table, 0, inner(left(x) - 3.0 * right(x) + 100.0))
+
+
+@pytest.mark.parametrize(
+    ("earlier", "program", "expected"),
+    [
+        (("root", "double"), ("double", "root"), []),
+        (("root",), ("root", "double"), ["both", "doubled", "text"]),
+        (("root", "double"), ("root",), ["both"]),
+        (("root", "double"), ("root", "constant"), ["both", "constant", "text"]),
+        (("constant", "double"), ("root", "double"), ["both", "text"]),
+    ],
+    ids=["swapped", "one-becomes-two", "two-become-one", "another-type", "and-back"],
+)
+def test_text_is_linked_with_other_callees_only_where_they_fit(
+    folder, compiled, monkeypatch, tmp_path, earlier, program, expected
+):
+    instantiate(both, earlier).compile_for((table(),))
+    monkeypatch.setattr(jit, "_SHARED", {})
+    compiled.clear()
+    made = instantiate(both, program)
+    linked = made.compile_for((table(),))
+    assert sorted(compiled) == expected
+
+    numbers = table()
+    x = numbers.array[: lanes_of_machine()].astype(np.float64)
+    values = {"root": np.sqrt(x), "double": 2.0 * x, "constant": 2.0}
+    a, b = values[program[0]], values[program[-1]]
+    made(numbers)
+    expected = np.sqrt(a - 3.0 * b + 100.0) + SHIFT
+    np.testing.assert_allclose(numbers.array[: len(x)], expected, rtol=1e-5)
+
+    monkeypatch.setenv(variable("CACHE"), str(tmp_path / "another"))
+    monkeypatch.setattr(jit, "_SHARED", {})
+    assert sections_of(instantiate(both, program).compile_for((table(),))) == sections_of(linked)
+
+
+@kernel
+def applied(x, operation):
+    """Call what is given."""
+    return operation(x) + SHIFT
+
+
+@kernel
+def over(x):
+    """Give the first operation, which the text names, to another kernel."""
+    return applied(x, left)
+
+
+@kernel
+def giving(table):
+    """Through one call more, so that `over` can be linked with another `left`."""
+    store_lanes(table, 0, over(load_lanes(table, 0)))
+
+
+def test_a_kernel_that_is_given_to_another_is_part_of_what_is_kept(folder, monkeypatch):
+    """A function that takes a kernel is told from one that takes another by nothing but that."""
+    for program, expected in ((("root",), 1.5), (("double",), 2.5), (("root",), 1.5)):
+        monkeypatch.setattr(jit, "_SHARED", {})
+        numbers = View(np.ones(lanes_of_machine(), np.float32))
+        instantiate(giving, program)(numbers)
+        assert set(numbers.array) == {np.float32(expected)}
 
 
 def copy_of(function, names=None, defaults=None, closure=None):

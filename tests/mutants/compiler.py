@@ -3,6 +3,8 @@
 from tests.mutants.mutant import Mutant
 
 ADAPTER = "tests/lanewise/test_adapter.py::test_all_assumptions_hold"
+KEPT = "tests/lanewise/test_kept_functions.py"
+FITTING = f"{KEPT}::test_text_is_linked_with_other_callees_only_where_they_fit"
 
 COMPILER = (
     Mutant(
@@ -48,6 +50,49 @@ COMPILER = (
         "source_digest.py",
         (("        self.globals(function)\n        for cell", "        for cell"),),
         "tests/lanewise/test_kept_functions.py::test_what_a_text_names_is_in_its_digest",
+        "lanewise",
+    ),
+    Mutant(
+        "functions kept without the kernels that they are given",
+        "kept_functions.py",
+        (("        if takes_kernels(sig):\n            return None\n", ""),),
+        f"{KEPT}::test_a_kernel_that_is_given_to_another_is_part_of_what_is_kept",
+        "lanewise",
+    ),
+    Mutant(
+        "text linked with callees of other types",
+        "unlinked.py",
+        (
+            (
+                "if answer is None or (answer.args, answer.return_type) != (call.accepted, call.result):",
+                "if answer is None:",
+            ),
+        ),
+        f"{FITTING}[another-type]",
+        "lanewise",
+    ),
+    Mutant(
+        "two kernels linked where there was one",
+        "unlinked.py",
+        (("if uses[id(kernel)] != 1 or", "if"),),
+        f"{FITTING}[one-becomes-two]",
+        "lanewise",
+    ),
+    Mutant(
+        "one kernel linked where there were two",
+        "unlinked.py",
+        (
+            ("    if len(set(symbols.values())) < len(symbols):\n        return None\n", ""),
+            ('        assert symbol.name == name, f"two symbols are called {name}"\n', ""),
+        ),
+        f"{FITTING}[two-become-one]",
+        "lanewise",
+    ),
+    Mutant(
+        "kernels that take each other's places under old names",
+        "unlinked.py",
+        (('        symbol.name = f"lanewise.{number}"\n', "        pass\n"),),
+        f"{FITTING}[swapped]",
         "lanewise",
     ),
     Mutant(
