@@ -54,8 +54,8 @@ COMPILER = (
     ),
     Mutant(
         "functions kept without the kernels that they are given",
-        "kept_functions.py",
-        (("        if takes_kernels(sig):\n            return None\n", ""),),
+        "unlinked.py",
+        (("isinstance(kind, types.Dispatcher)", "False"),),
         f"{KEPT}::test_a_kernel_that_is_given_to_another_is_part_of_what_is_kept",
         "lanewise",
     ),
