@@ -19,6 +19,7 @@ from alight.cli.doctor import doctor
 from alight.cli.guide import guide
 from alight.cli.info import info
 from alight.cli.merge import merge
+from alight.cli.models import models
 from alight.cli.plan import plan
 from alight.cli.reference import reference
 from alight.cli.render import render
@@ -53,6 +54,7 @@ for command in (
     convert,
     trace,
     scenes,
+    models,
     sheet,
     study,
     reference,

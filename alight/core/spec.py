@@ -234,8 +234,12 @@ class Medium(Spec):
 class Camera(Spec):
     """Base class of cameras.
 
-    `medium` surrounds the camera, if not the scene's own; `shutter` are the times at which it
-    opens and closes, in the unit of the keyframes of what moves.
+    Parameters
+    ----------
+    medium : Medium or str, optional
+        What surrounds the camera, if not the scene's own.
+    shutter : (float, float), default (0, 1)
+        Times at which it opens and closes, in the unit of the keyframes of what moves.
     """
 
     family: ClassVar[str] = "cameras"
@@ -368,23 +372,19 @@ Scale2 = Annotated[tuple[float, float], Numbers(2, Interval(), spread=True)]
 Color = Annotated[Triple, Numbers(3, Interval(low=0.0), spread=True)]
 PositiveColor = Annotated[Triple, Numbers(3, Interval(low=0.0, open_ends=True), spread=True)]
 Reflectance = Annotated[Triple, Numbers(3, Interval(0.0, 1.0), spread=True)]
+#: What may stand for a number: a texture, or the name of one.
+_NAMED = (str, Texture)
 ColorTexture = Annotated[
-    Triple | Texture | str, Numbers(3, Interval(0.0, 1.0), spread=True, other=(str, Texture))
+    Triple | Texture | str, Numbers(3, Interval(0.0, 1.0), spread=True, other=_NAMED)
 ]
 RadianceTexture = Annotated[
-    Triple | Texture | str, Numbers(3, Interval(low=0.0), spread=True, other=(str, Texture))
+    Triple | Texture | str, Numbers(3, Interval(low=0.0), spread=True, other=_NAMED)
 ]
-UnitTexture = Annotated[
-    float | Texture | str, NumberOrTexture(Interval(0.0, 1.0), other=(str, Texture))
-]
+UnitTexture = Annotated[float | Texture | str, NumberOrTexture(Interval(0.0, 1.0), other=_NAMED)]
 # Smoother surfaces are mirrors to float32; kernels raise smaller values of textures to it.
 SMOOTHEST = 1e-4
-Roughness = Annotated[
-    float | Texture | str, NumberOrTexture(Interval(SMOOTHEST, 1.0), other=(str, Texture))
-]
-ScalarTexture = Annotated[
-    float | Texture | str, NumberOrTexture(Interval(low=0.0), other=(str, Texture))
-]
+Roughness = Annotated[float | Texture | str, NumberOrTexture(Interval(SMOOTHEST, 1), other=_NAMED)]
+ScalarTexture = Annotated[float | Texture | str, NumberOrTexture(Interval(low=0.0), other=_NAMED)]
 NestedBsdf = Annotated[Bsdf | str, Model("bsdf", "bsdfs", named=True)]
 NestedBsdfs = Annotated[tuple[Bsdf | str, ...], Models("bsdf", "bsdfs", named=True)]
 

@@ -237,9 +237,12 @@ class Scene(Spec):
         Light from infinity.
     medium : Medium or str, optional
         What fills the space around all shapes, the camera included; empty by default.
-    textures, bsdfs, media, prototypes, nodes : dict, optional
-        Named textures, materials, media, node trees for instances, and the roots of the scene
-        graph.
+    textures, bsdfs, media : dict, optional
+        Textures, materials and media that others refer to by name.
+    prototypes : dict of str to Node, optional
+        Trees of nodes for instances; nothing is rendered where they stand.
+    nodes : dict of str to Node, optional
+        Roots of the scene graph.
     """
 
     camera: Annotated[Node | str, CameraField()] | None = None

@@ -7,16 +7,13 @@ picture shows is chosen here; without a choice it is the model's first example.
 from __future__ import annotations
 
 import inspect
-import math
 import re
 from pathlib import Path
-from types import ModuleType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin
-
-from pydantic import AfterValidator, BeforeValidator
+from types import ModuleType
 
 from alight.core.registry import modules, type_name_of
-from alight.core.spec import Interval, Model, Models, NumberOrTexture, Numbers, Spec, Texture
+from alight.core.spec import Spec
+from alight.scene.keys import flow, keys_of, tables_of
 
 DOCS = Path(__file__).resolve().parents[1]
 PAGES, IMAGES = DOCS / "materials", DOCS / "images" / "materials"
@@ -101,7 +98,7 @@ def materials() -> list[ModuleType]:
 def shown(module: ModuleType) -> str:
     """The material of the picture, as a scene file writes it."""
     name = type_name_of(module)
-    return SHOWN.get(name) or _flow(module.EXAMPLES[0])
+    return SHOWN.get(name) or flow(module.EXAMPLES[0])
 
 
 def samples(module: ModuleType) -> int:
@@ -121,7 +118,7 @@ def page(module: ModuleType) -> str:
         f"**{to_markdown(summary)}**",
         to_markdown(body),
         "## Parameters",
-        _parameters(module),
+        parameters(type(module.EXAMPLES[0])),
         "## In a scene",
         f"```yaml\n{SCENE.format(material=material)}```",
         "The picture above:",
@@ -181,36 +178,20 @@ def _formula(tex: str) -> str:
     return f"$$\n{tex}\n$$\n\n"
 
 
-def _field_texts(model: type[Spec]) -> dict[str, str]:
-    """What the docstrings of a class and its bases say of each field."""
-    texts: dict[str, str] = {}
-    for base in model.__mro__:
-        _, _, section = inspect.cleandoc(base.__doc__ or "").partition("Parameters\n----------\n")
-        section = re.split(r"\n\n\w+\n-+\n", section)[0]
-        # Entries begin in the first column; "a, b" without a type refers to a base class.
-        for head, text in re.findall(r"^(\w.*)\n((?:[ ]+.*\n?|\n)*)", section, re.MULTILINE):
-            names, colon, _ = head.partition(" : ")
-            for name in names.split(", ") if colon else ():
-                texts.setdefault(name, " ".join(text.split()))
-    return texts
-
-
 # ---------------------------------------------------------------- fields
 
 
-def _parameters(module: ModuleType) -> str:
-    model = type(module.EXAMPLES[0])
-    texts, tables = _field_texts(model), _tables(model)
+def parameters(model: type[Spec]) -> str:
+    """The keys of a model as a table, and the names that they take."""
     rows = [
-        f"| `{name}` | {_kind(field)} | {_default(field.default, tables)} |"
-        f" {to_markdown(texts.get(name, ''))} |"
-        for name, field in model.model_fields.items()
-        if name != "type"
+        f"| `{key.name}` | {key.takes} | {'required' if key.required else code(key.default)} |"
+        f" {to_markdown(key.text)} |"
+        for key in keys_of(model)
     ]
     if not rows:
         return "None."
     lines = ["| key | value | default | what it is |", "|---|---|---|---|", *rows]
-    for title, names in tables.items():
+    for title, names in tables_of(model).items():
         listed = [
             f"{name} ({value:g})" if isinstance(value, float) else name
             for name, value in names.items()
@@ -219,86 +200,9 @@ def _parameters(module: ModuleType) -> str:
     return "\n".join(lines)
 
 
-def _tables(model: type[Spec]) -> dict[str, dict[str, Any]]:
-    """Tables of names that the fields of a class know: constants of its modules."""
-    found: dict[str, dict[str, Any]] = {}
-    for base in model.__mro__:
-        module = inspect.getmodule(base)
-        for name, value in vars(module).items() if module else ():
-            if name.isupper() and isinstance(value, dict) and value:
-                first = next(iter(value.values()))
-                if isinstance(first, float) or (isinstance(first, tuple) and len(first) == 2):
-                    found[name] = value
-    return found
-
-
-def _kind(field: Any) -> str:
-    """Type and range of a field in words, from what checks it."""
-    metadata, named = list(field.metadata), False
-    annotations = [field.annotation]
-    while annotations:
-        annotation = annotations.pop()
-        metadata += getattr(annotation, "__metadata__", ())
-        if get_origin(annotation) in (Union, UnionType) or hasattr(annotation, "__metadata__"):
-            annotations += [part for part in get_args(annotation) if part is not None]
-    named = any(isinstance(mark, BeforeValidator | AfterValidator) for mark in metadata)
-    for mark in metadata:
-        text = _described(mark)
-        if text:
-            return f"{text}, or a name" if named else text
-    if get_origin(field.annotation) is Literal:
-        return " or ".join(f"`{value}`" for value in get_args(field.annotation))
-    if field.annotation is bool:
-        return "`true` or `false`"
-    return "name"
-
-
-def _described(mark: object) -> str:
-    """A marker of a field's type in words, or nothing."""
-    if isinstance(mark, Models):
-        return f"list of {mark.count} {mark.kind}s or names of them"
-    if isinstance(mark, Model):
-        return f"{mark.kind} or the name of one"
-    if isinstance(mark, NumberOrTexture):
-        return f"number {mark.interval.describe()} or texture"
-    if isinstance(mark, Numbers):
-        texture = ", or texture" if Texture in mark.other else ""
-        return f"number or {mark.count} numbers {mark.interval.describe()}{texture}"
-    if isinstance(mark, Interval):
-        text = mark.describe()
-        return text.removeprefix("a ") if text.startswith("a ") else f"number {text}"
-    return ""
-
-
-def _default(value: Any, tables: dict[str, dict[str, Any]]) -> str:
-    if value is None:
-        return ""
-    for names in tables.values():
-        for name, number in names.items():
-            if isinstance(value, float) and number == value:
-                return f"`{name}`"
-    return f"`{_flow(value)}`"
-
-
-def _flow(value: Any) -> str:
-    """A value as a scene file writes it, on one line."""
-    if isinstance(value, Spec):
-        fields = [
-            f"{name}: {_flow(item)}"
-            for name, item in value
-            if name == "type" or item != type(value).model_fields[name].default
-        ]
-        return "{" + ", ".join(sorted(fields, key=lambda text: not text.startswith("type:"))) + "}"
-    if isinstance(value, tuple):
-        if len(value) == 3 and value.count(value[0]) == 3:
-            return _flow(value[0])
-        return "[" + ", ".join(map(_flow, value)) + "]"
-    if isinstance(value, bool):
-        return str(value).lower()
-    # In YAML null is a value of its own.
-    if value == math.inf:
-        return ".inf"
-    return f"{value:g}" if isinstance(value, float) else str(value).replace("null", '"null"')
+def code(text: str) -> str:
+    """Text in the type of code, if there is any."""
+    return f"`{text}`" if text else ""
 
 
 def _laws(module: ModuleType) -> list[str]:

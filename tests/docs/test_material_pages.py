@@ -2,6 +2,7 @@
 
 import importlib.util
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -11,11 +12,19 @@ import alight
 from alight.core.registry import type_name_of
 from tests.docs.pages import ROOT
 
-_spec = importlib.util.spec_from_file_location(
-    "material_pages", ROOT / "docs" / "site" / "material_pages.py"
-)
-material_pages = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(material_pages)
+
+def script(name):
+    """A module of docs/site."""
+    path = ROOT / "docs" / "site" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+material_pages = script("material_pages")
+key_page = script("key_page")
 
 MATERIALS = material_pages.materials()
 RENEW = "python docs/figures/materials.py --pages rewrites it"
@@ -71,3 +80,8 @@ def test_picture_is_there_and_bright(module):
 def test_pictures_are_small():
     sizes = [path.stat().st_size for path in material_pages.IMAGES.glob("*.png")]
     assert sum(sizes) < 1.4e5 * len(MATERIALS)
+
+
+def test_the_page_of_scene_keys_is_what_the_code_checks():
+    found = key_page.PAGE.read_text(encoding="utf-8")
+    assert found == key_page.text(), "python docs/site/key_page.py rewrites it"
