@@ -12,7 +12,7 @@ from alight.core.errors import Issue, OptionError, SceneError, show_value
 
 #: Option -> who knows it, as a message puts it.
 _WHO = {
-    "variant": "only glTF files have variants of materials",
+    "variant": "only glTF and MaterialX files have materials to choose from",
     "scene_name": "only glTF files hold several scenes",
     "animation": "only glTF files name their animations",
     "at": "only glTF and OpenUSD files have animations that are read at a time",
