@@ -28,6 +28,8 @@ AS_IT_IS = Shown()
 #: Balls that are shown, and from centre to centre of two of radius 1.
 MOST_BALLS, APART = 64, 2.4
 SHADERBALL = {"type": "sphere"}
+#: Its poles above and below, its seam where the automatic camera does not see it.
+UPRIGHT = ({"rotate": {"axis": "x", "angle": -90.0}}, {"rotate": {"axis": "y", "angle": 120.0}})
 
 
 class DocumentHost:
@@ -102,8 +104,7 @@ def parse(
         # From left to right, then from front to back: what is behind shows between.
         place = [APART * (number % columns), 0.0, -APART * (number // columns)]
         ball: Data = {"shape": dict(SHADERBALL), "bsdf": key, **surface.light}
-        if number:
-            ball["transform"] = {"translate": place}
+        ball["transform"] = [*UPRIGHT, {"translate": place}]
         model.nodes[free_name(material.name, model.nodes, "ball")] = ball
         to_world = translate(*place).matrix
         model.bounds.add(SHADERBALL, to_world)
