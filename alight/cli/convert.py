@@ -24,20 +24,14 @@ def convert(
     """Write a scene in the native format with its meshes and pictures next to it, or as glTF."""
     from alight.core.errors import OutputError
     from alight.formats import save
-    from alight.formats.gltf.write import write
-    from alight.formats.made_up import without_floor
     from alight.options.loading import scene_of
-    from alight.scene import flatten
 
     check_suffix(output)
     description = scene_of(scene, options)
     show_remarks(description)
     try:
-        if output.suffix.lower() == ".glb":
-            for line in write(flatten(without_floor(description)), output):
-                typer.echo(f"glTF cannot hold: {line}", err=True)
-        else:
-            save(description, output)
+        for line in save(description, output):
+            typer.echo(f"glTF cannot hold: {line}", err=True)
     except OutputError:
         raise
     except OSError as error:
@@ -54,8 +48,8 @@ def check_suffix(output: Path) -> None:
         With the endings that there are.
     """
     from alight.core.errors import OutputError, unknown_name
-    from alight.formats.native import SUFFIXES
+    from alight.formats.native import WRITTEN
 
-    if output.suffix.lower() not in (*SUFFIXES, ".glb"):
-        text = unknown_name("suffix", output.suffix, (*SUFFIXES, ".glb"))
+    if output.suffix.lower() not in WRITTEN:
+        text = unknown_name("suffix", output.suffix, WRITTEN)
         raise OutputError(f"cannot write {output}: {text}")

@@ -8,6 +8,7 @@ from pathlib import Path
 from alight.core.errors import Issue, SceneError
 from alight.core.extras import install_command
 from alight.formats import gltf, mesh_scene, obj_scene
+from alight.formats.materialx import scene as materialx
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.shown import Shown
@@ -38,6 +39,7 @@ PARSERS: dict[str, Parser] = {
     ".obj": obj_scene.parse,
     ".ply": mesh_scene.parse_ply,
     ".stl": mesh_scene.parse_stl,
+    ".mtlx": materialx.parse,
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _read_usd),
 }
 MOST_BYTES = 2**30
@@ -79,6 +81,9 @@ def read_model(
     with reusing_memory():
         if parser is gltf.parse:
             return gltf.parse(data, name, reach, shown, lenient)
+        if parser is materialx.parse:
+            shown.refuse(name, ("variant",))
+            return materialx.parse(data, name, reach, shown, lenient)
         if parser is _read_usd:
             shown.refuse(name, ("at",))
             return _read_usd(data, name, reach, shown, lenient)

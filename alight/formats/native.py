@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError, quote
+from alight.formats.gltf.write import write
+from alight.formats.made_up import without_floor
 from alight.media.volumes import holds_volume
 from alight.meshes import ply
 from alight.meshes.triangles import MeshArrays
@@ -19,10 +21,13 @@ from alight.scene import plain_yaml
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.description import Scene
 from alight.scene.dump import dump_scene
+from alight.scene.flatten import flatten
 from alight.scene.meshes import arrays_of
 from alight.shapes.mesh import Mesh
 
 SUFFIXES = (".yaml", ".yml", ".json")
+#: What scenes can be written to.
+WRITTEN = (*SUFFIXES, ".glb")
 # Meshes with more vertices, and pictures with more texels, go into files beside a saved scene.
 MOST_INLINE_VERTICES, MOST_INLINE_TEXELS = 100, 64
 
@@ -35,8 +40,8 @@ def dumps(scene: Scene) -> str:
     return plain_yaml.write(dump_scene(scene))
 
 
-def save(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """Write a scene to a file in the native format.
+def save(scene: Scene, path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Write a scene to a file in the native format, or as far as glTF can hold it.
 
     Parameters
     ----------
@@ -45,7 +50,12 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
         than 64 texels to NPY files. Files that it names are copied there, unless they lie there
         or below already: so the scene reads nothing outside of its own folder.
     path : str or path
-        Where to; ends in ``.yaml``, ``.yml`` or ``.json``.
+        Where to; ends in ``.yaml``, ``.yml`` or ``.json``, or in ``.glb``.
+
+    Returns
+    -------
+    tuple of str
+        What a file of glTF does not hold, or not quite, a line each; empty for the native format.
 
     Raises
     ------
@@ -55,9 +65,11 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
         If a file cannot be written.
     """
     target = Path(path)
-    if target.suffix.lower() not in SUFFIXES:
-        kinds = ", ".join(SUFFIXES)
+    if target.suffix.lower() not in WRITTEN:
+        kinds = ", ".join(WRITTEN)
         raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])
+    if target.suffix.lower() == ".glb":
+        return tuple(write(flatten(without_floor(scene)), target))
     writer = _FileWriter(target, scene.source.folder)
     data = dump_scene(scene, writer)
     is_json = target.suffix.lower() == ".json"
@@ -69,6 +81,7 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> None:
         partial.replace(target)
     finally:
         partial.unlink(missing_ok=True)
+    return ()
 
 
 class _FileWriter:

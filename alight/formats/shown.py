@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 
-from alight.core.errors import Issue, SceneError
+import numpy as np
+
+from alight.core.errors import Issue, OptionError, SceneError, show_value
 
 #: Option -> who knows it, as a message puts it.
 _WHO = {
-    "variant": "only glTF files have variants of materials",
+    "variant": "only glTF and MaterialX files have materials to choose from",
     "scene_name": "only glTF files hold several scenes",
     "animation": "only glTF files name their animations",
     "at": "only glTF and OpenUSD files have animations that are read at a time",
@@ -30,12 +33,31 @@ class Shown:
         Name or number of an animation.
     at : float, seconds, optional
         Time of the animation.
+
+    Raises
+    ------
+    OptionError
+        If the time is no number.
     """
 
     variant: str | None = None
     scene_name: str | None = None
     animation: str | None = None
     at: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the time."""
+        if self.at is None:
+            return
+        if not isinstance(self.at, int | float | np.number) or isinstance(self.at, bool):
+            raise OptionError(f"must be a number of seconds, got {show_value(self.at)}", "at")
+        try:
+            seconds = float(self.at)
+        except OverflowError:
+            seconds = math.inf
+        if not math.isfinite(seconds):
+            raise OptionError(f"must be a finite number of seconds, got {seconds}", "at")
+        object.__setattr__(self, "at", seconds)
 
     def refuse(self, name: str, known: Collection[str] = ()) -> None:
         """Refuse what a format has no choice of.

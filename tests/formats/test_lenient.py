@@ -16,7 +16,7 @@ XML = """<scene version="3.0.0">
 <texture name="reflectance" type="bitmap"><string name="filename" value="wood.png"/></texture>
 </bsdf></shape>
 <shape type="rectangle"><bsdf type="normalmap">
-<texture name="normalmap" type="bitmap"><boolean name="raw" value="true"/>
+<texture name="normalmap" type="bitmap">
 <string name="filename" value="dents.png"/></texture>
 <bsdf type="diffuse"/></bsdf></shape>
 <shape type="ply"><string name="filename" value="head.ply"/></shape>

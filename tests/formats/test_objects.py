@@ -117,6 +117,24 @@ def test_only_faces_within_the_angle_share_a_normal():
         assert np.allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-6)
 
 
+def test_a_vertex_of_very_many_faces_costs_no_square_of_their_number():
+    # A cone, whose tip is shared by all: faces within 30 degrees are those of an arc.
+    count = 200_000
+    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    rim = np.stack([np.cos(angles), np.sin(angles), np.zeros(count)], 1)
+    points = np.concatenate([rim, [[0.0, 0.0, 1.0]]]).astype(np.float32)
+    around = np.arange(count)
+    faces = np.stack([around, np.roll(around, -1), np.full(count, count)], 1)
+    origin, new, normals = creased(points, faces, 30.0)
+    assert np.array_equal(origin[new], faces)
+    middle = angles + np.pi / count
+    meant = np.stack([np.cos(middle), np.sin(middle), np.ones(count)], 1)
+    at_tip = normals[new[:, 2]]
+    # The mean over an arc of half angle b lies somewhat nearer to the axis.
+    between = np.degrees(np.arccos(np.clip((at_tip * meant).sum(1) / np.sqrt(2.0), -1.0, 1.0)))
+    assert between.max() < 6.0
+
+
 def test_normals_of_merged_vertices_are_not_those_of_the_surface():
     box = trimesh.creation.box()
     round_one = trimesh.creation.icosphere(subdivisions=1)
@@ -320,3 +338,20 @@ def test_a_transparent_background_shows_the_model_alone():
     )
     assert np.array_equal(of_object, of_scene)
     assert 0.05 < of_object.mean() < 0.95
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "text"),
+    [
+        ("up", np.array([0, 0, 1]), 'must be "y" or "z"'),
+        ("color_map", ["viridis"], "must be a name"),
+        ("at", "1", "must be a number of seconds"),
+    ],
+)
+def test_options_of_other_types_are_refused_by_name(option, value, text, tmp_path):
+    scene = (SQUARE, HALVES)
+    if option == "at":
+        scene = tmp_path / "a.glb"
+        scene.write_bytes(b"")
+    with pytest.raises(alight.OptionError, match=f"{option}: {text}"):
+        load(scene, **{option: value})

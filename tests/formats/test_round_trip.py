@@ -187,6 +187,13 @@ def test_saving_leaves_no_half_file(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["scene.json"]
 
 
+def test_scenes_are_saved_as_gltf_and_what_it_cannot_hold_is_told(tmp_path):
+    lost = save(load("fog"), tmp_path / "scene.glb")
+    assert any("media" in line for line in lost)
+    assert load(tmp_path / "scene.glb").nodes
+    assert save(load("fog"), tmp_path / "scene.yaml") == ()
+
+
 def test_content_hash_sees_all_that_decides_the_picture_and_nothing_else():
     base = load("cornell-box")
     changes = [

@@ -94,6 +94,21 @@ def read_primitive(
         raise primitive.fatal("", error.issues[0].sentence) from None
 
 
+def morph_weights(node: Item, mesh: Item) -> list[float]:
+    """Weights of the morph targets of a mesh: those of its node, or its own."""
+    owner = node if node.has("weights") else mesh
+    found = owner.value.get("weights", [])
+    length = len(found) if isinstance(found, list) else 1
+    weights = list(owner.numbers("weights", (0.0,) * length))
+    counts = [len(primitive.objects("targets")) for primitive in mesh.objects("primitives")]
+    targets = max(counts, default=0)
+    if owner.has("weights") and len(weights) != targets:
+        rest = "the others count as 0" if len(weights) < targets else "the rest is left out"
+        text = f"{owner.at('weights')}: has {len(weights)} for {targets} morph targets: {rest}"
+        owner.report.approximate(text)
+    return weights
+
+
 def _index(document: Document, owner: Item, key: str) -> int | None:
     return owner.index(key, len(document.list("accessors")), "accessors")
 

@@ -20,7 +20,7 @@ from alight.formats.cameras import Parallel, Perspective
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.instances import NAME, add_bounds, instance_matrices, rotations
 from alight.formats.gltf.materials import Materials
-from alight.formats.gltf.meshes import read_primitive
+from alight.formats.gltf.meshes import morph_weights, read_primitive
 from alight.formats.gltf.places import unscaled
 from alight.formats.gltf.skins import joint_matrices
 from alight.formats.gltf.textures import Data
@@ -117,12 +117,13 @@ class Graph(ModelScene):
         """Nodes at or below which there is something to show."""
         nodes, found = self.document.list("nodes"), set()
         for index in reversed(order):
-            node = nodes[index]
-            shown = {"mesh", "camera"} & set(node.value) or self._light_of(node) is not None
-            children = node.indices("children", len(nodes), "nodes")
-            if shown or any(child in found for child in children):
+            children = nodes[index].indices("children", len(nodes), "nodes")
+            if self._shows(nodes[index]) or any(child in found for child in children):
                 found.add(index)
         return found
+
+    def _shows(self, node: Item) -> bool:
+        return bool({"mesh", "camera"} & set(node.value)) or self._light_of(node) is not None
 
     def _visit(self, task: _Open) -> list[_Open]:
         item = self.document.list("nodes")[task.index]
@@ -130,7 +131,7 @@ class Graph(ModelScene):
         to_world = task.to_world @ matrix
         own = matrix if task.before is None else task.before @ matrix
         if is_singular(own) or is_singular(to_world):
-            self.document.report.drop(f"{item.pointer}: its transform flattens it to nothing")
+            self._flattened(task.index)
             return []
         name = free_name(item.text("name"), task.siblings, f"node {task.index}")
         keys = f"{task.keys}.{name}"
@@ -150,7 +151,8 @@ class Graph(ModelScene):
         if camera is not None:
             lens = self._camera(self.document.list("cameras")[camera])
             view = unscaled(to_world)
-            if np.allclose(view, to_world, rtol=0.0, atol=1e-6 * np.abs(to_world).max()):
+            # Where it stands does not count: far away it would hide a scale.
+            if np.allclose(view[:3, :3], to_world[:3, :3], rtol=0.0, atol=1e-5):
                 data["camera"] = lens
             else:
                 # Below the node, by the same name, without its scale.
@@ -170,6 +172,22 @@ class Graph(ModelScene):
             for i in indices
         ]
 
+    def _flattened(self, index: int) -> None:
+        """Show of a node without size what has a skin: it stands where its joints are."""
+        nodes = self.document.list("nodes")
+        below = self._check_tree([index])
+        shown = [nodes[i] for i in below if self._shows(nodes[i])]
+        held = [item for item in shown if item.has("mesh") and item.has("skin")]
+        for item in held:
+            name = free_name(item.text("name"), self.nodes, "skinned")
+            keys, children = f"nodes.{name}", {}
+            self.places[keys] = f"{item.name}#{item.pointer}"
+            self.nodes[name] = data = {"children": children}
+            self._add_mesh(item, data, children, keys, np.eye(4))
+        if held != shown or not held:
+            pointer = nodes[index].pointer
+            self.document.report.drop(f"{pointer}: its transform flattens it to nothing")
+
     def _add_mesh(
         self, item: Item, data: Data, children: dict[str, Data], keys: str, to_world: Matrix
     ) -> None:
@@ -179,11 +197,7 @@ class Graph(ModelScene):
             return
         mesh = meshes[index]
         skin = item.index("skin", len(self.document.list("skins")), "skins")
-        key = "weights"
-        owner = item if item.has(key) else mesh
-        found = owner.value.get(key, [])
-        count = len(found) if isinstance(found, list) else 1
-        weights = list(owner.numbers(key, (0.0,) * count))
+        weights = morph_weights(item, mesh)
         # What a skin holds has a shape of its own at each place.
         place = item.pointer if skin is not None else ""
         variant = (index, tuple(weights), place)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.elements import Element
 from alight.formats.substances import SUBSTANCES, diffuse_reflectance
+from alight.formats.xml import Element
 
 #: The medium of a file that names none.
 USUAL = "Skin1"

@@ -9,10 +9,15 @@ from alight.core.errors import unknown_name
 from alight.formats.metals import METALS
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.media import MEDIA
-from alight.formats.mitsuba.textures import color_or_texture, number_or_texture, texture_value
+from alight.formats.mitsuba.textures import (
+    color_or_texture,
+    normals,
+    number_or_texture,
+    texture_value,
+)
 from alight.formats.mitsuba.values import NotNumbersError, parse_number
+from alight.formats.xml import Element
 
 #: What takes the place of a material that is not covered.
 GREY: Data = {"type": "diffuse", "reflectance": [0.5, 0.5, 0.5]}
@@ -198,7 +203,7 @@ def _phong(draft: Draft) -> None:
 
 
 def _normal_map(draft: Draft) -> None:
-    color_or_texture(draft, "texture", name="normalmap")
+    normals(draft, "texture", "normalmap")
     if not draft.properties.has("normalmap"):
         draft.context.report.error(draft.element, 'needs <texture name="normalmap" ...>')
     _as_mitsuba_bends(draft)

@@ -9,7 +9,7 @@ from typing import Any
 from alight.core.errors import join_path, unknown_name
 from alight.formats.context import Conversion, Data
 from alight.formats.mitsuba.colors import Colors
-from alight.formats.mitsuba.elements import Element
+from alight.formats.xml import Element
 
 #: Objects that refer to each other in a longer chain are refused.
 MOST_REFERENCES = 24

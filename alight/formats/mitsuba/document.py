@@ -12,10 +12,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from alight.core.errors import Issue, SceneError, unknown_name
-from alight.formats.mitsuba.elements import MOST_BYTES, MOST_ELEMENTS, Element, parse
+from alight.formats.mitsuba.elements import parse
 from alight.formats.packed import text_of
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
+from alight.formats.xml import MOST_BYTES, MOST_ELEMENTS, Element
 
 MOST_INCLUDES = 64
 MOST_INCLUDE_LEVELS = 8

@@ -7,8 +7,8 @@ from typing import Any
 from alight.core.errors import join_path
 from alight.formats.mitsuba.colors import Role
 from alight.formats.mitsuba.context import Context, Data
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.properties import Properties
+from alight.formats.xml import Element
 
 
 class Draft:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
+from alight.core.errors import quote
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.interiors import SEEING
+from alight.formats.mitsuba.values import NotNumbersError, parse_integer
+from alight.formats.xml import Element
 
 #: Integrators that hold another one, and why nothing is lost without them.
 WRAPPERS = {
@@ -29,6 +33,8 @@ ALIASES = {
 }  # fmt: skip
 #: Integrators that follow paths; without media they agree.
 PATHS = ("path", *SEEING)
+#: Edges of the longest path that the native format can ask for.
+LONGEST = 4000
 COVERED = (*PATHS, "direct", *WRAPPERS, *FROM_LIGHTS, *LAYERS, *ALIASES)
 
 
@@ -45,6 +51,9 @@ def convert(context: Context, element: Element) -> Data | None:
         context.report.unknown(element, "integrator", element.type, COVERED, text)
     draft = Draft(context, element, "integrator", "direct" if kind == "direct" else "path")
     p = draft.properties
+    if kind not in COVERED:
+        _read_unknown(draft)
+        return draft.data
     if p.flag("hide_emitters"):
         draft.put("hide_emitters", True)
     p.ignore("it is an option of the command line", "block_size", "samples_per_pass", "timeout")
@@ -53,10 +62,6 @@ def convert(context: Context, element: Element) -> Data | None:
         context.report.warn(element, text)
         others = [name for name in p.named if name not in ("max_depth", "rr_depth")]
         p.ignore("path has no such parameter", *others)
-    if kind not in COVERED:
-        # Programs that are derived from Mitsuba have integrators with parameters of their own.
-        p.forget()
-        p.take(*(child.tag for child in p.objects))
     if kind == "direct":
         _direct(draft)
     else:
@@ -68,6 +73,25 @@ def convert(context: Context, element: Element) -> Data | None:
             context.report.warn(p.named["strict_normals"], text)
     p.finish()
     return draft.data
+
+
+def _read_unknown(draft: Draft) -> None:
+    """Keep what a program that is derived from Mitsuba says as Mitsuba does; it may mean more."""
+    named = draft.properties.named
+    hidden = named.get("hide_emitters")
+    if hidden is not None and hidden.attributes.get("value") == "true":
+        draft.put("hide_emitters", True)
+    draft.put("rr_depth", 5)
+    for name in ("max_depth", "rr_depth"):
+        text = named[name].attributes.get("value", "") if name in named else "-1"
+        depth = 0
+        with suppress(NotNumbersError):
+            depth = parse_integer(text)
+        if 1 <= depth <= LONGEST:
+            draft.put(name, depth)
+        elif depth != -1:
+            wanted = f"is left out: must be in [1, {LONGEST}], got {quote(text)}"
+            draft.context.report.warn(named[name], wanted)
 
 
 #: Wrappers whose parameters do not change the picture.

@@ -14,10 +14,10 @@ from alight.core.errors import SceneError, join_path, unknown_name
 from alight.formats.mitsuba.colors import Role
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.transforms import matrix_of, steps_of
 from alight.formats.reach import OutOfReachError
+from alight.formats.xml import Element
 from alight.media.volumes import Volume
 from alight.scene.volumes import box_of, read_volume
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.properties import COLORS, Properties
 from alight.formats.mitsuba.transforms import Step, steps_of
 from alight.formats.reach import OutOfReachError
+from alight.formats.xml import Element
 
 
 def projector(light: Draft) -> list[Step]:

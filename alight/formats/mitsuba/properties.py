@@ -7,7 +7,6 @@ from typing import TypeVar, overload
 
 from alight.core.errors import quote, unknown_name
 from alight.formats.asked import Asked
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.values import (
     NotNumbersError,
     parse_integer,
@@ -15,6 +14,7 @@ from alight.formats.mitsuba.values import (
     parse_numbers,
 )
 from alight.formats.report import Report
+from alight.formats.xml import Element
 
 Number = TypeVar("Number", int, float)
 

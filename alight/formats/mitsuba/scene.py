@@ -19,11 +19,11 @@ from alight.formats.mitsuba import (
 )
 from alight.formats.mitsuba.context import Context
 from alight.formats.mitsuba.document import Document, read_document
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.framing import surround
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
 from alight.formats.report import Report
+from alight.formats.xml import Element
 from alight.scene.build import FORMAT_VERSION
 
 #: What converts materials, those that are approximated included.

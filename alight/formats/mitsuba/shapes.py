@@ -12,10 +12,10 @@ from alight.formats.mitsuba import bsdfs, interiors
 from alight.formats.mitsuba.below import scattering
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.emitters import area_light
 from alight.formats.mitsuba.meshes import load_mesh
 from alight.formats.mitsuba.transforms import Step, is_mirrored, matrix_of, motion_of
+from alight.formats.xml import Element
 from alight.shapes.mesh import Mesh
 
 #: Parameters that no shape needs.

@@ -13,11 +13,11 @@ import numpy as np
 
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.elements import Element
 from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.transforms import matrix_of, steps_of
 from alight.formats.reach import OutOfReachError
 from alight.formats.textures import CHECKERED, FLAT, LEVEL, MISSING
+from alight.formats.xml import Element
 
 #: What takes the place of a texture that is not covered.
 GREY = [0.5, 0.5, 0.5]
@@ -38,6 +38,24 @@ def color_or_texture(
     if value is None and default is not None:
         value = [default] * 3
     draft.put(key, value, name)
+
+
+def normals(draft: Draft, key: str, name: str) -> None:
+    """Set a key to a normal map, a flat one where its picture is missing."""
+    element, context = draft.properties.named.get(name), draft.context
+    target = None
+    if element is not None and element.tag in ("texture", "ref") and context.report.lenient:
+        target = context.target(element, "texture")
+    pictures = [child for child in target.children if child.name == "filename"] if target else []
+    if target is not None and target.type == "bitmap" and pictures:
+        try:
+            context.reach.find(pictures[0].attributes.get("value", ""))
+        except OutOfReachError as error:
+            context.report.lacks(pictures[0], error, FLAT)
+            draft.properties.find(name)
+            draft.put(key, {"type": "constant", "color": LEVEL}, name)
+            return
+    color_or_texture(draft, key, name=name)
 
 
 def number_or_texture(

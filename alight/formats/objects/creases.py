@@ -13,6 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+#: Corners of a vertex that are compared each with each.
+MOST_PAIRED = 1000
+#: Pairs that are held in memory.
+MOST_AT_A_TIME = 2**24
+#: Cells along an axis for the directions of more: about 3 degrees, and at most some 7000 of them.
+CELLS = 32
+PLACES = np.array([(CELLS + 1) ** 2, CELLS + 1, 1])
 
 
 def creased(
@@ -83,15 +90,32 @@ def _normals_of_corners(
     _, starts, counts = np.unique(at[order], return_index=True, return_counts=True)
     cosine = np.cos(np.radians(angle)) - 1e-9
     total = np.zeros((len(at), 3))
+    for i in np.flatnonzero(counts > MOST_PAIRED):
+        rows = order[starts[i] : starts[i] + counts[i]]
+        total[rows] = _of_many(across[owner[rows]], weighted[rows], cosine)
     # All pairs of corners of a vertex, for vertices with as many corners at a time.
-    for count in np.unique(counts):
-        rows = order[starts[counts == count][:, None] + np.arange(count)]
-        own = across[owner[rows]]
-        with_own = np.einsum("vik,vjk->vij", own, own) >= cosine
-        # A degenerate face has no normal to compare.
-        with_own |= np.eye(count, dtype=bool)
-        total[rows] = np.einsum("vij,vjk->vik", with_own.astype(float), weighted[rows])
+    for count in np.unique(counts[counts <= MOST_PAIRED]):
+        alike = order[starts[counts == count][:, None] + np.arange(count)]
+        for rows in np.array_split(alike, 1 + alike.size * count // MOST_AT_A_TIME):
+            own = across[owner[rows]]
+            with_own = np.einsum("vik,vjk->vij", own, own) >= cosine
+            # A degenerate face has no normal to compare.
+            with_own |= np.eye(count, dtype=bool)
+            total[rows] = np.einsum("vij,vjk->vik", with_own.astype(float), weighted[rows])
     return _unit(total[split])
+
+
+def _of_many(own: Array, weighted: Array, cosine: float) -> Array:
+    """The sums of a vertex with very many corners, whose alike directions are taken together.
+
+    Pairs of all corners would take the square of their number in time and memory.
+    """
+    cells = np.floor((own + 1.0) * (0.5 * CELLS)).astype(np.int64) @ PLACES
+    _, first, cell = np.unique(cells, return_index=True, return_inverse=True)
+    sums = _summed(weighted, cell.reshape(-1), len(first))
+    with_own = own[first] @ own[first].T >= cosine
+    with_own |= np.eye(len(first), dtype=bool)
+    return (with_own.astype(float) @ sums)[cell.reshape(-1)]
 
 
 def _summed(rows: Array, at: NDArray[np.int64], count: int) -> Array:

@@ -39,13 +39,15 @@ class Look:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if self.up not in (None, "y", "z"):
+        if self.up is not None and not (isinstance(self.up, str) and self.up in ("y", "z")):
             raise OptionError(f'must be "y" or "z", got {show_value(self.up)}', "up")
         if not _is_number(self.smooth) or not 0.0 <= self.smooth <= 180.0:
             raise OptionError(f"must be in [0, 180], got {show_value(self.smooth)}", "smooth")
         # Matplotlib is slow to import: only for maps of its own.
+        if not isinstance(self.color_map, str):
+            raise OptionError(f"must be a name, got {show_value(self.color_map)}", "color_map")
         if self.color_map not in OWN and self.color_map not in (known := names_of_maps()):
-            raise OptionError(unknown_name("colour map", str(self.color_map), known), "color_map")
+            raise OptionError(unknown_name("colour map", self.color_map, known), "color_map")
         if self.color_range is not None:
             object.__setattr__(self, "color_range", _checked_range(self.color_range))
         radius = self.point_radius

@@ -9,10 +9,13 @@ import math
 from typing import Any
 
 from alight.core.errors import quote
+from alight.formats.materialx.scene import surface_of
+from alight.formats.materialx.shaders import SHADERS, read_shader
 from alight.formats.report import did_you_mean
 from alight.formats.surfaces import LARGEST_IOR, Surface, is_metal, reflection
 from alight.formats.textures import cut, normal_color
 from alight.formats.usd.modules import UsdGeom, UsdShade
+from alight.formats.usd.networks import StageHost, network_of
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import Textures
 
@@ -26,6 +29,8 @@ INPUTS: dict[str, Any] = {
     "occlusion": 1.0,
 }  # fmt: skip
 _PREVIEW = "UsdPreviewSurface"
+#: Render context of networks of MaterialX.
+_MATERIALX = "mtlx"
 
 
 def plain_material(stage: Stage, prim: Any) -> Surface:
@@ -51,18 +56,42 @@ def read_material(stage: Stage, material: Any, prim: Any) -> Surface:
     material : UsdShade.Material
     prim : Usd.Prim
     """
-    source = material.ComputeSurfaceSource()
-    shader = source[0] if source else None
     name = str(material.GetPath())
+    written = stage.documents.material(material.GetPrim())
+    if written is not None:
+        return surface_of(written, StageHost(stage, prim))
+    source = material.ComputeSurfaceSource(_MATERIALX)
+    shader = source[0] if source else None
+    if shader and shader.GetPrim().IsValid() and shader.GetIdAttr().Get() != _PREVIEW:
+        found = _of_network(stage, material, shader, prim)
+        if found is not None:
+            return found
+        source = material.ComputeSurfaceSource()
+        shader = source[0] if source else None
     if not shader or not shader.GetPrim().IsValid():
         stage.report.approximate(f"{name}: it has no surface shader; grey is shown")
         return plain_material(stage, prim)
     identifier = shader.GetIdAttr().Get()
     if identifier != _PREVIEW:
-        text = f"shader {quote(str(identifier))} is not covered  (covered: {_PREVIEW})"
+        listed = ", ".join(sorted(SHADERS))
+        text = f"shader {quote(str(identifier))} is not covered  (covered: {listed})"
         stage.report.approximate(f"{name}: {text}; the colour of the prim is shown")
         return plain_material(stage, prim)
     return _Preview(stage, shader, prim).material()
+
+
+def _of_network(stage: Stage, material: Any, shader: Any, prim: Any) -> Surface | None:
+    """What a network of MaterialX says; None where its shader is not covered."""
+    host = StageHost(stage, prim)
+    found = read_shader(network_of(stage, shader), host)
+    name = str(material.GetPath())
+    displaced = material.ComputeDisplacementSource(_MATERIALX)
+    if found is not None and displaced and displaced[0]:
+        stage.report.approximate(f"{name}: displacement is left out")
+    if found is None and material.GetSurfaceOutput(_MATERIALX):
+        identifier = quote(str(shader.GetIdAttr().Get()))
+        stage.report.approximate(f"{name}: shader {identifier} of MaterialX is not covered")
+    return found
 
 
 class _Preview:

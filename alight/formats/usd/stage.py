@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from alight.core.errors import Issue, SceneError, quote, show_value
 from alight.formats.reach import OutOfReachError, Reach, is_file
 from alight.formats.report import Report
+from alight.formats.usd.documents import SUFFIX, Documents, read_layer
 from alight.formats.usd.modules import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 
@@ -31,6 +32,8 @@ class Stage:
     reach : Reach
         Where files may lie.
     report : Report
+    documents : Documents
+        Of MaterialX, which its layers refer to.
     """
 
     stage: Any
@@ -38,6 +41,7 @@ class Stage:
     name: str
     reach: Reach
     report: Report
+    documents: Documents
 
     def value(self, attribute: Any, default: Any = None) -> Any:
         """Value of an attribute; the default if there is none, or one of another type."""
@@ -180,10 +184,11 @@ def open_stage(name: str, reach: Reach, report: Report, at: float | None = None)
         If it is no stage, or refers to layers that are missing or lie elsewhere.
     """
     path = str((reach.folder / Path(name).name).resolve())
+    documents = Documents(reach, report)
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         # Held until the stage holds them, each is read once.
-        layers = _layers_within(path, name, reach)
+        layers = _layers_within(path, name, reach, documents)
         stage = Usd.Stage.Open(path)
         del layers
     except Tf.ErrorException as error:
@@ -214,7 +219,7 @@ def open_stage(name: str, reach: Reach, report: Report, at: float | None = None)
             issues.append(Issue("", f"layer {error}", name))
     if issues:
         raise SceneError(issues[:20])
-    return Stage(stage, _time(stage, name, report, at), name, reach, report)
+    return Stage(stage, _time(stage, name, report, at), name, reach, report, documents)
 
 
 def _time(stage: Any, name: str, report: Report, at: float | None) -> Any:
@@ -245,7 +250,7 @@ def _metadata(stage: Any, name: str, default: float) -> Any:
     return stage.GetPseudoRoot().GetAllAuthoredMetadata().get(name, default)
 
 
-def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
+def _layers_within(path: str, name: str, reach: Reach, documents: Documents) -> list[Any]:
     """Open the layers that a file is made of, its own first, before OpenUSD follows any path.
 
     Raises
@@ -259,7 +264,10 @@ def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
     """
     first = _opened(path)
     layers, seen, refused = [] if first is None else [first], {path}, {}
+    made: dict[str, Any] = {}
     for layer in layers:
+        if layer.anonymous:
+            continue
         if any("\\" in path for path in layer.GetCompositionAssetDependencies()):
             UsdUtils.ModifyAssetPaths(layer, lambda path: path.replace("\\", "/"))
         for authored in layer.GetCompositionAssetDependencies():
@@ -267,15 +275,25 @@ def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
                 # A reference to another prim of the same layer.
                 continue
             found, _ = Sdf.Layer.SplitIdentifier(layer.ComputeAbsolutePath(authored))
+            if found in made:
+                _put_in_place(layer, authored, made[found])
             if found in seen:
                 continue
             seen.add(found)
             try:
                 # A name that was not found comes back as it was.
                 folder = Path(layer.realPath.partition("[")[0]).parent
-                reach.inside(found.partition("[")[0], folder, authored)
+                inside = reach.inside(found.partition("[")[0], folder, authored)
             except OutOfReachError as error:
                 refused[authored] = f"layer {error}"
+                continue
+            if found.lower().endswith(SUFFIX) and is_file(inside):
+                made[found], problem = read_layer(documents, inside)
+                if made[found] is None:
+                    refused[authored] = problem
+                    continue
+                _put_in_place(layer, authored, made[found])
+                layers.append(made[found])
                 continue
             try:
                 below = _opened(found)
@@ -288,6 +306,12 @@ def _layers_within(path: str, name: str, reach: Reach) -> list[Any]:
     if refused:
         raise SceneError([Issue("", text, name) for text in list(refused.values())[:20]])
     return layers
+
+
+def _put_in_place(layer: Any, authored: str, other: Any) -> None:
+    """Let a layer refer to one in memory instead of a file."""
+    name = "" if other is None else other.identifier
+    UsdUtils.ModifyAssetPaths(layer, lambda path: name if path == authored and name else path)
 
 
 def _opened(path: str) -> Any:

@@ -120,3 +120,16 @@ def test_hierarchies_deeper_than_ours_are_multiplied_out(tmp_path):
     (tmp_path / "a.gltf").write_bytes(m.gltf())
     (shape,) = flatten(load(tmp_path / "a.gltf")).shapes
     np.testing.assert_allclose(shape.to_world[:3, 3], [60, 0, 0])
+
+
+@pytest.mark.parametrize(("weights", "text"), [([1], "has 1 for 2"), ([1, 0, 3], "has 3 for 2")])
+def test_weights_that_do_not_fit_the_morph_targets_are_told(weights, text):
+    m = Maker()
+    square, up = m.square(), np.tile(np.array([[0, 0, 1]], "<f4"), (4, 1))
+    targets = [{"POSITION": m.accessor(k * up)} for k in (1.0, 10.0)]
+    m.json["meshes"][square] |= {"weights": weights}
+    m.json["meshes"][square]["primitives"][0]["targets"] = targets
+    m.node(name="it", mesh=square)
+    found = parsed(m)
+    assert set(found.data["nodes"]["it"]["shape"].vertices[:, 2]) == {1.0}
+    assert any(f"/meshes/0/weights: {text} morph targets" in line for line in found.warnings)

@@ -54,6 +54,16 @@ def test_cameras_look_along_minus_z_with_y_up(tmp_path):
     assert flat.camera.camera.fov == pytest.approx(np.degrees(1.0))
 
 
+def test_cameras_far_away_are_not_scaled(tmp_path):
+    m = Maker()
+    m.json["cameras"] = [{"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 1}}]
+    m.node(mesh=m.square())
+    m.node(camera=0, scale=[2, 2, 2], translation=[1e7, 0, 0])
+    (tmp_path / "a.glb").write_bytes(m.glb())
+    to_world = flatten(load(tmp_path / "a.glb")).camera.to_world
+    np.testing.assert_allclose(to_world[:3, :3], np.eye(3), atol=1e-12)
+
+
 @pytest.mark.parametrize("wanted", ["1", "node 6"])
 def test_other_cameras_are_chosen_by_number_or_name(wanted, tmp_path):
     (tmp_path / "a.glb").write_bytes(everything().glb())

@@ -57,6 +57,20 @@ def test_inverse_bind_matrices_come_first():
     np.testing.assert_allclose(points[1], [0, 0, 3], atol=2e-5)
 
 
+@pytest.mark.parametrize("flat", ["itself", "parent"])
+def test_a_node_without_size_shows_what_its_joints_hold(flat):
+    m = with_skin()
+    meant, _ = in_the_world(m)
+    nodes = m.json["nodes"]
+    if flat == "itself":
+        nodes[2]["scale"] = [0, 0, 0]
+    else:
+        m.node(name="parent", scale=[0, 0, 0], children=[2])
+    found = parsed(m)
+    np.testing.assert_allclose(found.data["nodes"]["skinned"]["shape"].vertices, meant, atol=2e-5)
+    assert not any("flattens" in note for note in found.notes)
+
+
 def test_weights_are_shares():
     half = np.array([[2, 2, 0, 0]] * 4, "<f4")
     joints = np.array([[0, 1, 0, 0]] * 4, "u1")

@@ -250,6 +250,24 @@ def test_integrators_of_other_programs_keep_their_depths():
 
 
 @pytest.mark.parametrize(
+    ("depth", "kept"),
+    [
+        ('<integer name="max_depth" value="0"/>', None),
+        ('<integer name="max_depth" value="4001"/>', None),
+        ('<float name="max_depth" value="4"/>', 4),
+        ('<string name="max_depth" value="many"/>', None),
+        ('<integer name="max_depth" value="-1"/>', None),
+        ('<boolean name="hide_emitters" value="perhaps"/>', None),
+    ],
+)
+def test_depths_of_other_programs_never_stop_a_lenient_reader(depth, kept):
+    scene = read(f'<integrator type="guided">{depth}</integrator>', lenient=True)
+    assert scene.integrator.max_depth == kept
+    is_odd = any(value in depth for value in ('"0"', "4001", "many"))
+    assert is_odd == any("must be in [1, 4000]" in line for line in scene.warnings)
+
+
+@pytest.mark.parametrize(
     "body",
     [
         '<integrator type="sppm"><integer name="photonCount" value="5"/></integrator>',
