@@ -23,7 +23,8 @@ from lanewise.records import replace
 from lanewise.simd import as_int, bits_float, float_bits, lanes, lanes_u32, where
 
 #: What `alight.accel.accelerator` makes and kernels are given. shapes: of each kind with a formula
-#: in the plan's lists, u32, shape and row in the data of each; triangles: float32, corners of those
+#: in the plan's lists, u32, shape and row in the data of each, and the number of what is one of
+#: many; triangles: float32, corners of those
 #: in the list, and triangle_ids: u32, their shape and prim; pairs: float32, four corners of two
 #: triangles each (`intersect_pair`), and pair_ids: u32, their shape and two prims; tree: `Bvh`;
 #: box: float32, lower and upper bounds of it.
@@ -87,6 +88,8 @@ def _write_shape_list(kind: str, place: int) -> Callable:
     """The search of the list of that kind of shape, which has that place."""
     intersect = SHAPES[kind].intersect
     assert intersect is not None
+    if SHAPES[kind].spec.many:
+        return _write_list_of_many(intersect, place)
 
     @kernel(strict=True)
     def search_shapes(accel, data, o, d, best, nearest):
@@ -98,6 +101,21 @@ def _write_shape_list(kind: str, place: int) -> Callable:
         return end_list(found, best, nearest)
 
     return search_shapes
+
+
+def _write_list_of_many(intersect: Callable, place: int) -> Callable:
+    """The same of a shape of many primitives."""
+
+    @kernel(strict=True)
+    def search_many(accel, data, o, d, best, nearest):
+        table, found = accel.shapes[place], start_list(best, nearest)
+        for i in range(table.size // 3):
+            t, u, v, met = intersect(data, as_int(table[3 * i + 1]), o, d, found.t)
+            hit = Hit(t, u, v, lanes_u32(table[3 * i]), lanes_u32(table[3 * i + 2]))
+            found = take_next(found, met, hit, nearest)
+        return end_list(found, best, nearest)
+
+    return search_many
 
 
 @kernel(strict=True)

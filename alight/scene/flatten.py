@@ -29,9 +29,10 @@ from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.files import Files
 from alight.scene.meshes import Geometry, geometry
 from alight.scene.motion import NOWHERE, Motion
+from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
-from alight.shapes.arrays import ARRAYS, TriangleShape
+from alight.shapes.arrays import ARRAYS, TriangleShape, in_words
 
 NO_GEOMETRY = -1
 
@@ -191,6 +192,7 @@ class _Flattener:
     _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
     _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
     _geometry_index: dict[str, int] = field(default_factory=dict)
+    _read: dict[int, Shape] = field(default_factory=dict)
 
     def place(self, path: str, root: Node, bsdf: Bsdf | str | None) -> None:
         """Place a node, what it instances, and its children."""
@@ -207,7 +209,7 @@ class _Flattener:
                 self.shapes.append(
                     PlacedShape(
                         name=path,
-                        shape=node.shape,
+                        shape=self.with_arrays(node.shape),
                         to_world=to_world,
                         bsdf=index,
                         light=light,
@@ -263,6 +265,12 @@ class _Flattener:
         if isinstance(bsdf, str):
             self._bsdf_by_name[bsdf] = index
         return index
+
+    def with_arrays(self, shape: Shape) -> Shape:
+        """A shape with the arrays of its file; the same object for the same description."""
+        if id(shape) not in self._read:
+            self._read[id(shape)] = with_arrays(shape, self.files)
+        return self._read[id(shape)]
 
     def geometry_index(self, shape: Shape) -> int:
         """Number a mesh's arrays; equal ones share a number."""
@@ -393,7 +401,7 @@ def _moved(placed: PlacedShape | PlacedLight | PlacedCamera) -> bytes:
 
 
 def _content(spec: Spec) -> bytes:
-    """Describe a model without its mesh arrays, which have a digest of their own."""
+    """Describe a model without the arrays of meshes, which have a digest of their own."""
     left_out = (*ARRAYS, "file", "medium", "shutter")
-    fields = {name: repr(value) for name, value in spec if name not in left_out}
+    fields = {name: in_words(value) for name, value in spec if name not in left_out}
     return json.dumps(fields, sort_keys=True).encode()

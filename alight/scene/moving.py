@@ -31,6 +31,8 @@ def _node_problems(scene: Scene, node: Node, here: Placement) -> Iterator[tuple[
     if node.shape is not None and not node.shape.finite:
         kind = node.shape.type_name()
         yield "shape", f"a {kind} is infinite and cannot move: take a large finite shape"
+    elif node.shape is not None and not node.shape.can_move:
+        yield "shape", f"{node.shape.type_name()} cannot move while the shutter is open"
     for side in ("interior", "exterior"):
         medium = getattr(node, side)
         medium = scene.media.get(medium) if isinstance(medium, str) else medium
