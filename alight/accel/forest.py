@@ -89,7 +89,10 @@ class Forest:
         self._describe_many(blocks, boxes)
         vertices = np.ascontiguousarray(self.triangles.vertices, np.float32)
         faces = np.ascontiguousarray(self.triangles.faces, np.int32)
-        main, stats = build_bvh(vertices, faces, blocks, boxes, method=method, threads=threads)
+        many = sum(len(one.low) for one in self.many)
+        main, stats = build_bvh(
+            vertices, faces, blocks, boxes, method=method, threads=threads, many=many
+        )
         tree, roots = _joined([main, *(t for t, _ in trees)])
         if trees:
             self._point_to_roots(tree, dict(zip(used, roots[1:], strict=True)))

@@ -10,18 +10,21 @@ from collections.abc import Iterator
 import numpy as np
 
 from alight.core.constants import TWO_PI
-from alight.shapes.strands import Segments, StrandShape, segments
-from alight.shapes.tube import PIECES
+from alight.shapes.strands import Segments, StrandShape, halved, segments
+from alight.shapes.tube import BEYOND, PIECES
 
 STRIDE = 24
 
 SLACK, IS_BALL, TEXTURE, SPAN, AXIS = 16, 17, 18, 19, 20
 
+#: What is longer than this many radii is halved, up to `HALVINGS` times, as long as there are at
+#: most `MOST_HALVED` segments: short ones have small boxes.
+SLENDER, HALVINGS, MOST_HALVED = 12.0, 2, 1 << 20
+
 #: Coefficients of 1, u, u^2, u^3 from Bezier's control points.
 _TO_POWERS = np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], float)
 
-#: Places at which boxes are looked for: the ends of the pieces.
-_PLACES = np.linspace(0.0, 1.0, PIECES + 1)
+_FROM_POWERS = np.linalg.inv(_TO_POWERS)
 
 #: Rows that are looked at together, to save memory.
 _CHUNK = 1 << 16
@@ -36,7 +39,15 @@ def rows_of(spec: StrandShape, matrix: np.ndarray) -> np.ndarray:
     axes = _axes(parts)
     if spec.basis == "linear":
         return np.concatenate([_tubes(parts, axes), _balls(parts, axes)])
+    for _ in range(HALVINGS):
+        if len(parts.points) <= MOST_HALVED:
+            parts = halved(parts, _is_slender(parts))
     return _tubes(parts, axes)
+
+
+def _is_slender(parts: Segments) -> np.ndarray:
+    lengths = np.linalg.norm(parts.points[:, 3, :3] - parts.points[:, 0, :3], axis=1)
+    return lengths > SLENDER * parts.points[:, :, 3].max(axis=1)
 
 
 def _tubes(parts: Segments, axes: np.ndarray) -> np.ndarray:
@@ -100,16 +111,18 @@ def area(rows: np.ndarray) -> float:
 
 
 def extremes(rows: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest values (n, m) of each primitive along directions (m, 3)."""
+    """Least and largest values (n, m) of each primitive along directions (m, 3).
+
+    Those of Bezier's control points, with what is met beyond the ends of a tube.
+    """
     lows, highs = [], []
-    powers_of_u = _PLACES[:, None] ** np.arange(4)
     lengths = np.linalg.norm(directions, axis=1)
-    for powers, part in _powers(rows):
-        at = powers_of_u @ powers
-        values = at[:, :, :3] @ directions.T
-        reach = at[:, :, 3].max(axis=1) + part[:, SLACK]
-        reach = reach[:, None] * lengths * (1.0 + 1e-6)
-        margin = reach + 4e-7 * np.abs(values).max(axis=1)
+    for powers, _ in _powers(rows):
+        points = _FROM_POWERS @ powers
+        values = points[:, :, :3] @ directions.T
+        beyond = 2.0 * BEYOND * np.abs(powers[:, 1:]).sum(axis=(1, 2))
+        reach = points[:, :, 3].max(axis=1) * (1.0 + 1e-6) + beyond
+        margin = reach[:, None] * lengths + 4e-7 * np.abs(values).max(axis=1)
         lows.append(values.min(axis=1) - margin)
         highs.append(values.max(axis=1) + margin)
     return np.concatenate(lows), np.concatenate(highs)

@@ -172,16 +172,18 @@ def segments(spec: StrandShape, matrix: np.ndarray) -> Segments:
     return Segments(to_bezier @ taken, number * share, share, strand)
 
 
-def halved(parts: Segments) -> Segments:
-    """Each segment in two, by de Casteljau's construction."""
-    p = parts.points
+def halved(parts: Segments, chosen: NDArray[np.bool_]) -> Segments:
+    """The chosen segments in two each, by de Casteljau's construction."""
+    p = parts.points[chosen]
     a, b, c = (0.5 * (p[:, i] + p[:, i + 1]) for i in range(3))
     d, e = 0.5 * (a + b), 0.5 * (b + c)
     middle = 0.5 * (d + e)
-    left = np.stack([p[:, 0], a, d, middle], axis=1)
-    right = np.stack([middle, e, c, p[:, 3]], axis=1)
-    span = np.repeat(0.5 * parts.span, 2)
-    first = np.repeat(parts.first, 2)
-    first[1::2] += span[1::2]
-    points = np.stack([left, right], axis=1).reshape(-1, 4, 4)
-    return Segments(points, first, span, np.repeat(parts.strand, 2))
+    times = np.where(chosen, 2, 1)
+    left = (np.cumsum(times) - times)[chosen]
+    points, first, span, strand = (np.repeat(column, times, axis=0) for column in parts)
+    points[left] = np.stack([p[:, 0], a, d, middle], axis=1)
+    points[left + 1] = np.stack([middle, e, c, p[:, 3]], axis=1)
+    span[left] *= 0.5
+    span[left + 1] *= 0.5
+    first[left + 1] += span[left + 1]
+    return Segments(points, first, span, strand)

@@ -1,4 +1,4 @@
-"""Curves in lists, in the tree and in the twin: one formula, the same numbers; and nothing missed."""
+"""Curves in lists, the tree and the twin: one formula, the same numbers, and nothing missed."""
 
 import numpy as np
 

@@ -42,12 +42,7 @@ KNOWN_ERROR = (
     Mutant(
         "no bright sample seen, so no brightness believed",
         "metrics/noisy_pixels.py",
-        (
-            (
-                "mean = (seen + prior) / (expected + prior)",
-                "mean = (seen + 1e-6) / (expected + 1e-6)",
-            ),
-        ),
+        (("mean = (seen + prior) / (expected + prior)", "mean = (seen + 1e-6) / (expected + 1e-6)"),),
         f"{NOISY}::test_without_a_sample_pixels_are_as_bright_as_their_surroundings",
     ),
     Mutant(
