@@ -88,7 +88,7 @@ def _write_shape_list(kind: str, place: int) -> Callable:
     """The search of the list of that kind of shape, which has that place."""
     intersect = SHAPES[kind].intersect
     assert intersect is not None
-    if SHAPES[kind].spec.many:
+    if SHAPES[kind].is_many:
         return _write_list_of_many(intersect, place)
 
     @kernel(strict=True)

@@ -14,8 +14,10 @@ from alight.compiled.mesh_tables import (
     NO_FACES,
     MeshArrays,
     MeshRange,
+    Triangles,
     joined,
     joined_if_any,
+    joined_triangles,
     mesh_flags,
     triangle_areas,
     unit_normals,
@@ -35,24 +37,6 @@ FEW_TRIANGLES = 64
 
 #: Most shapes named in one message.
 MOST_TOLD = 10
-
-
-class Triangles(NamedTuple):
-    """All triangles that are stored in world space.
-
-    Attributes
-    ----------
-    vertices : (V, 3) float32, metres
-    faces : (F, 3) int32
-        Rows of `vertices`.
-    shape, prim : (F,) uint32
-        The shape of each triangle, and its number within the shape; ascending.
-    """
-
-    vertices: NDArray[np.float32]
-    faces: NDArray[np.int32]
-    shape: NDArray[np.uint32]
-    prim: NDArray[np.uint32]
 
 
 class CompiledShape(NamedTuple):
@@ -236,7 +220,7 @@ class _Compiler:
         model, offset = SHAPES[kind], self.offset
         assert model.pack is not None
         row = model.pack(shape, matrix)
-        if shape.many:
+        if model.is_many:
             self._place_many(source, placed, row)
             return
         if row.size > MOST_NUMBERS:
@@ -377,7 +361,7 @@ class _Compiler:
         radius = 0.5 * float(np.linalg.norm(high - low))
         return CompiledShapes(
             tables=tables,
-            triangles=self._joined_triangles(),
+            triangles=joined_triangles(self.triangles),
             analytic=self.analytic,
             unbounded=self.unbounded,
             instances=self.instances,
@@ -389,25 +373,4 @@ class _Compiler:
             moving=self.moving,
             motions=self.motions,
             many=self.many,
-        )
-
-    def _joined_triangles(self) -> Triangles:
-        parts = self.triangles
-        starts = np.cumsum([0] + [len(vertices) for vertices, _, _ in parts])
-        return Triangles(
-            joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
-            joined(
-                [f + np.int32(start) for (_, f, _), start in zip(parts, starts, strict=False)],
-                3,
-                np.int32,
-                empty=True,
-            ),
-            np.repeat(
-                np.array([index for _, _, index in parts], np.uint32),
-                np.array([len(faces) for _, faces, _ in parts], np.int64),
-            ),
-            np.concatenate(
-                [np.arange(len(faces), dtype=np.uint32) for _, faces, _ in parts]
-                or [np.zeros(0, np.uint32)]
-            ),
         )

@@ -196,27 +196,12 @@ class Texture(Spec):
 
 
 class Shape(Spec):
-    """Base class of shapes.
-
-    Attributes
-    ----------
-    finite : bool
-        It has bounds, and can be a light.
-    closed : bool
-        It has an inside.
-    many : bool
-        It is made of many primitives with one formula, which are met from outside only: what
-        enters one leaves it unseen.
-    can_move : bool
-        It may move while the shutter is open, unless it is infinite.
-    """
+    """Base class of shapes; `finite` ones can be lights, `closed` ones have an inside."""
 
     family: ClassVar[str] = "shapes"
     kind: ClassVar[str] = "shape"
     finite: ClassVar[bool] = True
     closed: ClassVar[bool] = False
-    many: ClassVar[bool] = False
-    can_move: ClassVar[bool] = True
     flip_normals: Truth = False
 
     def parts(self) -> tuple[tuple[Shape, np.ndarray], ...]:

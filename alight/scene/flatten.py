@@ -192,7 +192,6 @@ class _Flattener:
     _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
     _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
     _geometry_index: dict[str, int] = field(default_factory=dict)
-    _read: dict[int, Shape] = field(default_factory=dict)
 
     def place(self, path: str, root: Node, bsdf: Bsdf | str | None) -> None:
         """Place a node, what it instances, and its children."""
@@ -209,7 +208,7 @@ class _Flattener:
                 self.shapes.append(
                     PlacedShape(
                         name=path,
-                        shape=self.with_arrays(node.shape),
+                        shape=with_arrays(node.shape, self.files),
                         to_world=to_world,
                         bsdf=index,
                         light=light,
@@ -265,12 +264,6 @@ class _Flattener:
         if isinstance(bsdf, str):
             self._bsdf_by_name[bsdf] = index
         return index
-
-    def with_arrays(self, shape: Shape) -> Shape:
-        """A shape with the arrays of its file; the same object for the same description."""
-        if id(shape) not in self._read:
-            self._read[id(shape)] = with_arrays(shape, self.files)
-        return self._read[id(shape)]
 
     def geometry_index(self, shape: Shape) -> int:
         """Number a mesh's arrays; equal ones share a number."""

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,14 +14,14 @@ from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.core.spec import Shape
 from alight.scene.files import Files
 from alight.scene.meshes import unreadable
-from alight.shapes.strands import StrandShape
+from alight.shapes.strands import Basis, StrandShape
 
 #: Arrays that a file holds; the last one may be missing.
 NAMES = ("points", "radii", "counts")
 
 
 def with_arrays(shape: Shape, files: Files) -> Shape:
-    """A shape of strands with the arrays of the file that it names; others as they are.
+    """A shape of strands with the arrays of the file that it names, the same for the same; else it.
 
     Raises
     ------
@@ -27,13 +30,22 @@ def with_arrays(shape: Shape, files: Files) -> Shape:
     """
     if not isinstance(shape, StrandShape) or shape.file is None:
         return shape
-    arrays = files.read(read_arrays, shape.file)
-    try:
-        return shape.replaced(file=None, **arrays)
-    except SceneError as error:
-        raise SceneError(
-            [Issue("file", f"{quote(shape.file)}: {issue.message}") for issue in error.issues]
-        ) from None
+    return files.read(_reader_of(type(shape), shape.basis), shape.file)
+
+
+@lru_cache(maxsize=16)
+def _reader_of(kind: type[StrandShape], basis: Basis) -> Callable[[Path, str], StrandShape]:
+    """What makes strands of a file: the same function for the same question."""
+
+    def read(path: Path, name: str) -> StrandShape:
+        arrays: dict[str, Any] = read_arrays(path, name)
+        try:
+            return kind(basis=basis, **arrays)
+        except SceneError as error:
+            issues = [Issue("file", f"{quote(name)}: {issue.message}") for issue in error.issues]
+            raise SceneError(issues) from None
+
+    return read
 
 
 def read_arrays(path: Path, name: str = "") -> dict[str, np.ndarray]:

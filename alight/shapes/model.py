@@ -27,13 +27,14 @@ class ShapeModel(Record):
     ----------
     pack : (spec, (4, 4) float64) -> (n,) float32
         The row of the table from the matrix object to world; at most `MOST_NUMBERS`. Of a shape of
-        many primitives (`alight.core.spec.Shape.many`) the rows (m, n), all of them in the place of
-        one in what follows.
+        many primitives the rows (m, n), all of them in the place of one in what follows.
     area, bounds, facing : functions of a packed row
         Surface area, m^2; corners of the box, metres; unit axis and half angle of a cone around all
         outer normals, radians.
     extremes : function of the packed rows and of directions (k, 3)
-        Least and largest values (m, k) of each of many primitives along the directions, metres.
+        Least and largest values (m, k) of each primitive along the directions, metres. A shape that
+        has this is made of many, which are met from outside only: what enters one passes its far
+        side. It cannot move while the shutter is open.
     intersect : kernel ``(data, k, o, d, t_max) -> (t, u, v, hit)``
         Nearest hits of a shape with a formula, 0 < t <= t_max, with d of any length. k: uniform
         offset of the row; u, v: whatever `surface` finds useful in a `Hit`. Full description:
@@ -78,6 +79,11 @@ class ShapeModel(Record):
     def has_formula(self) -> bool:
         """Whether rays meet it by a formula, and not triangle by triangle."""
         return self.intersect is not None
+
+    @property
+    def is_many(self) -> bool:
+        """Whether it is made of many primitives."""
+        return self.extremes is not None
 
 
 #: All shapes, by name.

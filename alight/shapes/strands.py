@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -87,8 +87,6 @@ _STRAIGHT = np.array([[3, 0], [2, 1], [1, 2], [0, 3]]) / 3.0
 class StrandShape(ArrayShape):
     """Base class of shapes made of strands, from arrays or a file."""
 
-    many: ClassVar[bool] = True
-    can_move: ClassVar[bool] = False
     file: str | None = None
     points: Points | None = None
     radii: Radii | None = None

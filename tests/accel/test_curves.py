@@ -27,7 +27,7 @@ def hair(seed: int, basis: str = "b_spline") -> curves.Curves:
 def worlds(spec: curves.Curves) -> tuple[World, World, np.ndarray]:
     rows = curves.pack(spec, np.eye(4))
     low, high = (side.astype(np.float32) for side in curves.extremes(rows, np.eye(3)))
-    many = [Many("curves", 3, 0, curves.STRIDE, low, high)]
+    many = [Many("curves", 3, 0, rows.shape[1], low, high)]
     listed, tree = (
         World(None, [], [], [], [], [], many, data=rows.ravel(), structure=structure)
         for structure in ("list", "bvh")
