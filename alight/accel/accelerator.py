@@ -21,6 +21,7 @@ from alight.accel.moving import MOVING_ROW, MovingAccelerator
 from alight.accel.primitives import (
     Analytic,
     Instance,
+    Many,
     Moving,
     TriangleSet,
     Unbounded,
@@ -45,6 +46,7 @@ def build_accelerator(
     instances: Sequence = (),
     geometries: Sequence[tuple[np.ndarray, np.ndarray]] = (),
     moving: Sequence = (),
+    many: Sequence = (),
     *,
     builder: str = "sah",
     structure: str = "auto",
@@ -61,6 +63,7 @@ def build_accelerator(
     geometries : sequence of (vertices (V, 3) float32, faces (F, 3) int32)
         Meshes in their own space.
     moving : sequence of Moving
+    many : sequence of Many
     builder : {"sah", "median"}
         How the tree is divided.
     structure : {"auto", "list", "bvh"}
@@ -79,7 +82,7 @@ def build_accelerator(
         ``bytes``, ``seconds``.
     """
     begin = time.perf_counter()
-    sorter = _Sorter(triangles, analytic, unbounded, instances, geometries, moving)
+    sorter = _Sorter(triangles, analytic, unbounded, instances, geometries, moving, many)
     if structure == "list":
         sorter.list_everything()
     elif structure == "auto":
@@ -95,7 +98,7 @@ def build_accelerator(
 class _Sorter:
     """Primitives on their way into lists or the tree."""
 
-    def __init__(self, triangles, analytic, unbounded, instances, geometries, moving):
+    def __init__(self, triangles, analytic, unbounded, instances, geometries, moving, many=()):
         if triangles is None:
             triangles = TriangleSet(
                 np.zeros((0, 3), np.float32),
@@ -112,6 +115,8 @@ class _Sorter:
             for v, f in geometries
         ]
         self.moving = sorted((Moving(*m) for m in moving), key=lambda m: m.shape)
+        self.many = sorted((Many(*m) for m in many), key=lambda m: m.shape)
+        self.listed_many: list[Many] = []
         self.listed = np.zeros(len(self.triangles.faces), bool)
         self.listed_analytic = np.zeros(len(self.analytic), bool)
         self.listed_moving: list[Moving] = []
@@ -128,6 +133,7 @@ class _Sorter:
             self.flattened.append(placed(one, vertices, faces))
         self.instances = []
         self._list_moving()
+        self.listed_many, self.many = self.many, []
 
     def _list_moving(self) -> None:
         self.listed_moving, self.moving = self.moving, []
@@ -138,7 +144,8 @@ class _Sorter:
         total += sum(
             len(self.geometries[m.row][1]) if m.kind == TRIANGLES else 1 for m in self.moving
         )
-        if total <= LIST_LIMIT and not self.instances:
+        # A list tests what is one of many piece by piece: those are for trees.
+        if total <= LIST_LIMIT and not self.instances and not self.many:
             self.listed[:] = True
             self.listed_analytic[:] = True
             self._list_moving()
@@ -176,6 +183,7 @@ class _Sorter:
         boxes = {g: own_box(*self.geometries[g]) for g in used}
         parts += [placed_box(i, boxes[i.geometry]) for i in self.instances if i.geometry in used]
         parts += [np.asarray([m.low, m.high], float) for m in self.moving]
+        parts += [np.array([m.low.min(axis=0), m.high.max(axis=0)], float) for m in self.many]
         if len(self.triangles.faces):
             vertices = self.triangles.vertices
             parts.append(np.asarray([vertices.min(axis=0), vertices.max(axis=0)], float))
@@ -186,12 +194,15 @@ class _Sorter:
 
     def finish(self, builder: str, threads: int, in_pairs: bool):
         """The accelerator, its plan, and figures about it."""
-        lists: dict[str, list[tuple[int, int]]] = {}
+        lists: dict[str, list[tuple[int, ...]]] = {}
         for a, listed in zip(self.analytic, self.listed_analytic, strict=True):
             if listed:
                 lists.setdefault(a.kind, []).append((a.shape, a.row))
         for kind, shape, row in self.unbounded:
             lists.setdefault(kind, []).append((shape, row))
+        for one in self.listed_many:
+            rows = enumerate(one.rows.tolist())
+            lists.setdefault(one.kind, []).extend((one.shape, row, prim) for prim, row in rows)
         plan = list(kinds_in_order(set(lists)))
         shapes = _joined([np.array(lists[kind], np.uint32).reshape(-1) for kind in plan])
         corners, ids = self._listed_triangles()
@@ -210,6 +221,7 @@ class _Sorter:
             self.instances,
             self.geometries,
             self.moving,
+            self.many,
         )
         tree, box, tree_plan, stats = forest.build(builder, threads)
         count = len(ids) + sum(len(rows) for rows in lists.values())

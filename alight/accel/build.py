@@ -40,6 +40,7 @@ def build_bvh(
     *,
     method: str = "sah",
     threads: int = 1,
+    many: int = 0,
 ) -> tuple[Bvh, dict]:
     """Build a hierarchy over triangles, and over other primitives given by their boxes.
 
@@ -56,6 +57,8 @@ def build_bvh(
     method : {"sah", "median"}
         How sets are divided.
     threads : int
+    many : int
+        How many of the others are one of many (`fill`).
 
     Returns
     -------
@@ -70,7 +73,7 @@ def build_bvh(
     compile_kernels(len(faces) + len(others) > SMALLEST_TASK)
     begin = time.perf_counter()
     with _Pool(threads) as pool:
-        builder = _Builder(kernels(), pool, METHODS[method], vertices, faces, others, boxes)
+        builder = _Builder(kernels(), pool, METHODS[method], vertices, faces, others, boxes, many)
         bvh, stats = builder.run()
     stats["sah_cost"] = sah_cost(bvh)
     bvh = bvh._replace(waits=waits_for_memory(bvh))
@@ -140,9 +143,9 @@ class _Pool:
 class _Builder:
     """One build: the arrays that its passes share."""
 
-    def __init__(self, compiled, pool, method, vertices, faces, others, boxes):
+    def __init__(self, compiled, pool, method, vertices, faces, others, boxes, many=0):
         self.compiled, self.pool = compiled, pool
-        self.rules = Rules(method, expected_fill(vertices, faces, len(others)))
+        self.rules = Rules(method, expected_fill(vertices, faces, len(others), many))
         self.source = Source(View(vertices), View(faces), len(faces), View(others))
         self.top = TopDivision(compiled, pool, self.rules, self.source, boxes)
 

@@ -13,7 +13,7 @@ RUNS, RUN = 4, 2048
 PLACE = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 
 
-def expected_fill(vertices: np.ndarray, faces: np.ndarray, others: int) -> int:
+def expected_fill(vertices: np.ndarray, faces: np.ndarray, others: int, many: int = 0) -> int:
     """How many primitives a block is expected to take.
 
     Parameters
@@ -22,6 +22,9 @@ def expected_fill(vertices: np.ndarray, faces: np.ndarray, others: int) -> int:
         As of `build.build_bvh`.
     others : int
         Primitives that are not triangles.
+    many : int
+        How many of these are one of many: better alone in a box, as their tests take longer than
+        that of a node.
 
     Returns
     -------
@@ -30,12 +33,13 @@ def expected_fill(vertices: np.ndarray, faces: np.ndarray, others: int) -> int:
         has its own.
     """
     n = len(faces)
+    in_leaves = (others - many) * OTHERS_IN_LEAF + many
     if n == 0:
-        return OTHERS_IN_LEAF
+        return max(round(in_leaves / others), 1)
     fill = min(max(round(WIDTH * n / _count_vertices(vertices, faces)), WIDTH // 3), WIDTH)
     if others == 0:
         return fill
-    return min(round((n * fill + others * OTHERS_IN_LEAF) / (n + others)), MAX_LEAF)
+    return min(round((n * fill + in_leaves) / (n + others)), MAX_LEAF)
 
 
 def _count_vertices(vertices: np.ndarray, faces: np.ndarray) -> float:

@@ -28,7 +28,7 @@ from alight.accel.layout import (
     kinds_in_order,
     number_of,
 )
-from alight.accel.primitives import Analytic, Instance, Moving, TriangleSet
+from alight.accel.primitives import Analytic, Instance, Many, Moving, TriangleSet
 from lanewise.view import View
 
 #: An instance's box is enlarged by this part of the coordinates: rays are rounded on their way to
@@ -47,9 +47,10 @@ class Forest:
     instances : list of Instance
     geometries : list of (vertices, faces)
     moving : list of Moving
+    many : list of Many
     """
 
-    def __init__(self, triangles, analytic, instances, geometries, moving=()):
+    def __init__(self, triangles, analytic, instances, geometries, moving=(), many=()):
         self.triangles: TriangleSet = triangles
         self.analytic: list[Analytic] = analytic
         self.instances: list[Instance] = [i for i in instances if len(geometries[i.geometry][1])]
@@ -57,6 +58,7 @@ class Forest:
         self.moving: list[Moving] = [
             m for m in moving if m.kind != TRIANGLES or len(geometries[m.row][1])
         ]
+        self.many: list[Many] = list(many)
 
     def build(self, method: str, threads: int) -> tuple[Bvh, View, tuple[str, ...], dict[str, Any]]:
         """Build all trees.
@@ -72,6 +74,7 @@ class Forest:
         stats : dict
         """
         others = len(self.analytic) + len(self.instances) + len(self.moving)
+        others += sum(len(one.low) for one in self.many)
         if len(self.triangles.faces) + others == 0:
             empty = View(np.zeros(0, np.float32))
             tree = Bvh(empty, empty, View(np.zeros(0, np.uint32)), 0)
@@ -83,9 +86,13 @@ class Forest:
         self._describe_analytic(blocks, boxes)
         self._describe_instances(blocks, boxes)
         self._describe_moving(blocks, boxes)
+        self._describe_many(blocks, boxes)
         vertices = np.ascontiguousarray(self.triangles.vertices, np.float32)
         faces = np.ascontiguousarray(self.triangles.faces, np.int32)
-        main, stats = build_bvh(vertices, faces, blocks, boxes, method=method, threads=threads)
+        many = sum(len(one.low) for one in self.many)
+        main, stats = build_bvh(
+            vertices, faces, blocks, boxes, method=method, threads=threads, many=many
+        )
         tree, roots = _joined([main, *(t for t, _ in trees)])
         if trees:
             self._point_to_roots(tree, dict(zip(used, roots[1:], strict=True)))
@@ -95,10 +102,16 @@ class Forest:
             stats["depth"] = max(stats["depth"], more["depth"])
         ids = np.zeros((len(faces) + others, 2), np.uint32)
         ids[: len(faces), 0], ids[: len(faces), 1] = self.triangles.shape, self.triangles.prim
-        others = (*self.analytic, *self.instances, *self.moving)
-        ids[len(faces) :, 0] = [p.shape for p in others]
+        alone = (*self.analytic, *self.instances, *self.moving)
+        at = len(faces) + len(alone)
+        ids[len(faces) : at, 0] = [p.shape for p in alone]
+        for one in self.many:
+            rows = ids[at : at + len(one.low)]
+            rows[:, 0], rows[:, 1] = one.shape, np.arange(len(rows))
+            at += len(rows)
         stats["bytes"] += ids.nbytes
         kinds = {a.kind for a in self.analytic} | ({INSTANCE} if self.instances else set())
+        kinds |= {one.kind for one in self.many}
         plan = (TREE, *(f"{TREE} {kind}" for kind in kinds_in_order(kinds)))
         kinds = {m.kind for m in self.moving}
         plan += tuple(f"{MOVING_TREE} {kind}" for kind in kinds_in_order(kinds))
@@ -127,6 +140,16 @@ class Forest:
             words = blocks.view(np.uint32)[row]
             words[:3] = MOVING + number_of(one.kind), one.row, one.motion
             boxes[row] = np.asarray([one.low, one.high])
+
+    def _describe_many(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
+        """The same for the shapes of many primitives."""
+        at = len(self.analytic) + len(self.instances) + len(self.moving)
+        for one in self.many:
+            place = slice(at, at + len(one.low))
+            words = blocks.view(np.uint32)[place]
+            words[:, 0], words[:, 1] = number_of(one.kind), one.rows
+            boxes[place, 0], boxes[place, 1] = one.low, one.high
+            at += len(one.low)
 
     def _point_to_roots(self, tree: Bvh, roots: dict[int, int]) -> None:
         """Write the root node of each instance's and moving mesh's geometry into its block."""

@@ -24,10 +24,11 @@ from lanewise.simd import as_int, bits_float, float_bits, lanes, lanes_u32, wher
 
 #: What `alight.accel.accelerator` makes and kernels are given. shapes: u32, where the list of each
 #: kind with a formula starts, in the plan's order, and where the last one ends; then the lists, of
-#: shapes and their rows in the data. They are one table so that kernels are given the same types
-#: however many kinds there are. triangles: float32, corners of those in the list, and triangle_ids:
-#: u32, their shape and prim; pairs: float32, four corners of two triangles each (`intersect_pair`),
-#: and pair_ids: u32, their shape and two prims; tree: `Bvh`; box: float32, lower and upper bounds.
+#: shapes and their rows in the data, and of which of its primitives it is where a shape has many.
+#: They are one table so that kernels are given the same types however many kinds there are.
+#: triangles: float32, corners of those in the list, and triangle_ids: u32, their shape and prim;
+#: pairs: float32, four corners of two triangles each (`intersect_pair`), and pair_ids: u32, their
+#: shape and two prims; tree: `Bvh`; box: float32, lower and upper bounds of it.
 Accelerator = namedtuple("Accelerator", "shapes triangles triangle_ids pairs pair_ids tree box")
 
 #: Kinds of lists beside those of shapes.
@@ -88,6 +89,8 @@ def _write_shape_list(kind: str, place: int) -> Callable:
     """The search of the list of that kind of shape, which has that place."""
     intersect = SHAPES[kind].intersect
     assert intersect is not None
+    if SHAPES[kind].is_many:
+        return _write_list_of_many(intersect, place)
 
     @kernel(strict=True)
     def search_shapes(accel, data, o, d, best, nearest):
@@ -99,6 +102,21 @@ def _write_shape_list(kind: str, place: int) -> Callable:
         return end_list(found, best, nearest)
 
     return search_shapes
+
+
+def _write_list_of_many(intersect: Callable, place: int) -> Callable:
+    """The same of a shape of many primitives."""
+
+    @kernel(strict=True)
+    def search_many(accel, data, o, d, best, nearest):
+        table, found = accel.shapes, start_list(best, nearest)
+        for i in range(as_int(table[place]), as_int(table[place + 1]), 3):
+            t, u, v, met = intersect(data, as_int(table[i + 1]), o, d, found.t)
+            hit = Hit(t, u, v, lanes_u32(table[i]), lanes_u32(table[i + 2]))
+            found = take_next(found, met, hit, nearest)
+        return end_list(found, best, nearest)
+
+    return search_many
 
 
 @kernel(strict=True)

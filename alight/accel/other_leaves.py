@@ -49,6 +49,18 @@ def word_of(tree, at):
     return as_int(float_bits(tree.blocks[at]))
 
 
+def _write_meet_one_of_many(meet_alone: Callable) -> Callable:
+    @kernel(strict=True)
+    def meet_one_of_many(search, at, ray):
+        """The hit of one ray on the primitive of the block at `at`; index NONE if none."""
+        row = word_of(search.tree, at + 1)
+        t, u, v, bits = meet_alone(search.data, row, ray.o, ray.d, ray.t)
+        found = word_of(search.tree, at + IDS) if bits != 0 else NONE
+        return SingleHit(t, found, 0, u, v)
+
+    return meet_one_of_many
+
+
 def _write_meet_shape(intersect: Callable) -> Callable:
     @kernel(strict=True)
     def meet_shape(search, at, ray):
@@ -92,7 +104,9 @@ def meet_of(kind: str) -> Callable:
         return meet_instance
     if kind == TRIANGLES:
         return meet_mesh
-    intersect = SHAPES[kind].intersect
+    intersect, meet_alone = SHAPES[kind].intersect, SHAPES[kind].meet_alone
+    if meet_alone is not None:
+        return _write_meet_one_of_many(meet_alone)
     assert intersect is not None
     return _write_meet_shape(intersect)
 

@@ -35,6 +35,33 @@ class Analytic(NamedTuple):
     high: Sequence[float]
 
 
+class Many(NamedTuple):
+    """A shape of many primitives with one formula, numbered from 0 on.
+
+    Attributes
+    ----------
+    kind : str
+    shape : int
+        Shape number.
+    row, stride : int
+        Row of the first primitive in the data, and how far the next one is.
+    low, high : (n, 3) float32, metres
+        Bounds of each.
+    """
+
+    kind: str
+    shape: int
+    row: int
+    stride: int
+    low: np.ndarray
+    high: np.ndarray
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Row of each primitive in the data, (n,) uint32."""
+        return (self.row + self.stride * np.arange(len(self.low))).astype(np.uint32)
+
+
 class Unbounded(NamedTuple):
     """A shape with a formula and without bounds: its kind, shape number, row in the data."""
 

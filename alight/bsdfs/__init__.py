@@ -11,6 +11,7 @@ from alight.bsdfs import (
     diffuse,
     diffuse_transmission,
     eon,
+    hair,
     mask,
     mirror,
     normal_map,
@@ -52,6 +53,7 @@ MODELS = (
     normal_map,
     bump_map,
     coated_conductor,
+    hair,
 )
 
 #: Of shapes that name none.

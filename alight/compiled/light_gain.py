@@ -108,7 +108,7 @@ def _triangles(
 def _boxes(shapes: CompiledShapes, asked: NDArray[np.bool_]) -> tuple[np.ndarray, ...]:
     """The same of all other shapes, by the boxes around them."""
     corner, edges, area = [], [], []
-    for _, index, _, low, high in shapes.analytic:
+    for index, low, high in shapes.boxes():
         if asked[index]:
             corner.append(low)
             edges.append(np.diag(high - low))

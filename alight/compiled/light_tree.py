@@ -119,7 +119,7 @@ def find_leaves(
     powers : (n,) float64, W
     shapes : CompiledShapes
     """
-    boxes = {index: (low, high) for _, index, _, low, high in shapes.analytic}
+    boxes = {index: (low, high) for index, low, high in shapes.boxes()}
     boxes |= {moving.shape: (moving.low, moving.high) for moving in shapes.moving}
     parts = [_no_leaf()]
     for number, (row, power) in enumerate(zip(rows, powers, strict=True)):

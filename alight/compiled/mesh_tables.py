@@ -93,3 +93,43 @@ def joined_if_any(parts: list[np.ndarray], columns: int) -> np.ndarray:
     """The same for an attribute that all meshes may lack; then no memory is spent on it."""
     lacking = all(0 in part.strides for part in parts)
     return joined([] if lacking else parts, columns, np.float32)
+
+
+class Triangles(NamedTuple):
+    """All triangles that are stored in world space.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float32, metres
+    faces : (F, 3) int32
+        Rows of `vertices`.
+    shape, prim : (F,) uint32
+        The shape of each triangle, and its number within the shape; ascending.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    shape: NDArray[np.uint32]
+    prim: NDArray[np.uint32]
+
+
+def joined_triangles(parts: list[tuple[np.ndarray, np.ndarray, int]]) -> Triangles:
+    """All triangles of meshes in the world, each (vertices, faces, number of the shape)."""
+    starts = np.cumsum([0] + [len(vertices) for vertices, _, _ in parts])
+    return Triangles(
+        joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
+        joined(
+            [f + np.int32(start) for (_, f, _), start in zip(parts, starts, strict=False)],
+            3,
+            np.int32,
+            empty=True,
+        ),
+        np.repeat(
+            np.array([index for _, _, index in parts], np.uint32),
+            np.array([len(faces) for _, faces, _ in parts], np.int64),
+        ),
+        np.concatenate(
+            [np.arange(len(faces), dtype=np.uint32) for _, faces, _ in parts]
+            or [np.zeros(0, np.uint32)]
+        ),
+    )

@@ -131,6 +131,7 @@ def compile_scene(
         shapes.instances,
         shapes.geometries,
         shapes.moving,
+        shapes.many,
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights

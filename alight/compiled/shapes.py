@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.accel.layout import TRIANGLES
-from alight.accel.primitives import Moving
+from alight.accel.primitives import Many, Moving
 from alight.compiled.mesh_tables import (
     NO_FACES,
     MeshArrays,
     MeshRange,
+    Triangles,
     joined,
     joined_if_any,
+    joined_triangles,
     mesh_flags,
     triangle_areas,
     unit_normals,
@@ -25,7 +27,7 @@ from alight.compiled.uv_sets import uv_shifts
 from alight.core.errors import Issue, SceneError
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.scene.motion import Motion
-from alight.shapes.hit import FLIP, INFO, INSTANCED, ShapeTables
+from alight.shapes.hit import FLIP, INFO, INSTANCED, PRIMITIVES, ShapeTables
 from alight.shapes.model import MOST_NUMBERS, SHAPES
 from lanewise.view import View
 
@@ -35,24 +37,6 @@ FEW_TRIANGLES = 64
 
 #: Most shapes named in one message.
 MOST_TOLD = 10
-
-
-class Triangles(NamedTuple):
-    """All triangles that are stored in world space.
-
-    Attributes
-    ----------
-    vertices : (V, 3) float32, metres
-    faces : (F, 3) int32
-        Rows of `vertices`.
-    shape, prim : (F,) uint32
-        The shape of each triangle, and its number within the shape; ascending.
-    """
-
-    vertices: NDArray[np.float32]
-    faces: NDArray[np.int32]
-    shape: NDArray[np.uint32]
-    prim: NDArray[np.uint32]
 
 
 class CompiledShape(NamedTuple):
@@ -85,6 +69,8 @@ class CompiledShapes(NamedTuple):
         Kind, shape and offset of shapes without bounds.
     moving : list of Moving
         What moves while the shutter is open, of all kinds.
+    many : list of Many
+        Shapes of many primitives.
     motions : list of int
         Of each shape the number of its motion + 1, 0 where it rests.
     instances : list of (int, int, (3, 4) float32, (3, 4) float32)
@@ -111,6 +97,12 @@ class CompiledShapes(NamedTuple):
     radius: float
     moving: list[Moving]
     motions: list[int]
+    many: list[Many]
+
+    def boxes(self) -> list[tuple[int, NDArray[np.float32], NDArray[np.float32]]]:
+        """Number and bounds, metres, of each shape with a formula and bounds that rests."""
+        alone = [(index, low, high) for _, index, _, low, high in self.analytic]
+        return alone + [(m.shape, m.low.min(axis=0), m.high.max(axis=0)) for m in self.many]
 
 
 def compile_shapes(
@@ -158,6 +150,7 @@ class _Compiler:
     def __init__(self, flat: FlatScene, paths: MotionTable):
         self.flat, self.paths = flat, paths
         self.moving: list[Moving] = []
+        self.many: list[Many] = []
         self.motions: list[int] = []
         self.info: list[list[int]] = []
         self.data: list[np.ndarray] = []
@@ -227,6 +220,9 @@ class _Compiler:
         model, offset = SHAPES[kind], self.offset
         assert model.pack is not None
         row = model.pack(shape, matrix)
+        if model.is_many:
+            self._place_many(source, placed, row)
+            return
         if row.size > MOST_NUMBERS:
             text = f"the row of a {kind} must hold at most {MOST_NUMBERS} numbers, got {row.size}"
             raise SceneError([Issue(placed.name, text)])
@@ -242,6 +238,21 @@ class _Compiler:
             return
         self._grow(low, high)
         self.analytic.append((kind, index, offset, low, high))
+
+    def _place_many(self, source: int, placed: PlacedShape, rows: np.ndarray) -> None:
+        """Enter a shape of many primitives, whose rows are known."""
+        kind, offset, count = placed.shape.type_name(), self.offset, len(rows)
+        model = SHAPES[kind]
+        assert model.area is not None
+        assert model.extremes is not None
+        if count >= 1 << 24:
+            text = f"must have fewer than {1 << 24} segments, got {count}: make several of it"
+            raise SceneError([Issue(placed.name, text)])
+        flags, areas = count << PRIMITIVES, np.array([model.area(rows)])
+        index = self._enter(kind, source, placed, rows.ravel(), flags, areas)
+        low, high = (side.astype(np.float32) for side in model.extremes(rows, np.eye(3)))
+        self._grow(low.min(axis=0), high.max(axis=0))
+        self.many.append(Many(kind, index, offset, rows.shape[1], low, high))
 
     def _move(
         self, kind: str, index: int, row: int, motion: Motion, low: np.ndarray, high: np.ndarray
@@ -350,7 +361,7 @@ class _Compiler:
         radius = 0.5 * float(np.linalg.norm(high - low))
         return CompiledShapes(
             tables=tables,
-            triangles=self._joined_triangles(),
+            triangles=joined_triangles(self.triangles),
             analytic=self.analytic,
             unbounded=self.unbounded,
             instances=self.instances,
@@ -361,25 +372,5 @@ class _Compiler:
             radius=radius if radius > 0.0 else 1.0,
             moving=self.moving,
             motions=self.motions,
-        )
-
-    def _joined_triangles(self) -> Triangles:
-        parts = self.triangles
-        starts = np.cumsum([0] + [len(vertices) for vertices, _, _ in parts])
-        return Triangles(
-            joined([vertices for vertices, _, _ in parts], 3, np.float32, empty=True),
-            joined(
-                [f + np.int32(start) for (_, f, _), start in zip(parts, starts, strict=False)],
-                3,
-                np.int32,
-                empty=True,
-            ),
-            np.repeat(
-                np.array([index for _, _, index in parts], np.uint32),
-                np.array([len(faces) for _, faces, _ in parts], np.int64),
-            ),
-            np.concatenate(
-                [np.arange(len(faces), dtype=np.uint32) for _, faces, _ in parts]
-                or [np.zeros(0, np.uint32)]
-            ),
+            many=self.many,
         )

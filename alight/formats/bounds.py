@@ -162,6 +162,9 @@ def _extremes_of_shape(spec: Shape, to_world: Array, directions: Array) -> tuple
     model = SHAPES[spec.type_name()]
     assert model.pack is not None
     assert model.bounds is not None
+    if model.extremes is not None:
+        lows, highs = model.extremes(model.pack(spec, to_world), directions)
+        return lows.min(axis=0), highs.max(axis=0)
     low, high = np.zeros(len(directions)), np.zeros(len(directions))
     for start in range(0, len(directions), 3):
         rows = directions[start : start + 3]

@@ -23,7 +23,9 @@ from alight.scene.description import Scene
 from alight.scene.dump import dump_scene
 from alight.scene.flatten import flatten
 from alight.scene.meshes import arrays_of
+from alight.scene.strands import NAMES
 from alight.shapes.mesh import Mesh
+from alight.shapes.strands import StrandShape
 
 SUFFIXES = (".yaml", ".yml", ".json")
 #: What scenes can be written to.
@@ -99,6 +101,8 @@ class _FileWriter:
             return spec.replaced(file=self.kept(spec.file))
         if isinstance(spec, Mesh):
             return self.mesh(spec, key_path)
+        if isinstance(spec, StrandShape):
+            return self.strands(spec, key_path)
         return self.volume(spec, key_path) if holds_volume(spec) else self.picture(spec, key_path)
 
     def kept(self, file: str) -> str:
@@ -130,6 +134,19 @@ class _FileWriter:
             ply.save(self.target.with_name(name), arrays_of(mesh))
         arrays_gone = dict.fromkeys(MeshArrays._fields)
         return mesh.replaced(file=self.names[id(mesh)], **arrays_gone)
+
+    def strands(self, spec: StrandShape, key_path: str) -> StrandShape:
+        assert spec.points is not None
+        assert spec.radii is not None
+        if len(spec.points) <= MOST_INLINE_VERTICES:
+            return spec
+        if id(spec) not in self.names:
+            name = self.names[id(spec)] = self.new_name(key_path, ".npz")
+            counts = {} if spec.counts is None else {"counts": spec.counts}
+            place = self.target.with_name(name)
+            np.savez_compressed(place, points=spec.points, radii=spec.radii, **counts)
+        nothing = dict.fromkeys(NAMES)
+        return spec.replaced(file=self.names[id(spec)], **nothing)
 
     def picture(self, spec: Any, key_path: str) -> Any:
         image = spec.pixels

@@ -71,7 +71,7 @@ class Body:
         )
         self.scene = compiled.tables
         self.spec, self.shapes, self.to_world = spec, shapes, placement.matrix
-        corners = [np.array([low, high], float) for *_, low, high in shapes.analytic]
+        corners = [np.array([low, high], float) for _, low, high in shapes.boxes()]
         corners += [shapes.triangles.vertices.astype(float)] if len(shapes.triangles.faces) else []
         # What is infinite is looked at near its node.
         points = np.concatenate(corners or [placement.matrix[:3, 3] + [[-3.0], [3.0]]])

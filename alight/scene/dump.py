@@ -14,7 +14,7 @@ from alight.scene.build import FORMAT_VERSION
 from alight.scene.description import Node, Scene
 from alight.scene.steps import dump_transform
 from alight.scene.transform import Transform
-from alight.shapes.arrays import TriangleShape
+from alight.shapes.arrays import ArrayShape
 from alight.textures.images import Image, holds_image
 from alight.textures.uv import UvTransform
 
@@ -68,7 +68,7 @@ class _Writer:
 
     def value(self, value: Any, path: str) -> Any:
         if isinstance(value, Spec):
-            holds_arrays = isinstance(value, TriangleShape)
+            holds_arrays = isinstance(value, ArrayShape)
             holds_file = holds_arrays or holds_image(value) or holds_volume(value)
             if self.write_file is not None and holds_file:
                 value = self.write_file(value, path)
@@ -115,6 +115,8 @@ def dump_array(array: np.ndarray) -> list[Any]:
     """Write an array as lists, each float32 with the fewest digits that read back to it."""
     if np.issubdtype(array.dtype, np.integer):
         return array.tolist()
+    if array.ndim == 1:
+        return [float(str(number)) for number in array]
     if array.ndim == 3:
         return [dump_array(table) for table in array]
     return [[float(str(number)) for number in row] for row in array]

@@ -29,9 +29,10 @@ from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.files import Files
 from alight.scene.meshes import Geometry, geometry
 from alight.scene.motion import NOWHERE, Motion
+from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
-from alight.shapes.arrays import ARRAYS, TriangleShape
+from alight.shapes.arrays import ARRAYS, TriangleShape, in_words
 
 NO_GEOMETRY = -1
 
@@ -207,7 +208,7 @@ class _Flattener:
                 self.shapes.append(
                     PlacedShape(
                         name=path,
-                        shape=node.shape,
+                        shape=with_arrays(node.shape, self.files),
                         to_world=to_world,
                         bsdf=index,
                         light=light,
@@ -393,7 +394,7 @@ def _moved(placed: PlacedShape | PlacedLight | PlacedCamera) -> bytes:
 
 
 def _content(spec: Spec) -> bytes:
-    """Describe a model without its mesh arrays, which have a digest of their own."""
+    """Describe a model without the arrays of meshes, which have a digest of their own."""
     left_out = (*ARRAYS, "file", "medium", "shutter")
-    fields = {name: repr(value) for name, value in spec if name not in left_out}
+    fields = {name: in_words(value) for name, value in spec if name not in left_out}
     return json.dumps(fields, sort_keys=True).encode()

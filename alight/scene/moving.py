@@ -9,6 +9,7 @@ from alight.core.spec import Camera
 from alight.scene.description import Node, Scene
 from alight.scene.keyframes import Keyframes
 from alight.scene.motion import NOWHERE, Placement
+from alight.shapes.model import SHAPES
 
 
 def motion_problems(scene: Scene) -> list[Issue]:
@@ -31,6 +32,8 @@ def _node_problems(scene: Scene, node: Node, here: Placement) -> Iterator[tuple[
     if node.shape is not None and not node.shape.finite:
         kind = node.shape.type_name()
         yield "shape", f"a {kind} is infinite and cannot move: take a large finite shape"
+    elif node.shape is not None and SHAPES[node.shape.type_name()].is_many:
+        yield "shape", f"{node.shape.type_name()} cannot move while the shutter is open"
     for side in ("interior", "exterior"):
         medium = getattr(node, side)
         medium = scene.media.get(medium) if isinstance(medium, str) else medium

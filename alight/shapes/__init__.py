@@ -1,6 +1,6 @@
 """Shapes, one model per file. A new model is one file and one line here."""
 
-from alight.shapes import cube, cylinder, disk, mesh, plane, rectangle, sphere
+from alight.shapes import cube, curves, cylinder, disk, mesh, plane, rectangle, sphere
 
 MODELS = (
     sphere,
@@ -10,4 +10,5 @@ MODELS = (
     cube,
     mesh,
     cylinder,
+    curves,
 )

@@ -1,7 +1,8 @@
-"""Shapes of triangles: their arrays as fields, tables of numbers that never change."""
+"""Shapes with arrays as fields: tables of numbers that never change."""
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -104,7 +105,23 @@ Indices = Annotated[NDArray[np.int32], Rows(3, np.int32)]
 ARRAYS = ("vertices", "faces", "normals", "uvs", "colors", "more_uvs")
 
 
-class TriangleShape(Shape):
+class ArrayShape(Shape):
+    """Base class of shapes with arrays."""
+
+    def __eq__(self, other: object) -> bool:
+        """Equal fields; arrays count as equal where all of their numbers are."""
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(_same(value, getattr(other, name)) for name, value in self)
+
+    def __hash__(self) -> int:
+        """Hash of the array bytes and the other fields."""
+        return hash(
+            tuple(value.tobytes() if isinstance(value, np.ndarray) else value for _, value in self)
+        )
+
+
+class TriangleShape(ArrayShape):
     """Base class of shapes made of triangles, from arrays or a file."""
 
     file: str | None = None
@@ -135,20 +152,16 @@ class TriangleShape(Shape):
             raise invalid("needs a file, or vertices and faces")
         return self
 
-    def __eq__(self, other: object) -> bool:
-        """Equal fields; arrays count as equal where all of their numbers are."""
-        if type(self) is not type(other):
-            return NotImplemented
-        return all(_same(value, getattr(other, name)) for name, value in self)
-
-    def __hash__(self) -> int:
-        """Hash of the array bytes and the other fields."""
-        return hash(
-            tuple(value.tobytes() if isinstance(value, np.ndarray) else value for _, value in self)
-        )
-
 
 def _same(a: object, b: object) -> bool:
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return np.array_equal(a, b)
     return type(a) is type(b) and a == b
+
+
+def in_words(value: object) -> str:
+    """What decides a field of a description, as text: an array is known by its digest."""
+    if not isinstance(value, np.ndarray):
+        return repr(value)
+    digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
+    return f"{value.dtype}{value.shape} {digest}"

@@ -50,6 +50,9 @@ ShapeTables = namedtuple("ShapeTables", "info data faces vertices normals uvs co
 INFO = 8
 FLIP, SMOOTH, UVS, COLORS, INSTANCED = 1, 2, 4, 8, 16
 
+#: By so many bits the flags are shifted up by the number of primitives of a shape of many.
+PRIMITIVES = 8
+
 #: What programs call it that a material has a normal or bump map.
 BENT = "bent"
 

@@ -26,14 +26,21 @@ class ShapeModel(Record):
     Attributes
     ----------
     pack : (spec, (4, 4) float64) -> (n,) float32
-        The row of the table from the matrix object to world; at most `MOST_NUMBERS`.
+        The row of the table from the matrix object to world; at most `MOST_NUMBERS`. Of a shape of
+        many primitives the rows (m, n), all of them in the place of one in what follows.
     area, bounds, facing : functions of a packed row
         Surface area, m^2; corners of the box, metres; unit axis and half angle of a cone around all
         outer normals, radians.
+    extremes : function of the packed rows and of directions (k, 3)
+        Least and largest values (m, k) of each primitive along the directions, metres. A shape that
+        has this is made of many, which are met from outside only: what enters one passes its far
+        side. It cannot move while the shutter is open.
     intersect : kernel ``(data, k, o, d, t_max) -> (t, u, v, hit)``
         Nearest hits of a shape with a formula, 0 < t <= t_max, with d of any length. k: uniform
         offset of the row; u, v: whatever `surface` finds useful in a `Hit`. Full description:
         `alight.shapes.rectangle.intersect`.
+    meet_alone : kernel ``(data, k, o, d, t_max) -> (t, u, v, bits)``
+        The same of one of many primitives for one ray, given by scalars; bits 0 for a miss.
     surface : kernel ``(tables, k, hit, o, d) -> Geometry``
         The surface at the `Hit`s of rays, in the world: the point, a bound of its distance from the
         true surface (how to derive it: `alight.shapes.hit`), the unit normals on the outer side,
@@ -56,8 +63,10 @@ class ShapeModel(Record):
     pack: Callable[..., np.ndarray] | None = None
     area: Callable[[np.ndarray], float] | None = None
     bounds: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
+    extremes: Callable[..., tuple[np.ndarray, np.ndarray]] | None = None
     facing: Callable[[np.ndarray], tuple[np.ndarray, float]] = everywhere
     intersect: Kernel | None = None
+    meet_alone: Kernel | None = None
     surface: Kernel | None = None
     derivatives: Kernel | None = None
     sample: Kernel | None = None
@@ -70,6 +79,11 @@ class ShapeModel(Record):
     def has_formula(self) -> bool:
         """Whether rays meet it by a formula, and not triangle by triangle."""
         return self.intersect is not None
+
+    @property
+    def is_many(self) -> bool:
+        """Whether it is made of many primitives."""
+        return self.extremes is not None
 
 
 #: All shapes, by name.

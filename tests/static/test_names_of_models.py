@@ -28,6 +28,7 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "integrators/queue.py": {"direct"},
     "integrators/volume_walk.py": {"channel"},
     "lab/arms.py": {"environment"},
+    "lab/report/page.py": {"curves"},
     "lab/steering.py": {"threshold"},
     "lab/why/shares.py": {"light"},
     "lab/why/trials.py": {"environment"},

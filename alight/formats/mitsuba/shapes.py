@@ -14,9 +14,11 @@ from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.emitters import area_light
 from alight.formats.mitsuba.meshes import load_mesh
+from alight.formats.mitsuba.strands import load_strands
 from alight.formats.mitsuba.transforms import Step, is_mirrored, matrix_of, motion_of
 from alight.formats.xml import Element
 from alight.shapes.mesh import Mesh
+from alight.shapes.strands import StrandShape
 
 #: Parameters that no shape needs.
 _UNUSED = ("optimize",)
@@ -164,7 +166,7 @@ def _sees_colors(value: Data) -> bool:
     return value.get("type") == "vertex_color"
 
 
-def _check_colors(draft: Draft, shape: Data | Mesh) -> None:
+def _check_colors(draft: Draft, shape: Data | Mesh | StrandShape) -> None:
     """Refuse a material that shows the vertex colours of a shape without."""
     if isinstance(shape, Mesh) and shape.colors is not None:
         return
@@ -227,10 +229,12 @@ def convert_all(context: Context, elements: Iterable[Element], path: str) -> dic
 
 
 #: Shapes of Mitsuba that alight has models for.
-COVERED: dict[str, Callable[[Draft, list[Step]], Data | Mesh | None]] = {
+COVERED: dict[str, Callable[[Draft, list[Step]], Data | Mesh | StrandShape | None]] = {
+    "bsplinecurve": load_strands,
     "cube": _cube,
     "cylinder": _cylinder,
     "disk": _disk,
+    "linearcurve": load_strands,
     "obj": _mesh,
     "ply": _mesh,
     "rectangle": _rectangle,

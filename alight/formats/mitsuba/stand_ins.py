@@ -48,19 +48,19 @@ def _radio(draft: Draft) -> None:
 
 def _hair(draft: Draft) -> None:
     p = draft.properties
-    p.ignore(
-        "a matte surface is taken", "longitudinal_roughness", "scale_tilt", "int_ior", "ext_ior"
-    )
     draft.color("sigma_a", role="index")
-    absorbed = draft.data.pop("sigma_a", None)
+    absorbed = draft.data.get("sigma_a")
     if absorbed is None:
-        pigments = [_hairy(draft, name, 0.0, hair.MOST) for name in ("eumelanin", "pheomelanin")]
-        absorbed = hair.absorption(*(pigments if any(pigments) else (hair.USUAL_EUMELANIN, 0.0)))
+        for name, usual in (("eumelanin", 1.3), ("pheomelanin", 0.2)):
+            draft.data[name] = _hairy(draft, name, usual, hair.MOST)
     elif min(absorbed) < 0.0:
         draft.context.report.error(p.named["sigma_a"], "must be >= 0 in each channel")
-    beta = _hairy(draft, "azimuthal_roughness", hair.USUAL_BETA_N, 1.0)
-    draft.data["reflectance"] = hair.color(absorbed, beta)
-    _warn(draft, "is not covered: a matte surface of the colour of much such hair is taken")
+    draft.data["beta_m"] = hair.roughness(_hairy(draft, "longitudinal_roughness", hair.BETA, 1.0))
+    draft.data["beta_n"] = hair.roughness(_hairy(draft, "azimuthal_roughness", hair.BETA, 1.0))
+    draft.data["alpha"] = _hairy(draft, "scale_tilt", hair.TILT, hair.MOST_TILT)
+    outside = medium_index(draft, "ext_ior", "air")
+    ior = medium_index(draft, "int_ior", "amber") / outside
+    draft.data["ior"] = min(max(ior, 1.0), LARGEST_IOR)
 
 
 def _hairy(draft: Draft, name: str, default: float, most: float) -> float:
@@ -272,7 +272,7 @@ STAND_INS: dict[str, tuple[str, Callable[[Draft], None]]] = {
     "circular": ("mask", _polarizer),
     "coating": ("plastic", _coating),
     "difftrans": ("diffuse_transmission", _transmitting),
-    "hair": ("diffuse", _hair),
+    "hair": ("hair", _hair),
     "itu-radio-material": ("diffuse", _radio),
     "measured": ("rough_plastic", _measured),
     "measured_polarized": ("rough_plastic", _measured),

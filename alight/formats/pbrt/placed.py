@@ -36,6 +36,8 @@ class Placed:
         Whether the matrix turns a right hand into a left one.
     textured : bool
         Whether its material or light can tell texture coordinates.
+    moves : bool
+        Whether it moves while the shutter is open.
     """
 
     context: Context
@@ -44,6 +46,7 @@ class Placed:
     reverse: bool
     mirrored: bool
     textured: bool
+    moves: bool = False
     extra: Data = field(default_factory=dict)
 
     @property

@@ -20,12 +20,13 @@ from alight.meshes import ply, surfaces
 from alight.meshes.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldError, subdivide
 from alight.scene.meshes import Geometry, checked
 from alight.shapes.mesh import Mesh
+from alight.shapes.strands import StrandShape
 
 MOST_BYTES = 2**30
 _LAYING = np.diag([1.0, 1.0, -1.0, 1.0])
 
 
-def convert(placed: Placed) -> Data | Mesh | None:
+def convert(placed: Placed) -> Data | Mesh | StrandShape | None:
     """Convert a shape; None after a problem."""
     kind = placed.p.directive.type
     if kind not in COVERED:
@@ -243,7 +244,7 @@ def _cylinder(placed: Placed) -> Data | Mesh | None:
 
 
 #: Shapes of pbrt that alight has models for.
-COVERED: dict[str, Callable[[Placed], Data | Mesh | None]] = {
+COVERED: dict[str, Callable[[Placed], Data | Mesh | StrandShape | None]] = {
     "bilinearmesh": _bilinear_mesh,
     "curve": curve,
     "cylinder": _cylinder,

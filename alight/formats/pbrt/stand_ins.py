@@ -1,6 +1,6 @@
 """What takes the place of pbrt's materials that alight has no model for.
 
-Hair: a matte surface of the colour that light gets by going round between many hairs. Measured
+Hair whose colour is a texture: a matte surface of that colour. Measured
 surfaces: grey plastic, since their files are tables that alight does not read.
 """
 
@@ -12,32 +12,35 @@ from alight.formats import hair
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.materials import coat
-from alight.formats.surfaces import two_sided
+from alight.formats.surfaces import LARGEST_IOR, two_sided
 
-_MIDDLE = [0.3] * 3
 _GREY, _GREY_ALPHA = [0.5] * 3, 0.3
 
 
 def _hair(m: Making) -> Data:
     p = m.p
-    beta_n = _hairy(m, "beta_n", hair.USUAL_BETA_N, 1.0)
-    p.ignore("a matte surface is taken", "beta_m", "alpha", "eta")
-    color = m.color("color" if p.has("color") else "reflectance", None)
+    data: Data = {
+        "type": "hair",
+        "beta_m": hair.roughness(_hairy(m, "beta_m", hair.BETA, 1.0)),
+        "beta_n": hair.roughness(_hairy(m, "beta_n", hair.BETA, 1.0)),
+        "alpha": _hairy(m, "alpha", hair.TILT, hair.MOST_TILT),
+        "ior": min(max(m.plain_number("eta", 1.55), 1.0), LARGEST_IOR),
+    }
     absorbed = m.color("sigma_a", None, "index")
+    color = m.color("color" if p.has("color") else "reflectance", None)
+    pigments = {n: _hairy(m, n, 0.0, hair.MOST) for n in ("eumelanin", "pheomelanin") if p.has(n)}
     if isinstance(absorbed, str):
         p.report.warn(p.named["sigma_a"], "is a texture: the usual hair is taken")
-    elif isinstance(absorbed, list) and min(absorbed) < 0.0:
-        p.report.error(p.named["sigma_a"], "must be >= 0 in each channel")
-    eumelanin = _hairy(m, "eumelanin", 0.0, hair.MOST)
-    pheomelanin = _hairy(m, "pheomelanin", 0.0, hair.MOST)
-    if color is None and not isinstance(absorbed, list):
-        if not p.has("eumelanin") and not p.has("pheomelanin"):
-            eumelanin = hair.USUAL_EUMELANIN
-        absorbed = hair.absorption(eumelanin, pheomelanin)
-    if color is None and isinstance(absorbed, list):
-        color = hair.color(absorbed, beta_n)
-    m.warn("is not covered: a matte surface of the colour of much such hair is taken")
-    return two_sided({"type": "diffuse", "reflectance": color or _MIDDLE})
+    elif isinstance(absorbed, list):
+        if min(absorbed) < 0.0:
+            p.report.error(p.named["sigma_a"], "must be >= 0 in each channel")
+        return data | {"sigma_a": absorbed}
+    if isinstance(color, str):
+        m.warn("has a textured colour: a matte surface of that colour is taken")
+        return two_sided({"type": "diffuse", "reflectance": color})
+    if isinstance(color, list):
+        return data | {"color": [min(max(channel, hair.LEAST_COLOR), 1.0) for channel in color]}
+    return data | pigments
 
 
 def _hairy(m: Making, name: str, default: float, most: float) -> float:

@@ -1,7 +1,8 @@
-r"""Curves -> tubes and ribbons of triangles.
+r"""Curves -> round strands, and ribbons of triangles.
 
 pbrt's "flat" curves turn their width to every ray, and "cylinder" ones are shaded as if they were
-round: both become tubes with `SIDES` sides. "ribbon" ones keep the normals of the file.
+round: both become round strands, as wide from everywhere; those that move, tubes of triangles with
+`SIDES` sides. "ribbon" ones keep the normals of the file.
 
 A curve is a row of cubic (or quadratic) Bezier segments, or a B-spline; its width goes linearly
 from one end to the other.
@@ -22,23 +23,27 @@ from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.directives import Directive
 from alight.formats.pbrt.placed import Placed, mesh_of
 from alight.meshes.surfaces import joined
+from alight.shapes.curves import Curves
 from alight.shapes.mesh import Mesh
+from alight.shapes.strands import StrandShape
 
 Array = np.ndarray
 #: Sides of a tube, and pieces of a segment.
 SIDES, PIECES = 4, 5
 MOST_POINTS = 10_000
-#: Of the curves of one material.
-MOST_TRIANGLES = 2**26
+#: Triangles or control points of the curves of one material.
+MOST = 2**26
 _KINDS = ("flat", "cylinder", "ribbon")
 #: From four control points in a row of a B-spline to those of Bezier's; and from three.
 _CUBIC = np.array([[1, 4, 1, 0], [0, 4, 2, 0], [0, 2, 4, 0], [0, 1, 4, 1]]) / 6.0
+#: From Bezier's control points of a quadratic to those of the same as a cubic.
+_ELEVATED = np.array([[3, 0, 0], [1, 2, 0], [0, 2, 1], [0, 0, 3]]) / 3.0
 _QUADRATIC = np.array([[1, 1, 0], [0, 2, 0], [0, 1, 1]]) / 2.0
 
 
 @dataclass
 class Bundle:
-    """Curves that are of one material and stand in one place: one mesh.
+    """Curves that are of one material and stand in one place: one shape.
 
     Attributes
     ----------
@@ -46,30 +51,42 @@ class Bundle:
         Of the first one.
     node : dict
         All of it but the shape.
-    meshes : list of Mesh
-    triangles : int
+    shapes : list of Mesh or of Curves
+    size : int
+        Triangles, or control points.
     """
 
     directive: Directive
     node: Data
-    meshes: list[Mesh] = field(default_factory=list)
-    triangles: int = 0
+    shapes: list[Mesh | StrandShape] = field(default_factory=list)
+    size: int = 0
 
-    def add(self, mesh: Mesh) -> bool:
+    def add(self, shape: Mesh | StrandShape) -> bool:
         """Add a curve; False if there are too many."""
-        assert mesh.faces is not None
-        self.triangles += len(mesh.faces)
-        self.meshes.append(mesh)
-        return self.triangles <= MOST_TRIANGLES
+        counted = shape.faces if isinstance(shape, Mesh) else shape.points
+        assert counted is not None
+        self.size += len(counted)
+        self.shapes.append(shape)
+        return self.size <= MOST
 
-    def whole(self) -> Mesh:
-        """One mesh of all."""
-        names = ("vertices", "normals", "uvs", "faces")
-        parts = [{name: getattr(mesh, name) for name in names} for mesh in self.meshes]
-        return Mesh(**joined(parts), flip_normals=self.meshes[0].flip_normals)
+    def whole(self) -> Mesh | Curves:
+        """One shape of all."""
+        meshes = [shape for shape in self.shapes if isinstance(shape, Mesh)]
+        if meshes:
+            names = ("vertices", "normals", "uvs", "faces")
+            parts = [{name: getattr(mesh, name) for name in names} for mesh in meshes]
+            return Mesh(**joined(parts), flip_normals=meshes[0].flip_normals)
+        points = [shape.points for shape in self.shapes if isinstance(shape, StrandShape)]
+        radii = [shape.radii for shape in self.shapes if isinstance(shape, StrandShape)]
+        return Curves(
+            points=np.concatenate([part for part in points if part is not None]),
+            radii=np.concatenate([part for part in radii if part is not None]),
+            counts=[len(part) for part in points if part is not None],
+            basis="bezier",
+        )
 
 
-def curve(placed: Placed) -> Mesh | None:
+def curve(placed: Placed) -> Mesh | Curves | None:
     """Convert a curve; None after a problem."""
     p = placed.p
     points = p.table("P", "point")
@@ -89,6 +106,8 @@ def curve(placed: Placed) -> Mesh | None:
         text = f"of {quote(basis)} and degree {degree} needs other numbers of points"
         placed.fail(f"{text}, at most {MOST_POINTS}, got {len(points)}")
         return None
+    if kind != "ribbon" and not placed.moves:
+        return _strand(segments, widths)
     t = np.linspace(0.0, 1.0, PIECES * len(segments) + 1)
     center, along = _bezier(segments, t, degree)
     width_at = widths[0] + t * (widths[1] - widths[0])
@@ -99,6 +118,17 @@ def curve(placed: Placed) -> Mesh | None:
         placed.fail(f"as a ribbon needs {len(segments) + 1} normals N")
         return None
     return mesh_of(placed, _tube(center, along, 0.5 * width_at), placed.reverse)
+
+
+def _strand(segments: Array, widths: list[float]) -> Curves:
+    """A round strand; radii are linear from end to end, as pbrt's widths are."""
+    if segments.shape[1] == 3:
+        segments = _ELEVATED @ segments
+    points = np.concatenate([segments[:, :3].reshape(-1, 3), segments[-1:, 3]])
+    t = np.linspace(0.0, 1.0, len(points))
+    return Curves(
+        points=points, radii=0.5 * (widths[0] + t * (widths[1] - widths[0])), basis="bezier"
+    )
 
 
 def _segments(points: Array, degree: int, basis: str) -> Array | None:

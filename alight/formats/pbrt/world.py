@@ -23,10 +23,11 @@ from alight.formats.pbrt.shapes import convert as convert_shape
 from alight.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.formats.pbrt.stand_ins import STAND_INS
 from alight.formats.pbrt.state import State
-from alight.formats.pbrt.strands import MOST_TRIANGLES, Bundle
+from alight.formats.pbrt.strands import MOST, Bundle
 from alight.formats.pbrt.textures import Source, TextureItem
 from alight.formats.pbrt.transforms import keeps_angles, moving, steps, swaps_handedness
 from alight.shapes.mesh import Mesh
+from alight.shapes.strands import StrandShape
 
 MOST_NAMED = 20
 #: What `alight info` counts.
@@ -204,10 +205,10 @@ class World(Attributes):
         bound = textures.bind(context, [*p.named.values()], state.textures, numbers=True)
         bsdf: str | Data = material_name(context, state.material, self.named)
         alpha = Source(context, p, bound).number("alpha", None)
-        light, sides = self.light_of_shape(directive)
+        light, both = self.light_of_shape(directive)
         textured = context.holds((bsdf, alpha, light), sees_coordinates)
-        mirrored = swaps_handedness(state.matrix)
-        placed = Placed(context, p, state.matrix, state.reverse, mirrored, textured)
+        sides = (state.reverse, swaps_handedness(state.matrix))
+        placed = Placed(context, p, state.matrix, *sides, textured, state.is_animated)
         shape = convert_shape(placed)
         p.finish()
         if shape is None:
@@ -224,23 +225,23 @@ class World(Attributes):
         if light is not None and alpha == 0.0 and self.unseen(directive, node, light, placed):
             pass
         elif light is not None:
-            self.shine(directive, node, light, sides, placed.matrix)
-        elif isinstance(shape, Mesh) and directive.type == "curve" and not state.is_animated:
+            self.shine(directive, node, light, both, placed.matrix)
+        elif directive.type == "curve" and not isinstance(shape, dict) and not placed.moves:
             self.bundle(directive, node, shape)
         else:
             self.add(self._target, self._path, directive, node, self.rests(directive, False))
 
-    def bundle(self, directive: Directive, node: Data, shape: Mesh) -> None:
+    def bundle(self, directive: Directive, node: Data, shape: Mesh | StrandShape) -> None:
         """Add a curve to those of the same material, of which there may be a million."""
-        state, rest = self.state, {key: node[key] for key in node if key not in ("shape",)}
-        known = (self._path, repr(node["bsdf"]), state.matrix.tobytes(), shape.flip_normals)
-        sides = (node.get("interior"), node.get("exterior"))
-        if (known, sides) not in self.bundles:
-            self.bundles[known, sides] = Bundle(directive, rest)
-            text = "and those like it become tubes, or ribbons, of triangles"
-            self.context.report.warn(directive, text)
-        if not self.bundles[known, sides].add(shape):
-            self.context.report.error(directive, f"has over {MOST_TRIANGLES} triangles before it")
+        context, rest = self.context, {key: node[key] for key in node if key != "shape"}
+        look = (shape.type_name(), shape.flip_normals, self.state.matrix.tobytes())
+        known = (self._path, *look, repr([node.get(k) for k in ("bsdf", "interior", "exterior")]))
+        if known not in self.bundles:
+            self.bundles[known] = Bundle(directive, rest)
+            if isinstance(shape, Mesh):
+                context.report.warn(directive, "and those like it become ribbons of triangles")
+        if not self.bundles[known].add(shape):
+            context.report.error(directive, f"has over {MOST} triangles or points before it")
 
     def tie(self) -> None:
         """Add the curves that were collected."""
@@ -272,7 +273,7 @@ class World(Attributes):
     def unseen(self, directive: Directive, node: Data, light: Data, placed: Placed) -> bool:
         """Add a light that pbrt 4 does not show, by an opacity of 0; False if it is no sphere."""
         report, shape = self.context.report, node["shape"]
-        round_ = not isinstance(shape, Mesh) and shape["type"] == "sphere"
+        round_ = isinstance(shape, dict) and shape["type"] == "sphere"
         if self.context.old or not round_ or not keeps_angles(placed.matrix):
             report.warn(directive, "has no opacity, but shines: it is seen here")
             return False

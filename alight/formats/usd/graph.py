@@ -14,6 +14,7 @@ from alight.formats.model_scene import Data, ModelScene
 from alight.formats.names import free_name
 from alight.formats.surfaces import Surface
 from alight.formats.usd.cameras import read_camera
+from alight.formats.usd.curves import read_curves, with_mean_color
 from alight.formats.usd.inherited import children_of, constants_of, handed_down, source_of
 from alight.formats.usd.lights import is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
@@ -164,6 +165,8 @@ class Graph(ModelScene):
         kind = str(prim.GetTypeName())
         if prim.IsA(UsdGeom.Mesh):
             return self._mesh(prim, to_world, path)
+        if prim.IsA(UsdGeom.BasisCurves):
+            return self._curves(prim, to_world)
         if prim.IsA(UsdGeom.PointInstancer):
             return self._point_instancer(prim, to_world)
         if prim.IsA(UsdGeom.Camera):
@@ -202,6 +205,19 @@ class Graph(ModelScene):
         if steps:
             data["transform"] = steps
         return self._shining(data, material, to_world @ placed.matrix)
+
+    def _curves(self, prim: Any, to_world: Matrix) -> Data | None:
+        self.stage.report.count("curves")
+        shape = read_curves(self.stage, prim)
+        if shape is None:
+            return None
+        self.bounds.add(shape, to_world)
+        bsdf, material = self._material_of(prim, prim)
+        colored = with_mean_color(self.stage, prim, material)
+        if colored is not None:
+            material = colored
+            bsdf = self._bsdf_name(("curves", str(prim.GetPath())), material, None, prim)
+        return self._shining({"shape": shape, "bsdf": bsdf}, material, to_world)
 
     def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
         self.stage.report.count("meshes")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from alight.formats import hair
+from alight.bsdfs.hair import Hair
 from tests.formats.mitsuba.reading import issues, messages, node, read, read_bsdf
 
 PICTURE = '<string name="filename" value="letters.png"/>'
@@ -96,7 +96,6 @@ def test_materials_of_06_that_have_a_counterpart():
 
 
 REPLACED = {
-    "hair": ('<float name="eumelanin" value="2"/>', "diffuse"),
     "measured": ('<string name="filename" value="x.bsdf"/>', "rough_plastic"),
     "measured_polarized": ('<float name="alpha_sample" value="0.1"/>', "rough_plastic"),
     "pplastic": ('<float name="alpha" value="0.2"/>', "rough_plastic"),
@@ -113,9 +112,6 @@ def test_what_takes_their_place_is_said(kind):
     scene = read(f'<bsdf id="it" type="{kind}">{content}</bsdf>')
     assert scene.bsdfs["it"].type_name() == native
     assert any(f'type="{kind}"' in text for text in scene.warnings)
-    if kind == "hair":
-        meant = hair.color([2 * c for c in (0.419, 0.697, 1.37)])
-        np.testing.assert_allclose(scene.bsdfs["it"].reflectance, meant)
     if kind == "polarizer":
         assert scene.bsdfs["it"].opacity == 0.5
 
@@ -233,6 +229,22 @@ def test_what_stands_in_takes_no_unknown_parameters():
     assert "unknown parameter" in issue.message
 
 
+def test_hair_is_hair():
+    """Mitsuba's defaults are 1.3 and 0.2 of the pigments; its air has an index of its own."""
+    usual = read_bsdf("", 'type="hair"')
+    assert isinstance(usual, Hair)
+    assert (usual.eumelanin, usual.pheomelanin) == (1.3, 0.2)
+    assert usual.ior == pytest.approx(1.55 / 1.000277)
+    given = (
+        '<rgb name="sigma_a" value="0.1 0.2 0.3"/><float name="scale_tilt" value="3"/>'
+        '<float name="longitudinal_roughness" value="0"/>'
+        '<float name="azimuthal_roughness" value="0.6"/>'
+    )
+    found = read_bsdf(given, 'type="hair"')
+    np.testing.assert_allclose(found.sigma_a, (0.1, 0.2, 0.3))
+    assert (found.beta_m, found.beta_n, found.alpha) == (0.05, 0.6, 3.0)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "range_"),
     [
@@ -240,6 +252,7 @@ def test_what_stands_in_takes_no_unknown_parameters():
         ("pheomelanin", "1e9", "[0, 1000]"),
         ("azimuthal_roughness", "1.5", "[0, 1]"),
         ("azimuthal_roughness", "-0.1", "[0, 1]"),
+        ("longitudinal_roughness", "2", "[0, 1]"),
     ],
 )
 def test_numbers_of_hair_have_their_range(name, value, range_):

@@ -14,12 +14,25 @@ from tests.formats.pbrt.reading import messages, node, read, read_old
 STRAIGHT = '"point3 P" [0 0 0  0 0 1  0 0 2  0 0 3] "float width0" 0.4 "float width1" 0.2'
 
 
-def mesh_of(body, **options):
+def shape_of(body, **options):
     return node(read(body, **options)).shape
 
 
-def test_a_straight_curve_is_a_cone_with_its_widths():
-    mesh = mesh_of(f'Shape "curve" {STRAIGHT}')
+def ends_of(curves):
+    """Points of a curve, and radii, at the ends of its segments: Bezier's go through them."""
+    return curves.points[::3], curves.radii[::3]
+
+
+def test_a_straight_curve_has_its_widths():
+    curves = shape_of(f'Shape "curve" {STRAIGHT}')
+    assert curves.basis == "bezier"
+    np.testing.assert_allclose(curves.points[:, 2], [0.0, 1.0, 2.0, 3.0])
+    np.testing.assert_allclose(curves.radii, 0.5 * (0.4 - 0.2 * np.arange(4) / 3.0), rtol=1e-6)
+
+
+def test_a_curve_that_moves_is_a_cone_of_triangles_with_its_widths():
+    body = f'ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Shape "curve" {STRAIGHT}'
+    mesh = shape_of(body)
     assert len(mesh.faces) == 2 * SIDES * PIECES
     x, y, z = mesh.vertices.T
     np.testing.assert_allclose(np.hypot(x, y), 0.5 * (0.4 - 0.2 * z / 3.0), atol=1e-6)
@@ -32,46 +45,44 @@ def test_a_straight_curve_is_a_cone_with_its_widths():
     assert not mesh.flip_normals
 
 
-def test_bases_and_degrees_go_through_the_same_points():
+def test_bases_and_degrees_are_the_same_cubic():
     # A parabola: as a quadratic, as the cubic of the same shape, and as a B-spline.
     quadratic = '"integer degree" 2 "point3 P" [0 0 0  1 2 0  2 0 0]'
     cubic = f'"point3 P" [0 0 0  {2 / 3} {4 / 3} 0  {4 / 3} {4 / 3} 0  2 0 0]'
     spline = '"integer degree" 2 "string basis" "bspline" "point3 P" [-1 -2 0  1 2 0  3 -2 0]'
-    found = [mesh_of(f'Shape "curve" "float width" 0.01 {p}') for p in (quadratic, cubic, spline)]
-    for mesh in found[1:]:
-        np.testing.assert_allclose(mesh.vertices, found[0].vertices, atol=1e-5)
-    middle = found[0].vertices.reshape(PIECES + 1, SIDES, 3).mean(axis=1)
-    x = middle[:, 0]
-    np.testing.assert_allclose(middle[:, 1], 2.0 * x - x * x, atol=1e-5)
+    found = [shape_of(f'Shape "curve" "float width" 0.01 {p}') for p in (quadratic, cubic, spline)]
+    for curves in found:
+        np.testing.assert_allclose(curves.points, found[1].points, atol=1e-6)
+        np.testing.assert_allclose(curves.radii, 0.005)
 
 
 def test_cubic_splines_are_the_cubics_that_their_points_blossom_to():
     # Marsden: uniform B-splines with the coefficients k^3 - k add up to x^3, those with k to x.
     points = " ".join(f"{k} {k**3 - k} 0" for k in range(-1, 4))
-    mesh = mesh_of(
+    curves = shape_of(
         f'Shape "curve" "float width" 1e-3 "string basis" "bspline" "point3 P" [{points}]'
     )
-    middle = mesh.vertices.reshape(2 * PIECES + 1, SIDES, 3).mean(axis=1)
-    np.testing.assert_allclose(middle[:, 0], np.linspace(0.0, 2.0, 2 * PIECES + 1), atol=1e-5)
-    np.testing.assert_allclose(middle[:, 1], middle[:, 0] ** 3, atol=1e-5)
+    middle, _ = ends_of(curves)
+    np.testing.assert_allclose(middle[:, 0], [0.0, 1.0, 2.0], atol=1e-6)
+    np.testing.assert_allclose(middle[:, 1], [0.0, 1.0, 8.0], atol=1e-6)
 
 
 def test_ribbons_face_as_their_normals_say():
     body = f'Shape "curve" "string type" "ribbon" {STRAIGHT} "normal N" [0 1 0  0 1 0]'
-    mesh = mesh_of(body)
+    mesh = shape_of(body)
     np.testing.assert_allclose(mesh.vertices[:, 1], 0.0, atol=1e-7)
     np.testing.assert_allclose(mesh.normals, np.tile([0, 1, 0], (len(mesh.vertices), 1)))
     np.testing.assert_allclose(np.abs(mesh.vertices[:2, 0]), 0.2, rtol=1e-6)
     assert "needs 2 normals" in messages(body.replace("0 1 0  0 1 0", "0 1 0"))[0]
 
 
-def test_curves_of_one_material_are_one_mesh():
+def test_curves_of_one_material_are_one_shape():
     curve = f'Shape "curve" {STRAIGHT}'
     body = f'{curve}\n{curve}\nMaterial "diffuse"\nShape "sphere"\n{curve}\nTranslate 1 0 0 {curve}'
     scene = read(body)
-    sizes = [len(n.shape.faces) for n in scene.nodes.values() if n.shape.type_name() == "mesh"]
-    one = 2 * SIDES * PIECES
-    assert sorted(sizes) == [one, one, 2 * one]
+    strands = [n.shape for n in scene.nodes.values() if n.shape.type_name() == "curves"]
+    assert sorted(len(shape.points) for shape in strands) == [4, 4, 8]
+    assert [4, 4] in [shape.counts.tolist() for shape in strands]
     body = f'ObjectBegin "o"\n{curve}\nObjectEnd\nObjectInstance "o"\n{curve}'
     scene = read(body)
     assert len(scene.prototypes["o"].children) == 1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.formats import hair
+from alight.bsdfs.hair import Hair
 from alight.formats.substances import SUBSTANCES, diffuse_reflectance
 from tests.formats.pbrt.reading import messages, node, read, read_bsdf, read_old
 
@@ -19,21 +19,19 @@ def textured(kind, *parameters, old=False, use="reflectance", material="diffuse"
     return read_old(body) if old else read(body)
 
 
-def test_hair_has_the_colour_that_much_of_it_has():
-    # The reflectance that Chiang et al. turn into absorption comes back.
-    beta = 0.3
-    q = 5.969 - 0.215 * beta + 2.532 * beta**2 - 10.73 * beta**3 + 5.574 * beta**4
-    q += 0.245 * beta**5
-    absorbed = [(np.log(c) / q) ** 2 for c in (0.2, 0.5, 0.8)]
-    np.testing.assert_allclose(hair.color(absorbed, beta), [0.2, 0.5, 0.8])
-    found = read_bsdf('"hair" "rgb color" [0.1 0.2 0.3]').bsdf
-    assert found.reflectance == (0.1, 0.2, 0.3)
-    usual, dark = (read_bsdf(f'"hair" {p}').bsdf.reflectance for p in ("", '"float eumelanin" 8'))
-    np.testing.assert_allclose(usual, hair.color([1.3 * c for c in (0.419, 0.697, 1.37)]))
-    assert max(dark) < min(usual)
+def test_hair_is_hair():
+    assert read_bsdf('"hair"').absorption == Hair(eumelanin=1.3).absorption
+    found = read_bsdf('"hair" "rgb color" [0.1 0.2 0] "float beta_m" 0.5 "float eta" 1.4')
+    assert isinstance(found, Hair)
+    np.testing.assert_allclose(found.color, (0.1, 0.2, 1e-4))
+    assert (found.beta_m, found.beta_n, found.ior) == (0.5, 0.3, 1.4)
+    found = read_bsdf('"hair" "float eumelanin" 2 "float pheomelanin" 0.5 "float alpha" 3')
+    assert (found.eumelanin, found.pheomelanin, found.alpha) == (2.0, 0.5, 3.0)
+    found = read_bsdf('"hair" "rgb sigma_a" [1 2 3]')
+    np.testing.assert_allclose(found.sigma_a, (1.0, 2.0, 3.0))
 
 
-@pytest.mark.parametrize("kind", ["hair", "measured", "fourier"])
+@pytest.mark.parametrize("kind", ["measured", "fourier"])
 def test_what_takes_their_place_is_said(kind):
     scene = read(f'Material "{kind}"\nShape "sphere"')
     assert any(f'"{kind}" is not covered' in text for text in scene.warnings)
@@ -135,6 +133,8 @@ def test_numbers_of_hair_have_their_range(text):
 def test_hair_that_absorbs_by_a_texture_is_told_of():
     scene = textured("checkerboard", use="sigma_a", material="hair")
     assert any('"texture sigma_a" is a texture' in text for text in scene.warnings)
+    scene = textured("checkerboard", use="color", material="hair")
+    assert any("textured colour: a matte surface" in text for text in scene.warnings)
 
 
 @pytest.mark.parametrize("kind", ["fbm", "wrinkled", "windy", "marble"])

@@ -125,14 +125,14 @@ def test_invisible_and_helping_geometry_is_left_out_and_said(load):
 def Mesh "shown" {{{SQUARE}; uniform token model:drawMode = "cards" }}
 def Mesh "hidden" {{{SQUARE} token visibility = "invisible" }}
 def Mesh "helper" {{{SQUARE} uniform token purpose = "guide" }}
-def BasisCurves "hair" {{ int[] curveVertexCounts = [4] }}
+def Points "dots" {{ }}
 """)
     assert list(shapes(scene)) == ["shown"]
     notes = "\n".join(scene.source.remarks.notes)
     assert "/hidden: invisible" in notes
     assert "/helper: guide geometry" in notes
     assert "model:drawMode: models are shown as they are" in scene.warnings
-    assert "/hair: BasisCurves is not covered" in notes
+    assert "/dots: Points is not covered" in notes
 
 
 # ---------------------------------------------------------------------------- instances

@@ -1,0 +1,85 @@
+"""Strands from files: NPZ archives with their arrays."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alight.core.errors import Issue, SceneError, nearest, quote
+from alight.core.spec import Shape
+from alight.scene.files import Files
+from alight.scene.meshes import unreadable
+from alight.shapes.strands import Basis, StrandShape
+
+#: Arrays that a file holds; the last one may be missing.
+NAMES = ("points", "radii", "counts")
+
+
+def with_arrays(shape: Shape, files: Files) -> Shape:
+    """A shape of strands with the arrays of the file that it names, the same for the same; else it.
+
+    Raises
+    ------
+    SceneError
+        If the file is missing or broken, or its arrays make no strands; the path is ``file``.
+    """
+    if not isinstance(shape, StrandShape) or shape.file is None:
+        return shape
+    return files.read(_reader_of(type(shape), shape.basis), shape.file)
+
+
+@lru_cache(maxsize=16)
+def _reader_of(kind: type[StrandShape], basis: Basis) -> Callable[[Path, str], StrandShape]:
+    """What makes strands of a file: the same function for the same question."""
+
+    def read(path: Path, name: str) -> StrandShape:
+        arrays: dict[str, Any] = read_arrays(path, name)
+        try:
+            return kind(basis=basis, **arrays)
+        except SceneError as error:
+            issues = [Issue("file", f"{quote(name)}: {issue.message}") for issue in error.issues]
+            raise SceneError(issues) from None
+
+    return read
+
+
+def read_arrays(path: Path, name: str = "") -> dict[str, np.ndarray]:
+    """Read the arrays of an NPZ file.
+
+    Parameters
+    ----------
+    path : Path
+    name : str, optional
+        How messages call it.
+
+    Raises
+    ------
+    SceneError
+        If it is missing, no such file, or lacks an array; the path is ``file``.
+    """
+    name = name or str(path)
+    if path.suffix.lower() != ".npz":
+        raise _error(f"must be an .npz file, got {quote(name)}")
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            found = {key: archive[key] for key in archive.files if key in NAMES}
+            others = [key for key in archive.files if key not in NAMES]
+    except OSError as error:
+        raise _error(unreadable(path, name, error, (".npz",))) from None
+    except (ValueError, EOFError, KeyError, MemoryError, zipfile.BadZipFile):
+        raise _error(f"{quote(name)}: is no NPZ file of numbers, or broken") from None
+    for key in NAMES[:2]:
+        if key not in found:
+            near = nearest(key, others)
+            hint = f"; is it {quote(near)}?" if near else ""
+            raise _error(f"{quote(name)}: must hold the arrays points and radii, lacks {key}{hint}")
+    return found
+
+
+def _error(message: str) -> SceneError:
+    return SceneError([Issue("file", message)])

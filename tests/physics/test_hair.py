@@ -1,0 +1,52 @@
+"""The hair model where its laws do not look: met beside its axis, and its parts one by one."""
+
+import numpy as np
+import pytest
+from scipy import special
+
+from alight.bsdfs import hair
+from alight.bsdfs.fibre_lobes import scaled_bessel
+from alight.laws.materials import Material
+from alight.laws.statistics import SphereCells
+
+CELLS = SphereCells(side=64)
+
+
+def from_above(h: float, height: float) -> np.ndarray:
+    """A direction that meets the fibre at h, at that sine of theta_o."""
+    cosine = np.sqrt(1.0 - height**2)
+    return np.array([height, -h * cosine, np.sqrt(1.0 - h**2) * cosine], np.float32)[:, None]
+
+
+@pytest.mark.parametrize("h", [-0.95, 0.5])
+@pytest.mark.parametrize("height", [-0.7, 0.9])
+def test_a_fibre_that_absorbs_nothing_sends_out_all_light_wherever_it_is_met(h, height):
+    material = Material(hair.Hair(sigma_a=0.0, beta_m=0.4, beta_n=0.4))
+    f_cos, pdf = material.evaluate(from_above(h, height), CELLS.points)
+    assert CELLS.integrals(f_cos[0]).sum() == pytest.approx(1.0, abs=1e-3)
+    assert CELLS.integrals(pdf).sum() == pytest.approx(1.0, abs=1e-3)
+
+
+def test_light_is_mirrored_at_the_surface_where_it_is_met():
+    """Without scales, p = 0 lies around the mirror image of wo about the normal."""
+    smooth = hair.Hair(sigma_a=1e3, beta_m=0.05, beta_n=0.05, alpha=0.0)
+    for h in (-0.6, 0.2, 0.7):
+        wo = from_above(h, 0.3)
+        f_cos, _ = Material(smooth).evaluate(wo, CELLS.points)
+        brightest = CELLS.points[:, f_cos[0].argmax()]
+        mirrored = np.array([-wo[0, 0], -wo[1, 0], wo[2, 0]])
+        assert brightest @ mirrored > 0.99
+
+
+def test_the_scaled_bessel_function_is_that_of_scipy():
+    x = np.concatenate([np.linspace(0.0, 8.0, 400), np.geomspace(8.0, 1e4, 100)]).astype(np.float32)
+    np.testing.assert_allclose(scaled_bessel(x), special.ive(0, x.astype(float)), rtol=6e-7)
+
+
+def test_colors_come_back_from_their_absorption():
+    """The fit of Chiang et al. 2016 has one absorption for a colour; more pigment absorbs more."""
+    assert hair.Hair(color=(1.0, 1.0, 1.0)).absorption == (0.0, 0.0, 0.0)
+    red, green, blue = hair.Hair(color=(0.8, 0.5, 0.2)).absorption
+    assert red < green < blue
+    assert hair.Hair().absorption == pytest.approx(hair.Hair(eumelanin=1.3).absorption)
+    assert hair.Hair(pheomelanin=1.0).absorption == pytest.approx(hair.PHEOMELANIN)
