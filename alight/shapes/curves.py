@@ -97,6 +97,8 @@ class Curves(StrandShape):
         Control points of each strand; by default all are one strand.
     basis : {"linear", "bezier", "b_spline", "catmull_rom"}, default "b_spline"
         What the control points mean.
+    flip_normals : bool, default False
+        Must be false: strands are met from outside.
     """
 
     type: Literal["curves"] = "curves"
