@@ -45,7 +45,8 @@ class Column:
         if column.ndim != 1 or column.dtype.kind not in "iuf" or column.size == 0:
             noun = "whole numbers" if whole else "numbers"
             either = "a number or " if self.spread else ""
-            found = f"shape {column.shape}" if column.ndim else type(value).__name__
+            is_array = column.ndim and not isinstance(value, str)
+            found = f"shape {column.shape}" if is_array else type(value).__name__
             raise invalid(f"must be {either}a list of {noun}, got {found}")
         most = np.iinfo(self.dtype).max if whole else 1e15
         bad = ~((column >= self.least) & (column <= most))

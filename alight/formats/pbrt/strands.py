@@ -69,6 +69,10 @@ class Bundle:
         self.shapes.append(shape)
         return self.size <= MOST
 
+    def tied(self) -> Data:
+        """The node of all."""
+        return {"shape": self.whole(), **self.node}
+
     def whole(self) -> Mesh | Curves:
         """One shape of all."""
         meshes = [shape for shape in self.shapes if isinstance(shape, Mesh)]

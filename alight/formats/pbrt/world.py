@@ -246,8 +246,7 @@ class World(Attributes):
     def tie(self) -> None:
         """Add the curves that were collected."""
         for bundle in self.bundles.values():
-            node = {"shape": bundle.whole(), **bundle.node}
-            self.add(self._target, self._path, bundle.directive, node)
+            self.add(self._target, self._path, bundle.directive, bundle.tied())
         self.bundles.clear()
 
     def light_of_shape(self, directive: Directive) -> tuple[Data | None, bool]:

@@ -1,0 +1,126 @@
+"""Curves as descriptions: what is refused, files, and the boxes and coordinates of strands."""
+
+import numpy as np
+import pytest
+
+import alight
+from alight.core.errors import SceneError
+from alight.formats.native import save
+from alight.scene.flatten import content_hash, flatten
+from alight.shapes import curves
+from alight.shapes.strands import segments
+
+POINTS = [[0, 0, 0], [0, 1, 0], [1, 2, 0], [2, 2, 1], [3, 2, 1]]
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({}, "needs a file, or points and radii"),
+        ({"points": POINTS}, "needs a file, or points and radii"),
+        ({"file": "a.npz", "radii": 1}, "takes either file or arrays, got file and radii"),
+        ({"points": POINTS, "radii": -1}, r"must be in \[0, 1e\+15\], got -1 at place 0"),
+        ({"points": POINTS, "radii": [1, 2]}, r"one number or one a point \(5\), got 2"),
+        ({"points": POINTS, "radii": "thin"}, "must be a number or a list of numbers, got str"),
+        ({"points": POINTS, "radii": 1, "counts": [4]}, "sum up to the number of points, 5, got 4"),
+        (
+            {"points": POINTS, "radii": 1, "basis": "bezier"},
+            "strands of basis bezier have 4, 7, 10, ... points, got 5 in strand 0",
+        ),
+        ({"points": POINTS, "radii": 1, "basis": "bspline"}, "b_spline"),
+        ({"points": POINTS, "radii": 1, "flip_normals": True}, "met from outside only"),
+        ({"points": [[0, 0]], "radii": 1}, r"shape \(n, 3\)"),
+    ],
+)
+def test_what_makes_no_curves_is_refused(keys, message):
+    with pytest.raises(SceneError, match=message):
+        curves.Curves(**keys)
+
+
+@pytest.mark.parametrize("basis", ["b_spline", "catmull_rom"])
+def test_segments_join_smoothly(basis):
+    parts = segments(curves.Curves(points=POINTS, radii=(1, 2, 3, 2, 1), basis=basis), np.eye(4))
+    assert len(parts.points) == 2
+    ends, starts = parts.points[:-1], parts.points[1:]
+    np.testing.assert_allclose(ends[:, 3], starts[:, 0])
+    np.testing.assert_allclose(ends[:, 3] - ends[:, 2], starts[:, 1] - starts[:, 0])
+    np.testing.assert_allclose(parts.first, [0.0, 0.5])
+
+
+def test_slender_segments_are_divided_and_stay_where_they_are():
+    spec = curves.Curves(points=POINTS[:4], radii=(0.01, 0.02, 0.03, 0.04), basis="bezier")
+    whole, rows = segments(spec, np.eye(4)).points[0], curves.pack(spec, np.eye(4))
+    assert len(rows) == 4
+    u = np.linspace(0.0, 1.0, 9)
+    bernstein = np.stack([(1 - u) ** 3, 3 * u * (1 - u) ** 2, 3 * u**2 * (1 - u), u**3], axis=1)
+    for number, row in enumerate(rows):
+        # Texture coordinates say which part of the strand it is.
+        first, span = row[18:20]
+        assert (first, span) == (0.25 * number, 0.25)
+        local = ((u[2 * number : 2 * number + 3] - first) / span)[:, None] ** np.arange(4)
+        found = local @ row[:16].reshape(4, 4)
+        np.testing.assert_allclose(
+            found, (bernstein @ whole)[2 * number : 2 * number + 3], atol=1e-6
+        )
+
+
+SCENE = """
+alight: 1
+camera: {type: pinhole}
+environment: {type: constant}
+nodes:
+  hair: {shape: {type: curves, %s}%s}
+"""
+
+
+def scene(tmp_path, keys, more=""):
+    (tmp_path / "scene.yaml").write_text(SCENE % (keys, more))
+    return alight.load(tmp_path / "scene.yaml")
+
+
+def test_a_file_holds_the_same_as_the_keys(tmp_path):
+    inline = scene(tmp_path, f"points: {POINTS}, radii: 0.1, counts: [5]")
+    np.savez(tmp_path / "hair.npz", points=np.array(POINTS), radii=0.1, counts=[5])
+    read = scene(tmp_path, "file: hair.npz")
+    assert content_hash(read) == content_hash(inline)
+    np.savez(tmp_path / "hair.npz", points=np.array(POINTS), radii=0.2, counts=[5])
+    assert content_hash(scene(tmp_path, "file: hair.npz")) != content_hash(inline)
+
+
+def test_many_points_are_saved_beside_the_scene(tmp_path):
+    rng = np.random.default_rng(1)
+    shape = curves.Curves(points=rng.normal(size=(4000, 3)), radii=0.1, counts=[4] * 1000)
+    made = scene(tmp_path, f"points: {POINTS}, radii: 0.1")
+    made = alight.changed(made, {"nodes.hair.shape": shape})
+    save(made, tmp_path / "saved.yaml")
+    again = alight.load(tmp_path / "saved.yaml")
+    assert again.nodes["hair"].shape.file.endswith(".npz")
+    assert content_hash(again) == content_hash(made)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        (None, 'no such file: "hair.npz"'),
+        ({"point": POINTS, "radii": 1.0}, 'lacks points; is it "point"'),
+        ({"points": POINTS}, "lacks radii"),
+        ({"points": POINTS, "radii": [1.0, 2.0]}, "radii must be one number or one a point"),
+        ({"points": POINTS, "radii": "x"}, "must be a number or a list of numbers"),
+        (b"no archive", "is no NPZ file of numbers, or broken"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said(tmp_path, arrays, message):
+    if isinstance(arrays, bytes):
+        (tmp_path / "hair.npz").write_bytes(arrays)
+    elif arrays is not None:
+        np.savez(tmp_path / "hair.npz", **arrays)
+    with pytest.raises(SceneError, match=r"nodes\.hair\.shape\.file") as caught:
+        flatten(scene(tmp_path, "file: hair.npz"))
+    assert message in str(caught.value)
+
+
+def test_curves_cannot_move(tmp_path):
+    keys = "[{time: 0, translate: [0, 0, 0]}, {time: 1, translate: [1, 0, 0]}]"
+    moving = f", transform: {{keyframes: {keys}}}"
+    with pytest.raises(SceneError, match="curves cannot move while the shutter is open"):
+        flatten(scene(tmp_path, f"points: {POINTS}, radii: 0.1", moving))
