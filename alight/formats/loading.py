@@ -68,8 +68,8 @@ def load(
     ----------
     scene : path, str, dict or object
         A scene file (``.yaml``, ``.yml``, ``.json``, Mitsuba's ``.xml``, pbrt's ``.pbrt``,
-        ``.gltf`` or ``.glb``), a model (``.obj``, ``.ply``, ``.stl``), the name of a built-in
-        scene, or a dictionary that holds what a native file says.
+        ``.gltf`` or ``.glb``), a model (``.obj``, ``.ply``, ``.stl``), materials (``.mtlx``), the
+        name of a built-in scene, or a dictionary that holds what a native file says.
 
         Or an object: a ``Trimesh``, ``Scene`` or ``PointCloud`` of trimesh; a data set of PyVista
         or VTK, coloured by its active scalars; a ``TriangleMesh`` or ``PointCloud`` of Open3D;
@@ -88,7 +88,7 @@ def load(
         else. By default the scene's own folder, as files come from strangers. What `changes` and
         dictionaries name may lie anywhere.
     variant : str, optional
-        Which variant of its materials a glTF file shows.
+        Which variant of its materials a glTF file shows, or which material a MaterialX file.
     scene_name : str, optional
         Which of its scenes a glTF file shows: name or number, from 0.
     animation : str, optional

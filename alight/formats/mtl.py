@@ -30,6 +30,7 @@ from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
 from alight.formats.surfaces import LARGEST_IOR, Surface
 from alight.formats.textures import CHECKERED, MISSING, WITHOUT, channel, complement, multiplied
+from alight.formats.udim import find_tiles, is_tiled, lay_out
 
 Data = dict[str, Any]
 GLASS, METAL, MATT = (4, 6, 7, 9), (3, 5, 8), (0, 1)
@@ -212,6 +213,7 @@ def _map(key: str, words: list[str], place: str, reach: Reach, report: Report) -
         report.drop(f"-imfchan {made.channel} of {key}: not covered")
     if [*scale, *shift] != [1.0, 1.0, 0.0, 0.0]:
         data["to_uv"] = [{"scale": scale}, {"translate": shift}]
+    lay_out(data, reach, report)
     if (base, gain) != (0.0, 1.0):
         if base < 0.0 or gain < 0.0:
             report.problem(place, "-mm", f"must be >= 0, got {base:g} {gain:g}")
@@ -259,6 +261,8 @@ def find(name: str, place: str, reach: Reach, report: Report) -> Path:
         If it lies outside or does not exist.
     """
     plain = name.strip().strip('"')
+    if is_tiled(plain):
+        return reach.folder / find_tiles(plain, reach)
     try:
         return reach.find(plain)
     except OutOfReachError:

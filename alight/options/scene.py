@@ -47,7 +47,7 @@ class SceneOptions(Options):
     )  # fmt: skip
 
     variant: str | None = option(
-        Text("NAME"), "Variant of the materials (.gltf, .glb).",
+        Text("NAME"), "Variant of the materials (.gltf, .glb), or one material (.mtlx).",
         shown="the materials that the file shows", panel=FOREIGN, default=None,
     )  # fmt: skip
     scene_name: str | None = option(

@@ -5,12 +5,48 @@ from tests.mutants.mutant import Mutant
 USD = "tests/formats/usd"
 GLTF = "tests/formats/gltf"
 MITSUBA = "tests/formats/mitsuba"
+MATERIALX = "tests/formats/materialx"
 
 SEEN = "tests/formats/test_seen_whole.py"
 
 STUDIO = "tests/formats/test_studio.py"
 
 FORMATS = (
+    Mutant(
+        "tiles of pictures counted from the top",
+        "formats/udim.py",
+        (("top = (rows - 1 - row) * height", "top = row * height"),),
+        "tests/formats/test_udim.py::test_tiles_lie_where_their_numbers_say",
+    ),
+    Mutant(
+        "place2d turns the other way",
+        "formats/materialx/placing.py",
+        (("[[c, s, 0.0], [-s, c, 0.0]", "[[c, -s, 0.0], [s, c, 0.0]"),),
+        f"{MATERIALX}/test_nodes.py::test_coordinates_go_through_place2d_as_its_graph_says",
+    ),
+    Mutant(
+        "what lies below a coat of MaterialX is not tinted by it",
+        "formats/materialx/standard_surface.py",
+        (("s.product(matte, tint)", "matte"),),
+        f"{MATERIALX}/test_shaders.py::test_layers_of_standard_surface",
+    ),
+    Mutant(
+        "pictures computed anew from encoded texels",
+        "formats/materialx/baking.py",
+        (('image.linear(texture.get("color_space", "auto"))', 'image.linear("linear")'),),
+        f"{MATERIALX}/test_nodes.py::test_other_nodes_compute_the_picture_anew",
+    ),
+    Mutant(
+        "inputs of a graph keep the value of its definition",
+        "formats/materialx/document.py",
+        (
+            (
+                "Scope(graph, interface | node.inputs, self.root)",
+                "Scope(graph, interface, self.root)",
+            ),
+        ),
+        f"{MATERIALX}/test_nodes.py::test_graphs_and_their_interfaces",
+    ),
     Mutant(
         "a skinned mesh is flattened by its own node",
         "formats/gltf/nodes.py",

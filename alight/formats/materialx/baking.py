@@ -76,6 +76,8 @@ def baked(function: Callable[..., Rows], values: list[Value], files: Files, widt
         with np.errstate(all="ignore"):
             found = np.broadcast_to(function(*arrays), (count, max(a.shape[1] for a in arrays)))
         found = np.clip(np.nan_to_num(found), -_LARGEST, _LARGEST)[:, : result.shape[2]]
+        if 1 < found.shape[1] < result.shape[2]:
+            found = np.pad(found, ((0, 0), (0, result.shape[2] - found.shape[1])))
         result[rows] = found.reshape(rows.stop - rows.start, columns, -1)
     low = min(float(result.min()), 0.0)
     if low < 0.0:
@@ -99,6 +101,12 @@ def _bitmaps(texture: Any) -> Iterator[Data]:
     for key in ("texture", "a", "b", "weight"):
         if key in texture:
             yield from _bitmaps(texture[key])
+
+
+def texels_of(texture: Data) -> int:
+    """How many texels a picture has that was computed."""
+    image = next(_bitmaps(texture))["pixels"]
+    return image.width * image.height
 
 
 def _key(bitmap: Data) -> tuple[Any, str]:

@@ -10,11 +10,11 @@ import numpy as np
 
 from alight.core.errors import quote
 from alight.core.uv_sets import MOST_SETS
-from alight.formats.materialx.baking import NotBakedError, baked
+from alight.formats.materialx.baking import NotBakedError, baked, texels_of
 from alight.formats.materialx.nodes import MOST_DEEP, WIDTHS, Input, Node
 from alight.formats.materialx.pictures import PATTERNS, as_plain
 from alight.formats.materialx.placing import NoPlaceError, Places
-from alight.formats.materialx.pointwise import POINTWISE, folded
+from alight.formats.materialx.pointwise import LUMA, POINTWISE, folded
 from alight.formats.materialx.protocols import Evaluates, Host
 from alight.formats.materialx.rules import RULES
 from alight.formats.materialx.spaces import SPACES, to_linear
@@ -26,14 +26,21 @@ from alight.formats.materialx.values import (
     is_positive,
     limited,
     part,
+    parts_of,
     positive,
     spread,
     textured,
 )
 from alight.formats.report import did_you_mean
 
+#: Textures that a value is made of: a material takes 64, and adds some of its own.
+MOST_PARTS = 20
+#: Texels that are computed anew for a material: 12 bytes each.
+MOST_COMPUTED = 2**25
 #: Nodes whose fourth channel is that of their first input.
 _OF_COLORS = ("colorcorrect", "hsvadjust", "hsvtorgb", "luminance", "rgbtohsv", "saturate")
+#: Defaults of inputs that are colours, of those nodes.
+_COLORS = (LUMA, (0.0, 1.0, 1.0))
 _INDICES = {"r": 0, "g": 1, "b": 2, "a": 3, "x": 0, "y": 1, "z": 2, "w": 3}
 
 
@@ -56,6 +63,7 @@ class Evaluator:
         self.places = Places(host.coordinates, host.set_name, self.value)
         self._known: dict[tuple[int, str], Value] = {}
         self._open: list[Node] = []
+        self._computed = 0
 
     def say(self, node: Node, text: str) -> None:
         """Remark on what is not quite what a node says."""
@@ -92,10 +100,19 @@ class Evaluator:
                 return Plain((0.0,) * WIDTHS.get(node.kind, 3))
             self._open.append(node)
             try:
-                self._known[key] = self._evaluated(node, name)
+                self._known[key] = self._small(node, self._evaluated(node, name))
             finally:
                 self._open.pop()
         return self._known[key]
+
+    def _small(self, node: Node, value: Value) -> Value:
+        """A value of a few textures: of more, one picture is computed."""
+        if isinstance(value, Plain) or parts_of(value.texture, MOST_PARTS) <= MOST_PARTS:
+            return value
+        kept = spread(value, min(value.width, 3))
+        instead = Plain((0.5,) * value.width)
+        found = self.computed(node, lambda x: x, [kept], instead, value.width)
+        return replace(found, alpha=value.alpha) if isinstance(found, Varying) else found
 
     def _evaluated(self, node: Node, output: str) -> Value:
         if node.category in PATTERNS:
@@ -129,8 +146,18 @@ class Evaluator:
         return self._applied(node, node.category, values, width)
 
     def _applied(self, node: Node, category: str, values: list[Value], width: int) -> Value:
+        function, arguments = POINTWISE[category]
+        if category in _OF_COLORS:
+            widths = [3 if i == 0 or default in _COLORS else 1 for i, (_, default) in
+                      enumerate(arguments)]  # fmt: skip
+            widths[0] = max(values[0].width, 3)
+        else:
+            widths = [max(v.width for v in values)] * len(values)
+        values = [
+            v if v.width == 1 and category not in _OF_COLORS else spread(v, w)
+            for v, w in zip(values, widths, strict=True)
+        ]
         plain = [v for v in values if isinstance(v, Plain)]
-        function, _ = POINTWISE[category]
         if len(plain) == len(values):
             return _folded(category, function, plain, width)
         rule = RULES.get(category)
@@ -151,9 +178,13 @@ class Evaluator:
         width = instead.width if width is None else width
         colors = [spread(v, min(v.width, 3)) if v.width > 1 else v for v in values]
         try:
+            if self._computed > MOST_COMPUTED:
+                raise NotBakedError("its material has computed enough pictures")
             found: Value = baked(function, colors, self.host.files, width)
+            self._computed += texels_of(found.texture)
         except NotBakedError as error:
-            text = f"{quote(node.category)} is left out: {error}; its first input is taken"
+            taken = "0.5" if isinstance(instead, Plain) else "its first input"
+            text = f"{quote(node.category)} is left out: {error}; {taken} is taken"
             self.say(node, text)
             return spread(instead, width)
         if width == 4 and isinstance(found, Varying):

@@ -6,6 +6,7 @@ corner, as ours.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import PurePosixPath
 from typing import Any
@@ -27,6 +28,7 @@ from alight.formats.materialx.values import (
     textured,
 )
 from alight.formats.textures import bitmap, channel, wrapped
+from alight.formats.udim import is_tiled, lay_out
 from alight.scene.images import picture
 from alight.textures.images import Image
 
@@ -96,6 +98,7 @@ def shown(
     number = e.set_number(node, place.name)
     if number:
         data["uv_set"] = number
+    lay_out(data, e.host.reach, e.host.report)
     most = _largest(e, found, plain)
     if width == 1:
         return textured(channel(data, "r"), 1, most)
@@ -112,6 +115,8 @@ def _largest(e: Evaluates, found: str | Image, space: str) -> float:
         if isinstance(found, str):
             if PurePosixPath(found).suffix.lower() not in _UNLIMITED:
                 return 1.0
+            if is_tiled(found):
+                return math.inf
             found = picture(found, e.host.files)
         return 1.0 if found.levels > 1 else max(found.maximum(space))
     except SceneError:

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from alight.formats.materialx.nodes import Input, Node
 from alight.formats.materialx.placing import Places
 from alight.formats.materialx.values import Value, Varying
+from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.scene.files import Files
 from alight.textures.images import Image
@@ -18,6 +19,7 @@ class Host(Protocol):
 
     report: Report
     files: Files
+    reach: Reach
     #: Colour space of pictures that name none.
     space: str
     #: Name of the set of coordinates where a network gives none.

@@ -19,6 +19,7 @@ from alight.formats.report import Report
 from alight.formats.shown import Shown
 from alight.formats.surfaces import Surface, plain_surface
 from alight.formats.textures import CHECKERED, MISSING, WITHOUT
+from alight.formats.udim import find_tiles, is_tiled
 from alight.formats.xml import MOST_BYTES
 from alight.scene.transform import translate
 from alight.textures.images import Image
@@ -62,6 +63,8 @@ class DocumentHost:
         """The picture of a file name, from the folder of the document that says it."""
         folder = entry.asset if isinstance(entry.asset, Path) else self.reach.folder
         try:
+            if is_tiled(str(entry.value)):
+                return find_tiles(str(entry.value), self.reach.from_folder(folder))
             path = self.reach.from_folder(folder).find(str(entry.value))
         except OutOfReachError as error:
             replacement = CHECKERED if is_color else WITHOUT

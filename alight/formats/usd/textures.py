@@ -7,7 +7,7 @@ UsdTransform2d. Texture coordinates have (0, 0) at the lower left corner of the 
 from __future__ import annotations
 
 import zipfile
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from pydantic_core import PydanticCustomError
@@ -27,6 +27,7 @@ from alight.formats.textures import (
     stretched,
     wrapped,
 )
+from alight.formats.udim import find_tiles, is_tiled, lay_out
 from alight.formats.usd.modules import Ar, UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.textures.images import Image
@@ -102,6 +103,7 @@ class Textures:
         number = self._set_of(shader, name)
         if number:
             data["uv_set"] = number
+        lay_out(data, self.stage.reach, self.stage.report)
         return data
 
     def normals(self, shader: Any) -> Data | None:
@@ -228,6 +230,8 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     OutOfReachError
         If it is missing, broken, or lies elsewhere.
     """
+    if is_tiled(asset.path):
+        return _tiles(stage, asset.path)
     resolved = asset.resolvedPath or _member(stage, asset.path)
     path = stage.picture(asset.path, resolved.partition("[")[0])
     if "[" not in resolved:
@@ -239,6 +243,18 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         text = " ".join(str(error).split())[:200]
     raise UnreadableError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
+
+
+def _tiles(stage: Stage, authored: str) -> str:
+    """The name of a set of tiles beside one of the layers."""
+    refused = OutOfReachError(f"no such picture: {quote(authored)}")
+    for layer in reversed([layer for layer in stage.stage.GetUsedLayers() if layer.realPath]):
+        folder = Path(layer.realPath.partition("[")[0]).parent
+        try:
+            return find_tiles(authored, stage.reach.from_folder(folder))
+        except OutOfReachError as error:
+            refused = error
+    raise refused
 
 
 def _member(stage: Stage, authored: str) -> str:

@@ -145,6 +145,19 @@ def test_pictures_that_lie_differently_are_not_computed_anew(tmp_path):
     assert any('"difference" is left out' in line for line in said)
 
 
+def test_long_chains_become_one_picture(tmp_path):
+    chain = [picture("x0")]
+    for i in range(60):
+        both = [link(f"in{k}", "color3", f"x{i}") for k in (1, 2)]
+        chain.append(node("multiply", f"x{i + 1}", "color3", *both))
+    found, _ = base(tmp_path, *chain, of="x3")
+    np.testing.assert_allclose(texels(found, tmp_path), LINEAR**8, atol=1e-5)
+    found, said = base(tmp_path, *chain, of="x60")
+    assert not any("left out" in line for line in said)
+    # White stays white; all else has become black.
+    assert np.array_equal(texels(found, tmp_path) > 0.5, LINEAR == 1.0)
+
+
 def test_channels_are_taken_apart_and_put_together(tmp_path):
     apart = node("separate3", "s", "multioutput", link("in", "color3", "p"))
     swapped = node("combine3", "x", "color3", *(

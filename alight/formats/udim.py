@@ -1,0 +1,211 @@
+"""Sets of pictures that lie side by side on a surface: ``wood.<UDIM>.png``.
+
+The tile 1001 + c + 10 r covers the unit square of (u, v) from (c, r). All tiles become one picture,
+which is looked up as one: where two tiles meet, texels of both are interpolated, so that a surface
+that goes on from tile to tile shows no seam. Squares without a tile show the border of the tile
+that is nearest to them. Smaller tiles are enlarged to the size of the largest; a set with too many
+texels for one picture is made smaller.
+
+Source: Foundry, "UDIM workflow", as OpenUSD and MaterialX 1.39 (``<UDIM>`` in file names) have it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.core.errors import SceneError, quote
+from alight.formats.reach import OutOfReachError, Reach, UnreadableError
+from alight.formats.report import Report
+from alight.scene.files import Files
+from alight.scene.images import read_image
+from alight.textures.images import MOST_SIDE, MOST_TEXELS, Image
+
+Data = dict[str, Any]
+#: What stands for the number of a tile in a name.
+TOKEN = "<UDIM>"
+FIRST, COLUMNS, LAST = 1001, 10, 1999
+
+
+@dataclass(frozen=True)
+class Tiles:
+    """A set of tiles as one picture.
+
+    Attributes
+    ----------
+    image : Image
+        Its lower left corner is that of the lowest and leftmost tile.
+    corner : (int, int)
+        Where in (u, v) that is.
+    size : (int, int)
+        Tiles along u and v.
+    shrunk : int
+        By how much its sides are shorter than those of its tiles.
+    """
+
+    image: Image
+    corner: tuple[int, int]
+    size: tuple[int, int]
+    shrunk: int
+
+
+def is_tiled(name: str) -> bool:
+    """Whether a name means a set of tiles."""
+    return TOKEN in name
+
+
+def find_tiles(name: str, reach: Reach) -> str:
+    """Find a set of tiles, and read it.
+
+    Parameters
+    ----------
+    name : str
+        With `TOKEN` in its last part.
+    reach : Reach
+
+    Returns
+    -------
+    str
+        Its name from the scene's folder.
+
+    Raises
+    ------
+    OutOfReachError
+        If it lies outside, or has no tile.
+    UnreadableError
+        If a tile cannot be read.
+    """
+    for folder in reach.searched:
+        path = reach.inside(name, folder)
+        if _paths(path):
+            found = reach.name_of(path)
+            _tiles(found, reach.files)
+            return found
+    first = name.replace(TOKEN, str(FIRST))
+    raise OutOfReachError(f"no such file: {quote(name)} (no tile, such as {quote(first)})")
+
+
+def lay_out(bitmap: Data, reach: Reach, report: Report) -> None:
+    """Let a bitmap of a set that `find_tiles` found show its picture; others stay as they are."""
+    name = bitmap.get("file", "")
+    if not is_tiled(name):
+        return
+    tiles = _tiles(name, reach.files)
+    before = bitmap.get("to_uv", [])
+    steps = list(before) if isinstance(before, list) else [before]
+    steps += [{"translate": [float(-c) for c in tiles.corner]}]
+    steps += [{"scale": [1.0 / n for n in tiles.size]}]
+    bitmap.pop("file")
+    bitmap.pop("wrap_v", None)
+    bitmap |= {"pixels": tiles.image, "wrap": "clamp", "to_uv": steps}
+    if tiles.shrunk > 1:
+        text = f"its tiles are {tiles.shrunk} times smaller, to fit into one picture"
+        report.approximate(f"{quote(name)}: {text}")
+
+
+def _paths(path: Path) -> dict[int, Path]:
+    """The tiles that there are, by their numbers."""
+    before, _, after = path.name.partition(TOKEN)
+    wanted = re.compile(re.escape(before) + r"(1\d{3})" + re.escape(after))
+    try:
+        names = sorted(entry.name for entry in path.parent.iterdir())
+    except OSError:
+        return {}
+    found = {int(m[1]): path.with_name(n) for n in names if (m := wanted.fullmatch(n))}
+    return {number: tile for number, tile in found.items() if FIRST <= number <= LAST}
+
+
+def _tiles(name: str, files: Files) -> Tiles:
+    try:
+        return files.read(_read, name)
+    except SceneError as error:
+        raise UnreadableError(error.issues[0].message) from None
+
+
+def _read(path: Path, name: str) -> Tiles:
+    """Read all tiles of a set."""
+    paths = _paths(path)
+    images = {number: read_image(tile, tile.name) for number, tile in paths.items()}
+    places = {n: ((n - FIRST) % COLUMNS, (n - FIRST) // COLUMNS) for n in images}
+    low, high = ([f(p[i] for p in places.values()) for i in (0, 1)] for f in (min, max))
+    columns, rows = high[0] - low[0] + 1, high[1] - low[1] + 1
+    width = max(image.width for image in images.values())
+    height = max(image.height for image in images.values())
+    shrunk = 1
+    while (width // shrunk) * columns * (height // shrunk) * rows > MOST_TEXELS or max(
+        (width // shrunk) * columns, (height // shrunk) * rows
+    ) > MOST_SIDE:
+        shrunk *= 2
+    width, height = max(width // shrunk, 1), max(height // shrunk, 1)
+    whole = _together(list(images.values()))
+    fitted = {n: _fitted(t, width, height) for n, t in zip(images, whole, strict=True)}
+    texels = np.zeros((rows * height, columns * width, whole[0].shape[2]), whole[0].dtype)
+    for column in range(columns):
+        for row in range(rows):
+            here = (low[0] + column, low[1] + row)
+            nearest = min(places, key=lambda n: (_distance(places[n], here), n))
+            tile = fitted[nearest]
+            if places[nearest] != here:
+                tile = _beside(tile, places[nearest], here)
+            # Rows are counted from the top.
+            top = (rows - 1 - row) * height
+            texels[top : top + height, column * width : (column + 1) * width] = tile
+    texels.setflags(write=False)
+    channels = texels.shape[2]
+    alpha = np.ascontiguousarray(texels[..., -1]) if channels in (2, 4) else None
+    colors = np.ascontiguousarray(texels[..., : 3 if channels > 2 else 1])
+    return Tiles(Image(colors, alpha), (low[0], low[1]), (columns, rows), shrunk)
+
+
+def _distance(a: tuple[int, int], b: tuple[int, int]) -> int:
+    return (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2
+
+
+def _together(images: list[Image]) -> list[NDArray[Any]]:
+    """Texels of one type and with as many channels; whole numbers stay encoded as they are."""
+    kinds = {image.texels.dtype for image in images}
+    if len(kinds) > 1:
+        # Floats are linear: what is not becomes so.
+        images = [
+            Image(image.linear(), None if image.alpha is None else image.alpha / image.levels)
+            for image in images
+        ]
+    channels = max(image.whole.shape[2] for image in images)
+    result = []
+    for image in images:
+        texels = image.texels
+        if channels > 2 and texels.shape[2] == 1:
+            texels = np.repeat(texels, 3, axis=2)
+        if channels in (2, 4):
+            alpha = image.alpha
+            if alpha is None:
+                alpha = np.full(texels.shape[:2], image.levels, texels.dtype)
+            texels = np.concatenate([texels, alpha[..., None]], axis=2)
+        result.append(texels)
+    return result
+
+
+def _fitted(texels: NDArray[Any], width: int, height: int) -> NDArray[Any]:
+    """A tile of another size: the means of texels, or the nearest ones."""
+    rows, columns = texels.shape[:2]
+    if rows % height == 0 and columns % width == 0 and rows >= height and columns >= width:
+        blocks = texels.reshape(height, rows // height, width, columns // width, -1)
+        return blocks.mean(axis=(1, 3)).astype(texels.dtype)
+    y = (np.arange(height) + 0.5) * rows / height
+    x = (np.arange(width) + 0.5) * columns / width
+    return texels[y.astype(int)][:, x.astype(int)]
+
+
+def _beside(tile: NDArray[Any], place: tuple[int, int], here: tuple[int, int]) -> NDArray[Any]:
+    """What a square without a tile shows of the tile that is nearest: its border."""
+    if here[0] != place[0]:
+        tile = np.repeat(tile[:, -1:] if here[0] > place[0] else tile[:, :1], tile.shape[1], axis=1)
+    if here[1] != place[1]:
+        # Rows are counted from the top: above lies the first one.
+        tile = np.repeat(tile[:1] if here[1] > place[1] else tile[-1:], tile.shape[0], axis=0)
+    return tile
