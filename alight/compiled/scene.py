@@ -134,7 +134,7 @@ def compile_scene(
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights
-    own = "if possible" if flat.integrator.wants_guide else "never"
+    own = "if possible" if flat.integrator.guide_learns_from_lights else "never"
     lights = compile_lights(
         flat,
         shapes,

@@ -340,6 +340,11 @@ class Integrator(Spec):
         """Whether the picture does without a guide that would not pay."""
         return False
 
+    @property
+    def guide_learns_from_lights(self) -> bool:
+        """Whether light paths train the guide too."""
+        return False
+
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.
 
