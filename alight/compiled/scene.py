@@ -134,7 +134,7 @@ def compile_scene(
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights
-    own = "if possible" if flat.integrator.guide_learns_from_lights else "never"
+    own = "if possible" if flat.integrator.way_of_guiding in ("on", "auto") else "never"
     lights = compile_lights(
         flat,
         shapes,

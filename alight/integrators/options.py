@@ -96,11 +96,6 @@ class PathTracing(PathLengths, LightSampling):
         return self.guiding != "off"
 
     @property
-    def guide_must_pay(self) -> bool:
+    def way_of_guiding(self) -> str:
         """As `guiding` says."""
-        return self.guiding == "auto"
-
-    @property
-    def guide_learns_from_lights(self) -> bool:
-        """As `guiding` says."""
-        return self.guiding in ("on", "auto")
+        return self.guiding
