@@ -332,6 +332,24 @@ GUIDING = (
         f"{RENDERS}::test_a_guide_may_learn_from_the_camera_alone",
     ),
     Mutant(
+        "records that count four times, once in each quarter of their box",
+        "guiding/records.py",
+        (("return rint(0.25 * number)", "return number"),),
+        f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
+    ),
+    Mutant(
+        "records that are not spread over their box",
+        "guiding/records.py",
+        (("around_edges(x + right * side, y + up * side)", "around_edges(x, y)"),),
+        f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
+    ),
+    Mutant(
+        "records that go on beside the edge of the square, not across it",
+        "core/equal_area.py",
+        (("_folded(x), where(beyond, 1.0 - y, y)", "_folded(x), y"),),
+        f"{TREE}::test_beyond_an_edge_of_the_square_the_map_goes_on",
+    ),
+    Mutant(
         "a guide that is used whatever it is worth",
         "rendering/trainer.py",
         (("not choose or self.gain >= least", "True"),),
