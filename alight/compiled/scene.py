@@ -135,7 +135,7 @@ def compile_scene(
     )
     of_light = light_motions(flat, shapes, paths)
     choice = flat.integrator.choice_of_lights
-    own = "if possible" if flat.integrator.wants_guide else "never"
+    own = "if possible" if flat.integrator.way_of_guiding in ("on", "auto") else "never"
     lights = compile_lights(
         flat,
         shapes,

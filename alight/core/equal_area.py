@@ -40,6 +40,25 @@ def square_to_sphere(x, y):
 
 
 @kernel
+def around_edges(x, y):
+    """The point of [0, 1)^2 of a point (x, y) that is up to 1/2 beyond it.
+
+    The square's edges are seams of the octahedron: beyond one, the map goes on from the same edge,
+    turned about its middle.
+    """
+    beyond = (x < 0.0) | (x >= 1.0)
+    x, y = _folded(x), where(beyond, 1.0 - y, y)
+    beyond = (y < 0.0) | (y >= 1.0)
+    return _folded(where(beyond, 1.0 - x, x)), _folded(y)
+
+
+@kernel
+def _folded(x):
+    x = where(x < 0.0, -x, x)
+    return minimum(maximum(where(x >= 1.0, 2.0 - x, x), 0.0), ONE_MINUS_EPSILON)
+
+
+@kernel
 def sphere_to_square(w):
     """The point (x, y) of [0, 1)^2 of a unit direction."""
     u, v = absolute(w.x), absolute(w.y)

@@ -340,9 +340,9 @@ class Integrator(Spec):
         return False
 
     @property
-    def guide_must_pay(self) -> bool:
-        """Whether the picture does without a guide that would not pay."""
-        return False
+    def way_of_guiding(self) -> str:
+        """How, see `alight.integrators.options.PathTracing`."""
+        return "off"
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.

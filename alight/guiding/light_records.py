@@ -6,10 +6,19 @@ and water too, and know where light is that no camera path would ever meet.
 
 from __future__ import annotations
 
+from alight.core.equal_area import sphere_to_square
 from alight.core.vec import gather_vec3, max_component, min_component
 from alight.guiding.lookup import leaf_at, within_box
 from alight.guiding.parallax import focus_at, from_middle
-from alight.guiding.records import append_rows, cell_at, in_units
+from alight.guiding.records import (
+    CORNERS,
+    ROOM_OF_CORNERS,
+    append_rows,
+    cell_of,
+    in_units,
+    quarter_of,
+    store_cells_around,
+)
 from alight.guiding.tables import LIGHT_RECORD
 from lanewise.jit import kernel
 from lanewise.simd import (
@@ -64,7 +73,8 @@ def add_arrivals(guide, log, totals, unit):
     unit : float32
         Typical flux of a vertex.
     """
-    values, cells, leaves = local_floats(32), local_uints(16), local_uints(16)
+    values, leaves = local_floats(48), local_uints(16)
+    cells = local_uints(ROOM_OF_CORNERS)
     count, box = as_int(log.count[0]), guide.box
     # Of the box's longest side.
     size = 1.0 / min(box[3], min(box[4], box[5]))
@@ -81,15 +91,19 @@ def add_arrivals(guide, log, totals, unit):
         flux = where(active, flux, 0.0)
         leaf = leaf_at(guide, p)
         w, _ = from_middle(focus_at(guide, leaf, p), w)
-        store_lanes(cells, 0, cell_at(guide, leaf, w, active))
+        x, y = sphere_to_square(w)
+        _, side = cell_of(guide, leaf, x, y, active)
+        store_cells_around(guide, leaf, cells, x, y, side, active)
         store_lanes(leaves, 0, leaf)
         store_lanes(values, 0, in_units(flux, unit))
+        store_lanes(values, 2 * LANES, quarter_of(in_units(flux, unit)))
         store_lanes(values, LANES, in_units(flux * minimum(size * near, SHORTEST), unit))
         bits = mask_bits(active)
         while bits != 0:
             lane = trailing_zeros(bits)
             bits &= bits - 1
-            totals.lit[as_int(cells[lane])] += as_int(values[lane])
+            for corner in range(CORNERS):
+                totals.lit[as_int(cells[corner * LANES + lane])] += as_int(values[2 * LANES + lane])
             at = 2 * as_int(leaves[lane])
             totals.near[at] += as_int(values[lane])
             totals.near[at + 1] += as_int(values[LANES + lane])

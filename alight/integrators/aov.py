@@ -27,6 +27,10 @@ the picture's own paths through what the camera sees through, the holes of a mas
 `hide_emitters` says so, lights; so a sample counts here if and only if the picture's has met a
 surface, and a picture without its surroundings is premultiplied by this very alpha.
 
+The layer ``guide_share`` looks through the same delta lobes: it is the probability with which the
+guide, and not the BSDF, draws the direction at the first surface that scatters light smoothly
+(`alight.integrators.guided`), and 0 in pictures without a guide.
+
 Source: the documentation of Intel Open Image Denoise, "Albedos" and "Normals": features of the
 first hit, or of the first diffuse or glossy one behind perfect reflections and refractions.
 """
@@ -43,6 +47,7 @@ from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3, max_component
 from alight.films.fixed_point import put_limbs
+from alight.integrators.guided import guide_at, is_guided
 from alight.integrators.moments import at_times_of
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -86,17 +91,21 @@ LAYERS = {
     "alpha": ("A",),
     "albedo_through": ("R", "G", "B"),
     "normal_through": ("X", "Y", "Z"),
+    "guide_share": ("A",),
 }
 
 ALBEDO, NORMAL, GEOMETRIC_NORMAL, POSITION, DEPTH, UV, ID, ALPHA = range(8)
-ALBEDO_THROUGH, NORMAL_THROUGH = range(8, len(LAYERS))
+ALBEDO_THROUGH, NORMAL_THROUGH, GUIDE_SHARE = range(8, len(LAYERS))
 
 #: The layers of the first hit, as bits of `LayerFilm.wanted`.
 FIRST_HIT = (1 << ALPHA) - 1
 
 #: Layers that follow delta lobes, and what programs that have them say among their AOVs.
-THROUGH_LAYERS = frozenset({"albedo_through", "normal_through"})
+THROUGH_LAYERS = frozenset({"albedo_through", "normal_through", "guide_share"})
 THROUGH = "through"
+
+#: The layer that asks the guide, if there is one.
+ASKS_GUIDE = "guide_share"
 
 #: The layer of coverage, whose rays go on through holes.
 COVERAGE = "alpha"
@@ -117,16 +126,19 @@ def layer_bits(names: Iterable[str]) -> int:
 
 @specialised
 def look(program):
-    """``look(scene, film, path)``: add the layers of a packet of camera rays to a `LayerFilm`."""
-    look_at_others = _look_and_follow if THROUGH in program.aovs else look_once
+    """``look(scene, settings, film, path)``: add the layers of a packet of camera rays to a film.
+
+    film: `LayerFilm`.
+    """
+    look_at_others = _write_look_and_follow(program) if THROUGH in program.aovs else look_once
     if COVERAGE not in program.aovs:
         return look_at_others
     cover = _write_cover(program)
 
     @kernel
-    def look_and_cover(scene, film, path):
+    def look_and_cover(scene, settings, film, path):
         if film.wanted != (1 << ALPHA):
-            look_at_others(scene, film, path)
+            look_at_others(scene, settings, film, path)
         if film.wanted & (1 << ALPHA) != 0:
             cover(at_times_of(scene, path.sampler), film, path)
 
@@ -134,7 +146,7 @@ def look(program):
 
 
 @kernel
-def look_once(scene, film, path):
+def look_once(scene, settings, film, path):
     """`look` at the first surfaces."""
     seen = at_times_of(scene, path.sampler)
     hit = intersect_closest(seen, path.o, path.d, lanes(INFINITY), path.active)
@@ -146,11 +158,16 @@ def look_once(scene, film, path):
             add_layer(film, layer, path, value, active)
 
 
-@kernel
-def _look_and_follow(scene, film, path):
-    if film.wanted & FIRST_HIT != 0:
-        look_once(scene, film, path)
-    follow_delta(at_times_of(scene, path.sampler), film, path)
+def _write_look_and_follow(program):
+    follow_delta = _write_follow_delta(program)
+
+    @kernel
+    def look_and_follow(scene, settings, film, path):
+        if film.wanted & FIRST_HIT != 0:
+            look_once(scene, settings, film, path)
+        follow_delta(at_times_of(scene, path.sampler), settings, film, path)
+
+    return look_and_follow
 
 
 @kernel
@@ -179,34 +196,45 @@ def first_hit(scene, layer, path, hit, surface):
     return value * weight
 
 
-@kernel
-def follow_delta(scene, film, path):
-    """Add the layers that look through delta lobes."""
-    white = path.beta
-    while any_lane(path.active):
-        hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
-        active = path.active & (hit.t < INFINITY)
-        surface = make_surface(scene, hit, path.o, path.d, active)
-        wo = to_local(surface, -path.d)
-        dimension = vertex_dimension(path.depth + 1)
-        u = get_1d(path.sampler, dimension + BSDF_CHOICE)
-        u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
-        wi, weight, _, flags = sample_bsdf(scene, surface, wo, u, u2, active)
-        passes = active & ((flags & DELTA) != 0) & (path.depth < MOST_BOUNCES)
-        passes = passes & ~(max_component(weight) <= 0.0)
-        # Beside delta lobes the albedo of the whole material would count them twice.
-        smooth = is_mixed(scene, surface) & ((flags & DELTA) == 0)
-        albedo = where(smooth, weight, albedo_bsdf(scene, surface, active))
-        for layer in range(ALBEDO_THROUGH, NORMAL_THROUGH + 1):
-            if film.wanted & (1 << layer) != 0:
-                value = white * surface.ns
-                if layer == ALBEDO_THROUGH:
-                    value = path.beta * albedo
-                add_layer(film, layer, path, value, active & ~passes)
-        d = to_world(surface, wi)
-        o = spawn_origin(surface.p, surface.error, surface.ng, d)
-        beta, depth = path.beta * weight, path.depth + 1
-        path = replace(path, o=o, d=d, beta=beta, depth=depth, active=passes)
+def _write_follow_delta(program):
+    """``(scene, settings, film, path)``: add the layers that look through delta lobes."""
+    guided = is_guided(program)
+
+    @kernel
+    def follow_delta(scene, settings, film, path):
+        white = path.beta
+        while any_lane(path.active):
+            hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
+            active = path.active & (hit.t < INFINITY)
+            surface = make_surface(scene, hit, path.o, path.d, active)
+            wo = to_local(surface, -path.d)
+            dimension = vertex_dimension(path.depth + 1)
+            u = get_1d(path.sampler, dimension + BSDF_CHOICE)
+            u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
+            wi, weight, _, flags = sample_bsdf(scene, surface, wo, u, u2, active)
+            passes = active & ((flags & DELTA) != 0) & (path.depth < MOST_BOUNCES)
+            passes = passes & ~(max_component(weight) <= 0.0)
+            # Beside delta lobes the albedo of the whole material would count them twice.
+            smooth = is_mixed(scene, surface) & ((flags & DELTA) == 0)
+            albedo = where(smooth, weight, albedo_bsdf(scene, surface, active))
+            for layer in range(ALBEDO_THROUGH, NORMAL_THROUGH + 1):
+                if film.wanted & (1 << layer) != 0:
+                    value = white * surface.ns
+                    if layer == ALBEDO_THROUGH:
+                        value = path.beta * albedo
+                    add_layer(film, layer, path, value, active & ~passes)
+            if guided:
+                share = Vec3(guide_at(settings, surface.p).share, lanes(0.0), lanes(0.0))
+                # Delta lobes alone ask no guide.
+                asks = is_mixed(scene, surface) | ((flags & DELTA) == 0)
+                if film.wanted & (1 << GUIDE_SHARE) != 0:
+                    add_layer(film, GUIDE_SHARE, path, white * share, active & ~passes & asks)
+            d = to_world(surface, wi)
+            o = spawn_origin(surface.p, surface.error, surface.ng, d)
+            beta, depth = path.beta * weight, path.depth + 1
+            path = replace(path, o=o, d=d, beta=beta, depth=depth, active=passes)
+
+    return follow_delta
 
 
 def _write_cover(program):

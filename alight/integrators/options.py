@@ -81,13 +81,14 @@ class PathTracing(PathLengths, LightSampling):
 
     Parameters
     ----------
-    guiding : {"off", "on", "auto"}, default "off"
+    guiding : {"off", "on", "auto", "camera"}, default "off"
         Whether paths also follow a guide, which learns before the picture where light comes from
-        (`alight.guiding`); "auto": where training finds that it pays. Roulette then ends paths that
-        the guide expects to add little, from the second vertex on.
+        (`alight.guiding`); "auto": where training finds that it pays; "camera": a guide that
+        learns from the camera's paths alone, and not from light paths too. Roulette then ends paths
+        that the guide expects to add little, from the second vertex on.
     """
 
-    guiding: Annotated[Literal["off", "on", "auto"], NoiseOnly()] = "off"
+    guiding: Annotated[Literal["off", "on", "auto", "camera"], NoiseOnly()] = "off"
 
     @property
     def wants_guide(self) -> bool:
@@ -95,6 +96,6 @@ class PathTracing(PathLengths, LightSampling):
         return self.guiding != "off"
 
     @property
-    def guide_must_pay(self) -> bool:
+    def way_of_guiding(self) -> str:
         """As `guiding` says."""
-        return self.guiding == "auto"
+        return self.guiding

@@ -16,7 +16,7 @@ import alight
 from alight.core.errors import OptionError, OutputError
 from alight.lab.pictures import run_scene
 from alight.lab.result_files import save
-from alight.lab.results import SceneResult, StudyResult, TableResult
+from alight.lab.results import ArmResult, SceneResult, StudyResult, TableResult
 from alight.lab.session import QUICK_REPLICATES, Session, StudyProgress
 from alight.lab.spread import processor, spread_over
 from alight.lab.store import Store
@@ -96,6 +96,8 @@ def run_study(
             tables = variance_ratios(scenes, study.settings.get("variance_ratios", {}))
             if study.settings.get("relmse_gains"):
                 tables.append(relmse_gains(scenes))
+            if "relmse_after" in study.settings:
+                tables.append(relmse_after(scenes, study.settings["relmse_after"]))
     session.seconds["wall"] = time.perf_counter() - begin
     result = StudyResult(
         name=study.name,
@@ -170,6 +172,46 @@ def relmse_gains(scenes: list[SceneResult]) -> TableResult:
         "much the mean of the arm's pictures differs from the reference."
     )
     return TableResult("relmse-gains", "relMSE over the baseline's", text, columns, rows)
+
+
+def relmse_after(scenes: list[SceneResult], seconds: float) -> TableResult:
+    """What longer renders would leave: arms that are trained first repay that only then.
+
+    Parameters
+    ----------
+    scenes : list of SceneResult
+        Whose arms have at least two steps of equal samples.
+    seconds : float
+        Of CPU time, training included.
+    """
+    rows = []
+    for scene in scenes:
+        # Errors that do not fall with more samples have no place here.
+        arms = [arm for arm in scene.arms if not arm.declares_different]
+        counts = {arm.label: _reach(arm, seconds) for arm in arms}
+        base = next(arm for arm in arms if arm.is_baseline)
+        for arm in arms:
+            before, spp = counts[arm.label]
+            gain: str | list[float] = "1, the baseline"
+            if not arm.is_baseline:
+                mine, its = (one.samples[-1] for one in (arm, base))
+                more = spp / counts[base.label][1] * its.spp / mine.spp
+                gain = [more * ratio for ratio in _ratio([its.relmse], [mine.relmse])]
+            rows.append([scene.label, arm.label, before, spp, gain])
+    columns = ["scene", "arm", "s before the first sample", "spp", "relMSE"]
+    text = (
+        f"After {seconds:g} s of CPU time: samples a pixel, from the time that each of them takes, "
+        "and relMSE of the baseline over that of the arm, as errors fall with one over the samples."
+    )
+    return TableResult("relmse-after", f"After {seconds:g} s", text, columns, rows)
+
+
+def _reach(arm: ArmResult, seconds: float) -> tuple[float, float]:
+    """CPU seconds before an arm's first sample, and samples a pixel in all."""
+    first, last = arm.samples[-2:]
+    each = (last.seconds.value - first.seconds.value) / (last.spp - first.spp)
+    before = max(last.seconds.value - each * last.spp, 0.0)
+    return before, max(seconds - before, 0.0) / each
 
 
 def _ratio(above: Sequence[Estimate], below: Sequence[Estimate]) -> list[float]:

@@ -14,7 +14,15 @@ from alight.compiled.scene import CompiledScene
 from alight.films import PartialFilm
 from alight.films.fixed_point import add_rows
 from alight.films.sample_ranges import cells_of
-from alight.integrators.aov import COVERAGE, LAYERS, THROUGH, THROUGH_LAYERS, layer_bits
+from alight.guiding.tables import GUIDED
+from alight.integrators.aov import (
+    ASKS_GUIDE,
+    COVERAGE,
+    LAYERS,
+    THROUGH,
+    THROUGH_LAYERS,
+    layer_bits,
+)
 from alight.integrators.walk import Settings
 from alight.rendering.both_ends_tile import splatting_tile_kernel
 from alight.rendering.tile_kernel import (
@@ -78,6 +86,8 @@ def make_kernels(
         # The camera sees through the same lights as in the picture.
         aovs += (COVERAGE,)
         options = tuple(one for one in scene.program.options if one[0] == "hide_emitters")
+    if ASKS_GUIDE in wanted:
+        options += tuple(one for one in scene.program.options if one[0] == GUIDED)
     looking = scene.program._replace(integrator="", options=options, aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
     add = compiled_add_rows() if compiled else None

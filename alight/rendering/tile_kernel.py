@@ -328,4 +328,4 @@ def render_layers(scene, settings, tile, ranges, wanted, sums):
     while cursor.cell < cells:
         cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
         path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
-        look(scene, film, path)
+        look(scene, settings, film, path)

@@ -111,7 +111,7 @@ def trained(
     Training
     """
     trainer = Trainer(untrained(scene), threads)
-    guide = trainer.train(seed, rounds, choose=scene.integrator.guide_must_pay)
+    guide = trainer.train(seed, rounds, choose=scene.integrator.way_of_guiding == "auto")
     arrays = [table.array for table in guide]
     digest = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
     took = Training(

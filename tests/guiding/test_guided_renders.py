@@ -140,6 +140,17 @@ def test_a_guide_is_the_same_for_any_threads_and_film_size():
     assert report.bytes < 1 << 20
 
 
+def test_a_guide_may_learn_from_the_camera_alone():
+    """The same rounds without a light path; catches light paths that train it all the same."""
+    scenes = {way: compiled(guiding=way) for way in ("on", "camera")}
+    both, alone = (trained(scene, seed=3, threads=2, rounds=3)[1] for scene in scenes.values())
+    assert both.arrivals > 0
+    assert alone.arrivals == 0
+    assert alone.used
+    assert alone.hash != both.hash
+    assert alone.paths == both.paths
+
+
 def test_vertices_of_mirrors_leave_no_records():
     """Where only delta lobes scatter light, a guide has nothing to say."""
     head, lamp = ROOM.split("nodes:")[0], ROOM.split("  lamp:")[1]

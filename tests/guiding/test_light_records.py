@@ -146,7 +146,10 @@ def test_sums_of_arrivals_are_those_of_their_leaves(compiled):
     near = np.bincount(leaf, rows[inside, 6] * rows[inside, 7] * 4.0 * 2.0**20, len(tree.roots))
     assert totals.near.shaped[:, 1] == pytest.approx(near, rel=1e-5, abs=20)
     by_leaf = np.bincount(tree.leaf, totals.lit.shaped.sum(1), len(tree.roots))
-    assert (by_leaf == totals.near.shaped[:, 0]).all()
+    # Each of a record's quarters is a whole number.
+    rounded = 2.0 * np.bincount(leaf, minlength=len(tree.roots))
+    assert (np.abs(by_leaf - totals.near.shaped[:, 0]) <= rounded).all()
+    assert (totals.lit.shaped > 0).sum() > 2 * len(tree.roots)
     assert (totals.lit.shaped[tree.children > 0] == 0).all()
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.core.equal_area import sphere_to_square, square_to_sphere
+from alight.core.equal_area import around_edges, sphere_to_square, square_to_sphere
 from alight.core.vec import Vec3, length
 from alight.guiding.lookup import Place, direction_density, draw_direction, leaf_at, place_at
 from alight.guiding.parallax import NEAR, Focus, from_middle, from_point
@@ -75,6 +75,30 @@ def test_the_map_of_directions_has_an_inverse_and_equal_areas():
     # The lower pole is a corner of the square, which belongs to the next pixel.
     for axis in "xyz":
         assert np.abs(getattr(there, axis) - getattr(poles, axis)).max() < 1e-3
+
+
+def test_beyond_an_edge_of_the_square_the_map_goes_on():
+    """From any edge or corner on, directions move by no more than the map stretches a step."""
+    rng = np.random.default_rng(2)
+    n, step = 20_000, 1e-3
+    x, y = rng.random((2, n))
+    side = rng.integers(0, 4, n)
+    x, y = np.where(side < 2, side, x), np.where(side < 2, y, side - 2)
+    inside, beyond = (
+        square_to_sphere(
+            *around_edges(*(np.float32(0.5 + (v - 0.5) * (1.0 + way * 2.0 * step)) for v in (x, y)))
+        )
+        for way in (-1.0, 1.0)
+    )
+    apart = [np.asarray(getattr(inside, c) - getattr(beyond, c), np.float64) for c in "xyz"]
+    distance = np.sqrt(sum(a * a for a in apart))
+    assert distance.max() < 20.0 * step
+    # And they do move, but for the middles of edges: a mirrored map would come back.
+    assert np.quantile(distance, 0.01) > 3.0 * step
+    # Points of the square stay where they are.
+    a, b = np.float32(rng.random((2, n)))
+    for found, expected in zip(around_edges(a, b), (a, b), strict=True):
+        assert (found == np.minimum(expected, np.float32(1.0 - 2.0**-24))).all()
 
 
 @pytest.mark.parametrize("seed", range(3))

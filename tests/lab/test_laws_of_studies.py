@@ -13,7 +13,7 @@ from alight.lab.decomposition import Moments
 from alight.lab.evaluate import Measured, _bias_tests, evaluate_arms
 from alight.lab.references import Reference
 from alight.lab.results import BIASED, DIFFERENT, ReferenceInfo
-from alight.lab.run import relmse_gains, variance_ratios
+from alight.lab.run import relmse_after, relmse_gains, variance_ratios
 from alight.lab.statistics import log_mean, log_ratio
 from alight.lab.store import Example, Replicate
 from alight.lab.study import ArmSpec, SceneSpec, Study, StudyError
@@ -285,6 +285,33 @@ def test_ratios_of_variances_are_over_the_baselines_with_both_errors():
     assert interval[1] == pytest.approx(3.0 * (1.0 - math.hypot(0.1, 0.01)))
     assert interval[2] == pytest.approx(3.0 * (1.0 + math.hypot(0.2, 0.01)))
     assert variance_ratios([scene], {}) == []
+
+
+def test_what_is_trained_first_repays_it_in_longer_renders():
+    """In 100 s: 20 s and 2 s a sample against 1 s a sample with three times the error."""
+
+    def arm(name, before, each, error, **said):
+        samples = [
+            SimpleNamespace(
+                spp=n,
+                seconds=Estimate(before + n * each, 0.0, 0.0),
+                relmse=Estimate(error / n, 0.9 * error / n, 1.1 * error / n),
+            )
+            for n in (5, 10)
+        ]
+        said = {"is_baseline": False, "declares_different": False, **said}
+        return SimpleNamespace(label=name, samples=samples, **said)
+
+    arms = [
+        arm("plain", 0.0, 1.0, 9.0, is_baseline=True),
+        arm("trained", 20.0, 2.0, 3.0),
+        arm("other", 0.0, 1.0, 1.0, declares_different=True),
+    ]
+    base, trained = relmse_after([SimpleNamespace(label="s", arms=arms)], 100.0).rows
+    assert base[:4] == ["s", "plain", 0.0, pytest.approx(100.0)]
+    assert trained[2:4] == pytest.approx([20.0, 40.0])
+    width = (1.1 / 0.9) ** (0.5 * 2**0.5)
+    assert trained[4] == pytest.approx([1.2, 1.2 / width, 1.2 * width])
 
 
 def test_gains_of_an_arm_over_itself_are_one():

@@ -9,6 +9,7 @@ WITHOUT = f"{GAIN}::test_paths_with_a_guide_tell_the_second_moment_without_it"
 LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
 MEDIA = "tests/guiding/test_guided_media.py"
+SHOWN = "tests/rendering/test_aovs.py::test_the_guides_share_is_that_of_the_leaf_where_light_is_scattered"  # noqa: E501
 SAME_IN_MEDIA = f"{MEDIA}::test_a_guided_picture_of_media_is_that_of_a_path_tracer"
 SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
 
@@ -311,6 +312,42 @@ GUIDING = (
         "rendering/trainer.py",
         (("np.where(np.isfinite(without), without, ends**2)", "without"),),
         f"{GAIN}::test_samples_that_are_no_numbers_say_nothing",
+    ),
+    Mutant(
+        "a layer of the guide's share that mirrors have too",
+        "integrators/aov.py",
+        (("active & ~passes & asks", "active & asks"),),
+        SHOWN,
+    ),
+    Mutant(
+        "a layer of the guide's share where nobody asks the guide",
+        "integrators/aov.py",
+        (("active & ~passes & asks", "active & ~passes"),),
+        SHOWN,
+    ),
+    Mutant(
+        "light paths that train a guide for the camera's paths alone",
+        "compiled/scene.py",
+        (('way_of_guiding in ("on", "auto")', "wants_guide"),),
+        f"{RENDERS}::test_a_guide_may_learn_from_the_camera_alone",
+    ),
+    Mutant(
+        "records that count four times, once in each quarter of their box",
+        "guiding/records.py",
+        (("return rint(0.25 * number)", "return number"),),
+        f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
+    ),
+    Mutant(
+        "records that are not spread over their box",
+        "guiding/records.py",
+        (("around_edges(x + right * side, y + up * side)", "around_edges(x, y)"),),
+        f"{LAWS}::test_sums_are_those_of_the_records_one_by_one",
+    ),
+    Mutant(
+        "records that go on beside the edge of the square, not across it",
+        "core/equal_area.py",
+        (("_folded(x), where(beyond, 1.0 - y, y)", "_folded(x), y"),),
+        f"{TREE}::test_beyond_an_edge_of_the_square_the_map_goes_on",
     ),
     Mutant(
         "a guide that is used whatever it is worth",

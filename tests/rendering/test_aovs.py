@@ -6,11 +6,14 @@ import alight
 from alight.compiled.scene import compile_scene
 from alight.films import FIRST_SAMPLE_LAYERS, fixed_point
 from alight.formats import loads
+from alight.guiding.tables import LEAF, LEAF_ROW, NODE, Guide
 from alight.integrators.aov import LAYERS, MOST_BOUNCES
 from alight.integrators.walk import make_settings
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
+from alight.rendering.training import with_guide
 from alight.scene import flatten
+from lanewise.view import View
 
 HEAD = """
 alight: 1
@@ -129,11 +132,12 @@ nodes:
 )
 
 
-def layers(text, *names, spp=4, compiled=False):
+def layers(text, *names, spp=4, compiled=False, guide=None):
     """Means (8, 8, channels) of layers by the NumPy twin; "" is the picture."""
     aovs = tuple(filter(None, names))
     scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list", aovs=aovs)
-    settings = make_settings(scene.integrator, seed=1, replicates=4)
+    scene = scene if guide is None else with_guide(scene, guide)
+    settings = make_settings(scene.integrator, seed=1, replicates=4, guide=guide)
     kernels = make_kernels(scene, compiled=compiled)
     ranges = np.array([[[0, spp]]], np.int64)
     film, _ = render_tile(kernels, scene, settings, Tile(0, 0, 8, 8), ranges)
@@ -237,6 +241,42 @@ def test_a_transparent_background_shows_no_light_and_hides_it_from_alpha():
     assert np.array_equal(alpha, without)
     (shown,) = layers(HOLES % "false" + LAMP, "alpha", spp=16)
     assert (shown >= alpha).all() and (shown > alpha).any()
+
+
+def guide_of_two_leaves(left, right):
+    """Where x < 0 and elsewhere, with these shares; it knows no directions."""
+    leaves = np.zeros((2, LEAF_ROW), np.float32)
+    leaves[:, 0] = left, right
+    tables = (
+        np.array([-1, -1, -1, 0.5, 0.5, 0.5], np.float32),
+        np.array([1, LEAF, LEAF + 1], np.uint32),
+        np.zeros(2, np.uint32),
+        leaves,
+        np.zeros((1, NODE), np.uint32),
+        np.ones((1, 1), np.float32),
+        np.array([1, 0, 0], np.uint32),
+    )
+    return Guide(*map(View, tables))
+
+
+def test_the_guides_share_is_that_of_the_leaf_where_light_is_scattered():
+    """Behind mirrors, where there is one; of a pixel filter that does not reach over the middle."""
+    guide = guide_of_two_leaves(0.25, 0.75)
+    head = HEAD.replace("size: [8, 8]", "size: [8, 8], filter: box")
+    head = head.replace("ambient_occlusion", "{type: path, max_depth: 3}")
+    ground = head + "nodes: {ground: {shape: plane, bsdf: red}}\n"
+    (share,) = layers(ground, "guide_share", guide=guide)
+    np.testing.assert_allclose(share[:, :4], 0.25, rtol=1e-6)
+    np.testing.assert_allclose(share[:, 4:], 0.75, rtol=1e-6)
+    # All of the wall is on the right; a mirror alone asks nobody.
+    for text, expected in ((MIRROR, 0.75), (CORRIDOR, 0.0)):
+        (share,) = layers(text.replace(HEAD, head), "guide_share", guide=guide)
+        np.testing.assert_allclose(share, expected, rtol=1e-6)
+    # Of a blend with a mirror, a quarter is what the mirror shows: the ceiling has the same leaves.
+    (share,) = layers(BLEND.replace(HEAD, head), "guide_share", guide=guide)
+    np.testing.assert_allclose(share[:, 4:], 0.75, rtol=1e-6)
+    (share,) = layers(ground, "guide_share")
+    assert (share == 0.0).all()
 
 
 def test_compiled_layers_are_the_twins():
