@@ -1,6 +1,6 @@
 """Error bars on random scenes: of pictures, of pixels, and promises, in one command.
 
-python benchmarks/known_error/random_scenes.py --seeds 1-99 --save FILE [--kinds room,...]
+python benchmarks/known_error/random_scenes.py --seeds 1-99:2 --save FILE [--kinds room,...]
     [--renders 24] [--truth 8192] [--most 32768] [--sides 32,48,64]
 python benchmarks/known_error/random_scenes.py --show FILE
 
@@ -81,12 +81,15 @@ def measure(
         row["spp"][spp] = {
             "held": float(np.mean((low <= true) & (true <= high))),
             "below": float(np.mean(true < low)),
+            "above": float(np.mean(high < true)),
             "ratio": float(value.mean() / true.mean()) if true.mean() > 0.0 else math.nan,
+            "ratio error": _ratio_error(value, true),
             "width": float(np.median(np.log(np.maximum(high, 1e-30) / np.maximum(low, 1e-30)))),
             "pixels": float(np.nanmean(inside)) if np.isfinite(inside).any() else math.nan,
             "unsure": float(unsure.mean()),
             # Rare bright samples in the truth are no fault of the picture's.
             "clear": bool(truth.sure and truth.noise < CLEAR * true.mean()),
+            "pictures": [[float(f"{x:.5g}") for x in one[:4]] for one in found],
         }
     errors = [math.sqrt(max(float(np.mean(curve[spp])), 1e-12)) for spp in CHECKED]
     for render in range(max(renders // 4, 1)):
@@ -94,6 +97,14 @@ def measure(
             made = _promise(runner, truth, errors, (seed, 5000 + render), adaptive)
             row[name].append(made)
     return row
+
+
+def _ratio_error(value: np.ndarray, true: np.ndarray) -> float:
+    """Standard error of the ratio of two means, both of the same pictures."""
+    if not true.mean() > 0.0:
+        return math.nan
+    rest = value - true * (value.mean() / true.mean())
+    return float(rest.std(ddof=1) / (math.sqrt(len(rest)) * true.mean())) if len(rest) > 1 else 1.0
 
 
 def _check(means: np.ndarray, spp: int, truth: Truth) -> list[float]:
@@ -194,9 +205,10 @@ def _kept(rows: list[dict[str, Any]], name: str) -> str:
 
 
 def numbers(text: str) -> range:
-    """Seeds as ``7`` or ``0-99``, both ends included."""
-    first, _, last = text.partition("-")
-    return range(int(first), int(last or first) + 1)
+    """Seeds as ``7``, ``0-99``, or ``1-99:2`` for every second one; both ends included."""
+    ends, _, step = text.partition(":")
+    first, _, last = ends.partition("-")
+    return range(int(first), int(last or first) + 1, int(step or 1))
 
 
 def main() -> None:

@@ -42,7 +42,12 @@ KNOWN_ERROR = (
     Mutant(
         "no bright sample seen, so no brightness believed",
         "metrics/noisy_pixels.py",
-        (("mean = (seen + prior) / (expected + prior)", "mean = (seen + 1e-6) / (expected + 1e-6)"),),
+        (
+            (
+                "mean = (seen + prior) / (expected + prior)",
+                "mean = (seen + 1e-6) / (expected + 1e-6)",
+            ),
+        ),
         f"{NOISY}::test_without_a_sample_pixels_are_as_bright_as_their_surroundings",
     ),
     Mutant(
@@ -60,7 +65,25 @@ KNOWN_ERROR = (
                 "freedom = max(effective(groups) - 1.0, _LEAST_FREEDOM)",
             ),
         ),
-        f"{NOISY}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+        f"{NOISY}::test_pixels_that_differ_are_as_many_degrees_of_freedom",
+    ),
+    Mutant(
+        "pixels that differ because nothing is known of them",
+        "metrics/noisy_pixels.py",
+        (("share * mean * mean, mean * mean)", "share, mean * mean)"),),
+        f"{NOISY}::test_where_b_sees_nothing_the_prior_alone_speaks",
+    ),
+    Mutant(
+        "no doubt about few bright samples where one group tells nothing",
+        "metrics/noisy_pixels.py",
+        (("+ found.few[:, 0] * single)", "+ 0.0 * single)"),),
+        f"{NOISY}::test_few_bright_samples_leave_open_what_a_rate_is",
+    ),
+    Mutant(
+        "noise that makes pixels unlike their surroundings",
+        "metrics/own_error.py",
+        (("(logs[0] * logs[1])", "(logs[0] * logs[0])"),),
+        f"{NOISY}::test_how_unlike_pixels_are_is_seen_in_precise_ones",
     ),
     Mutant(
         "a trace of other pixels speaks for a whole class",
