@@ -5,7 +5,8 @@ python benchmarks/known_error/random_scenes.py --seeds 1-99:2 --save FILE [--kin
 python benchmarks/known_error/random_scenes.py --show FILE
 
 For each scene: how often the 95 % interval of the picture's relMSE held the true one at 4, 16, 64
-and 256 spp, the mean estimate over the mean truth, the share of the pixels (but the unsure ones)
+and 256 spp, the mean estimate over the mean truth with the standard error of this ratio (where few
+pictures carry the mean, it is as large as the ratio), the share of the pixels (but the unsure ones)
 inside their 95 % bars, and what became of promises, with even samples and with ``--adaptive``, to
 the error that the mean picture reaches at a number of samples between 30 and 200. Where the truth's
 own error is not small beside the picture's (a handful of rare bright samples), or the brightness
@@ -167,7 +168,7 @@ def show(rows: Iterable[dict[str, Any]]) -> None:
 
 
 def _line(kind: str, rows: list[dict[str, Any]]) -> str:
-    """One kind: coverage, estimate over truth (median, mean), width at each spp; and the rest."""
+    """One kind: coverage, estimate over truth (median, mean +- error), width; and the rest."""
     parts = []
     for spp in map(str, CHECKED):
         clear = [row["spp"][spp] for row in rows if row["spp"][spp]["clear"]]
@@ -175,7 +176,9 @@ def _line(kind: str, rows: list[dict[str, Any]]) -> str:
             parts.append("    no truth    ")
             continue
         held, ratio, width = ([cell[key] for cell in clear] for key in ("held", "ratio", "width"))
-        ratios = f"{np.nanmedian(ratio):5.2f} {np.nanmean(ratio):5.2f}"
+        errors = np.array([cell.get("ratio error", math.nan) for cell in clear])
+        error = math.sqrt(float((errors**2).sum())) / len(errors)
+        ratios = f"{np.nanmedian(ratio):5.2f} {np.nanmean(ratio):5.2f}+-{error:.2f}"
         parts.append(f"{np.mean(held):6.1%} {ratios} {np.median(width):4.2f}")
     every = [cell for row in rows for cell in row["spp"].values()]
     cells = [cell for cell in every if cell["clear"]]
