@@ -17,7 +17,8 @@ Bayes mean estimation with nonparametric errors via order statistic regression o
 
 Where hardly a bright sample would be expected in B if the pixels were as bright as their
 surroundings, and none was seen, they are taken to be so: a gamma prior, whose weight is the
-probability of so many samples or more.
+probability of so many samples or more. It says nothing about how much pixels differ among
+themselves.
 """
 
 from __future__ import annotations
@@ -41,9 +42,6 @@ CLASSES = 2 * (len(_EDGES) + 1)
 
 #: Groups of cells, each left out once to see how sure the classes are.
 GROUPS = 16
-
-#: Relative deviation from its surroundings that every pixel is believed to have.
-_UNEVENNESS = 0.1
 
 #: Largest variance of log(rho) that a class may have.
 _WIDEST = 4.0
@@ -145,7 +143,9 @@ def gather(
         total += np.bincount(keys, row, CLASSES * GROUPS).reshape(CLASSES, GROUPS)
 
 
-def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> Believed:
+def believe(
+    sums: np.ndarray, repeats: int, a: int, b: int, replicates: int, unevenness: float = 0.0
+) -> Believed:
     """Work out the classes.
 
     Parameters
@@ -155,6 +155,9 @@ def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> 
         How often one bright sample was gathered: for three channels and each way of halving.
     a, b, replicates : int
         Replicates of A, of B, and of both.
+    unevenness : float, default 0
+        How wrong surroundings are about the weight of one of this picture's pixels: mean square of
+        the logarithm of brightness squared, with epsilon, over q^2.
     """
     # A single bright replicate x of A brings r = x^2 / (a R): its size from r.
     size = math.sqrt(a * replicates)
@@ -168,13 +171,18 @@ def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> 
     rest = sums @ (1.0 - np.eye(GROUPS))
     left = rest[0] / whole[0]
     found = _classes(
-        np.concatenate([whole, np.where(left > 0.0, rest, whole)], axis=2), repeats, b, size
-    )
+        np.concatenate([whole, np.where(left > 0.0, rest, whole)], axis=2),
+        repeats, b, size, unevenness,
+    )  # fmt: skip
     weights[seen] = found.weight[:, 0]
     own = whole[0, :, 0] * weights[seen]
     value, lowest = float(own.sum()), float(own @ found.lowest[:, 0])
     groups = left_out(whole[0] * (found.weight[:, 1:] - found.weight[:, :1]) / value, left)
-    pixels = found.spread[:, 0] * (own / value) ** 2
+    parts = (own / value) ** 2
+    pixels = found.spread[:, 0] * parts
+    # Groups tell how well the bright samples of B are known, but for those of one group.
+    single = ((sums[0] / whole[0]) ** 2).sum(axis=1)
+    given = float((found.unlike[:, 0] + found.few[:, 0] * single) @ parts)
     between, within = float(groups.sum()), float(pixels.sum())
     # Few groups or pixels can carry the sum: Student's distribution, by as many as really have a
     # part in it (Satterthwaite 1946).
@@ -183,7 +191,7 @@ def believe(sums: np.ndarray, repeats: int, a: int, b: int, replicates: int) -> 
     freedom = (between + within) ** 2 / doubt if doubt > 0.0 else math.inf
     student = _student(freedom)
     shape = _SHAPE * float(found.shape[:, 0] @ own) / value
-    variance = (math.log1p(within) + between) * student**2 + shape**2
+    variance = (math.log1p(within) + between) * student**2 + math.log1p(given) + shape**2
     rise = math.log1p(float(((found.lift[:, 0] * own / value) ** 2).sum()))
     return Believed(weights, value, lowest, variance, rise)
 
@@ -228,6 +236,9 @@ class _Classes(NamedTuple):
     ----------
     weight, spread : ndarray
         E_r[1 / (rho^2 + epsilon / q^2)], and its relative variance by single pixels.
+    unlike, few : ndarray
+        Variance of log(weight) because surroundings say little about single pixels, and because B
+        holds few bright samples.
     shape : ndarray
         log(weight) less what it were if all pixels were alike.
     lowest : ndarray
@@ -240,13 +251,15 @@ class _Classes(NamedTuple):
 
     weight: np.ndarray
     spread: np.ndarray
+    unlike: np.ndarray
+    few: np.ndarray
     shape: np.ndarray
     lowest: np.ndarray
     pixels: np.ndarray
     lift: np.ndarray
 
 
-def _classes(sums: np.ndarray, repeats: int, b: int, size: float) -> _Classes:
+def _classes(sums: np.ndarray, repeats: int, b: int, size: float, unevenness: float) -> _Classes:
     """Work out classes of any shape from what `gather` added up, shape (8, ...)."""
     total, first, second, floor, squares, roots, ratio, noise = sums
     pixels = total * total / (squares * repeats)
@@ -257,8 +270,8 @@ def _classes(sums: np.ndarray, repeats: int, b: int, size: float) -> _Classes:
     for at in zip(*np.nonzero(seen > 0.5), strict=True):
         prior[at] = poisson_tail(math.ceil(seen[at]), float(expected[at]))
     mean = (seen + prior) / (expected + prior)
-    square = (second / total * expected + prior) / (expected + prior)
-    square = np.maximum(square, mean * mean)
+    share = prior / (expected + prior)
+    square = np.maximum((1.0 - share) * second / total + share * mean * mean, mean * mean)
     weight, spread = _log_normal(mean, square - mean * mean, floor / total)
     shape = np.log(weight * (square + floor / total))
     # That two replicates of B are bright in one pixel tells how much pixels differ: log(square) is
@@ -270,9 +283,21 @@ def _classes(sums: np.ndarray, repeats: int, b: int, size: float) -> _Classes:
     lift = _log_normal(mean, differing - mean * mean, floor / total)[0] / weight - 1.0
     # As far as the prior speaks, the truth may be anything from the surroundings to what A saw.
     far = np.maximum(ratio / total - np.log(np.maximum(mean * mean, 1.0)), 0.0)
-    lowest = np.exp(-far * prior / (expected + prior))
-    spread = (spread + 4.0 * _UNEVENNESS**2) / np.maximum(pixels, 0.1)
-    return _Classes(weight, spread, shape, lowest, pixels, np.maximum(lift, 0.0))
+    lowest = np.exp(-far * share)
+    # As far as the prior speaks, a pixel is as unlike its surroundings as pixels of this picture
+    # are; as far as B does, log(rho) is known as the logarithm of a rate is from its events.
+    unlike = unevenness * share**2 / np.maximum(pixels, 0.1)
+    slope = 2.0 * mean * mean / (mean * mean + floor / total)
+    few = (slope * (1.0 - share)) ** 2 * _variance_of_log_rate(seen)
+    spread = spread / np.maximum(pixels, 0.1)
+    return _Classes(weight, spread, unlike, few, shape, lowest, pixels, np.maximum(lift, 0.0))
+
+
+def _variance_of_log_rate(events: np.ndarray) -> np.ndarray:
+    """Variance of log(x), x with the gamma distribution of shape events + 1: trigamma, to 1 %."""
+    x = 1.0 / (events + 1.0)
+    # Abramowitz and Stegun 6.4.12.
+    return x * (1.0 + x * (0.5 + x * (1.0 / 6.0 - x * x / 30.0)))
 
 
 def _log_normal(

@@ -80,16 +80,23 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     if known.size > _LARGE:
         del halvings[1:]
     sums, precise, groups = noisy_pixels.no_sums(), 0.0, _groups(*known.shape)
+    # One pixel whose weight the surroundings miss by a factor of e stands for what is not known.
+    unlike, pixels = 1.0, 1.0
     weights: list[tuple[_Weights, _Weights]] = []
     for rows, m, k in seen.bands():
         q2 = seen.surroundings[:, rows] ** 2
         q2 += np.float32(epsilon)
         here = _Band(known[rows], q2, groups[rows], np.float32(epsilon))
-        for a, b in _halves(m, k, halvings):
+        for i, (a, b) in enumerate(_halves(m, k, halvings)):
             weights.append((_weigh(here, a, b, sums), _weigh(here, b, a, sums)))
             precise += sum(weight.value for weight in weights[-1])
+            if i == 0:
+                found = _unlike(here, a, b, 1 if known.size <= _LARGE else 4)
+                unlike, pixels = unlike + found[0], pixels + found[1]
     size = len(halvings[0][0])
-    believed = noisy_pixels.believe(sums, 3 * len(halvings), size, size, replicates)
+    believed = noisy_pixels.believe(
+        sums, 3 * len(halvings), size, size, replicates, max(unlike / pixels, 0.0)
+    )
     # Both halves of each way are estimates of the same.
     value = (precise + believed.value) / (2 * len(halvings))
     if value <= 0.0:
@@ -104,12 +111,11 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     if replicates < 4:
         # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
         spread *= (replicates - 1) / (replicates + 1)
-    pixels = 3.0 * float(known.sum())
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
     freedom = min(value * value / spread, 1e12) if spread > 0.0 else 1e12
     return Figure(
-        value / pixels,
+        value / (3.0 * float(known.sum())),
         freedom,
         replicates,
         believed.variance * share,
@@ -205,6 +211,22 @@ def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
         noise * inverse,
     )
     return _Weights(value, plain, classes)
+
+
+def _unlike(here: _Band, a: _Half, b: _Half, step: int) -> tuple[float, int]:
+    """How unlike their surroundings precise pixels are: sum of log(weight * q^2)^2, and number.
+
+    By two halves, one factor each: their noise is independent, and its square is in no product.
+    Of `step` rows one is looked at.
+    """
+    q2, both, logs = here.q2[:, ::step], here.known[::step], []
+    for half in (a, b):
+        own = half.brightness[:, ::step] ** 2
+        own += here.epsilon
+        both = both & (half.error[:, ::step] < np.float32(_PRECISE) * np.maximum(own, q2))
+        own /= q2
+        logs.append(np.log(own, out=own))
+    return float((logs[0] * logs[1]).sum(where=both)), int(both.sum())
 
 
 def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:

@@ -1,11 +1,12 @@
 """Error bars on random scenes: of pictures, of pixels, and promises, in one command.
 
-python benchmarks/known_error/random_scenes.py --seeds 1-99 --save FILE [--kinds room,...]
+python benchmarks/known_error/random_scenes.py --seeds 1-99:2 --save FILE [--kinds room,...]
     [--renders 24] [--truth 8192] [--most 32768] [--sides 32,48,64]
 python benchmarks/known_error/random_scenes.py --show FILE
 
 For each scene: how often the 95 % interval of the picture's relMSE held the true one at 4, 16, 64
-and 256 spp, the mean estimate over the mean truth, the share of the pixels (but the unsure ones)
+and 256 spp, the mean estimate over the mean truth with the standard error of this ratio (where few
+pictures carry the mean, it is as large as the ratio), the share of the pixels (but the unsure ones)
 inside their 95 % bars, and what became of promises, with even samples and with ``--adaptive``, to
 the error that the mean picture reaches at a number of samples between 30 and 200. Where the truth's
 own error is not small beside the picture's (a handful of rare bright samples), or the brightness
@@ -81,12 +82,15 @@ def measure(
         row["spp"][spp] = {
             "held": float(np.mean((low <= true) & (true <= high))),
             "below": float(np.mean(true < low)),
+            "above": float(np.mean(high < true)),
             "ratio": float(value.mean() / true.mean()) if true.mean() > 0.0 else math.nan,
+            "ratio error": _ratio_error(value, true),
             "width": float(np.median(np.log(np.maximum(high, 1e-30) / np.maximum(low, 1e-30)))),
             "pixels": float(np.nanmean(inside)) if np.isfinite(inside).any() else math.nan,
             "unsure": float(unsure.mean()),
             # Rare bright samples in the truth are no fault of the picture's.
             "clear": bool(truth.sure and truth.noise < CLEAR * true.mean()),
+            "pictures": [[float(f"{x:.5g}") for x in one[:4]] for one in found],
         }
     errors = [math.sqrt(max(float(np.mean(curve[spp])), 1e-12)) for spp in CHECKED]
     for render in range(max(renders // 4, 1)):
@@ -94,6 +98,14 @@ def measure(
             made = _promise(runner, truth, errors, (seed, 5000 + render), adaptive)
             row[name].append(made)
     return row
+
+
+def _ratio_error(value: np.ndarray, true: np.ndarray) -> float:
+    """Standard error of the ratio of two means, both of the same pictures."""
+    if not true.mean() > 0.0:
+        return math.nan
+    rest = value - true * (value.mean() / true.mean())
+    return float(rest.std(ddof=1) / (math.sqrt(len(rest)) * true.mean())) if len(rest) > 1 else 1.0
 
 
 def _check(means: np.ndarray, spp: int, truth: Truth) -> list[float]:
@@ -156,7 +168,7 @@ def show(rows: Iterable[dict[str, Any]]) -> None:
 
 
 def _line(kind: str, rows: list[dict[str, Any]]) -> str:
-    """One kind: coverage, estimate over truth (median, mean), width at each spp; and the rest."""
+    """One kind: coverage, estimate over truth (median, mean +- error), width; and the rest."""
     parts = []
     for spp in map(str, CHECKED):
         clear = [row["spp"][spp] for row in rows if row["spp"][spp]["clear"]]
@@ -164,7 +176,9 @@ def _line(kind: str, rows: list[dict[str, Any]]) -> str:
             parts.append("    no truth    ")
             continue
         held, ratio, width = ([cell[key] for cell in clear] for key in ("held", "ratio", "width"))
-        ratios = f"{np.nanmedian(ratio):5.2f} {np.nanmean(ratio):5.2f}"
+        errors = np.array([cell.get("ratio error", math.nan) for cell in clear])
+        error = math.sqrt(float((errors**2).sum())) / len(errors)
+        ratios = f"{np.nanmedian(ratio):5.2f} {np.nanmean(ratio):5.2f}+-{error:.2f}"
         parts.append(f"{np.mean(held):6.1%} {ratios} {np.median(width):4.2f}")
     every = [cell for row in rows for cell in row["spp"].values()]
     cells = [cell for cell in every if cell["clear"]]
@@ -194,9 +208,10 @@ def _kept(rows: list[dict[str, Any]], name: str) -> str:
 
 
 def numbers(text: str) -> range:
-    """Seeds as ``7`` or ``0-99``, both ends included."""
-    first, _, last = text.partition("-")
-    return range(int(first), int(last or first) + 1)
+    """Seeds as ``7``, ``0-99``, or ``1-99:2`` for every second one; both ends included."""
+    ends, _, step = text.partition(":")
+    first, _, last = ends.partition("-")
+    return range(int(first), int(last or first) + 1, int(step or 1))
 
 
 def main() -> None:

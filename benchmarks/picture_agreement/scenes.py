@@ -17,12 +17,17 @@ import numpy as np
 import yaml
 
 from alight.formats import builtin_names, load
+from alight.lab.random_scenes import random_scene
 from alight.scene import Scene
+from alight.scene.dump import dump_scene
 
 #: Parameters that are albedos; textures take their colours' names.
 ALBEDOS = frozenset({
     "reflectance", "diffuse_reflectance", "base_color", "albedo", "color0", "color1",
 })  # fmt: skip
+
+#: Before the kinds of scenes that the laboratory draws.
+RANDOM = "random-"
 
 SAMPLERS = ("sobol", "independent", "stratified")
 
@@ -155,11 +160,17 @@ def names(first: int, count: int) -> list[str]:
 def load_scene(
     name: str, size: tuple[int, int], sampler: str, replicates: int, darker: float = 1.0
 ) -> Scene:
-    """Load a scene by name, with every albedo times `darker`."""
+    """Load a scene by name, with every albedo times `darker`.
+
+    A name is that of a file or of a scene of the package, one of `KINDS` with a number, or
+    ``random-`` and a kind of `alight.lab.random_scenes` with its seed, ``random-room:7``.
+    """
     folder = Path(_folder().name)
     kind, _, number = name.partition(":")
     if Path(name).suffix == ".yaml":
         data = yaml.safe_load(Path(name).read_text("utf-8"))
+    elif kind.startswith(RANDOM):
+        data = dump_scene(random_scene(int(number), kind.removeprefix(RANDOM), size))
     elif number:
         seed = [sorted(KINDS).index(kind), int(number)]
         data: Any = KINDS[kind](np.random.default_rng(seed), folder)

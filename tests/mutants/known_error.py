@@ -5,6 +5,7 @@ from tests.mutants.mutant import Mutant
 PROMISES = "tests/known_error/test_promises.py"
 BIASES = "tests/known_error/test_biases.py"
 NOISY = "tests/metrics/test_noisy_pixels.py"
+DOUBTS = "tests/metrics/test_doubts_about_noisy_pixels.py"
 BARS = "tests/metrics/test_pixel_bars.py"
 SURVEY = "tests/metrics/test_survey.py"
 
@@ -65,7 +66,25 @@ KNOWN_ERROR = (
                 "freedom = max(effective(groups) - 1.0, _LEAST_FREEDOM)",
             ),
         ),
-        f"{NOISY}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+        f"{DOUBTS}::test_pixels_that_differ_are_as_many_degrees_of_freedom",
+    ),
+    Mutant(
+        "pixels that differ because nothing is known of them",
+        "metrics/noisy_pixels.py",
+        (("share * mean * mean, mean * mean)", "share, mean * mean)"),),
+        f"{NOISY}::test_where_b_sees_nothing_the_prior_alone_speaks",
+    ),
+    Mutant(
+        "no doubt about few bright samples where one group tells nothing",
+        "metrics/noisy_pixels.py",
+        (("+ found.few[:, 0] * single)", "+ 0.0 * single)"),),
+        f"{DOUBTS}::test_few_bright_samples_leave_open_what_a_rate_is",
+    ),
+    Mutant(
+        "noise that makes pixels unlike their surroundings",
+        "metrics/own_error.py",
+        (("(logs[0] * logs[1])", "(logs[0] * logs[0])"),),
+        f"{DOUBTS}::test_how_unlike_pixels_are_is_seen_in_precise_ones",
     ),
     Mutant(
         "a trace of other pixels speaks for a whole class",
@@ -77,13 +96,13 @@ KNOWN_ERROR = (
         "pixels that differ as their brightness, not as its square, tells",
         "metrics/noisy_pixels.py",
         (("1.0 / np.sqrt(pairs)", "0.5 / np.sqrt(pairs)"),),
-        f"{NOISY}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+        f"{DOUBTS}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
     ),
     Mutant(
         "one pixel that differs from itself",
         "metrics/noisy_pixels.py",
         (("mean * mean * pixels)", "mean * mean * (pixels + 1.0))"),),
-        f"{NOISY}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+        f"{DOUBTS}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
     ),
     Mutant(
         "a doubt that counts upwards only, in both directions",

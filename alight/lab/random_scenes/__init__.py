@@ -37,7 +37,7 @@ def random_scene(seed: int, kind: str | None = None, size: tuple[int, int] | Non
     -------
     Scene
         A function of the arguments and of the models that are registered. It names no files;
-        `alight.scene.dumps` writes it as text.
+        `alight.formats.dumps` writes it as text.
 
     Raises
     ------

@@ -1,0 +1,267 @@
+"""Level and power of `alight compare` on random scenes, every true pair of seeds of its own.
+
+python benchmarks/known_error/compare_pairs.py --seeds 1-99:2 --save FILE [--kinds room,...]
+    [--sides 32,48,64] [--seconds 60]
+python benchmarks/known_error/compare_pairs.py --show FILE
+
+Each scene gives one true pair for each pair of numbers of samples, in one of four scenes with two
+different samplers. The same pair with 2 % more light on one side, and one whose noisier side is
+rendered with albedos that are 1 % lower, are the changed ones. The z-score of a change is that of
+the means of the whole picture, in the channel where it is largest: the difference between all
+pictures of the scene, over the root of the mean squared error of pictures of that many samples.
+``builtin`` among the kinds is one of the package's scenes, by the seed. Lines are added to FILE as
+they come, so that a campaign can be stopped and continued. Constants are chosen on even seeds; odd
+ones give the verdict.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import json
+import sys
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from random_scenes import numbers
+from scenes import REPLICATES, Runner
+from scipy import stats
+
+from alight.core.errors import AlightError
+from alight.formats import builtin_names
+from alight.lab.random_scenes import KINDS
+from alight.metrics import Measured, compare_measured
+
+sys.path.append(str(Path(__file__).parents[2]))
+from benchmarks.harness import print_table
+from benchmarks.picture_agreement.scenes import RANDOM, SAMPLERS, load_scene
+
+#: Samples of the two pictures of a pair.
+PAIRS = (
+    (4, 4), (16, 16), (64, 64), (256, 256), (4, 16), (4, 64), (16, 64), (4, 256), (16, 256),
+    (64, 256), (4, 1024), (64, 1024),
+)  # fmt: skip
+
+LIGHT, DARKER = 1.02, 0.99
+
+#: Share of the scenes whose two pictures have different samplers.
+MIXED = 0.25
+
+LEVEL = 0.01
+
+
+class Picture(NamedTuple):
+    """One picture of so many samples, and its channel means with their squared errors."""
+
+    seen: Measured
+    spp: int
+    mean: np.ndarray
+    square: np.ndarray
+
+
+def picture(runner: Runner, seed: int, spp: int) -> Picture:
+    """Render with a seed."""
+    means = runner.means(seed, spp)
+    mean, square = means.mean(axis=2), means.var(axis=2, ddof=1) / REPLICATES
+    seen = Measured(
+        mean.astype(np.float32), np.sqrt(square).astype(np.float32), REPLICATES, float(spp)
+    )
+    return Picture(seen, spp, mean.mean(axis=(0, 1)), square.mean(axis=(0, 1)) / mean[..., 0].size)
+
+
+def brighter(one: Picture) -> Picture:
+    """The same picture in more light."""
+    seen = one.seen
+    error = None if seen.error is None else seen.error * np.float32(LIGHT)
+    return one._replace(
+        seen=Measured(seen.mean * np.float32(LIGHT), error, seen.replicates, seen.samples),
+        mean=LIGHT * one.mean, square=LIGHT**2 * one.square,
+    )  # fmt: skip
+
+
+def overall(pictures: list[Picture]) -> np.ndarray:
+    """Channel means of all pictures together."""
+    return np.average([one.mean for one in pictures], axis=0, weights=[one.spp for one in pictures])
+
+
+def noise(pictures: list[Picture], spp: int) -> np.ndarray:
+    """Mean squared error of the channel means of a picture of so many samples."""
+    return np.mean([one.square for one in pictures if one.spp == spp], axis=0)
+
+
+def z_of(difference: np.ndarray, variance: np.ndarray) -> float:
+    """How clear a change of the channel means is, where it is clearest."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        z = np.abs(difference) / np.sqrt(variance)
+    return float(np.where(np.isfinite(z), z, 0.0).max())
+
+
+def verdict(a: Picture, b: Picture) -> dict[str, Any] | None:
+    """What is said of two pictures; None where nothing varies."""
+    try:
+        found = compare_measured(a.seen, b.seen, level=LEVEL)
+    except ValueError:
+        return None
+    return {
+        "reasons": found.reasons, "doubts": found.doubts, "block": found.block,
+        "least": min(found.p_values.values()) * len(found.p_values),
+    }  # fmt: skip
+
+
+def measure(seed: int, kind: str, side: int, seconds: float) -> dict[str, Any]:
+    """All pairs of one scene."""
+    rng = np.random.default_rng([seed, *kind.encode()])
+    names = sorted(builtin_names())
+    name = names[seed // 2 % len(names)] if kind == "builtin" else f"{RANDOM}{kind}:{seed}"
+    samplers = [str(one) for one in rng.choice(SAMPLERS, size=2, replace=False)]
+    if rng.random() >= MIXED:
+        samplers[1] = samplers[0]
+
+    def runner(sampler: str, darker: float = 1.0) -> Runner:
+        return Runner(load_scene(name, (side, side), sampler, REPLICATES, darker))
+
+    left = runner(samplers[0])
+    left.means(1, 4)
+    start = time.process_time()
+    if not left.means(2, 16).any():
+        raise AlightError("black: there is nothing to compare")
+    cost = (time.process_time() - start) / 16 * sum(2 * few + many for few, many in PAIRS)
+    if cost > seconds:
+        raise AlightError(f"would take {cost:.0f} s")
+    right = left if samplers[1] == samplers[0] else runner(samplers[1])
+    dark = runner(samplers[0], DARKER)
+    # Seeds differ between all pictures of a scene.
+    a = [picture(left, 100 + i, few) for i, (few, _) in enumerate(PAIRS)]
+    b = [picture(right, 200 + i, many) for i, (_, many) in enumerate(PAIRS)]
+    darker = [picture(dark, 300 + i, few) for i, (few, _) in enumerate(PAIRS)]
+    mean = overall([*a, *b])
+    loss = overall(darker) - mean
+    pairs = []
+    for i, (few, many) in enumerate(PAIRS):
+        variance, dark_variance = (noise(side, few) for side in (a, darker))
+        other = noise(b, many)
+        pairs.append({
+            "spp": [few, many],
+            "true": verdict(a[i], b[i]),
+            "light": verdict(brighter(a[i]), b[i]),
+            "light z": z_of((LIGHT - 1.0) * mean, LIGHT**2 * variance + other),
+            "albedo": verdict(darker[i], b[i]),
+            "albedo z": z_of(loss, dark_variance + other),
+        })  # fmt: skip
+    return {
+        "seed": seed, "kind": kind, "side": side, "name": name, "samplers": samplers,
+        "pairs": pairs,
+    }  # fmt: skip
+
+
+def show(rows: Iterable[dict[str, Any]]) -> None:
+    """Print level and power of both halves of the seeds."""
+    rows = list(rows)
+    for name, parity in (("even seeds (to choose by)", 0), ("odd seeds (the verdict)", 1)):
+        own = [row for row in rows if row["seed"] % 2 == parity]
+        if not own:
+            continue
+        print(f"\n{name}: {len(own)} scenes, seeds {own[0]['seed']} to {own[-1]['seed']}\n")
+        for title, key in (("true pairs, spp", _spp), ("kind", _kind), ("samplers", _samplers)):
+            counts = _count((key(row, pair), pair["true"]) for row in own for pair in row["pairs"])
+            _print(title, counts)
+        changes = (
+            (f"{change}, {_clear(pair[f'{change} z'])}", pair[change])
+            for change in ("light", "albedo") for row in own for pair in row["pairs"]
+        )  # fmt: skip
+        _print("change", _count(changes), total=False)
+        for row in own:
+            for pair in row["pairs"]:
+                if pair["true"] and pair["true"]["reasons"]:
+                    print(row["kind"], row["seed"], row["samplers"], pair["spp"], pair["true"])
+
+
+def _spp(_: dict[str, Any], pair: dict[str, Any]) -> str:
+    few, many = pair["spp"]
+    return f"{few} against {many}" if few < many else "equal"
+
+
+def _kind(row: dict[str, Any], _: dict[str, Any]) -> str:
+    return row["kind"]
+
+
+def _samplers(row: dict[str, Any], _: dict[str, Any]) -> str:
+    first, second = row["samplers"]
+    return f"both {first}" if first == second else "two different ones"
+
+
+def _clear(z: float) -> str:
+    return "z at least 5" if z >= 5.0 else "z 3 to 5" if z >= 3.0 else "z below 3"
+
+
+def _count(found: Iterable[tuple[str, dict[str, Any] | None]]) -> dict[str, list[int]]:
+    """Pairs, those called different, and those of which nothing can be told."""
+    counts: dict[str, list[int]] = collections.defaultdict(lambda: [0, 0, 0])
+    for name, said in found:
+        counts[name][0] += 1
+        counts[name][1] += bool(said and said["reasons"])
+        counts[name][2] += bool(said and said["doubts"])
+    return counts
+
+
+def _print(title: str, counts: dict[str, list[int]], total: bool = True) -> None:
+    lines = dict(sorted(counts.items()))
+    if total:
+        lines["all"] = [sum(column) for column in zip(*counts.values(), strict=True)]
+    rows = []
+    for name, (pairs, different, unsure) in lines.items():
+        rows.append({
+            title: name, "pairs": pairs, "different": different, "share": different / pairs,
+            "cannot tell": unsure,
+        })  # fmt: skip
+        if total:
+            # How likely so many or more are, if one in a hundred is called different.
+            rows[-1]["p"] = float(stats.binom.sf(different - 1, pairs, LEVEL))
+    print_table(rows)
+    print()
+
+
+def main() -> None:
+    """Measure, or show what was measured."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--seeds", type=numbers, default=numbers("0-1"))
+    parser.add_argument("--kinds", default=",".join((*KINDS, "builtin")))
+    parser.add_argument("--sides", default="32,48,64")
+    parser.add_argument("--seconds", type=float, default=60.0, help="processor time of a scene")
+    parser.add_argument("--save", type=Path)
+    parser.add_argument("--show", type=Path)
+    options = parser.parse_args()
+    if options.show:
+        show(map(json.loads, options.show.read_text("utf-8").splitlines()))
+        return
+    done: list[dict[str, Any]] = []
+    if options.save and options.save.exists():
+        done = [json.loads(line) for line in options.save.read_text("utf-8").splitlines()]
+    known = {(row["seed"], row["kind"]) for row in done}
+    sides, kinds = [int(side) for side in options.sides.split(",")], options.kinds.split(",")
+    for seed in options.seeds:
+        for number, kind in enumerate(kinds):
+            if (seed, kind) in known:
+                continue
+            side = sides[(seed // 2 + number) % len(sides)]
+            try:
+                row = measure(seed, kind, side, options.seconds)
+            except AlightError as error:
+                print(f"{seed} {kind}: refused: {error}", flush=True)
+                continue
+            done.append(row)
+            said = [pair["true"] for pair in row["pairs"]]
+            wrong = sum(bool(one and one["reasons"]) for one in said)
+            print(f"{seed} {row['name']} {side}x{side}: {wrong} of {len(said)} true pairs called "
+                  "different", flush=True)  # fmt: skip
+            if options.save:
+                with options.save.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+    show(done)
+
+
+if __name__ == "__main__":
+    main()
