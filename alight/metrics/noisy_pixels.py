@@ -290,7 +290,16 @@ def _classes(sums: np.ndarray, repeats: int, b: int, size: float, unevenness: fl
     slope = 2.0 * mean * mean / (mean * mean + floor / total)
     few = (slope * (1.0 - share)) ** 2 * _variance_of_log_rate(seen)
     spread = spread / np.maximum(pixels, 0.1)
-    return _Classes(weight, spread, unlike, few, shape, lowest, pixels, np.maximum(lift, 0.0))
+    return _Classes(
+        weight=weight,
+        spread=spread,
+        unlike=unlike,
+        few=few,
+        shape=shape,
+        lowest=lowest,
+        pixels=pixels,
+        lift=np.maximum(lift, 0.0),
+    )
 
 
 def _variance_of_log_rate(events: np.ndarray) -> np.ndarray:
