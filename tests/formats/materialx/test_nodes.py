@@ -16,6 +16,7 @@ from tests.formats.materialx.reading import (
     parsed,
     picture,
     problem,
+    texels,
     value,
 )
 
@@ -26,17 +27,6 @@ def base(folder, *nodes, of="x", kind="color3", head=""):
     """The colour that a standard surface gets from a node, and what was said."""
     bsdf, said = material(link("base_color", kind, of), folder, *nodes, head=head)
     return core(bsdf)["base_color"], said
-
-
-def texels(texture, folder):
-    """What a texture of bitmaps shows at the centres of its texels, top row first."""
-    from alight.formats.materialx.baking import _bitmaps, _evaluated, _image, _key
-    from alight.scene.files import Files
-
-    files = Files(folder)
-    images = {_key(b): _image(b, files) for b in _bitmaps(texture)}
-    rows = np.broadcast_to(_evaluated(texture, images), (4, 3))
-    return rows.reshape(2, 2, 3)
 
 
 @pytest.mark.parametrize(
