@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.formats.materialx.nodes import WIDTHS, Input, Node
+from alight.formats.materialx.nodes import MOST_DEEP, WIDTHS, Input, Node
 from alight.formats.mitsuba.values import NotNumbersError, parse_integer, parse_numbers
 from alight.formats.packed import text_of
 from alight.formats.reach import OutOfReachError, Reach
@@ -98,7 +98,7 @@ class Document:
 
     def __init__(self, text: str, name: str, folder: Path, reach: Reach, report: Report) -> None:
         self.reach, self.report = reach, report
-        self.elements = self.includes = self.count = 0
+        self.elements = self.includes = self.count = self.deep = 0
         #: Element -> folder of its file, for the files that it names.
         self.folders: dict[int, Path] = {}
         root = self._read(text, name, folder)
@@ -207,11 +207,17 @@ class Document:
             version=element.attributes.get("version", ""),
         )
         scope.nodes[key] = node
+        self.deep += 1
+        if self.deep > MOST_DEEP:
+            text = f"stands below more than {MOST_DEEP} nodes"
+            raise SceneError([Issue(element.label, text, element.place)])
         # Its graph first: nodes of the standard library have none in a document.
         for child in element.children:
             if child.tag in _INPUTS and child.name:
                 node.inputs[child.name] = self._input(child, scope, element)
-        return self._replaced(element, node, scope)
+        found = self._replaced(element, node, scope)
+        self.deep -= 1
+        return found
 
     def _replaced(self, element: Element, node: Node, scope: Scope) -> Node:
         """A node whose definition is a graph of the document: its output is the graph's."""

@@ -18,7 +18,7 @@ _TYPES = (
 )  # fmt: skip
 _SUFFIX = re.compile(r"_(" + "|".join(_TYPES) + r")(FA|I|B)?$")
 #: Longest chain of nodes.
-MOST_DEEP = 200
+MOST_DEEP = 80
 
 
 @dataclass(eq=False)

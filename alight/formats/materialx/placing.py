@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.formats.materialx.nodes import Input, Node
+from alight.formats.materialx.nodes import MOST_DEEP, Input, Node
 from alight.formats.materialx.values import Plain, Value
 
 Matrix = Any
@@ -98,6 +98,7 @@ class Places:
         self.default = default
         self.named = named
         self._value = value
+        self._deep = 0
 
     def of(self, node: Node, name: str = "texcoord") -> Place:
         """The coordinates of an input of a node.
@@ -114,6 +115,15 @@ class Places:
         return self._from(entry)
 
     def _from(self, entry: Input) -> Place:
+        self._deep += 1
+        try:
+            if self._deep > MOST_DEEP:
+                raise NoPlaceError(f"come through more than {MOST_DEEP} nodes, or from themselves")
+            return self._through(entry)
+        finally:
+            self._deep -= 1
+
+    def _through(self, entry: Input) -> Place:
         node = entry.source
         assert node is not None
         category = node.category

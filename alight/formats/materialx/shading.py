@@ -264,6 +264,10 @@ class Shading:
         if normal.most > 1.0:
             self.evaluator.say(node, "its normals have no bounds: they are left out")
             return None
+        if scale < 0.0:
+            # Ours has no sign: both slopes turn round.
+            normal, scale = affine(normal, (-1.0, -1.0, 1.0), (0.0,) * 3), -scale
+            assert isinstance(normal, Varying)
         texture = normals(normal.texture, normal.factor, normal.offset)
         data: Data = {"type": "normal_map", "texture": texture}
         return data if scale == 1.0 else data | {"scale": scale}

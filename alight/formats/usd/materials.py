@@ -59,6 +59,9 @@ def read_material(stage: Stage, material: Any, prim: Any) -> Surface:
     name = str(material.GetPath())
     written = stage.documents.material(material.GetPrim())
     if written is not None:
+        if material.GetPrim().GetAllChildren() or material.GetInputs():
+            text = "what the stage changes in a material of a MaterialX document is left out"
+            stage.report.approximate(f"{name}: {text}")
         return surface_of(written, StageHost(stage, prim))
     source = material.ComputeSurfaceSource(_MATERIALX)
     shader = source[0] if source else None

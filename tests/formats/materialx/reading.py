@@ -4,8 +4,10 @@ import numpy as np
 from PIL import Image
 
 from alight.core.errors import SceneError
+from alight.formats.materialx.baking import _bitmaps, _evaluated, _image, _key
 from alight.formats.materialx.scene import parse
 from alight.formats.reach import Reach
+from alight.scene.files import Files
 from tests.formats.gltf.reading import core as core
 
 #: A picture of 2 x 2 texels, top row first.
@@ -59,3 +61,11 @@ def problem(text, folder):
     except SceneError as error:
         return str(error)
     raise AssertionError("was read")
+
+
+def texels(texture, folder):
+    """What a texture of bitmaps shows at the centres of its texels, top row first."""
+    files = Files(folder)
+    images = {_key(b): _image(b, files) for b in _bitmaps(texture)}
+    rows = np.broadcast_to(_evaluated(texture, images), (4, 3))
+    return rows.reshape(2, 2, 3)

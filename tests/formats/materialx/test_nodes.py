@@ -16,6 +16,7 @@ from tests.formats.materialx.reading import (
     parsed,
     picture,
     problem,
+    texels,
     value,
 )
 
@@ -26,17 +27,6 @@ def base(folder, *nodes, of="x", kind="color3", head=""):
     """The colour that a standard surface gets from a node, and what was said."""
     bsdf, said = material(link("base_color", kind, of), folder, *nodes, head=head)
     return core(bsdf)["base_color"], said
-
-
-def texels(texture, folder):
-    """What a texture of bitmaps shows at the centres of its texels, top row first."""
-    from alight.formats.materialx.baking import _bitmaps, _evaluated, _image, _key
-    from alight.scene.files import Files
-
-    files = Files(folder)
-    images = {_key(b): _image(b, files) for b in _bitmaps(texture)}
-    rows = np.broadcast_to(_evaluated(texture, images), (4, 3))
-    return rows.reshape(2, 2, 3)
 
 
 @pytest.mark.parametrize(
@@ -156,6 +146,29 @@ def test_long_chains_become_one_picture(tmp_path):
     assert not any("left out" in line for line in said)
     # White stays white; all else has become black.
     assert np.array_equal(texels(found, tmp_path) > 0.5, LINEAR == 1.0)
+
+
+@pytest.mark.parametrize(("count", "message"), [(70, ""), (300, "more than 80 nodes")])
+def test_deep_networks_are_read_or_refused(count, message, tmp_path):
+    one = value("in2", "color3", "0.001, 0, 0")
+    chain = [node("constant", "x0", "color3", value("value", "color3", "0.1, 0.2, 0.3"))]
+    chain += [
+        node("add", f"x{i + 1}", "color3", link("in1", "color3", f"x{i}"), one)
+        for i in range(count)
+    ]
+    if message:
+        text = document(link("base_color", "color3", f"x{count}"), *chain)
+        assert message in problem(text, tmp_path)
+    else:
+        found, _ = base(tmp_path, *chain, of=f"x{count}")
+        assert found == pytest.approx([0.17, 0.2, 0.3])
+
+
+def test_coordinates_that_come_from_themselves(tmp_path):
+    turned = node("place2d", "t", "vector2", link("texcoord", "vector2", "t"))
+    found, said = base(tmp_path, turned, picture("x", "color3", link("texcoord", "vector2", "t")))
+    assert "to_uv" not in found
+    assert any("from themselves" in line for line in said)
 
 
 def test_channels_are_taken_apart_and_put_together(tmp_path):

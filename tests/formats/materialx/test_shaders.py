@@ -2,11 +2,22 @@
 
 import math
 
+import numpy as np
 import pytest
 
 import alight
 from alight.formats.materialx.nodes import category_of
-from tests.formats.materialx.reading import core, document, link, material, node, parsed, value
+from tests.formats.materialx.reading import (
+    TEXELS,
+    core,
+    document,
+    link,
+    material,
+    node,
+    parsed,
+    texels,
+    value,
+)
 
 
 def principled(shader, folder, *nodes, **more):
@@ -130,6 +141,20 @@ def test_normal_maps_bend_and_flat_ones_do_not(tmp_path):
     flat = node("normalmap", "n", "vector3")
     bsdf, _ = material(link("normal", "vector3", "n"), tmp_path, flat)
     assert bsdf["bsdf"]["type"] == "principled"
+
+
+def test_a_negative_scale_turns_the_slopes_round(tmp_path):
+    image = node("image", "p", "vector3", value("file", "filename", "a.png"))
+    bent = node(
+        "normalmap", "n", "vector3", link("in", "vector3", "p"), value("scale", "float", -2)
+    )
+    bsdf, _ = material(link("normal", "vector3", "n"), tmp_path, image, bent)
+    inner = bsdf["bsdf"]
+    assert inner["scale"] == 2.0
+    # 1 - t in red and green, t in blue.
+    seen = texels(inner["texture"], tmp_path)
+    plain = TEXELS / 255.0
+    np.testing.assert_allclose(seen, np.abs([1.0, 1.0, 0.0] - plain), atol=1e-6)
 
 
 def test_unknown_shaders_stop_or_are_squares_of_magenta(tmp_path):

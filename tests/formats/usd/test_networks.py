@@ -117,6 +117,15 @@ def test_documents_that_layers_refer_to(how, folder):
     assert found.base_color.color_space == "linear"
 
 
+def test_changes_of_a_document_by_a_stage_are_told(folder):
+    (folder / "wood.mtlx").write_text(DOCUMENT % "a.png")
+    over = 'over "Materials" { over "Wood" { float inputs:base = 0.5 } } '
+    text = f'def "looks" (references = @wood.mtlx@</MaterialX>) {{ {over} }}\n'
+    found, said, _ = bsdf_of(folder, text + MESH % ("/looks/Materials/Wood", SQUARE))
+    assert found.base_color.file == "a.png"
+    assert any("what the stage changes" in line for line in said)
+
+
 def test_problems_of_documents_have_their_place(folder):
     text = 'def "looks" (references = @wood.mtlx@</MaterialX>) { }\n'
     text += MESH % ("/looks/Materials/Wood", SQUARE)
