@@ -35,7 +35,7 @@ def expected_fill(vertices: np.ndarray, faces: np.ndarray, others: int, many: in
     n = len(faces)
     in_leaves = (others - many) * OTHERS_IN_LEAF + many
     if n == 0:
-        return max(round(in_leaves / others), 1)
+        return max(round(in_leaves / max(others, 1)), 1)
     fill = min(max(round(WIDTH * n / _count_vertices(vertices, faces)), WIDTH // 3), WIDTH)
     if others == 0:
         return fill

@@ -31,6 +31,7 @@ from alight.scene.nodes import all_nodes, count_shapes, instances_in, placed_nod
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix, is_singular
 from alight.shapes.arrays import TriangleShape
+from alight.shapes.strands import StrandShape
 from alight.textures import nesting as textures
 
 MOST_PLACED = 4_000_000
@@ -298,7 +299,7 @@ class _Checker:
             if isinstance(node.shape, TriangleShape):
                 self.check_mesh(node, path, to_world)
             elif node.shape is not None:
-                self.check_strands(node.shape, path)
+                self.check_strands(node, node.shape, path)
         lights = (node.light for _, _, node in self.scene.walk())
         around = sum(light is not None and light.placement == "environment" for light in lights)
         around += self.scene.environment is not None
@@ -354,7 +355,11 @@ class _Checker:
         if node.light is not None and not surface_area(found, to_world) > 0.0:
             self.report(f"{path}.light", "its shape must have an area > 0, got 0 m^2")
 
-    def check_strands(self, shape: Shape, path: str) -> None:
+    def check_strands(self, node: Node, shape: Shape, path: str) -> None:
+        if isinstance(shape, StrandShape) and node.interior is not None:
+            self.report(
+                f"{path}.interior", "strands are met from outside only: no medium is inside"
+            )
         try:
             with_arrays(shape, self.files)
         except SceneError as error:

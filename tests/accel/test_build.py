@@ -235,6 +235,9 @@ def test_the_expected_fill_of_a_block_follows_what_triangles_share():
     # A leaf of other things has a block for each; fifteen are counted in its code.
     assert expected_fill(vertices, faces, 3) == 15
     assert expected_fill(vertices, faces[:0], 20) == 8
+    # What is one of many stands alone.
+    assert expected_fill(vertices, faces[:0], 20, 20) == 1
+    assert expected_fill(vertices, faces[:0], 0) == 1
 
 
 def test_a_leaf_holds_few_things_that_are_not_triangles():

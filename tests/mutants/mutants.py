@@ -23,6 +23,7 @@ from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.shown_again import SHOWN_AGAIN
 from tests.mutants.slips import SLIPS
+from tests.mutants.strands import STRANDS
 from tests.mutants.studies import STUDIES
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
@@ -60,4 +61,5 @@ MUTANTS = (
     + OBJECTS
     + SHOWN_AGAIN
     + SLIPS
+    + STRANDS
 )

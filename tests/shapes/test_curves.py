@@ -119,6 +119,12 @@ def test_what_is_wrong_with_a_file_is_said(tmp_path, arrays, message):
     assert message in str(caught.value)
 
 
+def test_curves_have_no_inside(tmp_path):
+    medium = ", interior: {type: homogeneous, sigma_s: 1}"
+    with pytest.raises(SceneError, match="no medium is inside"):
+        flatten(scene(tmp_path, f"points: {POINTS}, radii: 0.1", medium))
+
+
 def test_curves_cannot_move(tmp_path):
     keys = "[{time: 0, translate: [0, 0, 0]}, {time: 1, translate: [1, 0, 0]}]"
     moving = f", transform: {{keyframes: {keys}}}"

@@ -20,8 +20,8 @@ _OFTEN = ("sphere", "mesh", "mesh", "cube")
 
 
 def finite_shapes() -> list[str]:
-    """Names of the registered shapes that have an end."""
-    return [name for name, module in Registry("shapes").items() if type(module.EXAMPLES[0]).finite]
+    """Names of the registered shapes that have an end, and a far side: they may bound media."""
+    return [name for name, model in SHAPES.items() if model.spec.finite and not model.is_many]
 
 
 def any_body(chance: Chance, names: list[str] | None = None) -> tuple[Shape, Transform]:

@@ -1,0 +1,63 @@
+"""Bugs of curves and hair."""
+
+from tests.mutants.mutant import Mutant
+
+TREE, HAIR = "tests/accel/test_curves.py", "tests/physics/test_hair.py"
+FRUSTA = f"{TREE}::test_hits_are_those_of_fine_frusta"
+VALUES = f"{HAIR}::test_values_are_mitsubas"
+
+STRANDS = (
+    Mutant(
+        "a tube is entered where it is left",
+        "shapes/tube.py",
+        (("root = sqrt(maximum(discriminant, 0.0))", "root = -sqrt(maximum(discriminant, 0.0))"),),
+        FRUSTA,
+    ),
+    Mutant(
+        "pieces that bend away from their chords are missed",
+        "shapes/tube.py",
+        (("reach = maximum(ra, rb) + tube.slack", "reach = 0.9 * maximum(ra, rb)"),),
+        FRUSTA,
+    ),
+    Mutant(
+        "the taper is forgotten",
+        "shapes/tube.py",
+        (
+            (
+                "dr = slope(tube.r1, tube.r2, tube.r3, u)",
+                "dr = 0.0 * slope(tube.r1, tube.r2, tube.r3, u)",
+            ),
+        ),
+        "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family[curves]",
+    ),
+    Mutant(
+        "a slender segment begins where its first half ends",
+        "shapes/strands.py",
+        (("first[left + 1] += span[left + 1]", "first[left] += span[left + 1]"),),
+        "tests/shapes/test_curves.py::test_slender_segments_are_divided_and_stay_where_they_are",
+    ),
+    Mutant(
+        "widths of OpenUSD for radii",
+        "formats/usd/curves.py",
+        (("radii = 0.5 * _widths(", "radii = 1.0 * _widths("),),
+        "tests/formats/usd/test_curves.py::test_widths_belong_to_curves_segments_or_points",
+    ),
+    Mutant(
+        "scales of hair that point to the tip",
+        "bsdfs/hair.py",
+        (("s1, c1 = params.sine, params.cosine", "s1, c1 = -params.sine, params.cosine"),),
+        VALUES,
+    ),
+    Mutant(
+        "hair that is met on the other side of its axis",
+        "bsdfs/hair.py",
+        (("maximum(-wo.y / cosine, -1.0)", "maximum(wo.y / cosine, -1.0)"),),
+        f"{HAIR}::test_light_is_mirrored_at_the_surface_where_it_is_met",
+    ),
+    Mutant(
+        "hair whose light comes back without having passed twice",
+        "bsdfs/hair.py",
+        (("a2 = a1 * passes * f\n", "a2 = a1 * f\n"),),
+        VALUES,
+    ),
+)
