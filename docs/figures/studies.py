@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pictures import IMAGES
-from study_figures import draw, draw_means, draw_samples
+from study_figures import draw, draw_examples, draw_means, draw_samples
 
 from alight.lab.report.numbers import Column, number, p_value
 from alight.lab.report.numbers import fixed as decimals
@@ -163,6 +163,8 @@ def main() -> None:
         if result.name == "antialiasing":
             draw_samples(IMAGES / "studies" / "zone-plate.svg")
             draw_means(result.scenes[0], IMAGES / "studies" / "filters.png")
+        if result.name == "hard-light":
+            draw_examples(result.scenes, IMAGES / "studies" / "hard-light-pictures.png")
         before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
         after = rest.partition(END)[2]
         text = f"{before}{BEGIN}\n\n{tables(result)}\n\n{END}{after}"

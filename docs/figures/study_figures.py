@@ -49,6 +49,31 @@ def draw_means(scene: SceneResult, path: Path) -> None:
     Image.fromarray(grey).save(path, optimize=True)
 
 
+def draw_examples(scenes: Sequence[SceneResult], path: Path) -> None:
+    """Write what each arm shows in the time of the baseline, and the reference: a scene a row."""
+    columns = len(scenes[0].arms) + 1
+    side = WIDTH / columns
+    shapes = [scene.reference_image.shape for scene in scenes]
+    rows = [side * shape[0] / shape[1] for shape in shapes]
+    height = sum(rows) + 0.3
+    with paper_style(), mpl.rc_context({"figure.facecolor": "white"}):
+        figure = new_figure(WIDTH, height)
+        top = height - 0.3
+        for scene, row in zip(scenes, rows, strict=True):
+            top -= row
+            show = Display(exposure_for(scene.reference_image))
+            shown = [(arm.label, arm.images.example) for arm in scene.arms]
+            for i, (label, image) in enumerate([*shown, ("reference", scene.reference_image)]):
+                box = (i / columns + 0.002, top / height, 1.0 / columns - 0.004, row / height)
+                axes = figure.add_axes(box)
+                picture = np.clip(show.apply(image), 0.0, 1.0)
+                axes.imshow(np.round(picture * 255.0).astype(np.uint8), interpolation="nearest")
+                axes.set_axis_off()
+                if scene is scenes[0]:
+                    axes.set_title(label, fontsize=7)
+        figure.savefig(path, dpi=200, metadata={"Software": None}, facecolor="white")
+
+
 # ------------------------------------------------------------------------ studies of pictures
 
 

@@ -96,7 +96,7 @@ def test_beyond_an_edge_of_the_square_the_map_goes_on():
     # And they do move, but for the middles of edges: a mirrored map would come back.
     assert np.quantile(distance, 0.01) > 3.0 * step
     # Points of the square stay where they are.
-    a, b = np.float32(rng.random((2, n)))
+    a, b = rng.random((2, n)).astype(np.float32)
     for found, expected in zip(around_edges(a, b), (a, b), strict=True):
         assert (found == np.minimum(expected, np.float32(1.0 - 2.0**-24))).all()
 

@@ -141,8 +141,8 @@ def test_ready_studies_are_valid(name):
             assert max(next(iter(arms.values())).film.size) <= (128 if quick else 256)
 
 
-def test_eleven_studies_are_ready():
-    assert len(ready_names()) == 11
+def test_twelve_studies_are_ready():
+    assert len(ready_names()) == 12
 
 
 @pytest.mark.parametrize("text", ["0%", "100%", "-1", "x", "2"])
