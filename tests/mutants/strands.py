@@ -28,7 +28,7 @@ STRANDS = (
                 "dr = 0.0 * slope(tube.r1, tube.r2, tube.r3, u)",
             ),
         ),
-        "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family[curves]",
+        "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family[shapes-curves]",
     ),
     Mutant(
         "a slender segment begins where its first half ends",
