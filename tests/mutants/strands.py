@@ -20,17 +20,6 @@ STRANDS = (
         FRUSTA,
     ),
     Mutant(
-        "the taper is forgotten",
-        "shapes/tube.py",
-        (
-            (
-                "dr = slope(tube.r1, tube.r2, tube.r3, u)",
-                "dr = 0.0 * slope(tube.r1, tube.r2, tube.r3, u)",
-            ),
-        ),
-        "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family[curves]",
-    ),
-    Mutant(
         "a slender segment begins where its first half ends",
         "shapes/strands.py",
         (("first[left + 1] += span[left + 1]", "first[left] += span[left + 1]"),),
