@@ -29,6 +29,7 @@ from alight.scene.description import (
     TransformField,
 )
 from alight.scene.transform import IDENTITY
+from alight.textures.uv import UvTransform
 
 #: What is not a model of a family, by the name under which it is listed.
 PARTS: dict[str, type[Spec]] = {"scene": Scene, "node": Node, "film": FilmSettings}
@@ -92,8 +93,8 @@ def keys_of(model: type[Spec]) -> tuple[Key, ...]:
     return tuple(
         Key(
             name,
-            _takes(field),
-            _default(field.default, tables),
+            _takes(name, field),
+            _default(field, tables),
             texts.get(name, ""),
             field.is_required(),
         )
@@ -135,23 +136,38 @@ def tables_of(model: type[Spec]) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _takes(field: Any) -> str:
+def _takes(name: str, field: Any) -> str:
     """Type and range of a field in words, from what checks it."""
-    metadata, named = list(field.metadata), False
-    annotations = [field.annotation]
-    while annotations:
-        annotation = annotations.pop()
-        metadata += getattr(annotation, "__metadata__", ())
-        if get_origin(annotation) in (Union, UnionType) or hasattr(annotation, "__metadata__"):
-            annotations += [part for part in get_args(annotation) if part is not None]
+    kinds, metadata = _parts(field)
     named = any(isinstance(mark, BeforeValidator | AfterValidator) for mark in metadata)
     for mark in metadata:
         text = _described(mark)
         if text:
             return f"{text}, or a name" if named else text
-    if get_origin(field.annotation) is Literal:
-        return " or ".join(f"`{value}`" for value in get_args(field.annotation))
-    return "`true` or `false`" if field.annotation is bool else "name"
+    for kind in kinds:
+        if get_origin(kind) is Literal:
+            return " or ".join(f"`{value}`" for value in get_args(kind))
+    if bool in kinds:
+        return "`true` or `false`"
+    if UvTransform in kinds:
+        return "transform of (u, v)"
+    if str in kinds:
+        return "path" if name == "file" else "text"
+    return "array"
+
+
+def _parts(field: Any) -> tuple[list[Any], list[Any]]:
+    """The types that a field may have, and the metadata of all of them."""
+    kinds, metadata = [], list(field.metadata)
+    left = [field.annotation]
+    while left:
+        kind = left.pop()
+        metadata += getattr(kind, "__metadata__", ())
+        if get_origin(kind) in (Union, UnionType) or hasattr(kind, "__metadata__"):
+            left += [part for part in get_args(kind) if part is not None]
+        else:
+            kinds.append(kind)
+    return kinds, metadata
 
 
 def _described(mark: object) -> str:
@@ -184,31 +200,38 @@ def _range(interval: Interval) -> str:
     return "" if text.startswith("a ") else text
 
 
-def _default(value: Any, tables: dict[str, dict[str, Any]]) -> str:
+def _default(field: Any, tables: dict[str, dict[str, Any]]) -> str:
+    value = field.default
     if value in (None, PydanticUndefined, {}):
         return ""
-    if value is IDENTITY:
+    if value == IDENTITY or value == UvTransform():
         return "identity"
     for names in tables.values():
         for name, number in names.items():
             if isinstance(value, float) and number == value:
                 return name
-    return flow(value)
+    return flow(value, spread=_spreads(field))
 
 
-def flow(value: Any) -> str:
-    """A value as a scene file writes it, on one line."""
+def _spreads(field: Any) -> bool:
+    """Whether one number stands for several equal ones."""
+    return any(isinstance(mark, Numbers) and mark.spread for mark in _parts(field)[1])
+
+
+def flow(value: Any, *, spread: bool = True) -> str:
+    """A value as a scene file writes it, on one line; `spread`: three equal numbers as one."""
     if isinstance(value, Spec):
+        known = type(value).model_fields
         fields = [
-            f"{name}: {flow(item)}"
+            f"{name}: {flow(item, spread=_spreads(known[name]))}"
             for name, item in value
-            if name == "type" or item != type(value).model_fields[name].default
+            if name == "type" or item != known[name].default
         ]
         if not fields:
             return ""
         return "{" + ", ".join(sorted(fields, key=lambda text: not text.startswith("type:"))) + "}"
     if isinstance(value, tuple):
-        if len(value) == 3 and value.count(value[0]) == 3:
+        if spread and len(value) == 3 and value.count(value[0]) == 3:
             return flow(value[0])
         return "[" + ", ".join(map(flow, value)) + "]"
     if isinstance(value, bool):
@@ -216,5 +239,7 @@ def flow(value: Any) -> str:
     if isinstance(value, float):
         return ".inf" if value == math.inf else f"{value:g}"
     text = str(value)
+    if isinstance(value, int):
+        return text
     # Words such as null are values of their own in YAML.
     return text if yaml.safe_load(text) == text else f'"{text}"'

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+import yaml
 from typer.testing import CliRunner
 
 from alight.cli.main import app
@@ -82,3 +83,18 @@ def test_models_of_a_plugin(tmp_path):
         unregister("bsdfs", "lambert")
     missing = run("models", "--plugin", tmp_path / "none.py")
     assert missing.exit_code == 2 and "there is no file" in missing.stderr
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_defaults_can_be_copied_into_a_file(model):
+    """As YAML they are the values that the code has, or a description of the same."""
+    for key in keys_of(model):
+        default = model.model_fields[key.name].default
+        if isinstance(default, bool | int | str):
+            assert yaml.safe_load(key.default) == default
+        elif isinstance(default, tuple) and all(isinstance(item, int | float) for item in default):
+            read = yaml.safe_load(key.default)
+            if not isinstance(read, list):
+                assert key.takes.startswith("number or ")
+                read = [read] * len(default)
+            assert tuple(read) == default
