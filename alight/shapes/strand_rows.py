@@ -120,7 +120,7 @@ def area(rows: np.ndarray) -> float:
     for powers, part in _powers(rows):
         at = np.stack([u**0, u, u**2, u**3], axis=1) @ powers
         rate = np.stack([0.0 * u, u**0, 2.0 * u, 3.0 * u**2], axis=1) @ powers
-        tube = TWO_PI * ((at[:, :, 3] * np.linalg.norm(rate, axis=2)) @ weights)
+        tube = TWO_PI * ((np.maximum(at[:, :, 3], 0.0) * np.linalg.norm(rate, axis=2)) @ weights)
         balls = part[:, IS_BALL] > 0.0
         total += float(np.where(balls, 2.0 * TWO_PI * part[:, 3] ** 2 * _wedges(part), tube).sum())
     return total
@@ -137,7 +137,7 @@ def extremes(rows: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.n
         points = _FROM_POWERS @ powers
         values = points[:, :, :3] @ directions.T
         beyond = 2.0 * BEYOND * np.abs(powers[:, 1:]).sum(axis=(1, 2))
-        reach = points[:, :, 3].max(axis=1) * (1.0 + 1e-6) + beyond
+        reach = np.maximum(points[:, :, 3].max(axis=1), 0.0) * (1.0 + 1e-6) + beyond
         margin = reach[:, None] * lengths + 4e-7 * np.abs(values).max(axis=1)
         lows.append(values.min(axis=1) - margin)
         highs.append(values.max(axis=1) + margin)

@@ -34,7 +34,7 @@ STRANDS = (
     Mutant(
         "widths of OpenUSD for radii",
         "formats/usd/curves.py",
-        (("radii = 0.5 * _widths(", "radii = 1.0 * _widths("),),
+        (("radii = 0.5 * np.maximum(", "radii = 1.0 * np.maximum("),),
         "tests/formats/usd/test_curves.py::test_widths_belong_to_curves_segments_or_points",
     ),
     Mutant(
