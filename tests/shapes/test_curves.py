@@ -66,6 +66,16 @@ def test_slender_segments_are_divided_and_stay_where_they_are():
         )
 
 
+def test_radii_that_swing_below_0_are_0():
+    # Catmull-Rom's curve through 1, 0, 0, 1 dips to -1/8.
+    points = [[x, 0, 0] for x in range(4)]
+    spec = curves.Curves(points=points, radii=(1, 0, 0, 1), basis="catmull_rom")
+    rows = curves.pack(spec, np.eye(4))
+    assert curves.area(rows) == 0.0
+    low, high = curves.extremes(rows, np.eye(3))
+    assert (low <= high).all()
+
+
 SCENE = """
 alight: 1
 camera: {type: pinhole}
