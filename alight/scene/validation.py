@@ -19,7 +19,7 @@ from alight.bsdfs.nesting import (
 from alight.core.energy import energy_problem
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
 from alight.core.registry import specs
-from alight.core.spec import Bsdf, Light, Shape, Spec, Texture, texture_interval
+from alight.core.spec import Bsdf, Light, Spec, Texture, texture_interval
 from alight.outputs.texels import reusing_memory
 from alight.scene import images
 from alight.scene.description import Node, Scene
@@ -28,10 +28,9 @@ from alight.scene.media import media_problems
 from alight.scene.meshes import geometry, surface_area
 from alight.scene.moving import motion_problems
 from alight.scene.nodes import all_nodes, count_shapes, instances_in, placed_nodes, sort_by_use
-from alight.scene.strands import with_arrays
+from alight.scene.strands import strand_problems
 from alight.scene.transform import Matrix, is_singular
 from alight.shapes.arrays import TriangleShape
-from alight.shapes.strands import StrandShape
 from alight.textures import nesting as textures
 
 MOST_PLACED = 4_000_000
@@ -299,7 +298,7 @@ class _Checker:
             if isinstance(node.shape, TriangleShape):
                 self.check_mesh(node, path, to_world)
             elif node.shape is not None:
-                self.check_strands(node, node.shape, path)
+                self.issues += strand_problems(node, path, to_world, self.files)
         lights = (node.light for _, _, node in self.scene.walk())
         around = sum(light is not None and light.placement == "environment" for light in lights)
         around += self.scene.environment is not None
@@ -354,16 +353,6 @@ class _Checker:
             return
         if node.light is not None and not surface_area(found, to_world) > 0.0:
             self.report(f"{path}.light", "its shape must have an area > 0, got 0 m^2")
-
-    def check_strands(self, node: Node, shape: Shape, path: str) -> None:
-        if isinstance(shape, StrandShape) and node.interior is not None:
-            self.report(
-                f"{path}.interior", "strands are met from outside only: no medium is inside"
-            )
-        try:
-            with_arrays(shape, self.files)
-        except SceneError as error:
-            self.issues += [issue.under(f"{path}.shape") for issue in error.issues]
 
     def check_camera(self) -> None:
         camera = self.scene.camera

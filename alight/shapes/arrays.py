@@ -86,7 +86,9 @@ class Tables(Rows):
 
 def _as_array(value: object) -> np.ndarray:
     try:
-        return np.asarray(value)
+        array = np.asarray(value)
+        # In float16 the limits of ranges are infinite.
+        return array.astype(np.float32) if array.dtype == np.float16 else array
     except ValueError:  # rows of different lengths
         return np.zeros((), object)
 

@@ -3,14 +3,16 @@ r"""Curves: strands of round cross-section, such as hair, fur, grass and threads
 .. math:: p(u, \varphi) = c(u) + r(u) (\cos\varphi\, f_1(u) + \sin\varphi\, f_2(u))
 
 c is piecewise cubic, or a row of straight lines; f_1 and f_2 stand at right angles to it. So a
-strand is what a circle sweeps; its ends are open, and joints of straight lines are balls. Curves
+strand is what a circle sweeps; its ends are open. Straight lines end in half a ball, and of a ball
+at a joint the wedge is seen that lies past one line and before the next. Curves
 are met from outside only (`alight.shapes.tube`): a ray that enters one passes what it leaves by.
 
 A strand is many primitives; each has a row of the table, with a local u in [0, 1]:
 
 =======  ======================================================================
 0-15     coefficients of 1, u, u^2, u^3: x, y, z and radius of each; of a ball
-         the centre and the radius, then the direction of the strand there
+         the centre and the radius, then (from 4, 8 and 12 on) the directions of the
+         strand, of the line before and of the line after, 0 for none
 16       how far it bends away from the chord of a piece
 17       0 for a tube, 1 for a ball
 18, 19   texture coordinate at u = 0, and how much it grows up to u = 1
@@ -43,6 +45,8 @@ from alight.shapes.hit import (
 )
 from alight.shapes.strand_places import error_of, place_at, row_of
 from alight.shapes.strand_rows import (
+    AFTER,
+    BEFORE,
     IS_BALL,
     SLACK,
     SPAN,
@@ -152,6 +156,17 @@ def tube_of(data, k, o, space):
 
 
 @kernel(strict=True)
+def meet_ball_of(data, k, o, space, t_max):
+    """Meet the ball of a row; k: uniform."""
+    zero = 0.0 * space.inverse
+    none = Vec3(zero, zero, zero)
+    before = into(space, point_of(data, k + BEFORE, none, zero))
+    after = into(space, point_of(data, k + AFTER, none, zero))
+    center = into(space, point_of(data, k, o, zero))
+    return meet_ball(center, data[k + 3] + zero, before, after, space.inverse, t_max)
+
+
+@kernel(strict=True)
 def intersect(data, k, o, d, t_max):
     """Meet one primitive with rays; see `alight.shapes.rectangle.intersect`.
 
@@ -160,8 +175,7 @@ def intersect(data, k, o, d, t_max):
     space = ray_space(d)
     best, best_u, met = t_max + 0.0 * space.inverse, 0.0 * space.inverse, lanes_mask(False)
     if data[k + IS_BALL] > 0.0:
-        center = into(space, point_of(data, k, o, 0.0 * space.inverse))
-        best, met = meet_ball(center, data[k + 3] + 0.0 * center.x, space.inverse, best)
+        best, met = meet_ball_of(data, k, o, space, best)
     else:
         tube = tube_of(data, k, o, space)
         for i in range(PIECES):
@@ -196,8 +210,7 @@ def meet_alone(data, k, o, d, t_max):
     space = ray_space(Vec3(wide(PIECES, d.x), wide(PIECES, d.y), wide(PIECES, d.z)))
     last = wide(PIECES, t_max)
     if data[k + IS_BALL] > 0.0:
-        center = into(space, point_of(data, k, origin, 0.0 * space.inverse))
-        t, found = meet_ball(center, data[k + 3] + 0.0 * center.x, space.inverse, last)
+        t, found = meet_ball_of(data, k, origin, space, last)
         u = 0.0 * space.inverse
     else:
         tube = tube_of(data, k, origin, space)

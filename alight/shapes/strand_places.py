@@ -8,7 +8,7 @@ from alight.core.constants import gamma
 from alight.core.frame import frame_from_tangent
 from alight.core.vec import absolute_vec3, cross, dot, gather_vec3, length_squared
 from alight.shapes.hit import INFO, PRIMITIVES
-from alight.shapes.strand_rows import AXIS, IS_BALL, STRIDE
+from alight.shapes.strand_rows import AFTER, AXIS, BEFORE, IS_BALL, STRIDE
 from lanewise.jit import kernel
 from lanewise.simd import gather, maximum, sqrt, where
 
@@ -75,7 +75,8 @@ def error_of(data, row, n):
     """The error bound of a primitive along its unit normal n."""
     c0, c1 = gather_vec3(data, row), gather_vec3(data, row + 4)
     c2, c3 = gather_vec3(data, row + 8), gather_vec3(data, row + 12)
-    reach = absolute_vec3(c0) + absolute_vec3(c1) + absolute_vec3(c2) + absolute_vec3(c3)
+    bends = absolute_vec3(c1) + absolute_vec3(c2) + absolute_vec3(c3)
+    reach = absolute_vec3(c0) + where(gather(data, row + IS_BALL) > 0.0, 0.0, 1.0) * bends
     return _GAMMA_16 * (dot(absolute_vec3(n), reach) + gather(data, row + 3))
 
 
@@ -84,3 +85,11 @@ def center_of(data, row, u):
     """A point of the curve."""
     c2, c3 = gather_vec3(data, row + 8), gather_vec3(data, row + 12)
     return gather_vec3(data, row) + u * (gather_vec3(data, row + 4) + u * (c2 + u * c3))
+
+
+@kernel
+def is_seen(data, row, n):
+    """Whether a point with the unit normal n lies in the gap that a ball fills; true of a tube."""
+    before, after = gather_vec3(data, row + BEFORE), gather_vec3(data, row + AFTER)
+    tube = gather(data, row + IS_BALL) <= 0.0
+    return tube | ((dot(n, before) >= 0.0) & (dot(n, after) <= 0.0))

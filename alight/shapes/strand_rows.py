@@ -17,6 +17,9 @@ STRIDE = 24
 
 SLACK, IS_BALL, TEXTURE, SPAN, AXIS = 16, 17, 18, 19, 20
 
+#: Of balls: the directions of the segments before and after; 0 where there is none.
+BEFORE, AFTER = 8, 12
+
 #: What is longer than this many radii is halved, up to `HALVINGS` times, as long as there are at
 #: most `MOST_HALVED` segments: short ones have small boxes.
 SLENDER, HALVINGS, MOST_HALVED = 12.0, 2, 1 << 20
@@ -64,19 +67,32 @@ def _tubes(parts: Segments, axes: np.ndarray) -> np.ndarray:
 
 
 def _balls(parts: Segments, axes: np.ndarray) -> np.ndarray:
-    """At both ends of straight segments; neighbours share one."""
-    last = np.append(parts.strand[1:] != parts.strand[:-1], True)
-    points = np.concatenate([parts.points[:, 0], parts.points[last, 3]])
+    """At both ends of straight segments; neighbours share one, of which the gap between is seen."""
+    ends = np.append(parts.strand[1:] != parts.strand[:-1], True)
+    starts = np.append(True, ends[:-1])
+    points = np.concatenate([parts.points[:, 0], parts.points[ends, 3]])
     along = parts.points[:, 3, :3] - parts.points[:, 0, :3]
     lengths = np.maximum(np.linalg.norm(along, axis=1), 1e-30)
     along, rate = along / lengths[:, None], parts.span / lengths
+    before = np.where(starts[:, None], 0.0, np.roll(along, 1, axis=0))
     rows = np.zeros((len(points), STRIDE), np.float32)
     rows[:, :4], rows[:, IS_BALL] = points, 1.0
-    rows[:, 4:7] = np.concatenate([along, along[last]])
-    rows[:, TEXTURE] = np.concatenate([parts.first, (parts.first + parts.span)[last]])
-    rows[:, SPAN] = points[:, 3] * np.concatenate([rate, rate[last]])
-    rows[:, AXIS : AXIS + 3] = axes[np.concatenate([parts.strand, parts.strand[last]])]
+    rows[:, 4:7] = np.concatenate([along, along[ends]])
+    rows[:, BEFORE : BEFORE + 3] = np.concatenate([before, along[ends]])
+    rows[:, AFTER : AFTER + 3] = np.concatenate([along, np.zeros((ends.sum(), 3))])
+    rows[:, TEXTURE] = np.concatenate([parts.first, (parts.first + parts.span)[ends]])
+    rows[:, SPAN] = points[:, 3] * np.concatenate([rate, rate[ends]])
+    rows[:, AXIS : AXIS + 3] = axes[np.concatenate([parts.strand, parts.strand[ends]])]
     return rows
+
+
+def _wedges(rows: np.ndarray) -> np.ndarray:
+    """The part of each ball that is seen between the tubes that end there."""
+    before, after = (rows[:, i : i + 3].astype(np.float64) for i in (BEFORE, AFTER))
+    across = np.linalg.norm(np.cross(before, after), axis=1)
+    inner = before.any(axis=1) & after.any(axis=1)
+    turn = np.arctan2(across, np.sum(before * after, axis=1))
+    return np.where(inner, turn / TWO_PI, 0.5)
 
 
 def _axes(parts: Segments) -> np.ndarray:
@@ -104,9 +120,9 @@ def area(rows: np.ndarray) -> float:
     for powers, part in _powers(rows):
         at = np.stack([u**0, u, u**2, u**3], axis=1) @ powers
         rate = np.stack([0.0 * u, u**0, 2.0 * u, 3.0 * u**2], axis=1) @ powers
-        tube = TWO_PI * ((at[:, :, 3] * np.linalg.norm(rate, axis=2)) @ weights)
+        tube = TWO_PI * ((np.maximum(at[:, :, 3], 0.0) * np.linalg.norm(rate, axis=2)) @ weights)
         balls = part[:, IS_BALL] > 0.0
-        total += float(np.where(balls, 4.0 * np.pi * part[:, 3] ** 2, tube).sum())
+        total += float(np.where(balls, 2.0 * TWO_PI * part[:, 3] ** 2 * _wedges(part), tube).sum())
     return total
 
 
@@ -121,7 +137,7 @@ def extremes(rows: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.n
         points = _FROM_POWERS @ powers
         values = points[:, :, :3] @ directions.T
         beyond = 2.0 * BEYOND * np.abs(powers[:, 1:]).sum(axis=(1, 2))
-        reach = points[:, :, 3].max(axis=1) * (1.0 + 1e-6) + beyond
+        reach = np.maximum(points[:, :, 3].max(axis=1), 0.0) * (1.0 + 1e-6) + beyond
         margin = reach[:, None] * lengths + 4e-7 * np.abs(values).max(axis=1)
         lows.append(values.min(axis=1) - margin)
         highs.append(values.max(axis=1) + margin)

@@ -9,7 +9,7 @@ from alight.core.constants import INFINITY, TWO_PI
 from alight.core.maths import sincos_2pi
 from alight.core.vec import cross, dot, gather_vec3, length_squared
 from alight.shapes.hit import INFO, AreaSample, ShapeSample, area_to_solid_angle
-from alight.shapes.strand_places import center_of, error_of, place_at, row_of
+from alight.shapes.strand_places import center_of, error_of, is_seen, place_at, row_of
 from alight.shapes.strand_rows import IS_BALL
 from alight.shapes.tube import BEYOND, PIECES
 from lanewise.jit import kernel
@@ -52,7 +52,9 @@ def choose_place(tables, shape, u2):
     center = center_of(data, row, where(ball, 0.0, u))
     place = place_at(data, row, u, center + where(ball, out, e))
     spread = place.stretch * to_float(count) * where(ball, 2.0 * TWO_PI, TWO_PI)
-    return prim, u, place, where(spread > 0.0, 1.0 / where(spread > 0.0, spread, 1.0), 0.0)
+    # What lies within a tube is not drawn, rather than drawn again: most joints bend little.
+    drawn = (spread > 0.0) & is_seen(data, row, place.n)
+    return prim, u, place, where(drawn, 1.0 / where(spread > 0.0, spread, 1.0), 0.0)
 
 
 @kernel

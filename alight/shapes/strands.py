@@ -39,6 +39,8 @@ class Column:
             column = np.asarray(value)
         except ValueError:  # a list of lists of different lengths
             column = np.zeros((), object)
+        if column.dtype == np.float16:  # where the largest number allowed is infinite
+            column = column.astype(np.float32)
         whole = np.issubdtype(self.dtype, np.integer)
         if self.spread and column.ndim == 0 and not isinstance(value, bool):
             column = column.reshape(1)

@@ -63,8 +63,13 @@ BEYOND = 2.0**-12
 #: A piece is searched this far beyond its ends.
 MARGIN = 0.25 / PIECES
 
-#: Steps of Newton's method at most, and the last one: the next would be its square.
-STEPS, LAST = 8, 2.0**-12
+#: Steps of Newton's method at most, and the last one; its cone leaves the tube by `EXACT` radii at
+#: most, which is less than the error bound of the hit: rays that go on meet no place again.
+STEPS, LAST, EXACT = 10, 2.0**-12, 2.0**-20
+
+#: Where the circle moves by less than this part of what its centre does, the surface nearly folds:
+#: Newton's method is slow there, and its last step is `LAST_OF_FOLD`.
+FOLD, LAST_OF_FOLD = 0.25, 2.0**-20
 
 
 @kernel(strict=True)
@@ -171,10 +176,16 @@ def take_step(tube, search, low, high):
     y = a * x - b
     # The circle turns as it moves: q . c'' of that; a tube thicker than its bend is no tube.
     turned = x * bend.z - (c.x * bend.x + c.y * bend.y)
-    step = y * length / maximum(length - turned, 0.25 * length)
+    stretch, least = length - turned, FOLD * length
+    step = y * length / maximum(stretch, least)
     moved = minimum(maximum(u + step, low), high)
-    done = absolute(step) <= LAST
-    inside = (u + step >= low) & (u + step <= high) & (r + dr * step > 0.0)
+    bends = absolute(bend.x) + absolute(bend.y) + absolute(bend.z)
+    swells = absolute(2.0 * (tube.r2 + u * (3.0 * tube.r3)))
+    # Where it bends and tapers the cone only cuts the tube, as the sides differ in length.
+    cuts = absolute(dr * turned * inverse)
+    away = absolute(step) * (absolute(y) * bends + absolute(step) * swells + cuts)
+    done = (absolute(step) <= where(stretch > least, LAST, LAST_OF_FOLD)) & (away <= EXACT * r)
+    inside = (u + step >= low) & (u + step <= high) & (r + dr * step > 0.0) & (stretch > 0.0)
     going = search.going & ~done & (moved != u)
     found = search.going & done & inside & (discriminant >= 0.0)
     return Search(
@@ -201,8 +212,14 @@ def meet_piece(tube, first, inverse, t_max):
 
 
 @kernel(strict=True)
-def meet_ball(center, radius, inverse, t_max):
-    """Where rays enter a ball, given in their space: (t, found)."""
+def meet_ball(center, radius, before, after, inverse, t_max):
+    """Where rays enter a ball, given in their space, in the gap between two tubes: (t, found).
+
+    before, after: the directions of the tubes that end and that begin there, 0 for none.
+    """
     squared = radius * radius - (center.x * center.x + center.y * center.y)
-    t = (center.z - sqrt(maximum(squared, 0.0))) * inverse
-    return t, (squared >= 0.0) & (t > 0.0) & (t <= t_max)
+    half = sqrt(maximum(squared, 0.0))
+    t = (center.z - half) * inverse
+    past = -(center.x * before.x + center.y * before.y) - half * before.z >= 0.0
+    not_yet = -(center.x * after.x + center.y * after.y) - half * after.z <= 0.0
+    return t, (squared >= 0.0) & past & not_yet & (t > 0.0) & (t <= t_max)

@@ -2,9 +2,17 @@
 
 import numpy as np
 
+from alight.accel import intersect_closest
 from alight.accel.primitives import Many
+from alight.core.vec import Vec3
 from alight.shapes import curves
-from tests.accel.tracing import World
+from alight.shapes.hit import spawn_origin
+from alight.shapes.strand_places import error_of, place_at
+from alight.shapes.strand_rows import STRIDE
+from lanewise.jit import instantiate, kernel
+from lanewise.simd import LANES, fma, lanes, load_lanes, store_lanes, where
+from lanewise.view import View
+from tests.accel.tracing import Program, World
 
 STRANDS = 40
 
@@ -98,3 +106,68 @@ def test_hits_are_those_of_fine_frusta():
     # Open ends of the oracle's frusta reach a little farther.
     assert (np.isfinite(hits.t) != np.isfinite(expected)).sum() <= 3
     assert (np.abs(hits.t[both] - expected[both]) > 1e-3).sum() <= 3
+
+
+@kernel(strict=True)
+def look_through(scene, rays, results, n, most):
+    """How many surfaces each of n rays meets that goes straight on behind each, up to `most`."""
+    data = scene.shapes.data
+    for i in range(0, n, LANES):
+        o = Vec3(load_lanes(rays, i), load_lanes(rays, n + i), load_lanes(rays, 2 * n + i))
+        d = Vec3(
+            load_lanes(rays, 3 * n + i), load_lanes(rays, 4 * n + i), load_lanes(rays, 5 * n + i)
+        )
+        met, going = lanes(0.0), lanes(0.0) == 0.0
+        for _ in range(most):
+            hit = intersect_closest(scene, o, d, lanes(np.inf), going)
+            going = going & (hit.t < np.inf)
+            row = where(going, STRIDE * hit.prim, 0)
+            near = Vec3(fma(hit.t, d.x, o.x), fma(hit.t, d.y, o.y), fma(hit.t, d.z, o.z))
+            place = place_at(data, row, hit.u, near)
+            o = where(going, spawn_origin(place.p, error_of(data, row, place.n), place.n, d), o)
+            met = met + where(going, 1.0, 0.0)
+        store_lanes(results, i, met)
+
+
+def surfaces(world: World, o: np.ndarray, d: np.ndarray, most: int = 40) -> np.ndarray:
+    counted = np.zeros(len(o), np.float32)
+    columns = np.concatenate([o.T, d.T]).astype(np.float32).copy()
+    run = instantiate(look_through, Program(world.plan))
+    run(world.scene, View(columns), View(counted), len(o), most)
+    return counted
+
+
+def test_rays_that_go_straight_on_leave_strands_that_fold():
+    # Thicker than their bends are wide; of the first it was seen that rays met it for ever.
+    points = [[-1, 0, 0], [-0.33, 0.6, 0], [0.33, -0.5, 0.4], [1, 0, 0]]
+    others = np.random.default_rng(5).uniform(-1.0, 1.0, (60, 3))
+    radii = [0.1, 0.2, 0.2, 0.05] * 16
+    spec = curves.Curves(
+        points=np.concatenate([points, others]), radii=radii, counts=[4] * 16, basis="bezier"
+    )
+    o, d = rays(6, 1 << 16)
+    counted = surfaces(worlds(spec)[1], o, d)
+    assert counted.max() < 40
+
+
+def test_joints_of_straight_lines_are_met_where_tubes_leave_a_gap():
+    # The same straight strand in 1 and in 20 pieces is one surface, without balls inside.
+    o, d = rays(7, 4096)
+    ends = np.array([[-1.0, -0.2, 0.1], [1.0, 0.3, 0.0]])
+    many = np.linspace(0.0, 1.0, 21)[:, None] * (ends[1] - ends[0]) + ends[0]
+    one, other = (
+        worlds(curves.Curves(points=points, radii=0.2, basis="linear")) for points in (ends, many)
+    )
+    a, b = surfaces(one[1], o, d), surfaces(other[1], o, d)
+    assert a.max() == 1
+    assert (a == b).mean() > 0.999
+    np.testing.assert_allclose(curves.area(other[2]), curves.area(one[2]), rtol=1e-4)
+    # At a corner neither a ray within a lane of the gap is lost nor is the gap a whole ball.
+    corner = curves.Curves(points=[[-1, 0, 0], [0, 0, 0], [0, 1, 0]], radii=0.1, basis="linear")
+    _, tree, rows = worlds(corner)
+    tubes, ball = 2.0 * 2.0 * np.pi * 0.1, 4.0 * np.pi * 0.01
+    np.testing.assert_allclose(curves.area(rows), tubes + 1.25 * ball, rtol=1e-5)
+    met = tree.trace(
+        np.array([[0.05, -1.0, 0.0], [0.0, 0.0, 1.0]]), np.array([[0, 1, 0], [0, 0, -1.0]])
+    )
+    np.testing.assert_allclose(met.t, [1.0 - 0.1 * np.sqrt(0.75), 0.9], rtol=1e-5)

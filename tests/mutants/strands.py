@@ -20,6 +20,12 @@ STRANDS = (
         FRUSTA,
     ),
     Mutant(
+        "hits in tubes that taper and bend lie where a cone cuts them",
+        "shapes/tube.py",
+        (("cuts = absolute(dr * turned * inverse)", "cuts = 0.0 * inverse"),),
+        f"{TREE}::test_rays_that_go_straight_on_leave_strands_that_fold",
+    ),
+    Mutant(
         "a slender segment begins where its first half ends",
         "shapes/strands.py",
         (("first[left + 1] += span[left + 1]", "first[left] += span[left + 1]"),),
@@ -28,7 +34,7 @@ STRANDS = (
     Mutant(
         "widths of OpenUSD for radii",
         "formats/usd/curves.py",
-        (("radii = 0.5 * _widths(", "radii = 1.0 * _widths("),),
+        (("radii = 0.5 * np.maximum(", "radii = 1.0 * np.maximum("),),
         "tests/formats/usd/test_curves.py::test_widths_belong_to_curves_segments_or_points",
     ),
     Mutant(

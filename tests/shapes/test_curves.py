@@ -1,5 +1,7 @@
 """Curves as descriptions: what is refused, files, and the boxes and coordinates of strands."""
 
+import zipfile
+
 import numpy as np
 import pytest
 
@@ -64,6 +66,16 @@ def test_slender_segments_are_divided_and_stay_where_they_are():
         )
 
 
+def test_radii_that_swing_below_0_are_0():
+    # Catmull-Rom's curve through 1, 0, 0, 1 dips to -1/8.
+    points = [[x, 0, 0] for x in range(4)]
+    spec = curves.Curves(points=points, radii=(1, 0, 0, 1), basis="catmull_rom")
+    rows = curves.pack(spec, np.eye(4))
+    assert curves.area(rows) == 0.0
+    low, high = curves.extremes(rows, np.eye(3))
+    assert (low <= high).all()
+
+
 SCENE = """
 alight: 1
 camera: {type: pinhole}
@@ -106,6 +118,8 @@ def test_many_points_are_saved_beside_the_scene(tmp_path):
         ({"points": POINTS}, "lacks radii"),
         ({"points": POINTS, "radii": [1.0, 2.0]}, "radii must be one number or one a point"),
         ({"points": POINTS, "radii": "x"}, "must be a number or a list of numbers"),
+        ({"points": POINTS, "radii": np.float16(np.inf)}, "radii must be in [0, 1e+15], got inf"),
+        ({"points": np.full((5, 3), np.inf, np.float16), "radii": 1.0}, "points must be finite"),
         (b"no archive", "is no NPZ file of numbers, or broken"),
     ],
 )
@@ -119,10 +133,55 @@ def test_what_is_wrong_with_a_file_is_said(tmp_path, arrays, message):
     assert message in str(caught.value)
 
 
-def test_curves_have_no_inside(tmp_path):
-    medium = ", interior: {type: homogeneous, sigma_s: 1}"
-    with pytest.raises(SceneError, match="no medium is inside"):
+def broken(kind: str, folder) -> bytes:
+    """Bytes of a file that NumPy cannot read."""
+    path = folder / "whole.npz"
+    np.savez_compressed(path, points=np.zeros((4, 3)), radii=np.ones(4))
+    data = bytearray(path.read_bytes())
+    if kind == "an array alone":
+        np.save(folder / "alone.npy", np.zeros((4, 3)))
+        return (folder / "alone.npy").read_bytes()
+    if kind == "a header that is cut":
+        with zipfile.ZipFile(path, "w") as archive:
+            head = b"{'descr': '<f8', 'fortran_order': False, 'shape': (4, 3"
+            archive.writestr("points.npy", b"\x93NUMPY\x01\x00" + bytes([len(head), 0]) + head)
+        return path.read_bytes()
+    central = data.find(b"PK\x01\x02")
+    if kind == "encrypted":
+        data[6] |= 1
+        data[central + 8] |= 1
+    elif kind == "packed in another way":
+        data[8] = data[central + 10] = 99
+    else:
+        start = 30 + data[26] + 256 * data[27] + data[28] + 256 * data[29]
+        data[start : start + 8] = b"\xff" * 8
+    return bytes(data)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["an array alone", "a header that is cut", "encrypted", "packed in another way", "scrambled"],
+)
+def test_broken_archives_get_one_message(tmp_path, kind):
+    (tmp_path / "hair.npz").write_bytes(broken(kind, tmp_path))
+    with pytest.raises(SceneError, match="is no NPZ file of numbers, or broken") as caught:
+        flatten(scene(tmp_path, "file: hair.npz"))
+    assert len(caught.value.issues) == 1
+
+
+@pytest.mark.parametrize("side", ["interior", "exterior"])
+def test_curves_bound_no_media(tmp_path, side):
+    medium = f", {side}: {{type: homogeneous, sigma_s: 1}}"
+    with pytest.raises(SceneError, match=rf"{side}.*\n.*they bound no media"):
         flatten(scene(tmp_path, f"points: {POINTS}, radii: 0.1", medium))
+
+
+@pytest.mark.parametrize("keys", [f"points: {POINTS}, radii: 0", "points: [[1, 1, 1], [1, 1, 1]]"])
+def test_a_light_needs_an_area(tmp_path, keys):
+    if "radii" not in keys:
+        keys += ", radii: 0, basis: linear"
+    with pytest.raises(SceneError, match="must have an area > 0"):
+        flatten(scene(tmp_path, keys, ", light: {type: area, radiance: 1}"))
 
 
 def test_curves_cannot_move(tmp_path):

@@ -58,6 +58,10 @@ def _shape(context: Context, element: Element, path: str) -> Data | None:
     shape = COVERED[element.type](draft, steps)
     context.places[join_path(path, "shape")] = element.place
     bounds_media = interiors.of_shape(draft)
+    if bounds_media and isinstance(shape, StrandShape):
+        context.report.warn(element, "bounds no media: curves are met from outside only")
+        for side in interiors.SIDES:
+            draft.data.pop(side, None)
     lights, materials = p.take("emitter"), []
     for part in p.take("bsdf", "ref"):
         # Lamps may stand elsewhere, too.

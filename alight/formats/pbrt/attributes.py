@@ -104,10 +104,11 @@ class Attributes:
             text = "moves: it stands where it is at the start time"
             self.context.report.warn(directive, text)
 
-    def rests(self, directive: Directive, shines: bool) -> bool:
-        """Whether a shape stands still, as one that shines does unless it only shifts and turns."""
+    def rests(self, directive: Directive, shines: bool, strands: bool = False) -> bool:
+        """Whether a shape stands still, as strands do, and lights unless they shift and turn."""
         state = self.state
-        if shines and state.is_animated and not only_turns(state.matrix, state.ends):
+        kept = strands or (shines and not only_turns(state.matrix, state.ends))
+        if state.is_animated and kept:
             self.report_motion(directive)
             return True
         return not state.is_animated

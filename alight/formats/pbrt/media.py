@@ -25,6 +25,7 @@ from alight.formats.pbrt.transforms import scaling, translation
 from alight.formats.substances import SUBSTANCES
 from alight.media.volumes import Volume
 from alight.scene.description import VACUUM
+from alight.shapes.strands import StrandShape
 
 #: Our names of pbrt's media; the last one is pbrt 3's word for a grid.
 COVERED = {
@@ -88,9 +89,13 @@ class Media:
         self._made[directive.type] = (directive, _medium(self.context, p, matrix))
         p.finish()
 
-    def sides(self, interface: Directive | None) -> Data:
+    def sides(self, interface: Directive | None, shape: object = None) -> Data:
         """The keys ``interior`` and ``exterior`` of a surface; none where it is no border."""
         if interface is None or interface.texts[0] == interface.texts[1]:
+            return {}
+        if isinstance(shape, StrandShape):
+            text = "plays no part at curves: they are met from outside only"
+            self.context.report.warn(interface, text)
             return {}
         inside, outside = (self._name(interface, text) for text in interface.texts)
         return {"interior": inside, "exterior": outside} if self.context.sees_media else {}

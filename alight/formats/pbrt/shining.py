@@ -9,15 +9,20 @@ from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.transforms import steps, translation
 from alight.meshes.normals import vertex_normals
 from alight.shapes.mesh import Mesh
+from alight.shapes.strand_rows import area as area_of_rows
+from alight.shapes.strand_rows import rows_of
+from alight.shapes.strands import StrandShape
 
 #: Distance between the two surfaces of a light with two sides, of its size.
 GAP = 1e-5
 
 
-def area_of(shape: Data | Mesh, matrix: np.ndarray) -> float:
+def area_of(shape: Data | Mesh | StrandShape, matrix: np.ndarray) -> float:
     """Area in m^2 of a shape that a matrix moves."""
     if isinstance(shape, Mesh):
         return area_of_mesh(shape, matrix)
+    if isinstance(shape, StrandShape):
+        return area_of_rows(rows_of(shape, matrix))
     if shape["type"] == "sphere":
         return area_of_ball(matrix, shape["radius"])
     if shape["type"] == "disk":
@@ -25,9 +30,11 @@ def area_of(shape: Data | Mesh, matrix: np.ndarray) -> float:
     return area_of_mantle(matrix, shape["radius"], shape["p1"][2] - shape["p0"][2])
 
 
-def has_one_side(shape: Data | Mesh) -> bool:
+def has_one_side(shape: Data | Mesh | StrandShape) -> bool:
     """Whether only one side can be seen from outside."""
-    return not isinstance(shape, Mesh) and shape["type"] == "sphere"
+    if isinstance(shape, Mesh):
+        return False
+    return isinstance(shape, StrandShape) or shape["type"] == "sphere"
 
 
 def back_of(node: Data, matrix: np.ndarray) -> Data:

@@ -90,6 +90,20 @@ class Bundle:
         )
 
 
+def has_strands(prototypes: Data, name: str) -> bool:
+    """Whether a prototype, or one within it, holds strands."""
+
+    def holds(node: Data) -> bool:
+        inner = node.get("instance")
+        return (
+            isinstance(node.get("shape"), StrandShape)
+            or (inner is not None and holds(prototypes[inner]))
+            or any(holds(child) for child in node.get("children", {}).values())
+        )
+
+    return holds(prototypes[name])
+
+
 def curve(placed: Placed) -> Mesh | Curves | None:
     """Convert a curve; None after a problem."""
     p = placed.p

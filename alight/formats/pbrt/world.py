@@ -23,7 +23,7 @@ from alight.formats.pbrt.shapes import convert as convert_shape
 from alight.formats.pbrt.shining import GAP, area_of, back_of, has_one_side
 from alight.formats.pbrt.stand_ins import STAND_INS
 from alight.formats.pbrt.state import State
-from alight.formats.pbrt.strands import MOST, Bundle
+from alight.formats.pbrt.strands import MOST, Bundle, has_strands
 from alight.formats.pbrt.textures import Source, TextureItem
 from alight.formats.pbrt.transforms import keeps_angles, moving, steps, swaps_handedness
 from alight.shapes.mesh import Mesh
@@ -216,7 +216,7 @@ class World(Attributes):
         if isinstance(alpha, str) or (alpha is not None and alpha < 1.0):
             opacity = alpha if isinstance(alpha, str) else max(alpha, 0.0)
             bsdf = {"type": "mask", "opacity": opacity, "bsdf": bsdf}
-        node: Data = {"shape": shape, "bsdf": bsdf, **self.media.sides(state.media)}
+        node: Data = {"shape": shape, "bsdf": bsdf, **self.media.sides(state.media, shape)}
         if alpha is not None and "interior" in node:
             context.report.warn(directive, "is a border of media in its holes too")
         step = steps(placed.matrix)
@@ -255,8 +255,7 @@ class World(Attributes):
         if state.light is None:
             return None, False
         if self._target is not self.nodes:
-            text = "shines in an object: pbrt shows no light there"
-            context.report.warn(directive, text)
+            context.report.warn(directive, "shines in an object: pbrt shows no light there")
             return None, False
         if state.light.type not in ("diffuse", "area"):
             text = unknown_name("area light", state.light.type, ("diffuse",))
@@ -347,7 +346,8 @@ class World(Attributes):
         step = steps(self.state.matrix)
         if step is not None:
             node["transform"] = step
-        self.add(self._target, self._path, directive, node, self.rests(directive, False))
+        strands = has_strands(self.context.tables["prototypes"], name)
+        self.add(self._target, self._path, directive, node, self.rests(directive, False, strands))
 
     def add(
         self,

@@ -16,10 +16,13 @@ from alight.formats.surfaces import Surface
 from alight.formats.usd.modules import UsdGeom
 from alight.formats.usd.stage import Stage
 from alight.shapes.curves import Curves
+from alight.shapes.strands import TO_BEZIER
 
 Array = np.ndarray
 #: Their bases -> ours, and by how many points the segments of each follow one another.
 BASES = {"bezier": ("bezier", 3), "bspline": ("b_spline", 1), "catmullRom": ("catmull_rom", 1)}
+#: Bases whose curves do not pass their first and last points.
+SMOOTH = ("b_spline", "catmull_rom")
 WRAPS = ("nonperiodic", "periodic", "pinned")
 
 #: Radius, in parts of the size of all, where a file names no widths.
@@ -41,15 +44,32 @@ def read_curves(stage: Stage, prim: Any) -> Curves | None:
     fewest = {"linear": 3, "bezier": 3}.get(basis, 3) if wrap == "periodic" else fewest
     uneven = basis == "bezier" and ((counts % 3 != 0) if wrap == "periodic" else (counts % 3 != 1))
     bad = (counts < fewest) | uneven
-    if counts.sum() != len(points) or bad.any() or not (np.abs(points) <= LARGEST).all():
+    if counts.sum() != len(points) or bad.any():
         text = f"curveVertexCounts must fit its points, and {basis} curves ({wrap})"
         stage.problem(prim, f"{text}, got {int(counts[bad.argmax()])} of {len(points)}")
         return None
+    wrong = ~(np.abs(points) <= LARGEST).all(axis=1)
+    if wrong.any():
+        place = int(wrong.argmax())
+        text = f"its points must be finite and at most {LARGEST:g} in size"
+        stage.problem(prim, f"{text}, got {points[place].tolist()} at place {place}")
+        return None
     if len(stage.value(curves.GetNormalsAttr(), [])):
         stage.report.approximate(f"{prim.GetPath()}: ribbons with normals are shown round")
-    radii = 0.5 * _widths(stage, curves, points, counts, (basis, step, wrap))
-    rows = np.concatenate([points, np.maximum(radii, 0.0)[:, None]], axis=1)
-    parts = [_wrapped(part, basis, wrap) for part in np.split(rows, np.cumsum(counts)[:-1])]
+    widths, at_ends = _widths(stage, curves, points, counts, (basis, step, wrap))
+    radii = 0.5 * np.maximum(widths, 0.0)
+    starts = np.cumsum(counts)[:-1]
+    if basis in SMOOTH and (at_ends is not None or wrap == "pinned"):
+        # Bezier's have the widths of the file at their ends, whatever lies beyond.
+        of_each = np.split(radii, starts if at_ends is None else np.cumsum(at_ends)[:-1])
+        pairs = zip(np.split(points, starts), of_each, strict=True)
+        parts = [_as_bezier(part, r, basis, wrap, at_ends is not None) for part, r in pairs]
+        basis = "bezier"
+    else:
+        if at_ends is not None:
+            radii = _from_ends(radii, counts, at_ends, step, wrap)
+        rows = np.concatenate([points, radii[:, None]], axis=1)
+        parts = [_wrapped(part, basis, wrap) for part in np.split(rows, starts)]
     whole = np.concatenate(parts)
     return Curves(
         points=whole[:, :3],
@@ -57,6 +77,20 @@ def read_curves(stage: Stage, prim: Any) -> Curves | None:
         counts=[len(part) for part in parts],
         basis=basis,
     )
+
+
+def _as_bezier(points: Array, radii: Array, basis: str, wrap: str, at_ends: bool) -> Array:
+    """The rows of one curve as Bezier's; radii: at its points, or at the ends of its segments."""
+    rows = points if at_ends else np.concatenate([points, radii[:, None]], axis=1)
+    rows = _wrapped(rows, basis, wrap)
+    taken = rows[np.arange(len(rows) - 3)[:, None] + np.arange(4)]
+    cubics = TO_BEZIER[basis] @ taken
+    if at_ends:
+        closed = np.append(radii, radii[0]) if wrap == "periodic" else radii
+        t = np.arange(4) / 3.0
+        linear = closed[:-1, None] + t * (closed[1:] - closed[:-1])[:, None]
+        cubics = np.concatenate([cubics, linear[:, :, None]], axis=2)
+    return np.concatenate([cubics[:, :3].reshape(-1, 4), cubics[-1:, 3]])
 
 
 def _kind(stage: Stage, curves: Any) -> tuple[Any, int, str]:
@@ -85,30 +119,37 @@ def _wrapped(rows: Array, basis: str, wrap: str) -> Array:
 
 def _widths(
     stage: Stage, curves: Any, points: Array, counts: Array, kind: tuple[str, int, str]
-) -> Array:
-    """A width at each control point."""
+) -> tuple[Array, Array | None]:
+    """A width at each control point, and None; or at the ends of segments, and how many of each."""
     path, n = curves.GetPrim().GetPath(), len(points)
-    widths = np.array(stage.value(curves.GetWidthsAttr(), []), np.float64).reshape(-1)
+    attribute, how = curves.GetWidthsAttr(), str(curves.GetWidthsInterpolation())
+    # A primvar of this name counts more than the attribute.
+    primvar = UsdGeom.PrimvarsAPI(curves.GetPrim()).GetPrimvar("widths")
+    if primvar and primvar.HasValue():
+        found, how = stage.table(primvar), str(primvar.GetInterpolation())
+        found = [] if found is None else found
+    else:
+        found = stage.value(attribute, [])
+    widths = np.array(found, np.float64).reshape(-1)
     if not len(widths):
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
         stage.report.approximate(f"{path}: without widths, its curves are thin")
-        return np.full(n, 2.0 * THIN * size)
+        return np.full(n, 2.0 * THIN * size), None
     if not ((widths >= 0.0) & (widths <= LARGEST)).all():
         stage.problem(curves.GetPrim(), f"its widths must be in [0, {LARGEST:g}]")
-        return np.zeros(n)
+        return np.zeros(n), None
     if len(widths) == 1:
-        return np.full(n, widths[0])
-    how = str(curves.GetWidthsInterpolation())
+        return np.full(n, widths[0]), None
     ends = _ends(counts, kind)
     if how == "vertex" and len(widths) == n:
-        return widths
+        return widths, None
     if how == "uniform" and len(widths) == len(counts):
-        return np.repeat(widths, counts)
+        return np.repeat(widths, counts), None
     if how in ("varying", "vertex") and len(widths) == ends.sum():
-        return _from_ends(widths, counts, ends, kind)
+        return widths, ends
     text = f"its widths ({how}) must be 1, {len(counts)}, {int(ends.sum())} or {n}"
     stage.problem(curves.GetPrim(), f"{text}, got {len(widths)}")
-    return np.zeros(n)
+    return np.zeros(n), None
 
 
 def _ends(counts: Array, kind: tuple[str, int, str]) -> Array:
@@ -119,16 +160,12 @@ def _ends(counts: Array, kind: tuple[str, int, str]) -> Array:
     return counts // step if wrap == "periodic" else (counts - 4) // step + 2
 
 
-def _from_ends(widths: Array, counts: Array, ends: Array, kind: tuple[str, int, str]) -> Array:
-    """Values at the ends of segments -> values at control points."""
-    basis, step, wrap = kind
-    # Of these bases the first point lies before the first segment.
-    before = 1 if basis in ("b_spline", "catmull_rom") and wrap == "nonperiodic" else 0
+def _from_ends(values: Array, counts: Array, ends: Array, step: int, wrap: str) -> Array:
+    """Values at the ends of straight or Bezier's segments -> values at control points."""
     found = []
-    for part, count in zip(np.split(widths, np.cumsum(ends)[:-1]), counts, strict=True):
+    for part, count in zip(np.split(values, np.cumsum(ends)[:-1]), counts, strict=True):
         closed = np.append(part, part[0]) if wrap == "periodic" else part
-        place = (np.arange(count) - before) / step
-        found.append(np.interp(place, np.arange(len(closed)), closed))
+        found.append(np.interp(np.arange(count) / step, np.arange(len(closed)), closed))
     return np.concatenate(found)
 
 

@@ -31,6 +31,14 @@ def test_a_transform_leaves_the_radii_as_they_are(tmp_path):
     np.testing.assert_allclose(2.0 * found.radii[:4], [0.1, 0.2, 0.1, 0.05], rtol=1e-6)
 
 
+def test_strands_bound_no_media(tmp_path):
+    (tmp_path / "hair.txt").write_text(TWO)
+    medium = '<medium type="homogeneous" name="exterior"/>'
+    scene = read(shape("bsplinecurve", medium), folder=tmp_path)
+    assert node(scene).exterior is None
+    assert any("bounds no media" in text for text in scene.warnings)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [

@@ -13,7 +13,18 @@ from alight.core.errors import Issue, SceneError
 from alight.formats import loads
 from tests.formats.mitsuba.reading import FILES, native
 
-__all__ = ["FILES", "issues", "messages", "native", "node", "ray", "read", "read_bsdf", "world"]
+__all__ = [
+    "FILES",
+    "HEAD",
+    "issues",
+    "messages",
+    "native",
+    "node",
+    "ray",
+    "read",
+    "read_bsdf",
+    "world",
+]
 
 HEAD = 'Camera "perspective"\nFilm "rgb" "integer xresolution" 8 "integer yresolution" 4\n'
 

@@ -9,7 +9,8 @@ from alight.formats.pbrt.lenses import MILLIMETRE, lens_of
 from alight.formats.pbrt.octahedral import to_sphere
 from alight.formats.pbrt.strands import PIECES, SIDES
 from alight.lights.ies import LUMENS
-from tests.formats.pbrt.reading import messages, node, read, read_old
+from alight.scene.flatten import flatten
+from tests.formats.pbrt.reading import HEAD, messages, node, read, read_old
 
 STRAIGHT = '"point3 P" [0 0 0  0 0 1  0 0 2  0 0 3] "float width0" 0.4 "float width1" 0.2'
 
@@ -43,6 +44,37 @@ def test_a_curve_that_moves_is_a_cone_of_triangles_with_its_widths():
     across, middle = np.cross(b - a, c - a), (a + b + c) / 3.0
     assert ((across * middle)[:, :2].sum(axis=1) > 0.0).all()
     assert not mesh.flip_normals
+
+
+def test_curves_shine_from_their_one_side_with_their_area():
+    lamp = 'AreaLightSource "diffuse" "float power" 3 "bool twosided" true'
+    scene = read(f'{lamp} Shape "curve" {STRAIGHT}')
+    # A cone of 3 m whose radius is 0.15 m in the middle.
+    radiance = node(scene).light.radiance
+    cylinder = 'Shape "cylinder" "float radius" 0.15 "float zmin" 0 "float zmax" 3'
+    same = read(f"{lamp} {cylinder}").nodes
+    assert len(same) == 2
+    for other in same.values():
+        wider = np.array(radiance) * math.hypot(1.0, 0.1 / 3.0)
+        np.testing.assert_allclose(wider, other.light.radiance, rtol=1e-4)
+
+
+def test_curves_in_an_object_that_moves_stand_still():
+    moving = "ActiveTransform EndTime Translate 1 0 0 ActiveTransform All"
+    inner = f'ObjectBegin "a" Shape "curve" {STRAIGHT} ObjectEnd'
+    outer = 'ObjectBegin "b" ObjectInstance "a" ObjectEnd'
+    scene = read(f'{inner} {outer} {moving} ObjectInstance "b"')
+    flatten(scene)
+    assert any("moves: it stands where it is" in text for text in scene.warnings)
+
+
+def test_curves_bound_no_media():
+    medium = 'MakeNamedMedium "fog" "string type" "homogeneous"'
+    head = f'Integrator "volpath"\n{HEAD}'
+    scene = read(f'{medium} MediumInterface "" "fog" Shape "curve" {STRAIGHT}', head)
+    assert node(scene).interior is None
+    assert node(scene).exterior is None
+    assert any("plays no part at curves" in text for text in scene.warnings)
 
 
 def test_bases_and_degrees_are_the_same_cubic():

@@ -77,6 +77,44 @@ def test_widths_belong_to_curves_segments_or_points(load):
         load(cubic("bezier", wrong))
 
 
+@pytest.mark.parametrize("basis", ["bspline", "catmullRom"])
+@pytest.mark.parametrize(
+    ("wrap", "widths", "radii"),
+    [
+        ("nonperiodic", "[0, 4]", [0, 2]),
+        ("pinned", "[0, 2, 4, 0]", [0, 1, 2, 0]),
+        ("periodic", "[0, 2, 4, 6]", [0, 1, 2, 3, 0]),
+    ],
+)
+def test_varying_widths_are_those_at_the_ends_of_segments(load, basis, wrap, widths, radii):
+    more = f'float[] widths = {widths} (interpolation = "varying"); uniform token wrap = "{wrap}"'
+    parts = segments(only(load(cubic(basis, f"{FOUR}; {more}"))).shape, np.eye(4)).points
+    np.testing.assert_allclose(parts[:, 0, 3], radii[:-1], atol=1e-6)
+    np.testing.assert_allclose(parts[:, 3, 3], radii[1:], atol=1e-6)
+    if wrap == "periodic":
+        # The first segment begins near the second point.
+        near = np.linalg.norm(parts[0, 0, :3] - [[0, 0, 0], [0, 1, 0], [1, 2, 0]], axis=1)
+        assert near.argmin() == 1
+
+
+def test_pinned_curves_have_their_widths_at_their_ends(load):
+    more = 'float[] widths = [0, 2, 2, 1] (interpolation = "vertex")'
+    pinned = cubic("bspline", f'{FOUR}; {more}; uniform token wrap = "pinned"')
+    parts = segments(only(load(pinned)).shape, np.eye(4)).points
+    np.testing.assert_allclose([parts[0, 0, 3], parts[-1, 3, 3]], [0.0, 0.5], atol=1e-6)
+
+
+def test_a_primvar_of_widths_counts_more(load):
+    both = f"{FOUR}; float[] widths = [0.2]; float[] primvars:widths = [0.6]"
+    np.testing.assert_allclose(only(load(cubic("bezier", both))).shape.radii, 0.3, rtol=1e-6)
+
+
+def test_points_must_be_finite(load):
+    text = FOUR.replace("(1, 2, 0)", "(1, nan, 0)")
+    with pytest.raises(SceneError, match=r"its points must be finite .* at place 2"):
+        load(cubic("bezier", f"{text}; float[] widths = [0.2]"))
+
+
 def test_counts_must_fit(load):
     with pytest.raises(SceneError, match="curveVertexCounts must fit its points, and bezier"):
         load(cubic("bezier", FOUR, "[3]"))
