@@ -82,7 +82,11 @@ def find_tiles(name: str, reach: Reach) -> str:
     """
     for folder in reach.searched:
         path = reach.inside(name, folder)
-        if _paths(path):
+        tiles = _paths(path)
+        for tile in tiles.values():
+            # A tile may be a link.
+            reach.inside(reach.name_of(tile), shown=tile.name)
+        if tiles:
             found = reach.name_of(path)
             _tiles(found, reach.files)
             return found

@@ -105,6 +105,18 @@ def test_sets_without_a_tile_or_out_of_reach(folder):
         find_tiles("t.<UDIM>.png", Reach(folder))
 
 
+def test_tiles_that_are_links_stay_within_reach(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "x.png"
+    (folder / "t.1001.png").rename(elsewhere)
+    try:
+        (folder / "t.1001.png").symlink_to(elsewhere)
+    except OSError:
+        pytest.skip("needs symbolic links")
+    with pytest.raises(OutOfReachError, match=r"leads out of .*t\.1001\.png.*, by a link"):
+        find_tiles("t.<UDIM>.png", Reach(folder))
+    assert find_tiles("t.<UDIM>.png", Reach(folder, folder.parent.parent))
+
+
 OBJ = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 0 2\nusemtl m\nf 1/1 2/2 3/3\n"
 USD = """#usda 1.0
 def Mesh "wall" (prepend apiSchemas = ["MaterialBindingAPI"])
