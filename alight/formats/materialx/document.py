@@ -99,6 +99,8 @@ class Document:
     def __init__(self, text: str, name: str, folder: Path, reach: Reach, report: Report) -> None:
         self.reach, self.report = reach, report
         self.elements = self.includes = self.count = self.deep = 0
+        #: Connections that are being followed.
+        self._open: list[tuple[Element, Scope]] = []
         #: Element -> folder of its file, for the files that it names.
         self.folders: dict[int, Path] = {}
         root = self._read(text, name, folder)
@@ -299,6 +301,18 @@ class Document:
 
     def _connected(self, element: Element, scope: Scope, owner: Element) -> Input:
         """What an input or an output of a graph is connected to."""
+        if any(e is element and s is scope for e, s in self._open):
+            raise SceneError([Issue(element.label, "is connected to itself", element.place)])
+        if len(self._open) == 2 * MOST_DEEP:
+            text = f"is connected through more than {2 * MOST_DEEP} others"
+            raise SceneError([Issue(element.label, text, element.place)])
+        self._open.append((element, scope))
+        try:
+            return self._followed(element, scope, owner)
+        finally:
+            self._open.pop()
+
+    def _followed(self, element: Element, scope: Scope, owner: Element) -> Input:
         attributes = element.attributes
         entry = Input(attributes.get("type", ""))
         name, graph = attributes.get("nodename"), attributes.get("nodegraph")
