@@ -220,7 +220,7 @@ def _of_16_bits(image: Image) -> Image:
 
 def _fitted(texels: NDArray[Any], width: int, height: int, encoded: bool) -> NDArray[Any]:
     """A tile of another size: the means of texels, or the nearest ones."""
-    rows, columns, channels = texels.shape
+    rows, columns = texels.shape[:2]
     if (rows, columns) == (height, width):
         return texels
     if rows % height == 0 and columns % width == 0 and rows >= height and columns >= width:

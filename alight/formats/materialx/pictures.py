@@ -36,6 +36,8 @@ _WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant"
 _USD_WRAPS = {"repeat": "periodic", "useMetadata": "periodic", "black": "constant"}
 #: Endings of pictures whose values may exceed 1.
 _UNLIMITED = (".exr", ".hdr", ".pfm", ".npy", ".tif", ".tiff")
+#: Texels of a ramp: two would show it, but functions of it are computed at the centres of texels.
+_STEPS = 1024
 
 
 def place_of(e: Evaluates, node: Node, find: Callable[[Places, Node], Place]) -> Place:
@@ -182,9 +184,9 @@ def _rise(e: Evaluates, node: Node, axis: int, sharp: bool) -> Varying:
             e.say(node, f"its center {error}: 0.5 is taken")
         matrix[axis, 2] = 0.5 - center
     else:
-        # Of two texels, the centres of which lie at a quarter and at three quarters.
-        matrix[axis, axis], matrix[axis, 2] = 0.5, 0.25
-    texels = np.array([[0.0, 1.0]], np.float32)
+        # From the centre of the first texel to that of the last.
+        matrix[axis, axis], matrix[axis, 2] = 1.0 - 1.0 / _STEPS, 0.5 / _STEPS
+    texels = np.linspace(0.0, 1.0, 2 if sharp else _STEPS, dtype=np.float32)[None]
     # Rows are counted from the top.
     pixels = Image((texels if axis == 0 else texels[:, ::-1].T.copy())[..., None].copy())
     data: Data = {"type": "bitmap", "pixels": pixels, "color_space": "linear", "wrap": "clamp"}
