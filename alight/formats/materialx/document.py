@@ -274,7 +274,7 @@ class Document:
         space = space or top.attributes.get("colorspace", "")
         entry = Input(kind, space=space)
         text = attributes.get("value")
-        if text is None:
+        if text is None or (kind == "filename" and not text.strip()):
             return entry
         if kind == "filename":
             prefix = attributes.get("fileprefix") or owner.attributes.get("fileprefix", "")

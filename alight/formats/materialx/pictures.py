@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError, quote
-from alight.formats.materialx.nodes import WIDTHS, Node
+from alight.formats.materialx.nodes import WIDTHS, Input, Node
 from alight.formats.materialx.placing import NoPlaceError, Place, Places
 from alight.formats.materialx.protocols import Evaluates
 from alight.formats.materialx.spaces import SPACES, to_linear
@@ -56,7 +56,7 @@ def image(e: Evaluates, node: Node, find: Callable[[Places, Node], Place] = Plac
     fallback = e.value(node, "default", (0.0,) * width)
     entry = node.inputs.get("file")
     found = None
-    if entry is not None and (entry.value or entry.asset is not None):
+    if entry is not None and _is_given(entry):
         found = e.host.picture(node, entry, is_color)
     if found is None:
         return spread(fallback, width)
@@ -107,7 +107,7 @@ def shown(
     alpha = textured(channel(data, "a"), 1) if width == 4 else None
     value: Value = textured(data, min(width, 3), most, alpha)
     if matrixed:
-        return e.computed(node, lambda x: to_linear(x, encoding), [value], value)
+        return e.computed(node, lambda x: to_linear(x, encoding), [value], value, width)
     return value
 
 
@@ -126,6 +126,11 @@ def _largest(e: Evaluates, found: str | Image, space: str) -> float:
         return 1.0
 
 
+def _is_given(entry: Input) -> bool:
+    """Whether an input names a file."""
+    return bool(entry.value) or entry.asset is not None
+
+
 def tiled_image(e: Evaluates, node: Node) -> Value:
     """``tiledimage``."""
     return image(e, node, Places.tiled)
@@ -134,7 +139,7 @@ def tiled_image(e: Evaluates, node: Node) -> Value:
 def usd_texture(e: Evaluates, node: Node) -> Value:
     """``UsdUVTexture``, all of its channels."""
     entry = node.inputs.get("file")
-    found = None if entry is None else e.host.picture(node, entry, True)
+    found = e.host.picture(node, entry, True) if entry is not None and _is_given(entry) else None
     if found is None:
         return spread(e.value(node, "fallback", (0.0, 0.0, 0.0, 1.0)), 4)
     space = str(node.plain("sourceColorSpace", "auto"))
@@ -144,8 +149,16 @@ def usd_texture(e: Evaluates, node: Node) -> Value:
     wraps = [_USD_WRAPS.get(wrap, wrap) for wrap in wraps]
     place = place_of(e, node, lambda places, one: places.of(one, "st"))
     value = shown(e, node, found, place, wraps, False, space, 4)
-    ends = [e.places.numbers(node, key, (d,) * 4) for key, d in (("scale", 1.0), ("bias", 0.0))]
-    return affine(value, *ends)
+    return affine(value, _numbers(e, node, "scale", 1.0), _numbers(e, node, "bias", 0.0))
+
+
+def _numbers(e: Evaluates, node: Node, name: str, default: float) -> tuple[float, ...]:
+    """Four numbers that must not vary."""
+    try:
+        return e.places.numbers(node, name, (default,) * 4)
+    except NoPlaceError:
+        e.say(node, f"its {name} varies: {default:g} is taken")
+        return (default,) * 4
 
 
 def checkerboard(e: Evaluates, node: Node) -> Value:
