@@ -109,3 +109,14 @@ def test_checkers_have_eight_squares_unless_said(tmp_path):
     given = value("uvtiling", "vector2", "3, 3")
     found, _ = base(tmp_path, node("checkerboard", "x", "color3", given))
     assert "[3.0, 0.0, 0.0]" in str(found)
+
+
+@pytest.mark.parametrize(("letters", "order"), [("bgr", [2, 1, 0]), ("rgb", [0, 1, 2])])
+def test_inputs_of_1_38_take_channels_in_any_order(letters, order, tmp_path):
+    shader = link("base_color", "color3", "p", f' channels="{letters}"')
+    bsdf, _ = material(shader, tmp_path, picture())
+    found = texels(core(bsdf)["base_color"], tmp_path)
+    np.testing.assert_allclose(found, LINEAR[..., order], atol=1e-6)
+    one = node("dot", "x", "float", link("in", "float", "p", f' channels="{letters[0]}"'))
+    found, _ = base(tmp_path, picture(), one, kind="float")
+    np.testing.assert_allclose(texels(found, tmp_path), LINEAR[..., order[:1]].repeat(3, 2))
