@@ -80,6 +80,9 @@ class Evaluator:
         if entry.value is None or isinstance(entry.value, str):
             return Plain(as_plain(default))
         numbers = as_plain(entry.value)
+        if entry.kind.startswith("color") and entry.space not in SPACES:
+            text = f"{name}: colour space {quote(entry.space)} is not covered"
+            self.say(node, f"{text}: taken for linear Rec. 709")
         if entry.kind.startswith("color") and SPACES.get(entry.space, "linear") != "linear":
             linear = to_linear(np.array([numbers[:3]]), entry.space)[0].tolist()
             numbers = (*linear, *numbers[3:])

@@ -73,7 +73,9 @@ class Shading:
         return index
 
     def product(self, *values: Value) -> Value:
-        """Of values."""
+        """Of values: 0 where one of them is 0 everywhere, whatever varies."""
+        if any(is_zero(value) for value in values):
+            return Plain((0.0,) * max(value.width for value in values))
         total = values[0]
         for value in values[1:]:
             if isinstance(value, Plain) and set(value.numbers) == {1.0}:
