@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import SceneError, quote
+from alight.core.srgb import decode_srgb, encode_srgb
 from alight.formats.reach import OutOfReachError, Reach, UnreadableError
 from alight.formats.report import Report
 from alight.scene.files import Files
@@ -46,12 +48,15 @@ class Tiles:
         Tiles along u and v.
     shrunk : int
         By how much its sides are shorter than those of its tiles.
+    is_decoded : bool
+        Whether texels that were whole numbers have become linear floats.
     """
 
     image: Image
     corner: tuple[int, int]
     size: tuple[int, int]
     shrunk: int
+    is_decoded: bool
 
 
 def is_tiled(name: str) -> bool:
@@ -82,9 +87,13 @@ def find_tiles(name: str, reach: Reach) -> str:
     """
     for folder in reach.searched:
         path = reach.inside(name, folder)
-        if _paths(path):
+        tiles = _paths(path)
+        for tile in tiles.values():
+            # A tile may be a link.
+            reach.inside(reach.name_of(tile), shown=tile.name)
+        if tiles:
             found = reach.name_of(path)
-            _tiles(found, reach.files)
+            _tiles(found, reach.files, "auto")
             return found
     first = name.replace(TOKEN, str(FIRST))
     raise OutOfReachError(f"no such file: {quote(name)} (no tile, such as {quote(first)})")
@@ -95,7 +104,10 @@ def lay_out(bitmap: Data, reach: Reach, report: Report) -> None:
     name = bitmap.get("file", "")
     if not is_tiled(name):
         return
-    tiles = _tiles(name, reach.files)
+    tiles = _tiles(name, reach.files, "auto")
+    space = bitmap.get("color_space", "auto")
+    if space != "auto" and (tiles.shrunk > 1 or tiles.is_decoded):
+        tiles = _tiles(name, reach.files, space)
     before = bitmap.get("to_uv", [])
     steps = list(before) if isinstance(before, list) else [before]
     steps += [{"translate": [float(-c) for c in tiles.corner]}]
@@ -103,6 +115,8 @@ def lay_out(bitmap: Data, reach: Reach, report: Report) -> None:
     bitmap.pop("file")
     bitmap.pop("wrap_v", None)
     bitmap |= {"pixels": tiles.image, "wrap": "clamp", "to_uv": steps}
+    if tiles.is_decoded:
+        bitmap["color_space"] = "linear"
     if tiles.shrunk > 1:
         text = f"its tiles are {tiles.shrunk} times smaller, to fit into one picture"
         report.approximate(f"{quote(name)}: {text}")
@@ -120,15 +134,15 @@ def _paths(path: Path) -> dict[int, Path]:
     return {number: tile for number, tile in found.items() if FIRST <= number <= LAST}
 
 
-def _tiles(name: str, files: Files) -> Tiles:
+def _tiles(name: str, files: Files, space: str) -> Tiles:
     try:
-        return files.read(_read, name)
+        return files.read(_READERS[space], name)
     except SceneError as error:
         raise UnreadableError(error.issues[0].message) from None
 
 
-def _read(path: Path, name: str) -> Tiles:
-    """Read all tiles of a set."""
+def _read(path: Path, name: str, space: str) -> Tiles:
+    """Read all tiles of a set; the colour space counts where texels have to be decoded."""
     paths = _paths(path)
     images = {number: read_image(tile, tile.name) for number, tile in paths.items()}
     places = {n: ((n - FIRST) % COLUMNS, (n - FIRST) // COLUMNS) for n in images}
@@ -142,8 +156,11 @@ def _read(path: Path, name: str) -> Tiles:
     ) > MOST_SIDE:
         shrunk *= 2
     width, height = max(width // shrunk, 1), max(height // shrunk, 1)
-    whole = _together(list(images.values()))
-    fitted = {n: _fitted(t, width, height) for n, t in zip(images, whole, strict=True)}
+    kinds = {image.texels.dtype.kind for image in images.values()}
+    whole = _together(list(images.values()), space)
+    # Whole numbers are averaged as what they stand for.
+    encoded = len(kinds) == 1 and Image(whole[0][..., :1].copy()).is_encoded(space)
+    fitted = {n: _fitted(t, width, height, encoded) for n, t in zip(images, whole, strict=True)}
     texels = np.zeros((rows * height, columns * width, whole[0].shape[2]), whole[0].dtype)
     for column in range(columns):
         for row in range(rows):
@@ -159,22 +176,26 @@ def _read(path: Path, name: str) -> Tiles:
     channels = texels.shape[2]
     alpha = np.ascontiguousarray(texels[..., -1]) if channels in (2, 4) else None
     colors = np.ascontiguousarray(texels[..., : 3 if channels > 2 else 1])
-    return Tiles(Image(colors, alpha), (low[0], low[1]), (columns, rows), shrunk)
+    return Tiles(Image(colors, alpha), (low[0], low[1]), (columns, rows), shrunk, len(kinds) > 1)
+
+
+_READERS = {space: partial(_read, space=space) for space in ("auto", "linear", "srgb")}
 
 
 def _distance(a: tuple[int, int], b: tuple[int, int]) -> int:
     return (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2
 
 
-def _together(images: list[Image]) -> list[NDArray[Any]]:
+def _together(images: list[Image], space: str) -> list[NDArray[Any]]:
     """Texels of one type and with as many channels; whole numbers stay encoded as they are."""
-    kinds = {image.texels.dtype for image in images}
+    kinds = {image.texels.dtype.kind for image in images}
     if len(kinds) > 1:
-        # Floats are linear: what is not becomes so.
         images = [
-            Image(image.linear(), None if image.alpha is None else image.alpha / image.levels)
+            Image(image.linear(space), None if image.alpha is None else image.alpha / image.levels)
             for image in images
         ]
+    elif len({image.levels for image in images}) > 1:
+        images = [_of_16_bits(image) for image in images]
     channels = max(image.whole.shape[2] for image in images)
     result = []
     for image in images:
@@ -190,15 +211,40 @@ def _together(images: list[Image]) -> list[NDArray[Any]]:
     return result
 
 
-def _fitted(texels: NDArray[Any], width: int, height: int) -> NDArray[Any]:
+def _of_16_bits(image: Image) -> Image:
+    """The same values, of which 16 bits hold those of 8 exactly."""
+    factor = np.uint16(0xFFFF // image.levels)
+    alpha = None if image.alpha is None else image.alpha * factor
+    return Image(image.texels * factor, alpha)
+
+
+def _fitted(texels: NDArray[Any], width: int, height: int, encoded: bool) -> NDArray[Any]:
     """A tile of another size: the means of texels, or the nearest ones."""
     rows, columns = texels.shape[:2]
+    if (rows, columns) == (height, width):
+        return texels
     if rows % height == 0 and columns % width == 0 and rows >= height and columns >= width:
-        blocks = texels.reshape(height, rows // height, width, columns // width, -1)
-        return blocks.mean(axis=(1, 3)).astype(texels.dtype)
+        step = rows // height
+        # Few rows at a time, as floats take much more memory.
+        parts = [texels[r : r + 16 * step] for r in range(0, rows, 16 * step)]
+        return np.concatenate([_shrunk(part, step, width, encoded) for part in parts])
     y = (np.arange(height) + 0.5) * rows / height
     x = (np.arange(width) + 0.5) * columns / width
     return texels[y.astype(int)][:, x.astype(int)]
+
+
+def _shrunk(texels: NDArray[Any], step: int, width: int, encoded: bool) -> NDArray[Any]:
+    """Means of blocks of texels: linear ones, encoded again and rounded."""
+    rows, columns, channels = texels.shape
+    levels = np.iinfo(texels.dtype).max if texels.dtype.kind == "u" else 1
+    linear = texels / levels
+    colors = slice(3 if channels > 2 else 1)
+    if encoded:
+        linear[..., colors] = decode_srgb(linear[..., colors])
+    means = linear.reshape(rows // step, step, width, columns // width, channels).mean(axis=(1, 3))
+    if encoded:
+        means[..., colors] = encode_srgb(means[..., colors])
+    return (np.round(means * levels) if levels > 1 else means).astype(texels.dtype)
 
 
 def _beside(tile: NDArray[Any], place: tuple[int, int], here: tuple[int, int]) -> NDArray[Any]:

@@ -29,6 +29,8 @@ from lanewise.machine import fingerprint, lanes_of_machine
 
 #: Name of the results file in a study's folder.
 STORE = "results.sqlite"
+#: Cells of `relmse_after` without a number.
+NOT_REACHED, NOT_MEASURED = "not reached", "not measured"
 
 
 def run_study(
@@ -191,27 +193,52 @@ def relmse_after(scenes: list[SceneResult], seconds: float) -> TableResult:
         counts = {arm.label: _reach(arm, seconds) for arm in arms}
         base = next(arm for arm in arms if arm.is_baseline)
         for arm in arms:
-            before, spp = counts[arm.label]
-            gain: str | list[float] = "1, the baseline"
-            if not arm.is_baseline:
-                mine, its = (one.samples[-1] for one in (arm, base))
-                more = spp / counts[base.label][1] * its.spp / mine.spp
-                gain = [more * ratio for ratio in _ratio([its.relmse], [mine.relmse])]
-            rows.append([scene.label, arm.label, before, spp, gain])
+            row = [scene.label, arm.label, *_count_cells(counts[arm.label])]
+            rows.append([*row, _gain_after(arm, base, counts)])
     columns = ["scene", "arm", "s before the first sample", "spp", "relMSE"]
     text = (
         f"After {seconds:g} s of CPU time: samples a pixel, from the time that each of them takes, "
         "and relMSE of the baseline over that of the arm, as errors fall with one over the samples."
+        f" {NOT_REACHED.capitalize()}: there is no sample by then; {NOT_MEASURED}: the last two "
+        "steps took the same time."
     )
     return TableResult("relmse-after", f"After {seconds:g} s", text, columns, rows)
 
 
-def _reach(arm: ArmResult, seconds: float) -> tuple[float, float]:
-    """CPU seconds before an arm's first sample, and samples a pixel in all."""
+def _reach(arm: ArmResult, seconds: float) -> tuple[float, float] | None:
+    """CPU seconds before an arm's first sample, and samples a pixel in all.
+
+    None where the clock shows no time between two steps.
+    """
     first, last = arm.samples[-2:]
     each = (last.seconds.value - first.seconds.value) / (last.spp - first.spp)
+    if each <= 0.0:
+        return None
     before = max(last.seconds.value - each * last.spp, 0.0)
     return before, max(seconds - before, 0.0) / each
+
+
+def _count_cells(count: tuple[float, float] | None) -> list[float | str]:
+    if count is None:
+        return [NOT_MEASURED, NOT_MEASURED]
+    before, spp = count
+    return [before, spp or NOT_REACHED]
+
+
+def _gain_after(
+    arm: ArmResult, base: ArmResult, counts: Mapping[str, tuple[float, float] | None]
+) -> str | list[float]:
+    """RelMSE of the baseline over that of an arm, or why there is none."""
+    if arm.is_baseline:
+        return "1, the baseline"
+    mine, its = counts[arm.label], counts[base.label]
+    if mine is None or its is None:
+        return NOT_MEASURED
+    if not mine[1] or not its[1]:
+        return NOT_REACHED
+    last, first = arm.samples[-1], base.samples[-1]
+    more = mine[1] / its[1] * first.spp / last.spp
+    return [more * ratio for ratio in _ratio([first.relmse], [last.relmse])]
 
 
 def _ratio(above: Sequence[Estimate], below: Sequence[Estimate]) -> list[float]:

@@ -5,13 +5,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from alight.core.errors import AlightError, Issue, unknown_name
+from alight.core.errors import AlightError, Issue, show_value, unknown_name
 from alight.options.laboratory import TraceOptions
 
 #: Options of an arm by a word of their own, as for `alight render`; all other keys of a scene
@@ -253,9 +254,30 @@ def _problems(study: Study):
         if reference.error is not None and not 0.0 < reference.error < 1.0:
             message = f"must be a share in (0, 1), as 0.5%, got {reference.error}"
             yield study.issue(f"{path}.reference.error", message)
+    if names:
+        yield from _problems_of_settings(study)
     labels = [scene_name(scene) for scene in study.scenes]
     for name in {name for name in labels if labels.count(name) > 1}:
         yield study.issue("scenes", f'two scenes are called "{name}": give them names')
+
+
+def _problems_of_settings(study: Study):
+    """What the tables of a study need."""
+    if "relmse_after" not in study.settings:
+        return
+    path = "settings.relmse_after"
+    seconds = study.settings["relmse_after"]
+    is_number = isinstance(seconds, int | float) and not isinstance(seconds, bool)
+    if not is_number or not 0.0 < seconds < math.inf:
+        yield study.issue(path, f"must be seconds > 0, got {show_value(seconds)}")
+    for scene in study.scenes:
+        if len(scene.spp or study.spp) < 2:
+            text = f"needs two steps of spp, {scene_name(scene)} has one"
+            yield study.issue(path, text)
+        arms = study.arms_of(scene)
+        if arms and study.baseline_of(scene).declares_different:
+            text = f"compares with the baseline, {study.baseline_of(scene).name}, which declares"
+            yield study.issue(path, f"{text} itself different")
 
 
 def _ladder_problems(study: Study, path: str, ladder: Sequence[int]):

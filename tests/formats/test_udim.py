@@ -7,10 +7,12 @@ import pytest
 from PIL import Image as Picture
 
 import alight
+from alight.core.srgb import decode_srgb
 from alight.formats.reach import OutOfReachError, Reach
 from alight.formats.report import Report
-from alight.formats.udim import find_tiles, lay_out
+from alight.formats.udim import _together, find_tiles, lay_out
 from alight.textures import bitmap as model
+from alight.textures.images import Image
 from tests.formats import bare
 
 #: Number of a tile -> its colour.
@@ -95,6 +97,43 @@ def test_sets_that_are_too_large_are_made_smaller(folder, monkeypatch):
     assert texel_at(data, 1.5, 0.9) == COLORS[1002]
 
 
+def _set_of(folder, **more):
+    data = {"type": "bitmap", "file": find_tiles("m.<UDIM>.png", Reach(folder)), **more}
+    lay_out(data, Reach(folder), Report())
+    return data
+
+
+@pytest.mark.parametrize("space", ["auto", "linear", "srgb"])
+def test_tiles_of_8_and_of_16_bits_show_what_each_shows_by_itself(space, tmp_path):
+    Picture.fromarray(np.full((2, 2), 100, np.uint8)).save(tmp_path / "m.1001.png")
+    Picture.fromarray(np.full((2, 2), 30000, np.uint16)).save(tmp_path / "m.1002.png")
+    data = _set_of(tmp_path, color_space=space)
+    shown = data["pixels"].linear(data["color_space"])[0, [0, 2], 0]
+    meant = np.array([100 / 255, 30000 / 65535])
+    meant = meant if space == "linear" else decode_srgb(meant)
+    np.testing.assert_allclose(shown, meant, rtol=1e-5)
+
+
+@pytest.mark.parametrize("space", ["linear", "srgb"])
+def test_tiles_of_whole_numbers_and_of_floats_are_decoded_as_said(space):
+    images = [Image(np.full((1, 1, 1), 51, np.uint8)), Image(np.full((1, 1, 1), 0.2, np.float32))]
+    both = _together(images, space)
+    np.testing.assert_allclose(both[0], both[1], rtol=1e-6)
+    assert both[0][0, 0, 0] == pytest.approx(0.2 if space == "linear" else decode_srgb(0.2))
+
+
+@pytest.mark.parametrize("space", ["linear", "srgb"])
+def test_sets_that_are_made_smaller_keep_their_mean(space, tmp_path, monkeypatch):
+    texels = np.array([[0, 255], [255, 255]], np.uint8)
+    Picture.fromarray(texels).save(tmp_path / "m.1001.png")
+    monkeypatch.setattr("alight.formats.udim.MOST_TEXELS", 1)
+    data = _set_of(tmp_path, color_space=space)
+    found = data["pixels"].linear(data["color_space"])
+    assert found[0, 0, 0] == pytest.approx(0.75, abs=0.004)
+    # The nearest of 256 levels.
+    assert data["pixels"].texels[0, 0, 0] == (191 if space == "linear" else 225)
+
+
 def test_sets_without_a_tile_or_out_of_reach(folder):
     with pytest.raises(OutOfReachError, match=r"no tile, such as .*u\.1001\.png"):
         find_tiles("u.<UDIM>.png", Reach(folder))
@@ -103,6 +142,18 @@ def test_sets_without_a_tile_or_out_of_reach(folder):
     (folder / "t.1001.png").write_bytes(b"broken")
     with pytest.raises(OutOfReachError, match=r"t\.1001\.png"):
         find_tiles("t.<UDIM>.png", Reach(folder))
+
+
+def test_tiles_that_are_links_stay_within_reach(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "x.png"
+    (folder / "t.1001.png").rename(elsewhere)
+    try:
+        (folder / "t.1001.png").symlink_to(elsewhere)
+    except OSError:
+        pytest.skip("needs symbolic links")
+    with pytest.raises(OutOfReachError, match=r"leads out of .*t\.1001\.png.*, by a link"):
+        find_tiles("t.<UDIM>.png", Reach(folder))
+    assert find_tiles("t.<UDIM>.png", Reach(folder, folder.parent.parent))
 
 
 OBJ = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 0 2\nusemtl m\nf 1/1 2/2 3/3\n"

@@ -287,21 +287,37 @@ def test_ratios_of_variances_are_over_the_baselines_with_both_errors():
     assert variance_ratios([scene], {}) == []
 
 
+def arm(name, before, each, error, **said):
+    """An arm that is trained first: seconds before and for each sample, and relMSE of one."""
+    samples = [
+        SimpleNamespace(
+            spp=n,
+            seconds=Estimate(before + n * each, 0.0, 0.0),
+            relmse=Estimate(error / n, 0.9 * error / n, 1.1 * error / n),
+        )
+        for n in (5, 10)
+    ]
+    said = {"is_baseline": False, "declares_different": False, **said}
+    return SimpleNamespace(label=name, samples=samples, **said)
+
+
+@pytest.mark.parametrize(
+    ("base", "other", "cells"),
+    [
+        ((200.0, 1.0), (0.0, 1.0), ["not reached", 100.0, "not reached"]),
+        ((0.0, 1.0), (200.0, 1.0), [100.0, "not reached", "not reached"]),
+        ((1.0, 0.0), (0.0, 1.0), ["not measured", 100.0, "not measured"]),
+        ((0.0, 1.0), (50.0, -1.0), [100.0, "not measured", "not measured"]),
+    ],
+)
+def test_arms_without_a_sample_by_then_or_without_a_clock_have_no_number(base, other, cells):
+    arms = [arm("plain", *base, 1.0, is_baseline=True), arm("other", *other, 1.0)]
+    rows = relmse_after([SimpleNamespace(label="s", arms=arms)], 100.0).rows
+    assert [rows[0][3], rows[1][3], rows[1][4]] == cells
+
+
 def test_what_is_trained_first_repays_it_in_longer_renders():
     """In 100 s: 20 s and 2 s a sample against 1 s a sample with three times the error."""
-
-    def arm(name, before, each, error, **said):
-        samples = [
-            SimpleNamespace(
-                spp=n,
-                seconds=Estimate(before + n * each, 0.0, 0.0),
-                relmse=Estimate(error / n, 0.9 * error / n, 1.1 * error / n),
-            )
-            for n in (5, 10)
-        ]
-        said = {"is_baseline": False, "declares_different": False, **said}
-        return SimpleNamespace(label=name, samples=samples, **said)
-
     arms = [
         arm("plain", 0.0, 1.0, 9.0, is_baseline=True),
         arm("trained", 20.0, 2.0, 3.0),

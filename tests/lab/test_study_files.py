@@ -33,6 +33,18 @@ MISTAKES = [
     ("label: BSDF", "declares_different: 3", ["arms.bsdf.declares_different", "true or false"]),
     ("scene: cornell-box", "scenery: cornell-box", ['unknown key "scenery"', "scene is missing"]),
     ("mis: {}", "mis: {}\n  mis: {}", ["given twice"]),
+    ("replicates: 4", "settings: {relmse_after: soon}", ["must be seconds > 0", '"soon"']),
+    ("replicates: 4", "settings: {relmse_after: 0}", ["must be seconds > 0, got 0"]),
+    (
+        "spp: [2, 4]",
+        "spp: [2]\nsettings: {relmse_after: 9}",
+        ["study.yaml:11:", "two steps of spp, cornell-box has one"],
+    ),
+    (
+        "baseline: mis",
+        "baseline: cap\nsettings: {relmse_after: 9}",
+        ["baseline, cap, which declares itself different"],
+    ),
     ("replicates: 4", "kind: paintings", ['unknown kind of study "paintings"']),
     ("replicates: 4", "settings: [", ["is not YAML"]),
     ("{size: [64, 64]}}", "{}, reference: {error: 2}}", ["scenes[0].reference.error", "0.5%"]),

@@ -10,11 +10,12 @@ Source: MaterialX specification 1.39, "MaterialX nodes" and "Custom, compound an
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from alight.core.errors import Issue, SceneError, quote
+from alight.formats.materialx.definitions import Definitions
 from alight.formats.materialx.nodes import MOST_DEEP, WIDTHS, Input, Node
 from alight.formats.mitsuba.values import NotNumbersError, parse_integer, parse_numbers
 from alight.formats.packed import text_of
@@ -99,22 +100,13 @@ class Document:
     def __init__(self, text: str, name: str, folder: Path, reach: Reach, report: Report) -> None:
         self.reach, self.report = reach, report
         self.elements = self.includes = self.count = self.deep = 0
+        #: Connections that are being followed.
+        self._open: list[tuple[Element, Scope]] = []
         #: Element -> folder of its file, for the files that it names.
         self.folders: dict[int, Path] = {}
         root = self._read(text, name, folder)
         self.root = Scope(root, {}, None)
-        self._definitions: dict[tuple[str, str], Element] = {}
-        self._graphs: dict[str, Element] = {}
-        for child in root.children:
-            if child.tag == "nodedef" and "node" in child:
-                key = child.attributes["node"], self._kind_of(child)
-                self._definitions.setdefault(key, child)
-            if child.tag == "nodegraph" and "nodedef" in child:
-                self._graphs[child.attributes["nodedef"]] = child
-            if child.tag == "implementation" and "nodegraph" in child:
-                graph = self.root.named.get(child.attributes["nodegraph"])
-                if graph is not None:
-                    self._graphs.setdefault(child.attributes.get("nodedef", ""), graph)
+        self._definitions = Definitions(root, self.root.named, report)
 
     # ---------------------------------------------------------------- files
 
@@ -221,16 +213,13 @@ class Document:
 
     def _replaced(self, element: Element, node: Node, scope: Scope) -> Node:
         """A node whose definition is a graph of the document: its output is the graph's."""
-        named = element.attributes.get("nodedef", "")
-        definition = None if not named else self.root.named.get(named)
-        if definition is None:
-            definition = self._definitions.get((node.category, node.kind))
-        graph = None if definition is None else self._graphs.get(definition.name)
-        if definition is None or graph is None:
+        found = self._definitions.of(node, element.attributes.get("nodedef", ""))
+        if found is None:
             return node
+        definition, graph = found
         interface = {
             child.name: self._input(child, self.root, definition)
-            for child in definition.children
+            for child in self._definitions.lines(definition)
             if child.tag in _INPUTS and child.name
         }
         inner = Scope(graph, interface | node.inputs, self.root)
@@ -252,27 +241,21 @@ class Document:
                 return source
         return node
 
-    def _kind_of(self, definition: Element) -> str:
-        outputs = [child for child in definition.children if child.tag == "output"]
-        if len(outputs) == 1:
-            return outputs[0].attributes.get("type", "")
-        return definition.attributes.get("type", "").replace("multioutput", "")
-
     def _input(self, element: Element, scope: Scope, owner: Element) -> Input:
         """What an input says, and of which colour space that is."""
         attributes = element.attributes
         name = attributes.get("interfacename") or attributes.get("publicname", "")
         if name and name in scope.interface:
-            return scope.interface[name]
+            return self._in_space(scope.interface[name], element, owner)
         if any(key in element for key in ("nodename", "nodegraph", "output", "graph")):
             return self._connected(element, scope, owner)
         kind = attributes.get("type", "")
         top = scope.element
         space = attributes.get("colorspace") or owner.attributes.get("colorspace", "")
         space = space or top.attributes.get("colorspace", "")
-        entry = Input(kind, space=space)
+        entry = Input(kind, space=space, says_space="colorspace" in element)
         text = attributes.get("value")
-        if text is None:
+        if text is None or (kind == "filename" and not text.strip()):
             return entry
         if kind == "filename":
             prefix = attributes.get("fileprefix") or owner.attributes.get("fileprefix", "")
@@ -282,6 +265,13 @@ class Document:
             return entry
         entry.value = self._parsed(element, kind, text)
         return entry
+
+    def _in_space(self, outer: Input, element: Element, owner: Element) -> Input:
+        """What an interface is given, in the colour space of what uses it if it has none."""
+        own = element.attributes.get("colorspace", "")
+        if not outer.space:
+            own = own or owner.attributes.get("colorspace", "")
+        return outer if outer.says_space or not own else replace(outer, space=own)
 
     def _parsed(self, element: Element, kind: str, text: str) -> Any:
         try:
@@ -299,6 +289,28 @@ class Document:
 
     def _connected(self, element: Element, scope: Scope, owner: Element) -> Input:
         """What an input or an output of a graph is connected to."""
+        if any(e is element and s is scope for e, s in self._open):
+            raise SceneError([Issue(element.label, "is connected to itself", element.place)])
+        if len(self._open) == 2 * MOST_DEEP:
+            text = f"is connected through more than {2 * MOST_DEEP} others"
+            raise SceneError([Issue(element.label, text, element.place)])
+        self._open.append((element, scope))
+        try:
+            entry = self._followed(element, scope, owner)
+        finally:
+            self._open.pop()
+        letters = element.attributes.get("channels", "")
+        if letters[1:] and any(order.startswith(letters) for order in ("rgba", "xyzw")):
+            return entry
+        if not letters or (entry.source is None and entry.value is None):
+            return entry
+        # Up to 1.38 an input may take channels of what it is connected to.
+        kind = element.attributes.get("type", "")
+        whole = entry if entry.source is None else replace(entry, kind="")
+        inputs = {"in": whole, "channels": Input("string", letters)}
+        return Input(kind, source=Node(element.name, "swizzle", kind, element.place, inputs))
+
+    def _followed(self, element: Element, scope: Scope, owner: Element) -> Input:
         attributes = element.attributes
         entry = Input(attributes.get("type", ""))
         name, graph = attributes.get("nodename"), attributes.get("nodegraph")

@@ -23,6 +23,7 @@ from alight.formats.materialx.values import (
     Value,
     Varying,
     alpha_of,
+    channels_of,
     is_positive,
     limited,
     part,
@@ -79,6 +80,9 @@ class Evaluator:
         if entry.value is None or isinstance(entry.value, str):
             return Plain(as_plain(default))
         numbers = as_plain(entry.value)
+        if entry.kind.startswith("color") and entry.space not in SPACES:
+            text = f"{name}: colour space {quote(entry.space)} is not covered"
+            self.say(node, f"{text}: taken for linear Rec. 709")
         if entry.kind.startswith("color") and SPACES.get(entry.space, "linear") != "linear":
             linear = to_linear(np.array([numbers[:3]]), entry.space)[0].tolist()
             numbers = (*linear, *numbers[3:])
@@ -88,7 +92,7 @@ class Evaluator:
         assert entry.source is not None
         value = self.output(entry.source, entry.output)
         width = WIDTHS.get(entry.kind, 0)
-        return spread(value, width) if width and value.width > width else value
+        return spread(value, width) if width and channels_of(value) > width else value
 
     def output(self, node: Node, name: str) -> Value:
         """The value of an output of a node."""
@@ -142,7 +146,7 @@ class Evaluator:
     def _pointwise(self, node: Node) -> Value:
         _, arguments = POINTWISE[node.category]
         values = [self.value(node, name, default) for name, default in arguments]
-        width = WIDTHS.get(node.kind, max(v.width for v in values))
+        width = WIDTHS.get(node.kind, max(channels_of(v) for v in values))
         return self._applied(node, node.category, values, width)
 
     def _applied(self, node: Node, category: str, values: list[Value], width: int) -> Value:
@@ -150,9 +154,9 @@ class Evaluator:
         if category in _OF_COLORS:
             widths = [3 if i == 0 or default in _COLORS else 1 for i, (_, default) in
                       enumerate(arguments)]  # fmt: skip
-            widths[0] = max(values[0].width, 3)
+            widths[0] = max(channels_of(values[0]), 3)
         else:
-            widths = [max(v.width for v in values)] * len(values)
+            widths = [max(channels_of(v) for v in values)] * len(values)
         values = [
             v if v.width == 1 and category not in _OF_COLORS else spread(v, w)
             for v, w in zip(values, widths, strict=True)
@@ -164,7 +168,11 @@ class Evaluator:
         found = None if rule is None else rule(self, node, values, width)
         if found is not None:
             return found
-        return self.computed(node, function, values, values[0], width)
+        found = self.computed(node, function, values, values[0], width)
+        if width == 4 and isinstance(found, Varying) and category not in (*_OF_COLORS, "normalize"):
+            alphas = [v if v.width == 1 else alpha_of(v) for v in values]
+            return replace(found, alpha=self.apply(node, category, *alphas))
+        return found
 
     def computed(
         self,
@@ -201,7 +209,7 @@ class Evaluator:
         """What a node of a category would make of its first inputs."""
         _, arguments = POINTWISE[category]
         rest = [Plain(as_plain(default)) for _, default in arguments[len(values) :]]
-        width = max(v.width for v in values)
+        width = max(channels_of(v) for v in values)
         return self._applied(node, category, [*values, *rest], width)
 
     def constant(self, node: Node, value: Value, width: int) -> tuple[float, ...]:
@@ -274,11 +282,15 @@ def _passed(e: Evaluates, node: Node) -> Value:
 
 def _combined(e: Evaluates, node: Node) -> Value:
     """One value of several."""
-    values = [e.value(node, f"in{i + 1}", (0.0,)) for i in range(4) if f"in{i + 1}" in node.inputs]
-    width = WIDTHS.get(node.kind, 3)
-    parts = [part(v, i) for v in values for i in range(v.width if len(values) < width else 1)]
-    if any(isinstance(v, Varying) and v.alpha is not None for v in values):
-        parts += [alpha_of(values[0])]
+    count = int(node.category[-1])
+    values = [e.value(node, f"in{i + 1}", (0.0,)) for i in range(count)]
+    width = WIDTHS.get(node.kind, count)
+    sizes = [1] * count
+    if width > count:
+        # Four of two: the second has what the first lacks.
+        first = values[0].width if "in1" in node.inputs else width - values[1].width
+        sizes = [min(max(first, 1), 3), width]
+    parts = [part(v, i) for v, size in zip(values, sizes, strict=True) for i in range(size)]
     parts = (parts + [Plain((0.0,))] * 4)[:width]
     return joined(e, node, parts)
 

@@ -37,6 +37,8 @@ class Input:
         Name of the source's output; empty for the only one.
     space : str
         Colour space of the value, or of the file that it names; empty if none is given.
+    says_space : bool
+        Whether the input itself names that space, not its node or its file.
     asset : object
         What the reader of the file needs to find a file by.
     """
@@ -46,6 +48,7 @@ class Input:
     source: Node | None = None
     output: str = ""
     space: str = ""
+    says_space: bool = False
     asset: Any = None
 
 

@@ -37,6 +37,9 @@ def read(s: Shading) -> Surface:
     if not is_zero(get["subsurface_weight"]):
         matte = s.mixed(matte, get["subsurface_color"], get["subsurface_weight"])
         s.say("subsurface: no light wanders below the surface; its colour is diffuse")
+    if is_one(get["base_metalness"]):
+        # Of a metal it scales what is reflected; `principled` has no such weight there.
+        matte = s.product(matte, get["specular_weight"])
     core: Data = {
         "type": "principled",
         "base_color": s.color("base_color", s.product(matte, tint)),
@@ -64,15 +67,22 @@ def read(s: Shading) -> Surface:
         )
     _say_what_is_left_out(s, get)
     opacity = s.number("geometry_opacity", get["geometry_opacity"])
-    emission = s.emission("emission_color", get["emission_color"], get["emission_luminance"])
+    # Below the coat; fuzz lies above it.
+    shine = s.product(get["emission_color"], tint)
+    emission = s.emission("emission_color", shine, get["emission_luminance"])
     return s.finished(core, bent, opacity, emission)
 
 
 def _say_what_is_left_out(s: Shading, get: dict[str, Value]) -> None:
     if not is_one(get["base_metalness"]):
         s.left_out("what is matte is Lambertian", base_diffuse_roughness=0.0)
-    elif not is_one(get["specular_color"]):
-        s.say("specular_color is left out: metals have Schlick's rim")
+        if not is_zero(get["base_metalness"]) and not is_one(get["specular_weight"]):
+            s.say("specular_weight is left out of the metal: it counts for the rest only")
+    else:
+        if not is_one(get["specular_color"]):
+            s.say("specular_color is left out: metals have Schlick's rim")
+        if not is_one(get["specular_weight"]):
+            s.say("specular_weight scales what the metal reflects straight on, not at its rim")
     if not is_zero(get["transmission_weight"]):
         s.left_out(
             "nothing scatters inside, and all colours are refracted alike",

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError, quote
-from alight.formats.materialx.nodes import WIDTHS, Node
+from alight.formats.materialx.nodes import WIDTHS, Input, Node
 from alight.formats.materialx.placing import NoPlaceError, Place, Places
 from alight.formats.materialx.protocols import Evaluates
 from alight.formats.materialx.spaces import SPACES, to_linear
@@ -36,6 +36,8 @@ _WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant"
 _USD_WRAPS = {"repeat": "periodic", "useMetadata": "periodic", "black": "constant"}
 #: Endings of pictures whose values may exceed 1.
 _UNLIMITED = (".exr", ".hdr", ".pfm", ".npy", ".tif", ".tiff")
+#: Texels of a ramp: two would show it, but functions of it are computed at the centres of texels.
+_STEPS = 1024
 
 
 def place_of(e: Evaluates, node: Node, find: Callable[[Places, Node], Place]) -> Place:
@@ -54,7 +56,7 @@ def image(e: Evaluates, node: Node, find: Callable[[Places, Node], Place] = Plac
     fallback = e.value(node, "default", (0.0,) * width)
     entry = node.inputs.get("file")
     found = None
-    if entry is not None and (entry.value or entry.asset is not None):
+    if entry is not None and _is_given(entry):
         found = e.host.picture(node, entry, is_color)
     if found is None:
         return spread(fallback, width)
@@ -105,7 +107,7 @@ def shown(
     alpha = textured(channel(data, "a"), 1) if width == 4 else None
     value: Value = textured(data, min(width, 3), most, alpha)
     if matrixed:
-        return e.computed(node, lambda x: to_linear(x, encoding), [value], value)
+        return e.computed(node, lambda x: to_linear(x, encoding), [value], value, width)
     return value
 
 
@@ -124,6 +126,11 @@ def _largest(e: Evaluates, found: str | Image, space: str) -> float:
         return 1.0
 
 
+def _is_given(entry: Input) -> bool:
+    """Whether an input names a file."""
+    return bool(entry.value) or entry.asset is not None
+
+
 def tiled_image(e: Evaluates, node: Node) -> Value:
     """``tiledimage``."""
     return image(e, node, Places.tiled)
@@ -132,7 +139,7 @@ def tiled_image(e: Evaluates, node: Node) -> Value:
 def usd_texture(e: Evaluates, node: Node) -> Value:
     """``UsdUVTexture``, all of its channels."""
     entry = node.inputs.get("file")
-    found = None if entry is None else e.host.picture(node, entry, True)
+    found = e.host.picture(node, entry, True) if entry is not None and _is_given(entry) else None
     if found is None:
         return spread(e.value(node, "fallback", (0.0, 0.0, 0.0, 1.0)), 4)
     space = str(node.plain("sourceColorSpace", "auto"))
@@ -142,8 +149,16 @@ def usd_texture(e: Evaluates, node: Node) -> Value:
     wraps = [_USD_WRAPS.get(wrap, wrap) for wrap in wraps]
     place = place_of(e, node, lambda places, one: places.of(one, "st"))
     value = shown(e, node, found, place, wraps, False, space, 4)
-    ends = [e.places.numbers(node, key, (d,) * 4) for key, d in (("scale", 1.0), ("bias", 0.0))]
-    return affine(value, *ends)
+    return affine(value, _numbers(e, node, "scale", 1.0), _numbers(e, node, "bias", 0.0))
+
+
+def _numbers(e: Evaluates, node: Node, name: str, default: float) -> tuple[float, ...]:
+    """Four numbers that must not vary."""
+    try:
+        return e.places.numbers(node, name, (default,) * 4)
+    except NoPlaceError:
+        e.say(node, f"its {name} varies: {default:g} is taken")
+        return (default,) * 4
 
 
 def checkerboard(e: Evaluates, node: Node) -> Value:
@@ -182,9 +197,9 @@ def _rise(e: Evaluates, node: Node, axis: int, sharp: bool) -> Varying:
             e.say(node, f"its center {error}: 0.5 is taken")
         matrix[axis, 2] = 0.5 - center
     else:
-        # Of two texels, the centres of which lie at a quarter and at three quarters.
-        matrix[axis, axis], matrix[axis, 2] = 0.5, 0.25
-    texels = np.array([[0.0, 1.0]], np.float32)
+        # From the centre of the first texel to that of the last.
+        matrix[axis, axis], matrix[axis, 2] = 1.0 - 1.0 / _STEPS, 0.5 / _STEPS
+    texels = np.linspace(0.0, 1.0, 2 if sharp else _STEPS, dtype=np.float32)[None]
     # Rows are counted from the top.
     pixels = Image((texels if axis == 0 else texels[:, ::-1].T.copy())[..., None].copy())
     data: Data = {"type": "bitmap", "pixels": pixels, "color_space": "linear", "wrap": "clamp"}

@@ -198,7 +198,8 @@ class Places:
 
     def tiled(self, node: Node) -> Place:
         """``tiledimage`` and ``checkerboard``: coordinates times a number, minus another."""
-        place = self.of(node).moved(scale(self.numbers(node, "uvtiling", (1.0, 1.0))))
+        count = 8.0 if node.category == "checkerboard" else 1.0
+        place = self.of(node).moved(scale(self.numbers(node, "uvtiling", (count, count))))
         place = place.moved(shift(negative(self.numbers(node, "uvoffset", (0.0, 0.0)))))
         image = inverse(self.numbers(node, "realworldimagesize", (1.0, 1.0)))
         tile = self.numbers(node, "realworldtilesize", (1.0, 1.0))

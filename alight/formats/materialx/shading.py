@@ -73,7 +73,9 @@ class Shading:
         return index
 
     def product(self, *values: Value) -> Value:
-        """Of values."""
+        """Of values: 0 where one of them is 0 everywhere, whatever varies."""
+        if any(is_zero(value) for value in values):
+            return Plain((0.0,) * max(value.width for value in values))
         total = values[0]
         for value in values[1:]:
             if isinstance(value, Plain) and set(value.numbers) == {1.0}:
@@ -218,12 +220,16 @@ class Shading:
             if not is_tangent or not isinstance(plain, tuple) or plain == (0.0, 0.0, 1.0):
                 return None
             return {"type": "normal_map", "texture": normal_color(plain)}
-        source = entry.source
+        source, passed = entry.source, [entry.source]
         while source.category == "dot" and source.inputs.get("in") is not None:
             inner = source.inputs["in"].source
             if inner is None:
                 return None
+            if inner in passed:
+                self.evaluator.host.report.problem(inner.place, inner.name, "contains itself")
+                return None
             source = inner
+            passed.append(source)
         if source.category == "normalmap":
             return self._normal_map(source)
         if source.category == "bump":

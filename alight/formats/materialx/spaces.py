@@ -24,7 +24,7 @@ SPACES: dict[str, str] = {
     "ACEScg": "lin_ap1", "acescg": "lin_ap1", "adobergb": "adobergb", "g18_rec709": "g18_rec709",
     "g22_ap1": "g22_ap1", "g22_rec709": "g22_rec709", "lin_adobergb": "lin_adobergb",
     "lin_ap1": "lin_ap1", "lin_ap1_scene": "lin_ap1", "lin_displayp3": "lin_displayp3",
-    "rec709_display": "g22_rec709", "srgb_displayp3": "srgb_displayp3",
+    "rec709_display": "g24_rec709", "srgb_displayp3": "srgb_displayp3",
 }  # fmt: skip
 _AP1 = np.array([
     [1.705050993, -0.621792121, -0.083258872],
@@ -58,6 +58,7 @@ _CONVERSIONS: dict[str, tuple[Callable[[Rows], Rows], Rows]] = {
     "g18_rec709": (_gamma(1.8), np.eye(3)),
     "g22_ap1": (_gamma(2.2), _AP1),
     "g22_rec709": (_gamma(2.2), np.eye(3)),
+    "g24_rec709": (_gamma(2.4), np.eye(3)),
     "lin_adobergb": (_same, _ADOBE),
     "lin_ap1": (_same, _AP1),
     "lin_displayp3": (_same, _P3),

@@ -1,7 +1,7 @@
 """``standard_surface`` -> `principled`.
 
 Coat, metal, specular, transmission and the diffuse base lie over each other as those of
-`principled` do, and the coat's colour tints all that is below it.
+`principled` do, and the coat's colour tints all that is below it, sheen and emission included.
 
 Source: Georgiev et al., Autodesk Standard Surface, version 1.0.1 (2019), and the node graph of
 MaterialX's library, whose defaults these are.
@@ -60,7 +60,7 @@ def read(s: Shading) -> Surface:
     color = s.product(get["transmission_color"], tint)
     s.glass(core, get["transmission"], color, depth, s.flag("thin_walled"))
     core |= s.coat(get["coat"], get["coat_roughness"], s.ior("coat_IOR"))
-    sheen = s.product(get["sheen"], get["sheen_color"])
+    sheen = s.product(get["sheen"], get["sheen_color"], tint)
     if not is_zero(sheen):
         core["sheen_color"] = s.color("sheen_color", sheen)
         core["sheen_roughness"] = s.number("sheen_roughness", get["sheen_roughness"])
@@ -70,7 +70,8 @@ def read(s: Shading) -> Surface:
         core["iridescence_thickness"] = s.thickness(get["thin_film_thickness"])
     _say_what_is_left_out(s, get)
     opacity = s.number("opacity", s.grey("opacity", get["opacity"]))
-    emission = s.emission("emission_color", get["emission_color"], get["emission"])
+    shine = s.product(get["emission_color"], tint)
+    emission = s.emission("emission_color", shine, get["emission"])
     return s.finished(core, bent, opacity, emission)
 
 

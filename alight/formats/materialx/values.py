@@ -101,6 +101,11 @@ def alpha_of(value: Value) -> Value:
     return number(1.0) if value.alpha is None else value.alpha
 
 
+def channels_of(value: Value) -> int:
+    """How many channels a value has, the fourth included."""
+    return 4 if isinstance(value, Varying) and value.alpha is not None else value.width
+
+
 def part(value: Value, index: int) -> Value:
     """One channel; the last one where there are fewer."""
     if isinstance(value, Plain):

@@ -98,7 +98,10 @@ class Stage:
             table = np.array(primvar.ComputeFlattened(self.time), np.float64)
         except (TypeError, ValueError):
             table = np.zeros(0)
-        if table.ndim == 1 and len(table):
+        if not primvar.GetTypeName().isArray:
+            # One value, not a list of one.
+            table = table.reshape(1, -1) if table.size else table
+        elif table.ndim == 1 and len(table):
             table = table[:, None]
         if table.ndim == 2 and np.isfinite(table).all():
             return table

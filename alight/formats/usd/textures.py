@@ -167,9 +167,13 @@ class Textures:
 
     def _coordinates_of(self, shader: Any) -> tuple[str, list[Data]]:
         """Which texture coordinates are used, and the steps that change them."""
-        source, steps = self.source_of(shader, "st"), []
+        source, steps, passed = self.source_of(shader, "st"), [], set()
         while source is not None and str(source[0].GetIdAttr().Get()) == "UsdTransform2d":
             node = source[0]
+            if node.GetPath() in passed:
+                self._approximate(node, "its coordinates come from itself: they are left out")
+                return DEFAULT_COORDINATES, []
+            passed.add(node.GetPath())
             scale = [float(c) for c in self._input(node, "scale", (1.0, 1.0))]
             angle = float(self._input(node, "rotation", 0.0))
             shift = [float(c) for c in self._input(node, "translation", (0.0, 0.0))]

@@ -230,9 +230,31 @@ def test_ramps_rise_from_edge_to_edge(tmp_path):
     built = Builder().model(Model("texture", "textures"), found, "")
     assert built.type_name() == "mix"
     matrix = built.weight.texture.to_uv.matrix
-    # Texel centres at 1/4 and 3/4 hold 0 and 1.
-    np.testing.assert_allclose(matrix @ [0.0, 0.5, 1.0], [0.25, 0.5])
-    np.testing.assert_allclose(matrix @ [1.0, 0.5, 1.0], [0.75, 0.5])
+    shown = built.weight.texture.pixels.texels[0, :, 0]
+    # The centres of the first and of the last texel hold 0 and 1.
+    half = 0.5 / len(shown)
+    assert (shown[0], shown[-1]) == (0.0, 1.0)
+    np.testing.assert_allclose(matrix @ [0.0, 0.5, 1.0], [half, 0.5])
+    np.testing.assert_allclose(matrix @ [1.0, 0.5, 1.0], [1.0 - half, 0.5])
+
+
+@pytest.mark.parametrize(("axis", "category"), [(0, "ramplr"), (1, "ramptb")])
+def test_functions_of_ramps_are_no_straight_lines(axis, category, tmp_path):
+    ends = ["valuel", "valuer"] if axis == 0 else ["valueb", "valuet"]
+    inputs = [value(name, "float", number) for name, number in zip(ends, (0, 1), strict=True)]
+    square = node("power", "x", "float", link("in1", "float", "r"), value("in2", "float", 2))
+    # What is computed of a picture that was computed lies on the surface as that does.
+    both = node("difference", "y", "float", link("fg", "float", "r"), link("bg", "float", "x"))
+    for of, function in (("x", lambda t: t * t), ("y", lambda t: t - t * t)):
+        ramp = node(category, "r", "float", *inputs)
+        found, said = base(tmp_path, ramp, square, both, of=of, kind="float")
+        assert not any("left out" in line for line in said)
+        picture = Builder().model(Model("texture", "textures"), found["texture"], "")
+        texels = picture.pixels.texels[..., 0]
+        for at in (0.0, 0.3, 0.5, 0.9, 1.0):
+            u, v = picture.to_uv.matrix @ np.insert([0.5, 1.0], axis, at)
+            row, column = (1.0 - v) * texels.shape[0] - 0.5, u * texels.shape[1] - 0.5
+            assert texels[round(row), round(column)] == pytest.approx(function(at), abs=2e-3)
 
 
 def test_graphs_and_their_interfaces(tmp_path):
@@ -289,6 +311,17 @@ def test_colours_in_other_spaces_become_linear(tmp_path):
         (document(value("base", "float", "much")), 'must be a number, got "much"'),
         (document(link("base_color", "color3", "x"),
                   node("add", "x", "color3", link("in1", "color3", "x"))), "contains itself"),
+        (document(link("normal", "vector3", "x"),
+                  node("dot", "x", "vector3", link("in", "vector3", "y")),
+                  node("dot", "y", "vector3", link("in", "vector3", "x"))), "contains itself"),
+        (document('<input name="base_color" type="color3" nodegraph="g"/>',
+                  '<nodegraph name="g"><output name="o" type="color3" nodegraph="g"/></nodegraph>'),
+         "is connected to itself"),
+        (document('<input name="base_color" type="color3" output="o"/>',
+                  '<output name="o" type="color3" output="o"/>'), "is connected to itself"),
+        (document('<input name="base_color" type="color3" output="o0"/>',
+                  *(f'<output name="o{i}" type="color3" output="o{i + 1}"/>' for i in range(900))),
+         "more than 160 others"),
         (document(link("base_color", "color3", "p"), picture(file="b.png")), "no such file"),
         (document(link("base_color", "color3", "p"), picture(file="../b.png")), "leads out of"),
     ],

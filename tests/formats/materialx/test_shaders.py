@@ -15,6 +15,7 @@ from tests.formats.materialx.reading import (
     material,
     node,
     parsed,
+    picture,
     texels,
     value,
 )
@@ -62,11 +63,11 @@ def test_layers_of_standard_surface(tmp_path):
     assert found["base_color"] == pytest.approx([0.3, 0.2, 0.1])
     assert found["specular_color"] == pytest.approx([0.75, 1.0, 1.0])
     assert (found["clearcoat"], found["clearcoat_roughness"]) == (0.5, 0.1)
-    assert found["sheen_color"] == pytest.approx([0.5, 0.25, 0.0])
+    assert found["sheen_color"] == pytest.approx([0.375, 0.25, 0.0])
     assert (found["iridescence"], found["iridescence_thickness"]) == (1.0, 300.0)
     assert bsdf["opacity"] == pytest.approx(0.5)
     light = parsed(document(shader), tmp_path).data["nodes"]["M"]["light"]
-    assert light["radiance"] == [2.0, 1.0, 0.5]
+    assert light["radiance"] == [1.5, 1.0, 0.5]
 
 
 @pytest.mark.parametrize("alpha", [0.04, 0.36])
@@ -173,3 +174,49 @@ def test_names_of_definitions():
     assert category_of("ND_UsdUVTexture_23")[0] == "UsdUVTexture"
     assert category_of("ND_normalmap_float")[0] == "normalmap"
     assert category_of("ND_open_pbr_surface_surfaceshader")[0] == "open_pbr_surface"
+
+
+@pytest.mark.parametrize(
+    ("category", "prefix", "layer"),
+    [("standard_surface", "coat", "sheen"), ("open_pbr_surface", "coat_weight", "fuzz_weight")],
+)
+def test_a_coat_tints_what_lies_below_it(category, prefix, layer, tmp_path):
+    """Sheen lies below the coat of a standard surface, OpenPBR's fuzz above it."""
+    strength = "emission" if category == "standard_surface" else "emission_luminance"
+    shader = value(prefix, "float", 0.5) + value("coat_color", "color3", "0.5, 1, 0")
+    shader += value(strength, "float", 2) + value(layer, "float", 0.5)
+    bsdf = parsed(document(shader, category=category), tmp_path).data
+    found = core(bsdf["bsdfs"]["M"])
+    below = [0.75, 1.0, 0.5]
+    sheen = below if layer == "sheen" else [1.0] * 3
+    assert found["sheen_color"] == pytest.approx([0.5 * c for c in sheen])
+    assert str([2.0 * c for c in below]) in str(bsdf)
+
+
+@pytest.mark.parametrize(
+    ("metalness", "color", "told"),
+    [(1, 0.4, "straight on"), (0, 0.8, ""), (0.5, 0.8, "left out of the metal")],
+)
+def test_the_weight_of_the_highlight_scales_metals_of_open_pbr(metalness, color, told, tmp_path):
+    shader = value("specular_weight", "float", 0.5) + value("base_metalness", "float", metalness)
+    found, said = principled(shader, tmp_path, category="open_pbr_surface")
+    assert found["base_color"] == pytest.approx([color] * 3)
+    assert any("specular_weight" in line and told in line for line in said) == bool(told)
+
+
+@pytest.mark.parametrize(
+    ("space", "meant", "told"), [("rec709_display", 0.5**2.4, False), ("rgb_of_mars", 0.5, True)]
+)
+def test_colour_spaces_of_numbers(space, meant, told, tmp_path):
+    shader = value("base_color", "color3", "0.5, 0.5, 0.5", f' colorspace="{space}"')
+    found, said = principled(shader, tmp_path)
+    assert found["base_color"] == pytest.approx([meant] * 3)
+    assert any('colour space "rgb_of_mars" is not covered' in line for line in said) == told
+
+
+def test_a_coat_that_varies_gives_no_layer_that_is_not_there(tmp_path):
+    more = value("coat", "float", 0.5) + link("coat_color", "color3", "p")
+    more += value("emission", "float", 1) + value("emission_color", "color3", "0, 0, 0")
+    found = parsed(document(more, picture()), tmp_path).data
+    assert "sheen_color" not in core(found["bsdfs"]["M"])
+    assert "radiance" not in str(found["nodes"]["M"])

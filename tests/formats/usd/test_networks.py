@@ -137,3 +137,54 @@ def test_problems_of_documents_have_their_place(folder):
     (folder / "wood.mtlx").write_text(DOCUMENT % "lost.png")
     with pytest.raises(alight.SceneError, match=r"no such file: .*lost\.png"):
         bsdf_of(folder, text)
+
+
+def test_coordinates_that_come_from_themselves(folder):
+    nodes = """
+    token outputs:surface.connect = </m/s.outputs:surface>
+    def Shader "s" {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </m/p.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "p" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @a.png@
+        float2 inputs:st.connect = </m/t.outputs:result>
+        float3 outputs:rgb
+    }
+    def Shader "t" {
+        uniform token info:id = "UsdTransform2d"
+        float2 inputs:scale = (2, 2)
+        float2 inputs:in.connect = </m/t.outputs:result>
+        float2 outputs:result
+    }
+    """
+    found, said, _ = bsdf_of(folder, f'def Material "m" {{{nodes}}}' + MESH % ("/m", SQUARE))
+    assert found.base_color.file == "a.png"
+    assert any("come from itself" in line for line in said)
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("color3f primvars:tone = (0.1, 0.2, 0.3)", (0.1, 0.2, 0.3)),
+        ("color3f[] primvars:tone = [(0.1, 0.2, 0.3)]", (0.1, 0.2, 0.3)),
+        ("float primvars:tone = 0.25", (0.25, 0.25, 0.25)),
+        ("float[] primvars:tone = [0.25]", (0.25, 0.25, 0.25)),
+    ],
+)
+def test_constant_primvars_are_lists_of_one_or_single_values(given, meant, folder):
+    reader = """
+        def Shader "p" {
+            uniform token info:id = "ND_geompropvalue_color3"
+            string inputs:geomprop = "tone"
+            color3f outputs:out
+        }
+    """
+    first, last = NETWORK.index('        def Shader "p"'), NETWORK.index('        def Shader "t"')
+    network = NETWORK[:first] + reader + NETWORK[last:]
+    network = network.replace("(0.5, 0.25, 0.125)", "(1, 1, 1)") % ""
+    mesh = MESH % ("/m", SQUARE + f'{given} (interpolation = "constant")')
+    found, _, _ = bsdf_of(folder, network + mesh)
+    assert found.base_color == pytest.approx(meant)
