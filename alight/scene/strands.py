@@ -18,11 +18,14 @@ from alight.scene.description import Node
 from alight.scene.files import Files
 from alight.scene.meshes import unreadable
 from alight.scene.transform import Matrix
-from alight.shapes.strand_rows import area, rows_of
+from alight.shapes.strand_rows import area, overlap, rows_of
 from alight.shapes.strands import Basis, StrandShape
 
 #: Arrays that a file holds; the last one may be missing.
 NAMES = ("points", "radii", "counts")
+
+#: Part of the area of strands that shine that may lie within them: it would shine outwards too.
+MOST_OVERLAP = 1e-3
 
 #: What NumPy raises at a file that is no archive of arrays: one of another kind, a header that is
 #: no Python, bytes that cannot be unpacked, a way of packing that is not known, a password.
@@ -72,8 +75,12 @@ def strand_problems(node: Node, path: str, to_world: Matrix, files: Files) -> li
         found = with_arrays(node.shape, files)
     except SceneError as error:
         return issues + [issue.under(f"{path}.shape") for issue in error.issues]
-    if node.light is not None and not area(rows_of(found, to_world)) > 0.0:
+    rows = rows_of(found, to_world) if node.light is not None else None
+    if rows is not None and not area(rows) > 0.0:
         issues.append(Issue(f"{path}.light", "its shape must have an area > 0, got 0 m^2"))
+    elif rows is not None and overlap(rows) > MOST_OVERLAP:
+        text = "linear strands that bend overlap at their joints and cannot shine: take b_spline"
+        issues.append(Issue(f"{path}.light", text))
     return issues
 
 

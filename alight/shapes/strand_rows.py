@@ -126,6 +126,14 @@ def area(rows: np.ndarray) -> float:
     return total
 
 
+def overlap(rows: np.ndarray) -> float:
+    """About how much of the area lies where straight lines overlap at bends, in parts of it."""
+    balls = rows[rows[:, IS_BALL] > 0.0]
+    inner = balls[:, BEFORE : BEFORE + 3].any(axis=1) & balls[:, AFTER : AFTER + 3].any(axis=1)
+    whole = area(rows)
+    return area(balls[inner]) / whole if whole > 0.0 else 0.0
+
+
 def extremes(rows: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Least and largest values (n, m) of each primitive along directions (m, 3).
 

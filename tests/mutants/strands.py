@@ -26,6 +26,18 @@ STRANDS = (
         f"{TREE}::test_rays_that_go_straight_on_leave_strands_that_fold",
     ),
     Mutant(
+        "whole balls at the joints of straight lines",
+        "shapes/tube.py",
+        (("(squared >= 0.0) & past & not_yet &", "(squared >= 0.0) &"),),
+        f"{TREE}::test_joints_of_straight_lines_are_met_where_tubes_leave_a_gap",
+    ),
+    Mutant(
+        "varying widths of OpenUSD go round by no point",
+        "formats/usd/curves.py",
+        (("closed = np.append(radii, radii[0])", "closed = np.append(radii[1:], radii[:2])"),),
+        "tests/formats/usd/test_curves.py::test_varying_widths_are_those_at_the_ends_of_segments",
+    ),
+    Mutant(
         "a slender segment begins where its first half ends",
         "shapes/strands.py",
         (("first[left + 1] += span[left + 1]", "first[left] += span[left + 1]"),),

@@ -176,6 +176,14 @@ def test_curves_bound_no_media(tmp_path, side):
         flatten(scene(tmp_path, f"points: {POINTS}, radii: 0.1", medium))
 
 
+def test_straight_lines_that_bend_do_not_shine(tmp_path):
+    light = ", light: {type: area, radiance: 1}"
+    with pytest.raises(SceneError, match="overlap at their joints and cannot shine"):
+        flatten(scene(tmp_path, f"points: {POINTS}, radii: 0.1, basis: linear", light))
+    straight = [[x, 0, 0] for x in range(5)]
+    flatten(scene(tmp_path, f"points: {straight}, radii: 0.1, basis: linear", light))
+
+
 @pytest.mark.parametrize("keys", [f"points: {POINTS}, radii: 0", "points: [[1, 1, 1], [1, 1, 1]]"])
 def test_a_light_needs_an_area(tmp_path, keys):
     if "radii" not in keys:
