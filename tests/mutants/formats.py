@@ -19,6 +19,18 @@ FORMATS = (
         "tests/formats/test_udim.py::test_tiles_lie_where_their_numbers_say",
     ),
     Mutant(
+        "tiles of pictures are read through links that lead elsewhere",
+        "formats/udim.py",
+        (("reach.inside(reach.name_of(tile), shown=tile.name)", "pass"),),
+        "tests/formats/test_udim.py::test_tiles_that_are_links_stay_within_reach",
+    ),
+    Mutant(
+        "functions of ramps are straight lines",
+        "formats/materialx/pictures.py",
+        (("_STEPS = 1024", "_STEPS = 2"),),
+        f"{MATERIALX}/test_nodes.py::test_functions_of_ramps_are_no_straight_lines",
+    ),
+    Mutant(
         "place2d turns the other way",
         "formats/materialx/placing.py",
         (("[[c, s, 0.0], [-s, c, 0.0]", "[[c, -s, 0.0], [s, c, 0.0]"),),
