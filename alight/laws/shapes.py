@@ -297,7 +297,9 @@ def points_by_area_are_the_hits_that_they_name(body: Body) -> None:
     _, _, (shape, start, u, u2) = _sampled(body, body.center, 24)
     s = body.run(sample_area, body.scene.shapes, body.scene.lights.cdf, start, shape, u, u2)
     area = sum(float(row.areas.sum()) for row in body.shapes.rows)
-    covered = len(body.shapes.rows) / np.broadcast_to(s.pdf, N).astype(float)
+    pdf = np.broadcast_to(s.pdf, N).astype(float)
+    # A shape may draw points that lie within it: they have no density.
+    covered = np.divide(len(body.shapes.rows), pdf, out=np.zeros(N), where=pdf > 0.0)
     z = z_of_mean(covered, area, ROUNDING * area)
     demand(abs(z) < LARGEST_Z, f"densities by area cover {covered.mean():.5g} m^2 of {area:.5g}")
     x, y = np.broadcast_to(s.u, N), np.broadcast_to(s.v, N)

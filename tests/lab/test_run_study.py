@@ -205,7 +205,7 @@ def test_integration_has_the_slopes_of_theory(tmp_path):
 def test_the_command_lists_and_refuses(tmp_path):
     shown = CliRunner().invoke(app, ["study", "--list"])
     assert shown.exit_code == 0
-    assert len(shown.output.splitlines()) == 11
+    assert len(shown.output.splitlines()) == 12
     wrong = CliRunner().invoke(app, ["study", "direct-ligth"])
     assert wrong.exit_code == 2
     assert 'did you mean "direct-light"' in wrong.output

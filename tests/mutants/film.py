@@ -91,8 +91,8 @@ FILM = (
         "integrators/aov.py",
         (
             (
-                "-path.d)\n        dimension = vertex_dimension(path.depth + 1)",
-                "-path.d)\n        dimension = vertex_dimension(path.depth + 2)",
+                "-path.d)\n            dimension = vertex_dimension(path.depth + 1)",
+                "-path.d)\n            dimension = vertex_dimension(path.depth + 2)",
             ),
         ),
         "tests/rendering/test_aovs.py"

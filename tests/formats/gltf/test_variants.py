@@ -55,7 +55,9 @@ def test_a_variant_that_is_not_there_is_one_message(tmp_path):
     (tmp_path / "a.gltf").write_bytes(m.gltf())
     with pytest.raises(SceneError, match="the file has no variants of materials"):
         alight.load(tmp_path / "a.gltf", variant="day")
-    with pytest.raises(SceneError, match="only glTF files have variants of materials"):
+    with pytest.raises(
+        SceneError, match="only glTF and MaterialX files have materials to choose from"
+    ):
         alight.load("cornell-box", variant="day")
 
 
