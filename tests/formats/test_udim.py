@@ -1,6 +1,7 @@
 """Sets of tiles are one picture, in every format that names them; right at the edges of tiles."""
 
 import importlib.util
+import re
 
 import numpy as np
 import pytest
@@ -151,8 +152,12 @@ def test_tiles_that_are_links_stay_within_reach(folder, tmp_path_factory):
         (folder / "t.1001.png").symlink_to(elsewhere)
     except OSError:
         pytest.skip("needs symbolic links")
-    with pytest.raises(OutOfReachError, match=r"leads out of .*t\.1001\.png.*, by a link"):
+    said = ""
+    try:
         find_tiles("t.<UDIM>.png", Reach(folder))
+    except OutOfReachError as error:
+        said = str(error)
+    assert re.search(r"leads out of .*t\.1001\.png.*, by a link", said)
     assert find_tiles("t.<UDIM>.png", Reach(folder, folder.parent.parent))
 
 
