@@ -68,6 +68,7 @@ def test_a_node_without_size_shows_what_its_joints_hold(flat):
         m.node(name="parent", scale=[0, 0, 0], children=[2])
     found = parsed(m)
     assert not any("flattens" in note for note in found.notes)
+    assert "skinned" in found.data["nodes"]
     np.testing.assert_allclose(found.data["nodes"]["skinned"]["shape"].vertices, meant, atol=2e-5)
 
 
