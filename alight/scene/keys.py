@@ -152,7 +152,7 @@ def _takes(name: str, field: Any) -> str:
     if UvTransform in kinds:
         return "transform of (u, v)"
     if str in kinds:
-        return "path" if name == "file" else "text"
+        return "file name" if name == "file" else "text"
     return "array"
 
 
