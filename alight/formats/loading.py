@@ -149,24 +149,21 @@ def load(
         text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
         result = loads(text, f"{name}.yaml", check=not changes, definitions=definitions)
     else:
-        path = Path(name)
+        path, given = Path(name), definitions or {}
+        reach = _reach(path.parent, root, name)
         if path.suffix.lower() in PARSERS and is_file(path):
-            _refuse_definitions(definitions or {}, name)
-            reach = _reach(path.parent, root, name)
+            _refuse_definitions(given, name)
             parsed = read_model(path, name, reach, shown, lenient)
             framed = parsed.framed
             result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
-            reach = _reach(path.parent, root, name)
-            result, framed = _loaded(
-                _read(path), name, reach, not changes, definitions or {}, lenient
-            )
+            result, framed = _loaded(_read(path), name, reach, not changes, given, lenient)
     if changes:
         result = fitted(result, changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
     kept_root = None if root is None or is_builtin else str(Path(root).absolute())
-    chosen = (variant, scene_name, animation, at)
-    recipe = Recipe(path, tuple(changes), dict(definitions or {}), lenient, kept_root, *chosen)
+    chosen = (lenient, kept_root, variant, scene_name, animation, at)
+    recipe = Recipe(path, tuple(changes), dict(definitions or {}), *chosen)
     return result.from_source(replace(result.source, recipe=recipe))
 
 

@@ -16,9 +16,7 @@ ones give the verdict.
 
 from __future__ import annotations
 
-import argparse
 import collections
-import json
 import sys
 import time
 from collections.abc import Iterable
@@ -26,7 +24,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from random_scenes import numbers
+from resumable import parser_of, run
 from scenes import REPLICATES, Runner
 from scipy import stats
 
@@ -226,41 +224,19 @@ def _print(title: str, counts: dict[str, list[int]], total: bool = True) -> None
 
 def main() -> None:
     """Measure, or show what was measured."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--seeds", type=numbers, default=numbers("0-1"))
-    parser.add_argument("--kinds", default=",".join((*KINDS, "builtin")))
-    parser.add_argument("--sides", default="32,48,64")
+    parser = parser_of(__doc__, (*KINDS, "builtin"))
     parser.add_argument("--seconds", type=float, default=60.0, help="processor time of a scene")
-    parser.add_argument("--save", type=Path)
-    parser.add_argument("--show", type=Path)
     options = parser.parse_args()
-    if options.show:
-        show(map(json.loads, options.show.read_text("utf-8").splitlines()))
-        return
-    done: list[dict[str, Any]] = []
-    if options.save and options.save.exists():
-        done = [json.loads(line) for line in options.save.read_text("utf-8").splitlines()]
-    known = {(row["seed"], row["kind"]) for row in done}
-    sides, kinds = [int(side) for side in options.sides.split(",")], options.kinds.split(",")
-    for seed in options.seeds:
-        for number, kind in enumerate(kinds):
-            if (seed, kind) in known:
-                continue
-            side = sides[(seed // 2 + number) % len(sides)]
-            try:
-                row = measure(seed, kind, side, options.seconds)
-            except AlightError as error:
-                print(f"{seed} {kind}: refused: {error}", flush=True)
-                continue
-            done.append(row)
-            said = [pair["true"] for pair in row["pairs"]]
-            wrong = sum(bool(one and one["reasons"]) for one in said)
-            print(f"{seed} {row['name']} {side}x{side}: {wrong} of {len(said)} true pairs called "
-                  "different", flush=True)  # fmt: skip
-            if options.save:
-                with options.save.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
-    show(done)
+
+    def measured(seed: int, kind: str, side: int) -> dict[str, Any]:
+        return measure(seed, kind, side, options.seconds)
+
+    def said(row: dict[str, Any]) -> str:
+        pairs = [pair["true"] for pair in row["pairs"]]
+        wrong = sum(bool(one and one["reasons"]) for one in pairs)
+        return f"{row['name']}: {wrong} of {len(pairs)} true pairs called different"
+
+    run(options, measured, said, show)
 
 
 if __name__ == "__main__":

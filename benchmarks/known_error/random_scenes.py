@@ -17,15 +17,13 @@ chosen on even seeds; odd ones give the verdict.
 
 from __future__ import annotations
 
-import argparse
 import collections
-import json
 import math
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from resumable import parser_of, run
 from scenes import REPLICATES, Runner
 from steered import cell_shares
 from truth import Truth
@@ -207,52 +205,22 @@ def _kept(rows: list[dict[str, Any]], name: str) -> str:
     )
 
 
-def numbers(text: str) -> range:
-    """Seeds as ``7``, ``0-99``, or ``1-99:2`` for every second one; both ends included."""
-    ends, _, step = text.partition(":")
-    first, _, last = ends.partition("-")
-    return range(int(first), int(last or first) + 1, int(step or 1))
-
-
 def main() -> None:
     """Measure, or show what was measured."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=numbers, default=numbers("0-1"))
-    parser.add_argument("--kinds", default=",".join(KINDS))
-    parser.add_argument("--sides", default="32,48,64")
+    parser = parser_of(__doc__, KINDS)
     parser.add_argument("--renders", type=int, default=24)
     parser.add_argument("--truth", type=int, default=8192)
     parser.add_argument("--most", type=int, default=32768)
-    parser.add_argument("--save", type=Path)
-    parser.add_argument("--show", type=Path)
     options = parser.parse_args()
-    if options.show:
-        show(map(json.loads, options.show.read_text("utf-8").splitlines()))
-        return
-    done: list[dict[str, Any]] = []
-    if options.save and options.save.exists():
-        done = [json.loads(line) for line in options.save.read_text("utf-8").splitlines()]
-    known = {(row["seed"], row["kind"]) for row in done}
-    sides, kinds = [int(side) for side in options.sides.split(",")], options.kinds.split(",")
-    for seed in options.seeds:
-        for number, kind in enumerate(kinds):
-            if (seed, kind) in known:
-                continue
-            side = sides[(seed // 2 + number) % len(sides)]
-            try:
-                row = measure(seed, kind, side, options.renders, options.truth, options.most)
-            except AlightError as error:
-                print(f"{seed} {kind}: refused: {error}", flush=True)
-                continue
-            # As written and read again: numbers of samples are text.
-            done.append(json.loads(json.dumps(row)))
-            held = [cell["held"] for cell in row["spp"].values()]
-            sure = f"{row['truth']} spp, doubt {row['doubt']:.2g}"
-            print(f"{seed} {kind} {side}x{side}: held {held}, truth of {sure}", flush=True)
-            if options.save:
-                with options.save.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
-    show(done)
+
+    def measured(seed: int, kind: str, side: int) -> dict[str, Any]:
+        return measure(seed, kind, side, options.renders, options.truth, options.most)
+
+    def said(row: dict[str, Any]) -> str:
+        held = [cell["held"] for cell in row["spp"].values()]
+        return f"held {held}, truth of {row['truth']} spp, doubt {row['doubt']:.2g}"
+
+    run(options, measured, said, show)
 
 
 if __name__ == "__main__":
