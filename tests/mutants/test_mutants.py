@@ -46,6 +46,12 @@ def copy_of_the_project(folder: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
+def project(tmp_path_factory):
+    """The copy that this process plants its bugs in, one after the other."""
+    return copy_of_the_project(tmp_path_factory.mktemp("project"))
+
+
+@pytest.fixture(scope="session")
 def cache(tmp_path_factory):
     """Functions that a bug does not touch are compiled once for all bugs and processes."""
     base = tmp_path_factory.getbasetemp()
@@ -81,23 +87,27 @@ def run_tests(folder: Path, cache: Path, *tests: str) -> subprocess.CompletedPro
 
 @pytest.mark.proofs
 @pytest.mark.parametrize("part", range(PARTS))
-def test_killers_pass_without_a_bug(part, tmp_path, cache):
+def test_killers_pass_without_a_bug(part, project, cache):
     killers = sorted({mutant.killer for mutant in MUTANTS})
     first, end = (len(killers) * edge // PARTS for edge in (part, part + 1))
-    result = run_tests(copy_of_the_project(tmp_path), cache, *killers[first:end])
+    result = run_tests(project, cache, *killers[first:end])
     assert result.returncode == 0, result.stdout + result.stderr
 
 
 @pytest.mark.proofs
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
-def test_the_bug_is_found(mutant, tmp_path, cache):
-    path = copy_of_the_project(tmp_path) / mutant.package / mutant.file
-    text = path.read_text("utf-8")
+def test_the_bug_is_found(mutant, project, cache):
+    path = project / mutant.package / mutant.file
+    right = path.read_text("utf-8")
+    text = right
     for old, new in mutant.edits:
         assert text.count(old) == 1
         text = text.replace(old, new)
-    path.write_text(text, "utf-8")
-    result = run_tests(tmp_path, cache, mutant.killer)
+    try:
+        path.write_text(text, "utf-8")
+        result = run_tests(project, cache, mutant.killer)
+    finally:
+        path.write_text(right, "utf-8")
     assert result.returncode == 1, f"survived: {mutant.killer}\n{result.stdout}{result.stderr}"
     assert FAILED.search(result.stdout), f"broke the program:\n{result.stdout}{result.stderr}"
 
