@@ -6,9 +6,12 @@ JOBS ?= 2
 SEEDS ?= 0-1
 SEED ?= 1
 COUNT ?= 500
+PLANTED ?= 1/1
 BIN := $(VENV)/bin
 # The compiler, the core, all built-in scenes and the bits of films.
 SMOKE := tests/lanewise tests/core tests/scene tests/options tests/determinism
+# Where the number of lanes could matter: besides, what renders and what it meets.
+LANES := tests/accel tests/film tests/media tests/physics tests/rendering tests/samplers tests/shapes
 # --require-hashes: only the very files that were locked; --only-binary: never start a compiler.
 PIP_LOCKED := --quiet --disable-pip-version-check --require-hashes --only-binary :all:
 PIP_INSTALL := $(BIN)/python -m pip install $(PIP_LOCKED)
@@ -71,10 +74,10 @@ test: setup-dev
 	$(BIN)/python -m pytest -n $(JOBS)
 
 proofs: setup-dev
-	# Where packets have 8 lanes anyway, `make test` was this.
+	# Where packets have 8 lanes anyway, `make test` was this, and more.
 	[ "$$($(BIN)/python -c 'from lanewise import machine; print(machine.lanes_of_machine())')" = 8 ] || \
-		ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS) --ignore tests/static # which runs no kernel
-	$(BIN)/python -m pytest -n $(JOBS) -m proofs
+		ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS) $(SMOKE) $(LANES)
+	PLANTED=$(PLANTED) $(BIN)/python -m pytest -n $(JOBS) -m proofs
 
 smoke: setup-dev
 	$(BIN)/python -m pytest -n $(JOBS) $(SMOKE)
