@@ -16,11 +16,13 @@ from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
 from alight.compiled.program import Program
 from alight.compiled.shapes import CompiledShapes, compile_shapes
+from alight.compiled.surfaces import Surfaces, surfaces_of
 from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.core.uv_sets import UV_SETS
 from alight.filters.importance import compile_filter
+from alight.films.mattes import MATTES
 from alight.guiding.tables import Guide
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.media.tables import EMISSIVE
@@ -68,6 +70,8 @@ class CompiledScene:
         Of integrators that want a guide: where its training starts.
     guide : Guide or None
         What its program asks for, see `alight.rendering.training`.
+    surfaces : Surfaces or None
+        Of scenes whose layers name what is seen.
     """
 
     tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
@@ -80,6 +84,7 @@ class CompiledScene:
     warnings: tuple[str, ...] = ()
     small_view: SmallView | None = None
     guide: Guide | None = None
+    surfaces: Surfaces | None = None
 
 
 def compile_scene(
@@ -192,6 +197,7 @@ def compile_scene(
         integrator=flat.integrator,
         stats=stats,
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
+        surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
         warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),
     )
 

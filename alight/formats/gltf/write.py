@@ -23,7 +23,8 @@ from alight.formats.gltf.write_materials import MaterialWriter
 from alight.formats.gltf.write_meshes import moved, with_coordinates, with_unit_normals
 from alight.meshes.triangles import MeshArrays
 from alight.outputs.atomic import replacing
-from alight.scene.flatten import FlatScene, PlacedShape, at_opening
+from alight.scene.flatten import FlatScene, PlacedShape
+from alight.scene.opening import at_opening
 
 _TURNED = np.diag([1.0, -1.0, -1.0, 1.0])
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
