@@ -21,8 +21,8 @@ from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.core.uv_sets import UV_SETS
-from alight.filters.importance import compile_filter
 from alight.films.mattes import MATTES
+from alight.filters.importance import compile_filter
 from alight.guiding.tables import Guide
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.media.tables import EMISSIVE

@@ -17,7 +17,16 @@ import numpy as np
 
 from alight.core.errors import FilmError
 from alight.films import (
-    fixed_point, judgement, ledger, mattes, merging, notebook, readout, storage, tiles,
+    contents,
+    fixed_point,
+    judgement,
+    ledger,
+    mattes,
+    merging,
+    notebook,
+    readout,
+    storage,
+    tiles,
 )  # fmt: skip
 from alight.films.coverage import Coverage
 from alight.films.ledger import Bias
@@ -331,27 +340,13 @@ class Film:
     @property
     def provenance(self) -> dict[str, Any]:
         """What this is a picture of, and how it was made."""
-        return readout.provenance_of(self)
+        return contents.provenance_of(self)
 
     # ------------------------------------------------------------------------------ output
 
     def picture(self, layers: bool = True) -> Picture:
         """Image, layers (unless they are not wanted) and provenance, ready to be written."""
-        # Tiles wait for the few milliseconds that this takes: a copy of the film would be its
-        # largest use of memory.
-        with self.lock:
-            attributes = {key: str(value) for key, value in self.provenance.items()}
-            planes, header, alpha = {}, {}, self.alpha
-            if layers:
-                error = self.standard_error
-                planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
-                planes["unsure"] = self.unsure.astype(np.uint32)
-                planes["samples"] = self.sample_count.astype(np.uint32)
-                planes |= readout.aov_planes(self)
-                planes |= mattes.planes_of(self)
-                header = mattes.header_of(self)
-            size = (self.width, self.height)
-            return Picture(self.image, planes, attributes, size, self.crop[:2], alpha, header)
+        return contents.picture_of(self, layers)
 
     def save(self, path: str | os.PathLike[str], **display: Any) -> Path:
         """Write the picture, or the film itself; the suffix chooses the format.

@@ -12,7 +12,7 @@ import numpy as np
 
 from alight.core.errors import FilmError, unknown_name
 from alight.films import fixed_point
-from alight.films.coverage import Coverage, SurfaceSums
+from alight.films.coverage import SurfaceSums
 from alight.outputs import cryptomatte
 
 if TYPE_CHECKING:
@@ -31,29 +31,28 @@ _BELOW = "/"
 
 def mask_of(film: Film, name: str, layer: str) -> np.ndarray:
     """Coverage of what has this name or is below it: see `Film.mask`."""
-    coverage = _coverage_of(film)
-    names = _names_in(coverage, layer)
+    rows, samples = _weights_of(film)
+    names = _names_in(film, layer)
     wanted = np.array([_is_part(one, name, layer) for one in names], bool)
     if not wanted.any():
         kind = MATTES[layer].removeprefix("Crypto").lower()
         raise FilmError(unknown_name(kind, name, _known(names, layer)))
-    sums = coverage.sums
-    rows = wanted[sums.surfaces]
-    return _image(film, sums.pixels[rows], sums.sums[rows])
+    own = wanted[rows.surfaces]
+    joined = SurfaceSums.gathered(rows.pixels[own], 0 * rows.surfaces[own], rows.sums[own])
+    image = np.zeros(samples.shape)
+    image.ravel()[joined.pixels] = fixed_point.to_float(joined.sums)
+    return (image / samples).astype(np.float32)
 
 
 def colors_of(film: Film, layer: str) -> np.ndarray:
     """The mattes of a layer in colours of their ids, float32, shape (h, w, 3)."""
-    ids = _ids_of(film, layer)
-    sums = _coverage_of(film).sums
-    painted = cryptomatte.colors_of(ids[sums.surfaces])
-    values = fixed_point.to_float(sums.sums)
-    h, w = film.counts.shape[:2]
+    (rows, samples), ids = _weights_of(film), _ids_of(film, layer)
+    painted, values = cryptomatte.colors_of(ids[rows.surfaces]), fixed_point.to_float(rows.sums)
     planes = [
-        np.bincount(sums.pixels, values * painted[:, i], minlength=h * w).reshape(h, w)
-        for i in range(3)
+        np.bincount(rows.pixels, values * painted[:, i], minlength=samples.size) for i in range(3)
     ]
-    return (np.stack(planes, axis=-1) / _samples(film)[..., None]).astype(np.float32)
+    image = np.stack(planes, axis=-1).reshape(*samples.shape, 3)
+    return (image / samples[..., None]).astype(np.float32)
 
 
 def ranks_of(film: Film, layer: str) -> tuple[np.ndarray, np.ndarray]:
@@ -66,23 +65,20 @@ def ranks_of(film: Film, layer: str) -> tuple[np.ndarray, np.ndarray]:
     ids : ndarray of uint32
     coverages : ndarray of float32
     """
-    sums, ids = _coverage_of(film).sums, _ids_of(film, layer)
+    (rows, samples), ids = _weights_of(film), _ids_of(film, layer)
     # Things of one name are one thing.
-    joined = SurfaceSums.gathered(sums.pixels, ids[sums.surfaces].astype(np.int64), sums.sums)
-    share = fixed_point.to_float(joined.sums) / _samples(film).ravel()[joined.pixels]
+    joined = SurfaceSums.gathered(rows.pixels, ids[rows.surfaces].astype(np.int64), rows.sums)
+    share = fixed_point.to_float(joined.sums) / samples.ravel()[joined.pixels]
     order = np.lexsort((joined.surfaces, -share, joined.pixels))
     order = order[share[order] > 0.0]
     pixels = joined.pixels[order]
-    first = np.searchsorted(pixels, pixels)
-    rank = np.arange(len(pixels)) - first
+    rank = np.arange(len(pixels)) - np.searchsorted(pixels, pixels)
     kept = rank < cryptomatte.RANKS
-    h, w = film.counts.shape[:2]
-    found_ids = np.zeros((h * w, cryptomatte.RANKS), np.uint32)
-    shares = np.zeros((h * w, cryptomatte.RANKS), np.float32)
+    shape = (samples.size, cryptomatte.RANKS)
+    found, shares = np.zeros(shape, np.uint32), np.zeros(shape, np.float32)
     at = pixels[kept], rank[kept]
-    found_ids[at], shares[at] = joined.surfaces[order][kept], share[order][kept]
-    shape = (h, w, cryptomatte.RANKS)
-    return found_ids.reshape(shape), shares.reshape(shape)
+    found[at], shares[at] = joined.surfaces[order][kept], share[order][kept]
+    return found.reshape(*samples.shape, -1), shares.reshape(*samples.shape, -1)
 
 
 def planes_of(film: Film) -> dict[str, np.ndarray]:
@@ -97,7 +93,7 @@ def header_of(film: Film) -> dict[str, str]:
     """What a file's header says of them."""
     header: dict[str, str] = {}
     for layer in _asked(film):
-        header |= cryptomatte.header_of(MATTES[layer], _names_in(_coverage_of(film), layer))
+        header |= cryptomatte.header_of(MATTES[layer], _names_in(film, layer))
     return header
 
 
@@ -105,21 +101,24 @@ def _asked(film: Film) -> list[str]:
     return [layer for layer in MATTES if layer in film.aov_channels]
 
 
-def _coverage_of(film: Film) -> Coverage:
+def _weights_of(film: Film) -> tuple[SurfaceSums, np.ndarray]:
+    """The table of a film, and the samples of each pixel, 1 at least."""
     if film.coverage is None:
         raise FilmError(f'the film has no mattes; render it with aovs="{ALL_MATTES}"')
-    return film.coverage
+    with film.lock:
+        return film.coverage.sums, np.maximum(film.counts.sum(axis=2), 1)
 
 
-def _names_in(coverage: Coverage, layer: str) -> list[str]:
+def _names_in(film: Film, layer: str) -> list[str]:
+    """Of each surface its name in a layer."""
     if layer not in MATTES:
         raise FilmError(unknown_name("layer of mattes", layer, MATTES))
     number = list(MATTES).index(layer)
-    return [names[number] for names in coverage.names]
+    return [names[number] for names in film.coverage.names] if film.coverage else []
 
 
 def _ids_of(film: Film, layer: str) -> np.ndarray:
-    names = _names_in(_coverage_of(film), layer)
+    names = _names_in(film, layer)
     known = {name: cryptomatte.id_of(name) for name in dict.fromkeys(names)}
     return np.array([known[name] for name in names], np.uint32)
 
@@ -141,15 +140,3 @@ def _known(names: list[str], layer: str) -> set[str]:
             pieces = name.split(_BELOW)
             known |= {_BELOW.join(pieces[:count]) for count in range(1, len(pieces))}
     return known
-
-
-def _samples(film: Film) -> np.ndarray:
-    return np.maximum(film.counts.sum(axis=2), 1)
-
-
-def _image(film: Film, pixels: np.ndarray, sums: np.ndarray) -> np.ndarray:
-    """Sums of rows by pixel, as shares, float32, shape (h, w)."""
-    joined = SurfaceSums.gathered(pixels, np.zeros_like(pixels), sums)
-    image = np.zeros(film.counts.shape[:2])
-    image.ravel()[joined.pixels] = fixed_point.to_float(joined.sums)
-    return (image / _samples(film)).astype(np.float32)

@@ -167,33 +167,3 @@ def alpha_of(film: Film) -> np.ndarray | None:
     if "alpha" not in film.aov_sums or not film.options.get("hide_emitters"):
         return None
     return film.aov("alpha")[..., 0]
-
-
-def aov_planes(film: Film) -> dict[str, np.ndarray]:
-    """The layers of a film by the full names of their channels, but for its alpha."""
-    found: dict[str, np.ndarray] = {}
-    for name in film.aov_sums:
-        if name == "alpha" and film.alpha is not None:
-            continue
-        channels = film.aov_channels[name]
-        plane = film.aov(name)
-        found |= {f"{name}.{c}": plane[..., i] for i, c in enumerate(channels)}
-    return found
-
-
-def provenance_of(film: Film) -> dict[str, Any]:
-    """What a film is a picture of, and how it was made."""
-    return {
-        "version": film.version,
-        "scene_hash": film.scene_hash,
-        "seed": film.seed,
-        "spp": film.spp,
-        "replicates": film.replicates,
-        "size": (film.width, film.height),
-        "crop": film.crop,
-        "options": dict(film.options),
-        "fingerprint": film.fingerprint,
-        "invalid": film.invalid,
-        "saturated": film.saturated,
-        "biases": "; ".join(bias.line for bias in film.biases) or "none",
-    }

@@ -1,5 +1,6 @@
 """Cryptomattes: exact coverage of objects and materials, as files of the specification hold it."""
 
+import itertools
 import json
 import struct
 
@@ -24,6 +25,7 @@ from alight.rendering.tile_kernel import Tile
 from alight.scene import flatten
 
 SIZE, SPP = 12, 8
+WHOLE = Tile(0, 0, SIZE, SIZE)
 
 HEAD = f"""
 alight: 1
@@ -84,11 +86,11 @@ nodes:
 )
 
 
-def filmed(text, aovs, ranges=((0, SPP),), tile=Tile(0, 0, SIZE, SIZE), compiled=False):
+def filmed(text, aovs, ranges=((0, SPP),), tile=WHOLE):
     """Films by the NumPy twin, one for each range of samples."""
     scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list", aovs=aovs)
     settings = make_settings(scene.integrator, seed=1, replicates=4)
-    kernels, films = make_kernels(scene, compiled=compiled), []
+    kernels, films = make_kernels(scene, compiled=False), []
     for pair in ranges:
         film = Film(
             SIZE, SIZE, aovs={name: AOVS[name] for name in aovs}, surfaces=scene.surfaces.names
@@ -178,7 +180,7 @@ def test_mattes_of_a_file_are_those_of_the_film(things, tmp_path):
         np.testing.assert_allclose(whole, things.aov("alpha")[..., 0], atol=1e-6)
         ranks = [coverage for _, coverage in found[called, None]]
         assert len(ranks) == cryptomatte.RANKS
-        assert all((a >= b).all() for a, b in zip(ranks, ranks[1:], strict=False))
+        assert all((a >= b).all() for a, b in itertools.pairwise(ranks))
         assert all(((ids == 0) == (c == 0)).all() for ids, c in found[called, None])
 
 
