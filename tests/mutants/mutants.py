@@ -15,6 +15,7 @@ from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
+from tests.mutants.mattes import MATTES
 from tests.mutants.media import MEDIA
 from tests.mutants.objects import OBJECTS
 from tests.mutants.principled import PRINCIPLED
@@ -38,6 +39,7 @@ MUTANTS = (
     + TRANSPORT
     + RAYS
     + FILM
+    + MATTES
     + FACETS
     + TEXTURES
     + MATERIALS

@@ -56,7 +56,7 @@ nodes:
     shape: cube
     bsdf: {type: diffuse, reflectance: 0}
     transform: [{scale: 0.1}, {rotate: {axis: y, angle: 30}}, {translate: [-0.4, -0.3, 0]}]
-  plain: {shape: rectangle, transform: [{scale: 0.1}, {translate: [0.2, -0.4, 0]}]}
+  tableau: {shape: rectangle, transform: [{scale: 0.1}, {translate: [0.2, -0.4, 0]}]}
 """
 )
 
@@ -166,7 +166,7 @@ def test_every_id_is_an_ordinary_number():
 
 def test_mattes_of_a_file_are_those_of_the_film(things, tmp_path):
     found = decoded(things.save(tmp_path / "things.exr"))
-    objects = ("table/top", "table/left/leg", "table/right/leg", "blume ü", "block", "plain")
+    objects = ("table/top", "table/left/leg", "table/right/leg", "blume ü", "block", "tableau")
     materials = ("wood", "red", "block", "default")
     named = {layer: {n for one, n in found if one == layer and n} for layer in MATTES.values()}
     assert named == {"CryptoObject": set(objects), "CryptoMaterial": set(materials)}
@@ -186,7 +186,7 @@ def test_mattes_of_a_file_are_those_of_the_film(things, tmp_path):
 
 def test_a_matte_is_the_picture_of_that_object_alone_in_white(things):
     white = THINGS.replace("bsdf: red", "bsdf: {type: diffuse, reflectance: 1}")
-    white = white.replace("plain: {", "plain: {bsdf: wood, ")
+    white = white.replace("tableau: {", "tableau: {bsdf: wood, ")
     albedo = filmed(white, ("albedo", *MATTES))[0].aov("albedo")[..., 0]
     np.testing.assert_array_equal(things.mask("blume ü"), albedo)
     assert albedo.max() == 1.0
@@ -259,8 +259,8 @@ def test_a_film_file_keeps_the_whole_table(things, tmp_path):
 
 
 def test_films_of_things_with_other_names_do_not_merge(things):
-    other = filmed(THINGS.replace("plain:", "plane:"), (*MATTES, "alpha"), [(SPP, 1)])[0]
-    with pytest.raises(FilmError, match=r'names differ \(object "plane", not "plain"\)'):
+    other = filmed(THINGS.replace("tableau:", "tablet:"), (*MATTES, "alpha"), [(SPP, 1)])[0]
+    with pytest.raises(FilmError, match=r'names differ \(object "tablet", not "tableau"\)'):
         Film.merge(things, other)
 
 
