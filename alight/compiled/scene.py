@@ -9,6 +9,7 @@ from typing import Any
 
 from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import SmallView, compile_camera, small_view
+from alight.compiled.displacement import displaced, told
 from alight.compiled.kept import Kept
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
@@ -124,6 +125,7 @@ def compile_scene(
     SceneError
         If it does, and there is a light at which no light path can start.
     """
+    given, flat = flat, displaced(flat)
     kept, paths = kept or Kept(), MotionTable()
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures)
@@ -195,7 +197,7 @@ def compile_scene(
         crop=flat.film.crop,
         content_hash=content_hash,
         integrator=flat.integrator,
-        stats=stats,
+        stats=stats | ({"displaced": told(given, flat)} if given is not flat else {}),
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
         surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
         warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),

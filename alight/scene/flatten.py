@@ -32,7 +32,7 @@ from alight.scene.motion import NOWHERE, Motion
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
-from alight.shapes.arrays import ARRAYS, TriangleShape, in_words
+from alight.shapes.arrays import ARRAYS, DISPLACEMENT, TriangleShape, in_words
 
 NO_GEOMETRY = -1
 
@@ -215,7 +215,9 @@ class _Flattener:
                 self.shapes.append(
                     PlacedShape(
                         name=path,
-                        shape=with_arrays(node.shape, self.files),
+                        shape=images.with_heights(
+                            with_arrays(node.shape, self.files), self.scene.textures, self.files
+                        ),
                         to_world=to_world,
                         bsdf=index,
                         light=light,
@@ -389,5 +391,8 @@ def _moved(placed: PlacedShape | PlacedLight | PlacedCamera) -> bytes:
 def _content(spec: Spec) -> bytes:
     """Describe a model without the arrays of meshes, which have a digest of their own."""
     left_out = (*ARRAYS, "file", "medium", "shutter")
+    # Meshes from before there was any displacement keep their hash.
+    if getattr(spec, DISPLACEMENT[0], None) is None:
+        left_out += DISPLACEMENT
     fields = {name: in_words(value) for name, value in spec if name not in left_out}
     return json.dumps(fields, sort_keys=True).encode()
