@@ -20,6 +20,7 @@ from alight.scene.builtin.pictures import is_builtin
 from alight.scene.builtin.waves import builtin_mesh
 from alight.scene.files import Files
 from alight.shapes.arrays import TriangleShape
+from alight.textures.nesting import reads_uv
 
 FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
 
@@ -223,9 +224,7 @@ def displacement_problem(
     """Say why a mesh cannot be displaced; None if it can, or shall not be."""
     value = mesh.displacement
     texture = textures.get(value) if isinstance(value, str) else value
-    if not isinstance(texture, Texture) or texture.set_of_coordinates() is None:
-        return None
-    if found.uvs is None:
+    if isinstance(texture, Texture) and found.uvs is None and reads_uv(texture):
         return f"a {texture.type_name()} needs texture coordinates, and the mesh has no uvs"
     return None
 

@@ -4,6 +4,7 @@ from tests.mutants.agreement import AGREEMENT
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
 from tests.mutants.compiler import COMPILER
+from tests.mutants.displacement import DISPLACEMENT
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
 from tests.mutants.facets import FACETS
@@ -40,6 +41,7 @@ MUTANTS = (
     + RAYS
     + FILM
     + MATTES
+    + DISPLACEMENT
     + FACETS
     + TEXTURES
     + MATERIALS

@@ -205,6 +205,11 @@ def test_what_cannot_be_displaced_is_refused(keys, more, said, monkeypatch):
         displaced(flatten(loads(board(keys, more=more), "scene.yaml")))
 
 
+def test_solid_textures_need_no_coordinates():
+    mesh = mesh_of(board("displacement: {type: noise, scale: 3}, displacement_edge: 0.2", more=""))
+    assert 0.1 < np.ptp(mesh.vertices[:, 2]) <= 1.0
+
+
 def test_shapes_of_formulas_have_no_displacement():
     with pytest.raises(SceneError, match='unknown key "displacement"'):
         loads(HEAD + "  ball: {shape: {type: sphere, displacement: hills}}\n", "scene.yaml")
