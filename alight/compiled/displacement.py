@@ -109,7 +109,14 @@ def _displaced(placed: PlacedShape, shape: TriangleShape, mesh: Geometry) -> Geo
         raise SceneError([Issue(placed.name, text)]) from None
     assert shape.displacement is not None and not isinstance(shape.displacement, str)
     heights = heights_of(shape.displacement, fine) - shape.displacement_midlevel
-    return checked(moved(fine, shape.displacement_scale * heights, shape.face_normals))
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = moved(fine, shape.displacement_scale * heights, shape.face_normals)
+    try:
+        return checked(found)
+    except SceneError:
+        farthest = abs(shape.displacement_scale) * float(np.abs(heights).max())
+        text = f"displacement moves vertices by up to {farthest:g} m, which is too far"
+        raise SceneError([Issue(placed.name, text)]) from None
 
 
 def moved(mesh: MeshArrays, heights: np.ndarray, flat: bool) -> MeshArrays:

@@ -197,6 +197,7 @@ def test_what_is_displaced_is_told_and_counts_for_the_hash():
         ("displacement: hills", "", "a bitmap needs texture coordinates, and the mesh has no uvs"),
         (", displacement: 1, displacement_edge: 0", UVS, "displacement_edge"),
         (", displacement: 1, displacement_edge: 0.01", UVS, "make displacement_edge larger"),
+        (", displacement: 1.e+9, displacement_scale: 1.e+9, displacement_edge: 1", UVS, "too far"),
     ],
 )
 def test_what_cannot_be_displaced_is_refused(keys, more, said, monkeypatch):
