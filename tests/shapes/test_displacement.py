@@ -71,6 +71,11 @@ def edges_of(mesh):
     return np.concatenate([faces[:, [i, (i + 1) % 3]] for i in range(3)]), which.max() + 1
 
 
+def lengths_of(mesh):
+    corners = mesh.vertices[mesh.faces].astype(np.float64)
+    return np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+
+
 def is_closed(mesh):
     """Every edge is that of two triangles that are turned alike, as on a sphere."""
     edges, count = edges_of(mesh)
@@ -112,6 +117,7 @@ def test_a_wave_has_the_heights_and_normals_of_its_formula():
 def test_charts_and_edges_of_a_cube_do_not_open():
     fine = tessellated(cube(), 0.3, MOST_TRIANGLES)
     assert is_closed(fine)
+    assert lengths_of(fine).max() <= 0.3 * (1 + 1e-6)
     heights = 0.2 * np.sin(7.0 * fine.uvs[:, 0]) * np.cos(5.0 * fine.uvs[:, 1] + 1.0)
     mesh = moved(fine, heights, flat=False)
     assert is_closed(mesh)
@@ -136,9 +142,8 @@ def test_edges_are_short_enough_and_the_surface_is_the_same():
     uvs = (points[:, :2] @ np.array([[0.5, 0.1], [0.2, 2.0]])).astype(np.float32)
     rough = MeshArrays(points, np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]], np.int32), uvs=uvs)
     fine = tessellated(rough, 0.25, MOST_TRIANGLES)
+    assert lengths_of(fine).max() <= 0.25 * (1 + 1e-6)
     corners = fine.vertices[fine.faces].astype(np.float64)
-    lengths = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
-    assert lengths.max() <= 0.25 * (1 + 1e-6)
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
     assert (areas > 0.0).all()
     assert areas.sum() == pytest.approx(0.5 * 4 * 0.3 + 0.5 * 4 * 0.2 + 0.5 * 0.1 * 0.3, rel=1e-5)
