@@ -9,6 +9,7 @@ from typing import Any
 
 from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import SmallView, compile_camera, small_view
+from alight.compiled.displacement import displaced, told
 from alight.compiled.kept import Kept
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
@@ -16,10 +17,12 @@ from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
 from alight.compiled.program import Program
 from alight.compiled.shapes import CompiledShapes, compile_shapes
+from alight.compiled.surfaces import Surfaces, surfaces_of
 from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
 from alight.core.uv_sets import UV_SETS
+from alight.films.mattes import MATTES
 from alight.filters.importance import compile_filter
 from alight.guiding.tables import Guide
 from alight.lights.tables import INFO as LIGHT_INFO
@@ -68,6 +71,8 @@ class CompiledScene:
         Of integrators that want a guide: where its training starts.
     guide : Guide or None
         What its program asks for, see `alight.rendering.training`.
+    surfaces : Surfaces or None
+        Of scenes whose layers name what is seen.
     """
 
     tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
@@ -80,6 +85,7 @@ class CompiledScene:
     warnings: tuple[str, ...] = ()
     small_view: SmallView | None = None
     guide: Guide | None = None
+    surfaces: Surfaces | None = None
 
 
 def compile_scene(
@@ -119,6 +125,7 @@ def compile_scene(
     SceneError
         If it does, and there is a light at which no light path can start.
     """
+    given, flat = flat, displaced(flat)
     kept, paths = kept or Kept(), MotionTable()
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures)
@@ -190,8 +197,9 @@ def compile_scene(
         crop=flat.film.crop,
         content_hash=content_hash,
         integrator=flat.integrator,
-        stats=stats,
+        stats=stats | ({"displaced": told(given, flat)} if given is not flat else {}),
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
+        surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
         warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),
     )
 

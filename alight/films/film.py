@@ -16,7 +16,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from alight.core.errors import FilmError
-from alight.films import fixed_point, judgement, ledger, merging, notebook, readout, storage, tiles
+from alight.films import (
+    contents,
+    fixed_point,
+    judgement,
+    ledger,
+    mattes,
+    merging,
+    notebook,
+    readout,
+    storage,
+    tiles,
+)  # fmt: skip
+from alight.films.coverage import Coverage
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import SampleRanges, cells_of, empty_cells, union_of_cells
 from alight.films.tiles import PartialFilm, names_of
@@ -45,6 +57,8 @@ class Film:
         The first three are the picture.
     aovs : mapping of str to sequence of str, optional
         Further planes and their channels, for instance ``{"depth": ("Z",)}``: no replicates.
+    surfaces : sequence of (str, str), optional
+        Names of every object and of its material, for films that know what covers a pixel.
     scene_hash, seed, options, fingerprint, version
         What the samples are samples of. Films merge only where all but `version` agree
         (the fingerprint covers it).
@@ -84,13 +98,14 @@ class Film:
         replicates: int = 4,
         channels: Sequence[str] = ("R", "G", "B"),
         aovs: Mapping[str, Sequence[str]] | None = None,
+        surfaces: Sequence[tuple[str, str]] | None = None,
         scene_hash: str = "",
         seed: int = 0,
         options: Mapping[str, Any] | None = None,
         fingerprint: str = "",
         version: str = "",
     ) -> None:
-        _check_shape(width, height, crop, replicates, channels)
+        tiles.check_shape(width, height, crop, replicates, channels)
         self.width, self.height = width, height
         self.crop = (0, 0, width, height) if crop is None else tuple(crop)
         self.replicates = replicates
@@ -103,8 +118,9 @@ class Film:
         self.counts = np.zeros((h, w, replicates), np.int64)
         self.aov_sums = {
             name: np.zeros((h, w, len(names), 2), np.int64)
-            for name, names in self.aov_channels.items()
-        }
+            for name, names in self.aov_channels.items() if names
+        }  # fmt: skip
+        self.coverage = None if surfaces is None else Coverage(surfaces)
         self.cells = empty_cells(width, height)
         self.invalid = self.saturated = 0
         self.recorded: tuple[Bias, ...] = ()
@@ -146,6 +162,8 @@ class Film:
                 )
             for name, plane in self.aov_sums.items():
                 tiles.add_sums(plane[rows, columns], (partial.aovs or {})[name])
+            if self.coverage is not None:
+                self.coverage.add(tiles.coverage_of(self, partial))
             self.invalid += int(partial.invalid)
             self.saturated += int(partial.saturated)
 
@@ -179,7 +197,7 @@ class Film:
             self.width, self.height, crop=self.crop, replicates=self.replicates,
             channels=self.channels, aovs=self.aov_channels, scene_hash=self.scene_hash,
             seed=self.seed, options=self.options, fingerprint=self.fingerprint,
-            version=self.version,
+            version=self.version, surfaces=self.coverage.names if self.coverage else None,
         )  # fmt: skip
         film.recorded, film.largest_sample = self.recorded, self.largest_sample
         return film
@@ -193,6 +211,7 @@ class Film:
             copy.cells = self.cells.copy()
             copy.invalid, copy.saturated = self.invalid, self.saturated
             copy.stats = dict(self.stats)
+            copy.coverage = self.coverage.copy() if self.coverage else None
         return copy
 
     # ------------------------------------------------------------------------------ reading
@@ -252,13 +271,31 @@ class Film:
         return float(self.sample_count.mean())
 
     def aov(self, name: str) -> np.ndarray:
-        """Mean of an AOV, float32, shape (h, w, c)."""
+        """Mean of an AOV, float32, shape (h, w, c); of mattes, a picture in their colours."""
+        if name in mattes.MATTES and self.coverage:
+            return mattes.colors_of(self, name)
         if name not in self.aov_sums:
             raise FilmError(f'the film has no AOV "{name}"; it has {names_of(self.aov_sums)}')
         with self.lock:
             sums, n = self.aov_sums[name].copy(), self.counts.sum(axis=2)
         n = np.minimum(n, 1) if name in tiles.FIRST_SAMPLE_LAYERS else n
         return (fixed_point.to_float(sums) / np.maximum(n, 1)[..., None]).astype(np.float32)
+
+    def mask(self, name: str, layer: str = "cryptomatte_object") -> np.ndarray:
+        """Coverage of an object and all below it, or of a material, float32, shape (h, w).
+
+        Parameters
+        ----------
+        name : str
+            Path of a node, for instance ``table`` or ``table/leg``, or name of a material.
+        layer : {"cryptomatte_object", "cryptomatte_material"}
+
+        Raises
+        ------
+        FilmError
+            For an unknown name, with the nearest one; if no mattes were rendered.
+        """
+        return mattes.mask_of(self, name, layer)
 
     @property
     def alpha(self) -> np.ndarray | None:
@@ -303,38 +340,13 @@ class Film:
     @property
     def provenance(self) -> dict[str, Any]:
         """What this is a picture of, and how it was made."""
-        return {
-            "version": self.version,
-            "scene_hash": self.scene_hash,
-            "seed": self.seed,
-            "spp": self.spp,
-            "replicates": self.replicates,
-            "size": (self.width, self.height),
-            "crop": self.crop,
-            "options": dict(self.options),
-            "fingerprint": self.fingerprint,
-            "invalid": self.invalid,
-            "saturated": self.saturated,
-            "biases": "; ".join(bias.line for bias in self.biases) or "none",
-        }
+        return contents.provenance_of(self)
 
     # ------------------------------------------------------------------------------ output
 
     def picture(self, layers: bool = True) -> Picture:
         """Image, layers (unless they are not wanted) and provenance, ready to be written."""
-        # Tiles wait for the few milliseconds that this takes: a copy of the film would be its
-        # largest use of memory.
-        with self.lock:
-            attributes = {key: str(value) for key, value in self.provenance.items()}
-            planes, alpha = {}, self.alpha
-            if layers:
-                error = self.standard_error
-                planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
-                planes["unsure"] = self.unsure.astype(np.uint32)
-                planes["samples"] = self.sample_count.astype(np.uint32)
-                planes |= readout.aov_planes(self)
-            size = (self.width, self.height)
-            return Picture(self.image, planes, attributes, size, self.crop[:2], alpha)
+        return contents.picture_of(self, layers)
 
     def save(self, path: str | os.PathLike[str], **display: Any) -> Path:
         """Write the picture, or the film itself; the suffix chooses the format.
@@ -379,21 +391,3 @@ class Film:
         """Say size, samples and replicates."""
         _, _, w, h = self.crop
         return f"<Film {w}x{h}, {self.spp:g} spp, {self.replicates} replicates>"
-
-
-def _check_shape(
-    width: int, height: int, crop: Any, replicates: int, channels: Sequence[str]
-) -> None:
-    if width < 1 or height < 1:
-        raise FilmError(f"film size must be at least 1x1 pixels, got {width}x{height}")
-    if replicates < 1:
-        raise FilmError(f"replicates must be at least 1, got {replicates}")
-    if len(channels) < 3:
-        raise FilmError(f"a film needs at least the channels R, G, B, got {names_of(channels)}")
-    if crop is not None:
-        x, y, w, h = crop
-        if min(x, y) < 0 or min(w, h) < 1 or x + w > width or y + h > height:
-            raise FilmError(
-                f"crop {x},{y},{w},{h} must be a window of at least 1x1 pixels inside "
-                f"the film of {width}x{height}"
-            )

@@ -9,6 +9,7 @@ import numpy as np
 
 from alight.core.errors import FilmError
 from alight.films import fixed_point, ledger
+from alight.films.coverage import check_same_names
 from alight.films.sample_ranges import CELL_SIZE, cells_of, union_of_cells
 from alight.films.tiles import check_room
 
@@ -51,6 +52,8 @@ def merge(films: Sequence[Film], names: Sequence[str] | None = None) -> Film:
         for target, added in _planes(result, part):
             target += added
             fixed_point.carry(target)
+        if result.coverage and part.coverage:
+            result.coverage.add(part.coverage.sums)
         result.invalid += part.invalid
         result.saturated += part.saturated
     return result
@@ -95,6 +98,7 @@ def _check_same(first: Film, other: Film, first_name: str, name: str) -> None:
                 f"cannot merge {name} with {first_name}: the {what} differs "
                 f"({_shown(of(other))}, not {_shown(of(first))})"
             )
+    check_same_names(first.coverage, other.coverage, f"cannot merge {name} with {first_name}")
     for key in sorted(first.options.keys() | other.options.keys()):
         a, b = first.options.get(key), other.options.get(key)
         if a != b:

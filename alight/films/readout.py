@@ -167,14 +167,3 @@ def alpha_of(film: Film) -> np.ndarray | None:
     if "alpha" not in film.aov_sums or not film.options.get("hide_emitters"):
         return None
     return film.aov("alpha")[..., 0]
-
-
-def aov_planes(film: Film) -> dict[str, np.ndarray]:
-    """The layers of a film by the full names of their channels, but for its alpha."""
-    found: dict[str, np.ndarray] = {}
-    for name, channels in film.aov_channels.items():
-        if name == "alpha" and film.alpha is not None:
-            continue
-        plane = film.aov(name)
-        found |= {f"{name}.{c}": plane[..., i] for i, c in enumerate(channels)}
-    return found

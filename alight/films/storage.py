@@ -11,6 +11,7 @@ import numpy as np
 
 from alight.core.errors import FilmError
 from alight.films.archive import Archive, read_archive, write_archive
+from alight.films.coverage import pack_sums, unpack_sums
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import SampleRanges
 
@@ -90,6 +91,9 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             # Limbs apart: their bytes have nothing in common that could be left out.
             arrays[f"{number}.{name}.high"] = sums[..., 0]
             arrays[f"{number}.{name}.low"] = sums[..., 1]
+        if film.coverage:
+            described[-1]["surfaces"] = film.coverage.names
+            arrays |= pack_sums(f"{number}.coverage", film.coverage.sums)
     return described, arrays
 
 
@@ -114,12 +118,15 @@ def _unpack(
     make: type[Film], described: Mapping[str, Any], number: int, arrays: Mapping[str, np.ndarray]
 ) -> Film:
     identity = {name: as_tuples(described[name]) for name in _IDENTITY}
-    film = make(aovs=described["aovs"], **identity)
+    surfaces = as_tuples(described.get("surfaces"))
+    film = make(aovs=described["aovs"], surfaces=surfaces, **identity)
     film.counts = _shaped(arrays[f"{number}.counts"], film.counts)
     film.sums = _joined(arrays, f"{number}.sums", film.sums)
     film.aov_sums = {
         name: _joined(arrays, f"{number}.{name}", plane) for name, plane in film.aov_sums.items()
     }
+    if film.coverage:
+        film.coverage.add(unpack_sums(f"{number}.coverage", arrays))
     ranges = [SampleRanges(pairs) for pairs in described["ranges"]]
     table = np.zeros(len(ranges), dtype=object)
     table[:] = ranges

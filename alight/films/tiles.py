@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from alight.core.errors import FilmError
 from alight.films import fixed_point
+from alight.films.coverage import SurfaceSums
 from alight.films.sample_ranges import CELL_SIZE, cells_of, cells_with
 from lanewise.view import View
 
@@ -36,6 +37,8 @@ class PartialFilm(NamedTuple):
         (first, count) of the sample indices, for the whole tile or each 8x8 cell that it touches.
     aovs : mapping of str to ndarray of int64, shape (th, tw, c, 2)
         Fixed-point sums over all samples.
+    coverage : SurfaceSums, optional
+        Weights of surfaces in the pixels of the tile, counted row by row.
     """
 
     x0: int
@@ -46,6 +49,26 @@ class PartialFilm(NamedTuple):
     saturated: int
     ranges: Any = None
     aovs: Mapping[str, np.ndarray] | None = None
+    coverage: SurfaceSums | None = None
+
+
+def check_shape(
+    width: int, height: int, crop: Any, replicates: int, channels: Sequence[str]
+) -> None:
+    """Refuse films of an impossible size or window."""
+    if width < 1 or height < 1:
+        raise FilmError(f"film size must be at least 1x1 pixels, got {width}x{height}")
+    if replicates < 1:
+        raise FilmError(f"replicates must be at least 1, got {replicates}")
+    if len(channels) < 3:
+        raise FilmError(f"a film needs at least the channels R, G, B, got {names_of(channels)}")
+    if crop is not None:
+        x, y, w, h = crop
+        if min(x, y) < 0 or min(w, h) < 1 or x + w > width or y + h > height:
+            raise FilmError(
+                f"crop {x},{y},{w},{h} must be a window of at least 1x1 pixels inside "
+                f"the film of {width}x{height}"
+            )
 
 
 def window_of(film: Film, partial: PartialFilm) -> tuple[slice, slice]:
@@ -63,6 +86,8 @@ def window_of(film: Film, partial: PartialFilm) -> tuple[slice, slice]:
             f"a tile of this film has the AOVs {names_of(film.aov_sums)}, "
             f"got {names_of(partial.aovs or {})}"
         )
+    if (partial.coverage is None) != (film.coverage is None):
+        raise FilmError("a tile must have a table of coverage if, and only if, the film has one")
     left, top = partial.x0 - x, partial.y0 - y
     if left < 0 or top < 0 or left + tw > w or top + th > h:
         raise FilmError(
@@ -92,12 +117,20 @@ def ranges_of(film: Film, partial: PartialFilm) -> tuple[tuple[slice, slice], np
     return index, cells_with(pairs)
 
 
+def coverage_of(film: Film, partial: PartialFilm) -> SurfaceSums:
+    """Rows of a tile's table by the pixels of the film."""
+    assert partial.coverage is not None
+    y, x = np.divmod(partial.coverage.pixels, partial.counts.shape[1])
+    left, top = partial.x0 - film.crop[0], partial.y0 - film.crop[1]
+    return partial.coverage._replace(pixels=(top + y) * film.crop[2] + left + x)
+
+
 def check_room(film: Film, counts: np.ndarray) -> None:
     """Refuse more samples than sums can hold."""
     # AOVs have no replicates: all samples of a pixel share one sum.
-    most = (counts.sum(axis=2) if film.aov_sums else counts).max(initial=0)
+    most = (counts.sum(axis=2) if film.aov_channels else counts).max(initial=0)
     if most > fixed_point.MAX_SAMPLES:
-        unit = "pixel" if film.aov_sums else "pixel and replicate"
+        unit = "pixel" if film.aov_channels else "pixel and replicate"
         raise FilmError(
             f"a film holds at most {fixed_point.MAX_SAMPLES} samples per {unit}, "
             f"asked for {most}; render with more replicates, or films of other seeds"

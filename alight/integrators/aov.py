@@ -22,10 +22,8 @@ those of the surface that is seen, in the world, not mirrored back: they tell su
 mirroring them would need one convention a lobe. The surface at which the number of bounces is used
 up counts as it is.
 
-The layer ``alpha`` is coverage: the share of the pixel's samples that meet a surface. They follow
-the picture's own paths through what the camera sees through, the holes of a mask and, where
-`hide_emitters` says so, lights; so a sample counts here if and only if the picture's has met a
-surface, and a picture without its surroundings is premultiplied by this very alpha.
+The layer ``alpha`` is coverage (`alight.integrators.coverage`): the share of the pixel's samples
+that meet a surface.
 
 The layer ``guide_share`` looks through the same delta lobes: it is the probability with which the
 guide, and not the BSDF, draws the direction at the first surface that scatters light smoothly
@@ -42,11 +40,11 @@ from collections.abc import Iterable
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import albedo_bsdf, is_mixed, sample_bsdf
-from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import has_null
+from alight.bsdfs.flags import DELTA
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3, max_component
 from alight.films.fixed_point import put_limbs
+from alight.integrators.coverage import write_cover
 from alight.integrators.guided import guide_at, is_guided
 from alight.integrators.moments import at_times_of
 from alight.integrators.walk import (
@@ -68,7 +66,6 @@ from lanewise.simd import (
     count_bits,
     is_finite,
     lanes,
-    lanes_mask,
     lanes_vec3,
     local_floats,
     local_uints,
@@ -133,7 +130,7 @@ def look(program):
     look_at_others = _write_look_and_follow(program) if THROUGH in program.aovs else look_once
     if COVERAGE not in program.aovs:
         return look_at_others
-    cover = _write_cover(program)
+    cover = write_cover(program, add_alpha)
 
     @kernel
     def look_and_cover(scene, settings, film, path):
@@ -237,39 +234,10 @@ def _write_follow_delta(program):
     return follow_delta
 
 
-def _write_cover(program):
-    """``(scene, film, path)``: add the layer of coverage."""
-    hides, holes = program.option("hide_emitters", False), has_null(program)
-
-    @kernel
-    def cover(scene, film, path):
-        while any_lane(path.active):
-            hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
-            active = path.active & (hit.t < INFINITY)
-            surface = make_surface(scene, hit, path.o, path.d, active)
-            passes, o, d = lanes_mask(False), path.o, path.d
-            if holes:
-                # The very random numbers of the picture: the same holes.
-                wo = to_local(surface, -path.d)
-                dimension = vertex_dimension(path.depth + 1)
-                u = get_1d(path.sampler, dimension + BSDF_CHOICE)
-                u2 = get_2d(path.sampler, dimension + BSDF_DIRECTION)
-                wi, _, _, flags = sample_bsdf(scene, surface, wo, u, u2, active)
-                passes = active & ((flags & NULL) != 0)
-                d = to_world(surface, wi)
-                o = spawn_origin(surface.p, surface.error, surface.ng, d)
-            depth = path.depth + 1
-            if hides:
-                # A light is no vertex of the path.
-                hidden = active & (surface.light != 0)
-                beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
-                o, d = where(hidden, beyond, o), where(hidden, path.d, d)
-                depth = where(hidden, path.depth, depth)
-                passes = passes | hidden
-            add_layer(film, ALPHA, path, path.beta, active & ~passes)
-            path = replace(path, o=o, d=d, depth=depth, active=passes)
-
-    return cover
+@kernel
+def add_alpha(film, path, hit, mask):
+    """Add the layer of coverage where the picture's path has met a surface."""
+    add_layer(film, ALPHA, path, path.beta, mask)
 
 
 @kernel(strict=True)

@@ -52,7 +52,7 @@ def _film_facts(film: Film) -> Facts:
     return [
         ("film", f"{width}x{height} pixels{crop}"),
         ("samples", f"{film.spp:g} spp{spread}"),
-        ("layers", ", ".join(film.aov_sums) or "none"),
+        ("layers", ", ".join(film.aov_channels) or "none"),
         *_range_of(film.mean),
         ("error", error.removeprefix("estimated error: ")),
         *(("", line) for line in unsure_lines(float(unsure.mean()))),

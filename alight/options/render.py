@@ -34,9 +34,10 @@ MOST_SAMPLES = 2**31 - 1
 
 def layer_names() -> Iterable[str]:
     """Layers that can be asked for."""
+    from alight.films.mattes import ALL_MATTES, MATTES
     from alight.integrators.aov import LAYERS
 
-    return ("direct", "indirect", *LAYERS)
+    return ("direct", "indirect", *LAYERS, ALL_MATTES, *MATTES)
 
 
 @table

@@ -41,6 +41,7 @@ def write(path: Path, picture: Picture, display: Development) -> None:
         "displayWindow": ((0, 0), (full_w - 1, full_h - 1)),
     }
     header |= {f"alight.{key}": value for key, value in picture.attributes.items()}
+    header |= picture.header
     channels = {c: np.ascontiguousarray(picture.image[..., i]) for i, c in enumerate("RGB")}
     if picture.alpha is not None:
         channels["A"] = np.ascontiguousarray(picture.alpha, np.float32)

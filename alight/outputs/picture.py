@@ -28,6 +28,8 @@ class Picture:
         Pixel of the full film that the upper left corner is.
     alpha : ndarray of float32, shape (h, w), optional
         Coverage, by which `image` is multiplied already.
+    header : dict of str to str
+        What other programs look for in a file, under its full names.
     """
 
     image: np.ndarray
@@ -36,6 +38,7 @@ class Picture:
     size: tuple[int, int] | None = None
     offset: tuple[int, int] = (0, 0)
     alpha: np.ndarray | None = None
+    header: dict[str, str] = field(default_factory=dict)
 
     @property
     def straight(self) -> np.ndarray:

@@ -17,6 +17,7 @@ from alight.compiled.scene import CompiledScene
 from alight.core.errors import FilmError
 from alight.films import CELL_SIZE, PartialFilm
 from alight.films.archive import pack_archive, unpack_archive
+from alight.films.coverage import SurfaceSums, pack_sums, unpack_sums
 from alight.films.fixed_point import HIGH_SCALE, LOW_MASK, MAX_VALUE, carry
 from alight.integrators.walk import Settings
 from alight.rendering.executors import Block
@@ -94,6 +95,8 @@ def render_blocks(shared: SharedScene, task: BlockTask) -> bytes:
             # Limbs apart: their bytes have nothing in common that could be left out.
             arrays[f"{number}.{name}.high"] = sums[..., 0].copy()
             arrays[f"{number}.{name}.low"] = sums[..., 1].copy()
+        if partial.coverage is not None:
+            arrays |= pack_sums(f"{number}.coverage", partial.coverage)
     content = {"task": task.digest, "blocks": described}
     return b"".join(pack_archive(content, arrays))
 
@@ -105,19 +108,26 @@ class Layout(NamedTuple):
     ----------
     replicates, channels : int
     aovs : mapping of str to sequence of str
-        Channels of each layer.
+        Channels of each layer that has some.
+    surfaces : int
+        How many are weighed; 0 where none are.
     """
 
     replicates: int
     channels: int
     aovs: Mapping[str, Sequence[str]]
+    surfaces: int = 0
 
     def most_bytes(self, task: BlockTask) -> int:
         """How long an answer can be: all its numbers as they are, and a header."""
         pixels = sum((b.tile.x1 - b.tile.x0) * (b.tile.y1 - b.tile.y0) for b in task.blocks)
         numbers = self.replicates * (2 * self.channels + 1)
         numbers += 2 * sum(map(len, self.aovs.values()))
-        return 8 * numbers * pixels + _HEADER * len(task.blocks)
+        rows = 0
+        if self.surfaces:
+            of_blocks = (samples_of(block, self.replicates).sum(axis=2) for block in task.blocks)
+            rows = sum(int(np.minimum(n, self.surfaces).sum()) for n in of_blocks)
+        return 8 * (numbers * pixels + 4 * rows) + _HEADER * len(task.blocks)
 
 
 def read_blocks(layout: Layout, task: BlockTask, data: Any) -> list[tuple[PartialFilm, int]]:
@@ -176,6 +186,7 @@ def _block(
     partial = PartialFilm(
         x0=tile.x0, y0=tile.y0, sums=sums, counts=counts, invalid=invalid, saturated=saturated,
         ranges=block.ranges, aovs=aovs,
+        coverage=_coverage(layout, arrays, f"{number}.coverage", most.ravel()),
     )  # fmt: skip
     return partial, rays
 
@@ -190,6 +201,19 @@ def samples_of(block: Block, replicates: int) -> np.ndarray:
     # Indices i < n with i mod R = r are ceil((n - r) / R).
     replicate = np.arange(replicates)
     return -((replicate - end) // replicates) + (replicate - first) // replicates
+
+
+def _coverage(layout: Layout, arrays: Any, name: str, samples: np.ndarray) -> SurfaceSums | None:
+    """The table of a block; `samples` are those of each pixel."""
+    if not layout.surfaces:
+        return None
+    found = unpack_sums(name, arrays)
+    for numbers, end in ((found.pixels, len(samples)), (found.surfaces, layout.surfaces)):
+        if ((numbers < 0) | (numbers >= end)).any():
+            raise FilmError("a worker's answer weighs what is not there")
+    if (abs(found.sums[:, 0]) > _LARGEST * samples[found.pixels]).any():
+        raise FilmError("a worker's answer has weights that its samples cannot have")
+    return found
 
 
 def _sums(arrays: Any, name: str, shape: tuple[int, ...], samples: np.ndarray) -> np.ndarray:

@@ -93,7 +93,9 @@ class ClusterExecutor:
             raise OptionError(text, "cluster", names=("part",))
         self._job = job
         film = job.rounds[0]
-        layout = Layout(film.replicates, len(film.channels), film.aov_channels)
+        layers = {name: film.aov_channels[name] for name in film.aov_sums}
+        surfaces = len(film.coverage.names) if film.coverage else 0
+        layout = Layout(film.replicates, len(film.channels), layers, surfaces)
 
         def read(task: BlockTask, data: Any) -> Any:
             with self._lock:

@@ -145,6 +145,7 @@ class Job:
             crop=scene.crop,
             replicates=self.replicates,
             aovs={name: AOVS[name] for name in scene.program.aovs},
+            surfaces=scene.surfaces.names if scene.surfaces else None,
             scene_hash=scene.content_hash,
             seed=seed_of_round(self.seed, round),
             options=dict(scene.integrator) | self._guide(),

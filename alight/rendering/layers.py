@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from alight.films.mattes import ALL_MATTES, MATTES
 from alight.integrators.aov import LAYERS
 
-#: Further layers and their channels.
-AOVS = {"direct": ("R", "G", "B"), "indirect": ("R", "G", "B"), **LAYERS}
+#: Further layers and their channels; mattes have none, they are kept as a table.
+AOVS = {
+    "direct": ("R", "G", "B"), "indirect": ("R", "G", "B"), **LAYERS, **dict.fromkeys(MATTES, ()),
+}  # fmt: skip
 
 
 def layers_of(names: Sequence[str]) -> tuple[str, ...]:
@@ -15,4 +18,6 @@ def layers_of(names: Sequence[str]) -> tuple[str, ...]:
     wanted = set(names)
     if wanted & {"direct", "indirect"}:
         wanted |= {"direct", "indirect"}
+    if ALL_MATTES in wanted:
+        wanted |= set(MATTES)
     return tuple(name for name in AOVS if name in wanted)

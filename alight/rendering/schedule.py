@@ -142,7 +142,7 @@ class Uniform(Schedule):
             return Verdict("done")
         self.asked = True
         # What the film has room for.
-        most = MAX_SAMPLES * (1 if rounds[0].aov_sums else rounds[0].replicates)
+        most = MAX_SAMPLES * (1 if rounds[0].aov_channels else rounds[0].replicates)
         return Goal.uniform(rounds[0], self.first, self.spp or most)
 
     def extended(self, spp: int) -> Uniform:

@@ -82,7 +82,7 @@ class Steered(Schedule):
         return Goal(np.full(counts.shape, self.first, np.int64), counts)
 
     def _most(self, film: Film) -> int:
-        room = MAX_SAMPLES * (1 if film.aov_sums else film.replicates)
+        room = MAX_SAMPLES * (1 if film.aov_channels else film.replicates)
         if self.shares.size:
             # The cell with the most samples must fit into the film.
             room = int((room - film.replicates) / max(float(self.shares.max()), 1.0))

@@ -12,6 +12,7 @@ import numpy as np
 from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
 from alight.films import PartialFilm
+from alight.films.coverage import SurfaceSums
 from alight.films.fixed_point import add_rows
 from alight.films.sample_ranges import cells_of
 from alight.guiding.tables import GUIDED
@@ -23,6 +24,7 @@ from alight.integrators.aov import (
     THROUGH_LAYERS,
     layer_bits,
 )
+from alight.integrators.coverage import ROW_BITS, WeightTable
 from alight.integrators.walk import Settings
 from alight.rendering.both_ends_tile import splatting_tile_kernel
 from alight.rendering.tile_kernel import (
@@ -30,6 +32,7 @@ from alight.rendering.tile_kernel import (
     RAYS,
     SATURATED,
     Tile,
+    render_coverage,
     render_layers,
     render_step_by_step,
     render_tile_kernel,
@@ -53,11 +56,14 @@ class Kernels(NamedTuple):
         The pass for the scene's AOVs, if it has any.
     add_rows : callable or None
         For `Film.add_tile`; None in the NumPy twin.
+    coverage : callable or None
+        The pass that weighs surfaces, if mattes are wanted.
     """
 
     beauty: Callable
     layers: Callable | None
     add_rows: Callable | None
+    coverage: Callable | None = None
 
 
 def make_kernels(
@@ -81,17 +87,22 @@ def make_kernels(
     wanted = set(LAYERS) & set(scene.program.aovs)
     # What light does plays no part in these layers: no integrator is compiled for them.
     aovs = ("uv", THROUGH) if wanted & THROUGH_LAYERS else ("uv",)
+    # The camera sees through the same lights as in the picture.
+    hides = tuple(one for one in scene.program.options if one[0] == "hide_emitters")
     options: tuple = ()
     if COVERAGE in wanted:
-        # The camera sees through the same lights as in the picture.
         aovs += (COVERAGE,)
-        options = tuple(one for one in scene.program.options if one[0] == "hide_emitters")
+        options = hides
     if ASKS_GUIDE in wanted:
         options += tuple(one for one in scene.program.options if one[0] == GUIDED)
     looking = scene.program._replace(integrator="", options=options, aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
-    add = compiled_add_rows() if compiled else None
-    return Kernels(make(picture, beauty), make(render_layers, looking) if wanted else None, add)
+    add, weigh = compiled_add_rows() if compiled else None, None
+    if scene.surfaces:
+        covered = scene.program._replace(integrator="", options=hides, aovs=())
+        weigh = make(render_coverage, covered)
+    looked = make(render_layers, looking) if wanted else None
+    return Kernels(make(picture, beauty), looked, add, weigh)
 
 
 @lru_cache(maxsize=1)
@@ -178,9 +189,30 @@ def render_tile(
         invalid=int(tally[INVALID]),
         saturated=int(tally[SATURATED]),
         ranges=ranges,
-        aovs={name: aovs[name] for name in scene.program.aovs},
+        aovs=aovs,
+        coverage=_weigh(kernels, scene, settings, tile, samples),
     )
     return partial, int(tally[RAYS])
+
+
+def _weigh(
+    kernels: Kernels, scene: CompiledScene, settings: Settings, tile: Tile, samples: View
+) -> SurfaceSums | None:
+    """Weigh the surfaces of one tile, if mattes are wanted."""
+    if scene.surfaces is None:
+        return None
+    assert kernels.coverage is not None
+    pixels = (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
+    # More than its samples, or than there are rows, no pixel can have. Memory that the system
+    # gives as zeros takes none until it is used.
+    most = min(int(samples.shaped[..., 1].max(initial=0)), len(scene.surfaces.of_row))
+    last, used = np.zeros(pixels, np.int64), np.zeros(1, np.int64)
+    keys, before, sums = (np.zeros(n * most * pixels + 1, np.int64) for n in (1, 1, 2))
+    table = WeightTable(tile, *map(View, (last, keys, before, sums, used)))
+    kernels.coverage(scene.tables, settings, tile, samples, table)
+    n = int(used[0])
+    rows = scene.surfaces.of_row[keys[:n] & ((1 << ROW_BITS) - 1)]
+    return SurfaceSums.gathered(keys[:n] >> ROW_BITS, rows, sums[: 2 * n].reshape(-1, 2))
 
 
 def _render_light_paths(

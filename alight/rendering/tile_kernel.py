@@ -17,6 +17,7 @@ from alight.films.sample_ranges import CELL_SIZE
 from alight.filters.importance import sample_filter
 from alight.guiding.records import record_ends
 from alight.integrators.aov import LayerFilm, look
+from alight.integrators.coverage import weigh
 from alight.integrators.guided import is_guided
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
@@ -329,3 +330,14 @@ def render_layers(scene, settings, tile, ranges, wanted, sums):
         cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
         path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
         look(scene, settings, film, path)
+
+
+@kernel
+def render_coverage(scene, settings, tile, ranges, table):
+    """Weigh the surfaces that the samples `ranges` of one tile meet (`WeightTable`)."""
+    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
+    _, cells = count_cells(tile)
+    while cursor.cell < cells:
+        cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
+        path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
+        weigh(scene, table, path)

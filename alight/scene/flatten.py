@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,9 +32,12 @@ from alight.scene.motion import NOWHERE, Motion
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
-from alight.shapes.arrays import ARRAYS, TriangleShape, in_words
+from alight.shapes.arrays import ARRAYS, DISPLACEMENT, TriangleShape, in_words
 
 NO_GEOMETRY = -1
+
+#: What the material of shapes is called for which the scene names none.
+DEFAULT = "default"
 
 
 class PlacedShape(NamedTuple):
@@ -59,6 +62,8 @@ class PlacedShape(NamedTuple):
         None where the shape does not bound any.
     motion : Motion or None
         What moves it further while the shutter is open.
+    material : str
+        Name of the material; of one without a name, the path of the node that has it.
     """
 
     name: str
@@ -69,6 +74,7 @@ class PlacedShape(NamedTuple):
     geometry: int
     border: tuple[int, int] | None = None
     motion: Motion | None = None
+    material: str = DEFAULT
 
 
 class PlacedLight(NamedTuple):
@@ -195,12 +201,13 @@ class _Flattener:
 
     def place(self, path: str, root: Node, bsdf: Bsdf | str | None) -> None:
         """Place a node, what it instances, and its children."""
-        stack = [(path, root, NOWHERE, bsdf)]
+        stack = [(path, root, NOWHERE, bsdf, DEFAULT)]
         while stack:
-            path, node, parent, bsdf = stack.pop()
+            path, node, parent, bsdf, material = stack.pop()
             here = parent.then(node.transform, self.shutter)
             to_world = here.matrix
-            bsdf = bsdf if node.bsdf is None else node.bsdf
+            if node.bsdf is not None:
+                bsdf, material = node.bsdf, node.bsdf if isinstance(node.bsdf, str) else path
             light = None if node.light is None else self.light(node.light)
             if node.shape is not None:
                 index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
@@ -208,13 +215,16 @@ class _Flattener:
                 self.shapes.append(
                     PlacedShape(
                         name=path,
-                        shape=with_arrays(node.shape, self.files),
+                        shape=images.with_heights(
+                            with_arrays(node.shape, self.files), self.scene.textures, self.files
+                        ),
                         to_world=to_world,
                         bsdf=index,
                         light=light,
                         geometry=geometry,
                         border=border,
                         motion=here.motion,
+                        material=material,
                     )
                 )
             elif light is not None:
@@ -223,10 +233,11 @@ class _Flattener:
                     self.environments.append(placed)
                 else:
                     self.lights.append(placed)
-            below = [(f"{path}/{name}", child, here, bsdf) for name, child in node.children.items()]
+            given = here, bsdf, material
+            below = [(f"{path}/{name}", child, *given) for name, child in node.children.items()]
             if node.instance is not None:
                 prototype = self.scene.prototypes[node.instance]
-                below.insert(0, (f"{path}/{node.instance}", prototype, here, bsdf))
+                below.insert(0, (f"{path}/{node.instance}", prototype, *given))
             stack.extend(reversed(below))
 
     def border(self, node: Node) -> tuple[int, int] | None:
@@ -302,22 +313,6 @@ def place_camera(scene: Scene) -> PlacedCamera:
     for node in nodes:
         here = here.then(node.transform, camera.shutter)
     return PlacedCamera(camera, here.matrix, here.motion)
-
-
-def at_opening(flat: FlatScene) -> FlatScene:
-    """The scene as it is when the shutter opens: nothing moves."""
-
-    def held(placed: Any) -> Any:
-        if placed.motion is None:
-            return placed
-        return placed._replace(to_world=placed.motion.at(0.0) @ placed.to_world, motion=None)
-
-    return replace(
-        flat,
-        shapes=[held(placed) for placed in flat.shapes],
-        lights=[held(placed) for placed in flat.lights],
-        camera=held(flat.camera),
-    )
 
 
 def content_hash(scene: Scene | FlatScene) -> str:
@@ -396,5 +391,8 @@ def _moved(placed: PlacedShape | PlacedLight | PlacedCamera) -> bytes:
 def _content(spec: Spec) -> bytes:
     """Describe a model without the arrays of meshes, which have a digest of their own."""
     left_out = (*ARRAYS, "file", "medium", "shutter")
+    # Meshes from before there was any displacement keep their hash.
+    if getattr(spec, DISPLACEMENT[0], None) is None:
+        left_out += DISPLACEMENT
     fields = {name: in_words(value) for name, value in spec if name not in left_out}
     return json.dumps(fields, sort_keys=True).encode()

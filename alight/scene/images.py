@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.core.spec import Light, Spec, Texture, invalid, texture_interval
+from alight.core.spec import Light, Shape, Spec, Texture, invalid, texture_interval
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.files import Files
 from alight.scene.meshes import unreadable
+from alight.shapes.arrays import DISPLACEMENT
 from alight.textures.images import Image, as_image, holds_image, size_problem
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
@@ -69,6 +70,13 @@ def resolved(spec: AnySpec, textures: Mapping[str, Texture], files: Files) -> An
             if texture is not value:
                 changes[name] = texture
     return spec.replaced(**changes) if changes else spec
+
+
+def with_heights(shape: Shape, textures: Mapping[str, Texture], files: Files) -> Shape:
+    """A shape whose displacement is put into the place of its name; any other one stays."""
+    if getattr(shape, DISPLACEMENT[0], None) is None:
+        return shape
+    return resolved(shape, textures, files)
 
 
 def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = None) -> Image:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,13 +13,14 @@ from numpy.typing import NDArray
 
 from alight.core.errors import Issue, SceneError, nearest, quote
 from alight.core.registry import specs_of
-from alight.core.spec import Shape
+from alight.core.spec import Shape, Texture
 from alight.meshes import obj, ply, stl
 from alight.meshes.triangles import MeshArrays
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.builtin.waves import builtin_mesh
 from alight.scene.files import Files
 from alight.shapes.arrays import TriangleShape
+from alight.textures.nesting import reads_uv
 
 FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
 
@@ -213,6 +215,17 @@ def mesh_problem(arrays: MeshArrays) -> tuple[str, str] | None:
                 return f"more_uvs[{number - 1}]", problem[1]
     if arrays.colors is not None and not ((arrays.colors >= 0) & (arrays.colors <= 1)).all():
         return "colors", "must be in [0, 1]"
+    return None
+
+
+def displacement_problem(
+    mesh: TriangleShape, found: Geometry, textures: Mapping[str, Texture]
+) -> str | None:
+    """Say why a mesh cannot be displaced; None if it can, or shall not be."""
+    value = mesh.displacement
+    texture = textures.get(value) if isinstance(value, str) else value
+    if isinstance(texture, Texture) and found.uvs is None and reads_uv(texture):
+        return f"a {texture.type_name()} needs texture coordinates, and the mesh has no uvs"
     return None
 
 

@@ -25,7 +25,7 @@ from alight.scene import images
 from alight.scene.description import Node, Scene
 from alight.scene.files import Files
 from alight.scene.media import media_problems
-from alight.scene.meshes import geometry, surface_area
+from alight.scene.meshes import displacement_problem, geometry, surface_area
 from alight.scene.moving import motion_problems
 from alight.scene.nodes import all_nodes, count_shapes, instances_in, placed_nodes, sort_by_use
 from alight.scene.strands import strand_problems
@@ -351,6 +351,10 @@ class _Checker:
         except SceneError as error:
             self.issues += [issue.under(f"{path}.shape") for issue in error.issues]
             return
+        self.check_textured(node.shape, f"{path}.shape")
+        problem = displacement_problem(node.shape, found, self.scene.textures)
+        if problem:
+            self.report(f"{path}.shape.displacement", problem)
         if node.light is not None and not surface_area(found, to_world) > 0.0:
             self.report(f"{path}.light", "its shape must have an area > 0, got 0 m^2")
 

@@ -11,7 +11,7 @@ from numpy.typing import DTypeLike, NDArray
 from pydantic import PrivateAttr, model_validator
 from pydantic_core import core_schema
 
-from alight.core.spec import Shape, Truth, invalid
+from alight.core.spec import Interval, NumberOrTexture, Positive, Shape, Texture, Truth, invalid
 from alight.core.uv_sets import MOST_SETS
 
 
@@ -103,6 +103,14 @@ Coordinates = Annotated[NDArray[np.float32], Rows(2, np.float32)]
 Sets = Annotated[NDArray[np.float32], Tables(2, np.float32, MOST_SETS - 1)]
 Indices = Annotated[NDArray[np.int32], Rows(3, np.int32)]
 
+#: What a texture, or a number, says of a height.
+Height = Annotated[float | Texture | str, NumberOrTexture(Interval(), other=(str, Texture))]
+
+#: Fields of a `TriangleShape` that mean something only where the first of them is given.
+DISPLACEMENT = (
+    "displacement", "displacement_scale", "displacement_midlevel", "displacement_edge",
+)  # fmt: skip
+
 #: Fields of a `TriangleShape` that hold arrays.
 ARRAYS = ("vertices", "faces", "normals", "uvs", "colors", "more_uvs")
 
@@ -134,6 +142,10 @@ class TriangleShape(ArrayShape):
     more_uvs: Sets | None = None
     colors: Points | None = None
     face_normals: Truth = False
+    displacement: Height | None = None
+    displacement_scale: Annotated[float, Interval()] = 1.0
+    displacement_midlevel: Annotated[float, Interval()] = 0.0
+    displacement_edge: Positive | None = None
     _checked: Any = PrivateAttr(None)
 
     @property

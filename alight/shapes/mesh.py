@@ -91,6 +91,16 @@ class Mesh(TriangleShape):
         Linear sRGB vertex colours in [0, 1].
     face_normals : bool, default False
         Shade flat: do not use vertex normals.
+    displacement : float or texture, optional
+        Height by which the surface is moved along its normals; a bitmap needs
+        ``color_space: linear`` if it has 8 or 16 bits.
+    displacement_scale : float, metres, default 1
+        Scale of the height; below 0 hills become hollows.
+    displacement_midlevel : float, default 0
+        Height at which the surface stays where it is.
+    displacement_edge : float, metres, optional
+        No edge of the displaced triangles is longer before they are moved; by default 1/256 of the
+        diagonal of the mesh's box.
     flip_normals : bool, default False
         Turn the surface inside out.
     """

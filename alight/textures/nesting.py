@@ -86,6 +86,15 @@ def average(part: Value) -> Triple:
     return part.mean() if isinstance(part, Texture) else most(part)
 
 
+def reads_uv(part: Value) -> bool:
+    """Whether a texture is looked up in (u, v) anywhere; solid ones are looked up in space."""
+    if isinstance(part, Composed):
+        return any(map(reads_uv, part.parts))
+    if not isinstance(part, Texture) or part.set_of_coordinates() is None:
+        return False
+    return not getattr(part, "is_solid", False)
+
+
 def names_in(spec: Texture) -> Iterator[str]:
     """Names of textures that a description mentions, at any depth."""
     for part in spec.parts if isinstance(spec, Composed) else ():

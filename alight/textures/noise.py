@@ -93,6 +93,11 @@ class Noise(Texture):
         """The one that it names."""
         return self.uv_set
 
+    @property
+    def is_solid(self) -> bool:
+        """Whether it fills space, and (u, v) play no part."""
+        return self.space == "world"
+
     def maximum(self) -> Triple:
         """Largest value of each channel."""
         red, green, blue = (max(pair) for pair in zip(self.color0, self.color1, strict=True))

@@ -140,7 +140,7 @@ def relative_error(image: np.ndarray, error: np.ndarray) -> np.ndarray:
 def _in_order(channel: tuple[str, np.ndarray]) -> tuple[str, int, str]:
     """Layers by name, their channels red before green, x before y."""
     group, _, name = channel[0].rpartition(".")
-    return group, "RGBXYZUVA".find(name), name
+    return group, "RGBXYZUVA".find(name.upper()), name
 
 
 def _window(x: int, y: int) -> tuple[slice, slice]:

@@ -28,6 +28,7 @@ FOREIGN = {
     " pointlight staircase2 bsdf_spheres",
     "pbrt": "uc",
     "embree": "rtcIntersect16",
+    "cryptomatte": "CryptoObject00 CryptoObject02 CryptoMaterial00 CryptoMaterial02",
     "usd": "upAxis materialBind fStop focusDistance colorTemperature treatAsPoint",
     "prefixes": "is_ has_",
     "example of lanewise.md": "escape_time mandelbrot",

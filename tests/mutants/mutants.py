@@ -4,6 +4,7 @@ from tests.mutants.agreement import AGREEMENT
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
 from tests.mutants.compiler import COMPILER
+from tests.mutants.displacement import DISPLACEMENT
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
 from tests.mutants.facets import FACETS
@@ -15,6 +16,7 @@ from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
+from tests.mutants.mattes import MATTES
 from tests.mutants.media import MEDIA
 from tests.mutants.objects import OBJECTS
 from tests.mutants.principled import PRINCIPLED
@@ -38,6 +40,8 @@ MUTANTS = (
     + TRANSPORT
     + RAYS
     + FILM
+    + MATTES
+    + DISPLACEMENT
     + FACETS
     + TEXTURES
     + MATERIALS

@@ -35,7 +35,7 @@ OBJECTS = (
     ),
     Mutant(
         "coverage draws holes of its own",
-        "integrators/aov.py",
+        "integrators/coverage.py",
         (("u = get_1d(path.sampler, dimension + BSDF_CHOICE)\n                u2",
           "u = get_1d(path.sampler, dimension + BSDF_CHOICE + 16)\n                u2"),),
         f"{AOVS}::test_alpha_and_the_light_beside_black_surfaces_are_all_of_a_pixel",

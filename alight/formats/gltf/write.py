@@ -23,7 +23,9 @@ from alight.formats.gltf.write_materials import MaterialWriter
 from alight.formats.gltf.write_meshes import moved, with_coordinates, with_unit_normals
 from alight.meshes.triangles import MeshArrays
 from alight.outputs.atomic import replacing
-from alight.scene.flatten import FlatScene, PlacedShape, at_opening
+from alight.scene.flatten import FlatScene, PlacedShape
+from alight.scene.opening import at_opening
+from alight.shapes.arrays import DISPLACEMENT
 
 _TURNED = np.diag([1.0, -1.0, -1.0, 1.0])
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
@@ -93,6 +95,8 @@ class _Writer(Store):
 
     def add_shape(self, shape: PlacedShape) -> None:
         kind, to_world = shape.shape.type_name(), shape.to_world
+        if getattr(shape.shape, DISPLACEMENT[0], None) is not None:
+            self.lose(f"{shape.name}: its displacement")
         if shape.geometry >= 0:
             found = self.flat.geometries[shape.geometry]
         else:

@@ -18,7 +18,8 @@ from alight.options.entry import takes
 from alight.options.laboratory import PARTS, CheckOptions
 from alight.options.loading import scene_of
 from alight.scene import Scene, flatten
-from alight.scene.flatten import FlatScene, at_opening
+from alight.scene.flatten import FlatScene
+from alight.scene.opening import at_opening
 
 #: Probability that a scene without a bug fails.
 LEVEL = 0.01

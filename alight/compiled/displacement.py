@@ -1,0 +1,191 @@
+r"""Displacement: meshes whose vertices are moved along their normals by a texture.
+
+.. math:: p' = p + s\, (h(u, v) - m)\, n
+
+with the height h, its luminance if it is a colour, the scale s, the midlevel m and the normal n of
+the smooth surface. The mesh is cut into triangles whose edges are short enough (`alight.meshes.
+tessellation`); then it is a mesh like any other.
+
+Vertices at one place move together, by the mean of their heights and along the sum of their
+normals, so a surface without holes has none afterwards: seams of texture coordinates and edges
+where normals jump do not open. New normals are those of the moved triangles around.
+
+Source: Cook 1984, Shade trees, section 5; Cook, Carpenter and Catmull 1987, The Reyes image
+rendering architecture, displace before shading.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from alight.compiled.materials import MaterialTables
+from alight.compiled.program import Program
+from alight.compiled.textures import TextureTable
+from alight.core.errors import Issue, SceneError
+from alight.core.spec import Texture
+from alight.core.uv_sets import UV_SETS
+from alight.core.vec import Vec3, luminance
+from alight.meshes.normals import vertex_normals
+from alight.meshes.tessellation import TooManyTrianglesError, tessellated
+from alight.meshes.triangles import MeshArrays
+from alight.scene.flatten import FlatScene, PlacedShape
+from alight.scene.meshes import Geometry, checked
+from alight.shapes.arrays import TriangleShape, in_words
+from alight.shapes.hit import Surface
+from alight.textures.fetch import texture_value
+from lanewise.jit import instantiate
+from lanewise.view import View
+
+#: Triangles of one displaced mesh at most: some 2 GB while its tree is built.
+MOST_TRIANGLES = 1 << 22
+
+#: Where a mesh does not say how long edges may be: this share of its box's diagonal.
+FINEST = 1 / 256
+
+#: Vertices whose heights are found at a time.
+_BAND = 1 << 16
+
+
+class _Scene(NamedTuple):
+    """What textures are given of a scene."""
+
+    materials: MaterialTables
+
+
+def displaced(flat: FlatScene) -> FlatScene:
+    """Put displaced meshes into the places of those that shall be; without any, the same scene.
+
+    Raises
+    ------
+    SceneError
+        If a mesh would have too many triangles.
+    """
+    geometries = list(flat.geometries)
+    known: dict[tuple, int] = {}
+    shapes = []
+    for placed in flat.shapes:
+        shape = placed.shape
+        if isinstance(shape, TriangleShape) and shape.displacement is not None:
+            described = [in_words(value) for _, value in shape if not isinstance(value, np.ndarray)]
+            key = placed.geometry, *described
+            if key not in known:
+                known[key] = len(geometries)
+                geometries.append(_displaced(placed, shape, flat.geometries[placed.geometry]))
+            placed = placed._replace(geometry=known[key])
+        shapes.append(placed)
+    return replace(flat, shapes=shapes, geometries=geometries) if known else flat
+
+
+def told(before: FlatScene, after: FlatScene) -> dict[str, dict[str, int]]:
+    """How many triangles displaced meshes have, and how many they had, by the path of the first."""
+    found: dict[int, dict[str, int]] = {}
+    names: dict[str, dict[str, int]] = {}
+    for old, new in zip(before.shapes, after.shapes, strict=True):
+        if old.geometry != new.geometry and new.geometry not in found:
+            arrays = [a for a in vars(after.geometries[new.geometry]).values() if a is not None]
+            found[new.geometry] = names[new.name] = {
+                "triangles": len(after.geometries[new.geometry].faces),
+                "before": len(before.geometries[old.geometry].faces),
+                "bytes": sum(a.nbytes for a in arrays if isinstance(a, np.ndarray)),
+            }
+    return names
+
+
+def _displaced(placed: PlacedShape, shape: TriangleShape, mesh: Geometry) -> Geometry:
+    edge = shape.displacement_edge
+    if edge is None:
+        edge = FINEST * float(np.linalg.norm(np.ptp(mesh.vertices.astype(np.float64), axis=0)))
+    arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
+    try:
+        fine = tessellated(arrays, edge, MOST_TRIANGLES)
+    except TooManyTrianglesError:
+        text = (
+            f"displacement with edges of at most {edge:g} m makes more than {MOST_TRIANGLES} "
+            "triangles; make displacement_edge larger"
+        )
+        raise SceneError([Issue(placed.name, text)]) from None
+    assert shape.displacement is not None and not isinstance(shape.displacement, str)
+    heights = heights_of(shape.displacement, fine) - shape.displacement_midlevel
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = moved(fine, shape.displacement_scale * heights, shape.face_normals)
+    try:
+        return checked(found)
+    except SceneError:
+        farthest = abs(shape.displacement_scale) * float(np.abs(heights).max())
+        text = f"displacement moves vertices by up to {farthest:g} m, which is too far"
+        raise SceneError([Issue(placed.name, text)]) from None
+
+
+def moved(mesh: MeshArrays, heights: np.ndarray, flat: bool) -> MeshArrays:
+    """Move vertices along their smooth normals; those at one place together.
+
+    Parameters
+    ----------
+    mesh : MeshArrays
+    heights : (n,) float64, metres
+    flat : bool
+        Whether the result is shaded without vertex normals.
+    """
+    # Adding 0 makes one number of 0 and -0.
+    rows = np.ascontiguousarray(mesh.vertices + np.float32(0.0))
+    places = rows.view(np.dtype((np.void, rows.itemsize * 3))).ravel()
+    _, first, which = np.unique(places, return_index=True, return_inverse=True)
+    points, faces = rows[first], which[mesh.faces].astype(np.int32)
+    count = np.bincount(which)
+    normals = vertex_normals(points, faces).astype(np.float64)
+    if mesh.normals is not None:
+        lengths = np.linalg.norm(mesh.normals.astype(np.float64), axis=1, keepdims=True)
+        unit = mesh.normals / np.where(lengths > 0.0, lengths, 1.0)
+        total = np.stack([np.bincount(which, unit[:, i]) for i in range(3)], axis=1)
+        size = np.linalg.norm(total, axis=1, keepdims=True)
+        normals = np.where(size > 1e-6, total / np.where(size > 0.0, size, 1.0), normals)
+    mean = np.bincount(which, heights) / count
+    points = (points + mean[:, None] * normals).astype(np.float32)
+    if flat:
+        return mesh._replace(vertices=points[which], normals=None)
+    new = vertex_normals(points, faces)
+    # To the side of the old ones, which need not be that of the order of the vertices.
+    new = np.where((new * normals).sum(axis=1, keepdims=True) < 0.0, -new, new)
+    return mesh._replace(vertices=points[which], normals=new[which])
+
+
+def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
+    """Values of a texture at all vertices, float64, shape (n,); the NumPy twin looks them up."""
+    n = len(mesh.vertices)
+    if not isinstance(texture, Texture):
+        return np.full(n, float(texture))
+    table = TextureTable()
+    number = table.number(texture)
+    compiled, blank = table.compiled(), View(np.zeros(2, np.uint32))
+    tables = MaterialTables(
+        info=blank, data=blank, texture=blank, texture_info=compiled.info,
+        texture_data=compiled.data, texels=compiled.texels, layers=blank, curves=blank,
+    )  # fmt: skip
+    names = tuple(name for name in compiled.names if name != UV_SETS)
+    kernel = instantiate(texture_value, Program(textures=names), compiled=False)
+    bands = [slice(start, start + _BAND) for start in range(0, n, _BAND)]
+    with np.errstate(all="ignore"):
+        found = [_looked_up(kernel, _Scene(tables), number, texture, mesh, band) for band in bands]
+    return np.concatenate(found)
+
+
+def _looked_up(kernel, scene: _Scene, number: int, texture: Texture, mesh: MeshArrays, band: slice):
+    p = mesh.vertices[band]
+    n = len(p)
+    zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
+    sets = [mesh.uvs, *([] if mesh.more_uvs is None else mesh.more_uvs)]
+    chosen = texture.set_of_coordinates() or 0
+    uvs = sets[chosen if chosen < len(sets) else 0]
+    u, v = (zero, zero) if uvs is None else np.ascontiguousarray(uvs[band].T)
+    white = np.ones((3, n), np.float32) if mesh.colors is None else mesh.colors[band].T
+    nothing = Vec3(zero, zero, zero)
+    surface = Surface(
+        p=Vec3(*np.ascontiguousarray(p.T)), error=zero, ng=nothing, ns=nothing, s=nothing,
+        t=nothing, u=u, v=v, shape=none, prim=none, bsdf=none, light=none,
+        color=Vec3(*np.ascontiguousarray(white)), chart=(),
+    )  # fmt: skip
+    value = luminance(kernel(scene, none + np.uint32(number), surface, nothing))
+    return np.broadcast_to(value, n).astype(np.float64)

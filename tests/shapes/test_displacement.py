@@ -1,0 +1,221 @@
+"""Displacement: heights and normals in closed form, no cracks, and the shading of a bump map."""
+
+import numpy as np
+import pytest
+
+from alight.compiled import displacement
+from alight.compiled.displacement import MOST_TRIANGLES, displaced, moved, told
+from alight.compiled.scene import compile_scene
+from alight.core.errors import SceneError
+from alight.films import fixed_point
+from alight.formats import dumps, loads
+from alight.integrators.walk import make_settings
+from alight.meshes.tessellation import TooManyTrianglesError, tessellated
+from alight.meshes.triangles import MeshArrays
+from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile_kernel import Tile
+from alight.scene import content_hash, flatten
+
+SQUARE = "vertices: [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], faces: [[0, 1, 2], [0, 2, 3]]"
+UVS = "uvs: [[0, 0], [1, 0], [1, 1], [0, 1]]"
+
+HEAD = """
+alight: 1
+film: {size: [16, 16]}
+sampler: independent
+integrator: direct
+camera: {type: orthographic, height: 1.6, transform: {translate: [0, 0, 5]}}
+textures:
+  ramp: {type: bitmap, pixels: [[0, 1]], color_space: linear, wrap: clamp}
+  hills: {type: bitmap, pixels: PIXELS, color_space: linear, wrap: repeat}
+nodes:
+  sun:
+    light: {type: directional, irradiance: 3}
+    transform: {look_at: {origin: [0, 0, 0], target: [2, 1, 2]}}
+"""
+
+#: One period of a smooth wave in u and v.
+PHASES = 2 * np.pi * (np.arange(32) + 0.5) / 32
+HILLS = np.round(0.5 + 0.25 * (np.sin(PHASES)[None, :] + np.cos(PHASES)[:, None]), 6)
+HEAD = HEAD.replace("PIXELS", str(HILLS.tolist()))
+
+
+def board(keys, bsdf="{type: diffuse, reflectance: 0.8}", more=UVS):
+    """A scene of one square."""
+    return HEAD + (f"  board: {{bsdf: {bsdf}, shape: {{type: mesh, {SQUARE}, {more}{keys}}}}}\n")
+
+
+def mesh_of(text):
+    flat = flatten(loads(text, "scene.yaml"))
+    after = displaced(flat)
+    return after.geometries[after.shapes[-1].geometry]
+
+
+def cube(split=True):
+    """A cube whose faces have corners of their own, and their own charts."""
+    faces, vertices = [], []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float32)[:: int(side)]
+            rolled = np.roll(np.c_[np.full(4, side), corners], axis, axis=1)
+            faces += [[len(vertices) + i for i in t] for t in ((0, 1, 2), (0, 2, 3))]
+            vertices += rolled.tolist()
+    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]] * 6, np.float32)
+    return MeshArrays(np.array(vertices, np.float32), np.array(faces, np.int32), uvs=uvs)
+
+
+def edges_of(mesh):
+    """Directed edges between places, and how many places there are."""
+    _, which = np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)
+    faces = which.ravel()[mesh.faces]
+    return np.concatenate([faces[:, [i, (i + 1) % 3]] for i in range(3)]), which.max() + 1
+
+
+def lengths_of(mesh):
+    corners = mesh.vertices[mesh.faces].astype(np.float64)
+    return np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+
+
+def is_closed(mesh):
+    """Every edge is that of two triangles that are turned alike, as on a sphere."""
+    edges, count = edges_of(mesh)
+    there = {tuple(edge) for edge in edges.tolist()}
+    paired = len(there) == len(edges) and all((b, a) in there for a, b in there)
+    return paired and count - len(edges) // 2 + len(mesh.faces) == 2
+
+
+def test_a_ramp_moves_to_the_heights_and_normals_of_its_slope():
+    keys = ", displacement: ramp, displacement_scale: 0.6, displacement_midlevel: 0.5"
+    mesh = mesh_of(board(keys + ", displacement_edge: 0.1"))
+    x, y, z = mesh.vertices.T.astype(np.float64)
+    # Between the centres of the two texels the height grows from 0 to 1.
+    inner = np.abs(x) < 0.4
+    np.testing.assert_allclose(z[inner], 0.6 * x[inner], atol=1e-6)
+    np.testing.assert_allclose(z, 0.6 * np.clip(x, -0.5, 0.5), atol=1e-6)
+    slope = np.array([-0.6, 0.0, 1.0]) / np.hypot(0.6, 1.0)
+    np.testing.assert_allclose(mesh.normals[inner], np.tile(slope, (inner.sum(), 1)), atol=1e-5)
+    assert inner.sum() > 100
+    assert (np.abs(y) <= 1.0).all()
+
+
+def test_a_wave_has_the_heights_and_normals_of_its_formula():
+    flat = MeshArrays(
+        np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32),
+        np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+    )
+    fine = tessellated(flat, 0.02, MOST_TRIANGLES)
+    x = fine.vertices[:, 0].astype(np.float64)
+    mesh = moved(fine, 0.1 * np.sin(3.0 * x), flat=False)
+    np.testing.assert_allclose(mesh.vertices[:, 2], 0.1 * np.sin(3.0 * x), atol=1e-6)
+    inner = (np.abs(fine.vertices[:, :2]) < 0.95).all(axis=1)
+    wanted = np.stack([-0.3 * np.cos(3.0 * x), np.zeros_like(x), np.ones_like(x)], axis=1)
+    wanted /= np.linalg.norm(wanted, axis=1, keepdims=True)
+    # Normals of triangles are right to the order of their size.
+    np.testing.assert_allclose(mesh.normals[inner], wanted[inner], atol=2e-3)
+
+
+def test_charts_and_edges_of_a_cube_do_not_open():
+    fine = tessellated(cube(), 0.3, MOST_TRIANGLES)
+    assert is_closed(fine)
+    assert lengths_of(fine).max() <= 0.3 * (1 + 1e-6)
+    heights = 0.2 * np.sin(7.0 * fine.uvs[:, 0]) * np.cos(5.0 * fine.uvs[:, 1] + 1.0)
+    mesh = moved(fine, heights, flat=False)
+    assert is_closed(mesh)
+    assert np.abs(mesh.vertices - fine.vertices).max() > 0.1
+    outwards = (mesh.normals * mesh.vertices).sum(axis=1)
+    assert (outwards > 0.0).all()
+
+
+def test_a_mesh_that_is_inside_out_keeps_its_outer_side():
+    inverted = cube()._replace(faces=cube().faces[:, ::-1].copy())
+    normals = np.array(cube().vertices) / np.sqrt(3.0)
+    mesh = moved(
+        inverted._replace(normals=normals.astype(np.float32)), np.full(24, 0.5), flat=False
+    )
+    np.testing.assert_allclose(np.linalg.norm(mesh.vertices, axis=1), np.sqrt(3.0) + 0.5, rtol=1e-6)
+    assert ((mesh.normals * mesh.vertices).sum(axis=1) > 0.0).all()
+
+
+def test_edges_are_short_enough_and_the_surface_is_the_same():
+    # A long triangle beside small ones: some edges are halved often, others never.
+    points = np.array([[0, 0, 0], [4, 0, 0], [4, 0.3, 0], [0, 0.2, 0], [4.1, 0.1, 0]], np.float32)
+    uvs = (points[:, :2] @ np.array([[0.5, 0.1], [0.2, 2.0]])).astype(np.float32)
+    rough = MeshArrays(points, np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]], np.int32), uvs=uvs)
+    fine = tessellated(rough, 0.25, MOST_TRIANGLES)
+    assert lengths_of(fine).max() <= 0.25 * (1 + 1e-6)
+    corners = fine.vertices[fine.faces].astype(np.float64)
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
+    assert (areas > 0.0).all()
+    assert areas.sum() == pytest.approx(0.5 * 4 * 0.3 + 0.5 * 4 * 0.2 + 0.5 * 0.1 * 0.3, rel=1e-5)
+    found = fine.vertices[:, :2] @ np.array([[0.5, 0.1], [0.2, 2.0]])
+    np.testing.assert_allclose(fine.uvs, found, atol=1e-5)
+    # No vertex lies inside an edge: those of one triangle only make up the border.
+    edges, count = edges_of(fine)
+    pairs, uses = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    assert uses.max() == 2
+    assert count - len(pairs) + len(fine.faces) == 1
+    with pytest.raises(TooManyTrianglesError):
+        tessellated(rough, 0.25, len(fine.faces) - 1)
+
+
+def picture_of(text, spp=16):
+    scene = compile_scene(flatten(loads(text, "scene.yaml")), builder="median")
+    settings = make_settings(scene.integrator, seed=1, replicates=4)
+    film, _ = render_tile(
+        make_kernels(scene), scene, settings, Tile(0, 0, 16, 16), np.full((2, 2, 2), [0, spp])
+    )
+    sums = film.sums.sum(axis=2)
+    fixed_point.carry(sums)
+    return fixed_point.to_float(sums)[..., 0] / spp
+
+
+def test_shallow_hills_are_shaded_as_by_a_bump_map():
+    bump = "{type: bump_map, texture: hills, scale: 0.06, fading: false, "
+    bump += "bsdf: {type: diffuse, reflectance: 0.8}}"
+    bumped = picture_of(board("", bump))
+    keys = ", displacement: hills, displacement_scale: 0.06, displacement_edge: 0.03"
+    hilly = picture_of(board(keys))
+    assert np.ptp(bumped) > 0.1 * bumped.mean()
+    # The sun has no noise; a height of 0.06 shifts what is seen nowhere, as rays are parallel.
+    np.testing.assert_allclose(hilly, bumped, rtol=0.015)
+
+
+def test_what_is_displaced_is_told_and_counts_for_the_hash():
+    plain = flatten(loads(board(""), "scene.yaml"))
+    assert displaced(plain) is plain
+    keys = ", displacement: 0.5, displacement_edge: 0.5"
+    flat = flatten(loads(board(keys), "scene.yaml"))
+    after = displaced(flat)
+    found = told(flat, after)["board"]
+    assert found["before"] == 2
+    assert found["triangles"] == len(after.geometries[-1].faces) > 16
+    np.testing.assert_allclose(after.geometries[-1].vertices[:, 2], 0.5)
+    other = loads(board(keys + ", displacement_scale: 2"), "scene.yaml")
+    assert len({content_hash(plain), content_hash(flat), content_hash(other)}) == 3
+    assert loads(dumps(other), "again.yaml") == other
+
+
+@pytest.mark.parametrize(
+    ("keys", "more", "said"),
+    [
+        (", displacement: hils", UVS, 'unknown texture "hils"; did you mean "hills"'),
+        ("displacement: hills", "", "a bitmap needs texture coordinates, and the mesh has no uvs"),
+        (", displacement: 1, displacement_edge: 0", UVS, "displacement_edge"),
+        (", displacement: 1, displacement_edge: 0.01", UVS, "make displacement_edge larger"),
+        (", displacement: 1.e+9, displacement_scale: 1.e+9, displacement_edge: 1", UVS, "too far"),
+    ],
+)
+def test_what_cannot_be_displaced_is_refused(keys, more, said, monkeypatch):
+    monkeypatch.setattr(displacement, "MOST_TRIANGLES", 1000)
+    with pytest.raises(SceneError, match=said):
+        displaced(flatten(loads(board(keys, more=more), "scene.yaml")))
+
+
+def test_solid_textures_need_no_coordinates():
+    mesh = mesh_of(board("displacement: {type: noise, scale: 3}, displacement_edge: 0.2", more=""))
+    assert 0.1 < np.ptp(mesh.vertices[:, 2]) <= 1.0
+
+
+def test_shapes_of_formulas_have_no_displacement():
+    with pytest.raises(SceneError, match='unknown key "displacement"'):
+        loads(HEAD + "  ball: {shape: {type: sphere, displacement: hills}}\n", "scene.yaml")
