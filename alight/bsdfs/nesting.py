@@ -173,3 +173,12 @@ def find_transmissive(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> Bsdf | Non
         if found is not None:
             return found
     return None
+
+
+def scatters_inside(spec: Bsdf | str, known: Mapping[str, Bsdf] | None = None) -> bool:
+    """Whether a material, or a part of it, has an inside that scatters light."""
+    if isinstance(spec, str):
+        return spec in (known or {}) and scatters_inside((known or {})[spec], known)
+    if not isinstance(spec, Nested):
+        return spec.has_inside
+    return any(scatters_inside(part.bsdf, known) for part in spec.parts)

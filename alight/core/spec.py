@@ -86,6 +86,8 @@ class Bsdf(Spec):
         it. What is made of other materials leaves that to them.
     unseen : bool
         Light passes it as if nothing was there.
+    has_inside : bool
+        Light that enters is scattered inside, and leaves elsewhere.
     matte : bool
         What it reflects about the mirrored direction is next to nothing, or little beside the rest.
     """
@@ -96,6 +98,7 @@ class Bsdf(Spec):
     shares: ClassVar[tuple[str, ...]] = ()
     one_sided: ClassVar[bool] = False
     unseen: ClassVar[bool] = False
+    has_inside: ClassVar[bool] = False
     matte: ClassVar[bool] = False
 
     def largest_weight(self) -> float | None:
@@ -301,6 +304,8 @@ class Integrator(Spec):
         A dark scene gives a black picture.
     sees_media : bool
         Media play their part; those that follow light must say so.
+    walks_inside : bool
+        Light that enters a body which scatters leaves it elsewhere.
     transports : bool
         Its picture is the light of all paths of at most `longest_path` edges, as of all its kind.
     splats : bool
@@ -311,6 +316,7 @@ class Integrator(Spec):
     kind: ClassVar[str] = "integrator"
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
+    walks_inside: ClassVar[bool] = False
     transports: ClassVar[bool] = False
     splats: ClassVar[bool] = False
 

@@ -50,11 +50,19 @@ from typing import Annotated, ClassVar, Literal
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
+from alight.bsdfs.switch import (
+    absorbs,
+    concentration,
+    has_bodies,
+    has_null,
+    refracts,
+    transmittance,
+)
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
+from alight.integrators.body_walk import enters_body, walk_through
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -108,6 +116,7 @@ class Path(PathTracing):
         How "mis" weights the two techniques that find light.
     """
 
+    walks_inside: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
@@ -219,7 +228,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
-    absorbing = absorbs(program)
+    absorbing, bodies = absorbs(program), has_bodies(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
@@ -269,14 +278,17 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
-        vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
+        vertex, rays = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0), path.rays
+        if bodies:
+            entering = vertex.active & enters_body(scene, surface, d)
+            vertex, rays = walk_through(scene, vertex, surface, entering)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
             vertex = where((flags & NULL) != 0, on, vertex)
         if hides:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             vertex = where(hidden, replace(path, o=beyond), vertex)
-        return replace(vertex, sampler=path.sampler, rays=path.rays)
+        return replace(vertex, sampler=path.sampler, rays=rays)
 
     return shade
 
@@ -345,7 +357,7 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
     Only delta lights count unless `by_light`.
     """
     recorded, sample = listeners.sample is not None, listeners.sample
-    holes, guided = has_null(program), is_guided(program)
+    holes, guided, bodies = has_null(program), is_guided(program), has_bodies(program)
 
     @kernel
     def add_direct_light(scene, settings, path, surface, wo, active, here):
@@ -359,6 +371,9 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
         lit = active & (light.pdf > 0.0)
         if not by_light:
             lit = lit & light.delta
+        if bodies:
+            # Behind a surface that light enters, it is scattered: the walk inside will find it.
+            lit = lit & ~enters_body(scene, surface, light.wi)
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)

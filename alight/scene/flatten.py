@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from alight.bsdfs.nesting import scatters_inside
 from alight.core.errors import SceneError
 from alight.core.registry import default_of, versions
 from alight.core.spec import (
@@ -204,7 +205,7 @@ class _Flattener:
             light = None if node.light is None else self.light(node.light)
             if node.shape is not None:
                 index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
-                border = self.border(node)
+                border = self.border(node, self.bsdfs[index])
                 self.shapes.append(
                     PlacedShape(
                         name=path,
@@ -229,9 +230,13 @@ class _Flattener:
                 below.insert(0, (f"{path}/{node.instance}", prototype, here, bsdf))
             stack.extend(reversed(below))
 
-    def border(self, node: Node) -> tuple[int, int] | None:
-        """Number the media on both sides of a shape, if it bounds any."""
-        if node.interior is None and node.exterior is None:
+    def border(self, node: Node, bsdf: Bsdf) -> tuple[int, int] | None:
+        """Number the media on both sides of a shape, if it bounds any.
+
+        A body that scatters light bounds those around it.
+        """
+        around = self.scene.medium is not None and scatters_inside(bsdf)
+        if node.interior is None and node.exterior is None and not around:
             return None
         outside = self.scene.medium if node.exterior is None else node.exterior
         return self.medium_number(node.interior), self.medium_number(outside)

@@ -22,6 +22,7 @@ from alight.core.registry import specs
 from alight.core.spec import Bsdf, Light, Spec, Texture, texture_interval
 from alight.outputs.texels import reusing_memory
 from alight.scene import images
+from alight.scene.bodies import body_problems
 from alight.scene.description import Node, Scene
 from alight.scene.files import Files
 from alight.scene.media import media_problems
@@ -65,7 +66,7 @@ def find_problems(scene: Scene, files: Files | None = None) -> list[Issue]:
         checker.check_environment()
         checker.check_nodes()
     checker.check_camera()
-    issues = checker.issues + media_problems(scene, files)
+    issues = checker.issues + media_problems(scene, files) + body_problems(scene)
     # Only a graph that is right so far can be walked with its instances.
     return issues or motion_problems(scene)
 
