@@ -47,7 +47,13 @@ from alight.bsdfs.rows import rows_at, rows_in_slots
 from alight.bsdfs.visible_facets import bounce, see_facets
 from alight.core.constants import INV_PI
 from alight.core.fresnel import fresnel_dielectric
-from alight.core.microfacet import FEATURES, Facets, facet_density, sample_visible_facet, visible_area
+from alight.core.microfacet import (
+    FEATURES,
+    Facets,
+    facet_density,
+    sample_visible_facet,
+    visible_area,
+)
 from alight.core.parameters import loader, slots_of
 from alight.core.spec import (
     SMOOTHEST,
@@ -83,7 +89,6 @@ class Subsurface(Bsdf):
     """
 
     transmissive: ClassVar[bool] = True
-    has_inside: ClassVar[bool] = True
     type: Literal["subsurface"] = "subsurface"
     color: ColorTexture = (0.8, 0.8, 0.8)
     radius: PositiveColor = (0.01, 0.0035, 0.002)

@@ -86,8 +86,6 @@ class Bsdf(Spec):
         it. What is made of other materials leaves that to them.
     unseen : bool
         Light passes it as if nothing was there.
-    has_inside : bool
-        Light that enters is scattered inside, and leaves elsewhere.
     matte : bool
         What it reflects about the mirrored direction is next to nothing, or little beside the rest.
     """
@@ -98,7 +96,6 @@ class Bsdf(Spec):
     shares: ClassVar[tuple[str, ...]] = ()
     one_sided: ClassVar[bool] = False
     unseen: ClassVar[bool] = False
-    has_inside: ClassVar[bool] = False
     matte: ClassVar[bool] = False
 
     def largest_weight(self) -> float | None:
@@ -302,10 +299,8 @@ class Integrator(Spec):
     ----------
     needs_light : bool
         A dark scene gives a black picture.
-    sees_media : bool
-        Media play their part; those that follow light must say so.
-    walks_inside : bool
-        Light that enters a body which scatters leaves it elsewhere.
+    sees_media, walks_inside : bool
+        Media, and bodies that scatter inside, play their part; those that follow light must say so.
     transports : bool
         Its picture is the light of all paths of at most `longest_path` edges, as of all its kind.
     splats : bool
@@ -378,8 +373,7 @@ Scale2 = Annotated[tuple[float, float], Numbers(2, Interval(), spread=True)]
 Color = Annotated[Triple, Numbers(3, Interval(low=0.0), spread=True)]
 PositiveColor = Annotated[Triple, Numbers(3, Interval(low=0.0, open_ends=True), spread=True)]
 Reflectance = Annotated[Triple, Numbers(3, Interval(0.0, 1.0), spread=True)]
-#: What may stand for a number: a texture, or the name of one.
-_NAMED = (str, Texture)
+_NAMED = (str, Texture)  # What may stand for a number: a texture, or the name of one.
 ColorTexture = Annotated[
     Triple | Texture | str, Numbers(3, Interval(0.0, 1.0), spread=True, other=_NAMED)
 ]

@@ -33,26 +33,38 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.accel import intersect_closest
-from alight.bsdfs.switch import inside_of, is_body
+from alight.bsdfs.switch import has_bodies, inside_of, is_body
 from alight.core.constants import INFINITY, INV_FOUR_PI, INV_PI
 from alight.core.frame import frame_from_normal
 from alight.core.maths import exp, log, pow
 from alight.core.vec import Vec3, dot, max_component, normalize
 from alight.core.warps import direction_around_z
+from alight.integrators.volume_walk import mean
 from alight.integrators.walk import count_lanes, vertex_dimension
 from alight.media.tables import step_numbers, stream_of
 from alight.samplers.sampling import get_1d
 from alight.shapes.hit import side_of
-from lanewise.jit import kernel
+from lanewise.jit import kernel, specialised
 from lanewise.records import replace
-from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, lanes_vec3, maximum, minimum, sqrt, where
+from lanewise.simd import (
+    any_lane,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    sqrt,
+    to_uint,
+    where,
+)
 
 #: Places among the numbers of a vertex: the way of a walk, and its first distance.
 WAY, DISTANCE = 9, 10
 #: How many walks are led back to the surface.
 LED = 0.75
 #: A walk goes on for sure while its weight is above this.
-DIM = 0.2
+DIM = 0.5
 #: Walks of so many scatterings are rare; those that are still in it end now and then, since
 #: without absorption in an endless body their number has no mean.
 LONG, LONG_SURVIVAL = 10_000, 0.999
@@ -68,9 +80,9 @@ LEAST_STEPS = 4.0
 #: (Vec3): product of the albedos.
 Walk = namedtuple("Walk", "o d plain led albedo")
 
-#: What stays the same. extinction, albedo, nu (Vec3): of the body; n: unit normal out of it;
-#: share: probability of each channel, a Vec3.
-Body = namedtuple("Body", "extinction albedo nu n share")
+#: What stays the same. extinction, albedo, nu (Vec3): of the body; inverse: 1 / nu; width: the
+#: logarithm in the density; n: unit normal out of the body.
+Body = namedtuple("Body", "extinction albedo nu inverse width n")
 
 
 @kernel
@@ -84,7 +96,7 @@ def diffusion_length(albedo):
 
 @kernel
 def body_below(scene, path, surface, entering):
-    """The `Body` that paths enter; channels are chosen by what they may contribute."""
+    """The `Body` that paths enter."""
     found = inside_of(scene, surface, entering)
     most = 1.0 / (LEAST_STEPS * maximum(surface.error, 1e-30))
     extinction = Vec3(
@@ -93,10 +105,15 @@ def body_below(scene, path, surface, entering):
         minimum(found.extinction.z, most),
     )
     albedo = found.albedo
-    nu = Vec3(
-        diffusion_length(albedo.x), diffusion_length(albedo.y), diffusion_length(albedo.z)
-    )
-    return Body(extinction, albedo, nu, surface.ng, lanes_vec3(1.0 / 3.0))
+    nu = Vec3(diffusion_length(albedo.x), diffusion_length(albedo.y), diffusion_length(albedo.z))
+    width = Vec3(_width(nu.x), _width(nu.y), _width(nu.z))
+    inverse = Vec3(1.0 / nu.x, 1.0 / nu.y, 1.0 / nu.z)
+    return Body(extinction, albedo, nu, inverse, width, surface.ng)
+
+
+@kernel
+def _width(nu):
+    return log((nu + 1.0) / (nu - 1.0))
 
 
 @kernel
@@ -106,9 +123,13 @@ def pick(v, channel):
 
 
 @kernel
-def _sloped(nu, z):
-    """Dwivedi's density of a direction, per steradian."""
-    return 0.5 * INV_PI / (log((nu + 1.0) / (nu - 1.0)) * (nu - z))
+def _sloped(body, z):
+    """Dwivedi's densities of a direction, per steradian."""
+    return Vec3(
+        0.5 * INV_PI / (body.width.x * (body.nu.x - z)),
+        0.5 * INV_PI / (body.width.y * (body.nu.y - z)),
+        0.5 * INV_PI / (body.width.z * (body.nu.z - z)),
+    )
 
 
 @kernel
@@ -120,35 +141,67 @@ def _passed(sigma, t):
 def _stretched(body, z):
     """Sigma' of the three channels."""
     return Vec3(
-        body.extinction.x * (1.0 - z / body.nu.x),
-        body.extinction.y * (1.0 - z / body.nu.y),
-        body.extinction.z * (1.0 - z / body.nu.z),
+        body.extinction.x * (1.0 - z * body.inverse.x),
+        body.extinction.y * (1.0 - z * body.inverse.y),
+        body.extinction.z * (1.0 - z * body.inverse.z),
     )
 
 
 @kernel
-def _weight(body, walk):
+def _weight(walk):
     """W of the walk so far."""
-    share = body.share
-    mixed = (
-        share.x * (LED * walk.led.x + (1.0 - LED) * walk.plain.x)
-        + share.y * (LED * walk.led.y + (1.0 - LED) * walk.plain.y)
-        + share.z * (LED * walk.led.z + (1.0 - LED) * walk.plain.z)
-    )
+    mixed = LED * mean(walk.led) + (1.0 - LED) * mean(walk.plain)
     return walk.albedo * walk.plain * (1.0 / maximum(mixed, 1e-30))
+
+
+@specialised
+def enters_body(program):
+    """``(scene, surface, d) -> mask``: what leaves the surface along d is in a body."""
+    if not has_bodies(program):
+        return _enters_nothing
+
+    @kernel
+    def enters_body(scene, surface, d):
+        return is_body(scene, surface.bsdf) & (side_of(d, surface.ng) < 0.0)
+
+    return enters_body
+
+
+@kernel
+def _enters_nothing(scene, surface, d):
+    return lanes_mask(False)
+
+
+@specialised
+def walk_inside(program):
+    """``(scene, path, surface, active) -> (path, rays)``: `walk_through`, where paths enter."""
+    if not has_bodies(program):
+        return _stay_outside
+
+    @kernel
+    def walk_inside(scene, path, surface, active):
+        entering = path.active & active & enters_body(scene, surface, path.d)
+        if any_lane(entering):
+            path = walk_through(scene, path, surface, entering)
+        return path, path.rays
+
+    return walk_inside
+
+
+@kernel
+def _stay_outside(scene, path, surface, active):
+    return path, path.rays
 
 
 @kernel
 def walk_through(scene, path, surface, entering):
-    """Lead active paths that enter a body at a surface to the last edge inside.
+    """Lead paths that enter a body at a surface to the last edge inside.
 
     Returns
     -------
-    path : as given
+    as given
         o, d: a ray that meets the surface where the body ends; with the weight in `beta`; absorbed
         ones are no longer active.
-    rays : whole number
-        Traced so far.
     """
     body = body_below(scene, path, surface, entering)
     dimension = vertex_dimension(path.depth)
@@ -156,9 +209,9 @@ def walk_through(scene, path, surface, entering):
     u = get_1d(path.sampler, dimension + WAY)
     led = u < LED
     u = where(led, u / LED, (u - LED) / (1.0 - LED))
-    red, green = body.share.x, body.share.x + body.share.y
-    channel = where(u < red, lanes_u32(0), where(u < green, lanes_u32(1), lanes_u32(2)))
+    channel = to_uint(minimum(3.0 * u, 2.0))
     sigma, nu = pick(body.extinction, channel), pick(body.nu, channel)
+    width, inverse_nu = pick(body.width, channel), pick(body.inverse, channel)
 
     one = lanes_vec3(1.0)
     walk, factor = Walk(path.o, path.d, one, one, one), lanes(1.0)
@@ -169,7 +222,7 @@ def walk_through(scene, path, surface, entering):
     while any_lane(going):
         z = dot(walk.d, body.n)
         stretched = _stretched(body, z)
-        chosen = where(led, sigma * (1.0 - z / nu), sigma)
+        chosen = where(led, sigma * (1.0 - z * inverse_nu), sigma)
         distance = -log(1.0 - u) / chosen
         hit = intersect_closest(scene, walk.o, walk.d, distance, going)
         rays += count_lanes(going)
@@ -181,20 +234,16 @@ def walk_through(scene, path, surface, entering):
         back = where(left, back, back * stretched)
         taken = where(led, pick(back, channel), pick(plain, channel))
         inverse = 1.0 / maximum(taken, 1e-30)
-        moved = replace(
-            walk, plain=walk.plain * plain * inverse, led=walk.led * back * inverse
-        )
+        moved = replace(walk, plain=walk.plain * plain * inverse, led=walk.led * back * inverse)
         walk = where(going, moved, walk)
         going = going & ~left
 
         # Absorbed now and then, by what a walk still may add.
-        scattered = replace(
-            walk, o=walk.o + distance * walk.d, albedo=walk.albedo * body.albedo
-        )
+        scattered = replace(walk, o=walk.o + distance * walk.d, albedo=walk.albedo * body.albedo)
         walk = where(going, scattered, walk)
         u0, u1 = step_numbers(stream, 2 * step)
         u2, u3 = step_numbers(stream, 2 * step + 1)
-        weight = max_component(_weight(body, walk)) * factor
+        weight = max_component(_weight(walk)) * factor
         survival = minimum(weight * (1.0 / DIM), 1.0)
         survival = where(step > LONG, survival * LONG_SURVIVAL, survival)
         survives = u0 < survival
@@ -203,13 +252,12 @@ def walk_through(scene, path, surface, entering):
         factor = where(going, factor / maximum(survival, 1e-30), factor)
 
         # Where it goes on.
-        ratio = (nu - 1.0) / (nu + 1.0)
-        sloped = nu - (nu + 1.0) * exp(u1 * log(ratio))
+        sloped = nu - (nu + 1.0) * exp(-u1 * width)
         z = where(led, sloped, 1.0 - 2.0 * u1)
         local = direction_around_z(minimum(maximum(1.0 - z, 0.0), 2.0), u2)
         d = normalize(local.x * s + local.y * t + local.z * body.n)
         z = dot(d, body.n)
-        back = Vec3(_sloped(body.nu.x, z), _sloped(body.nu.y, z), _sloped(body.nu.z, z))
+        back = _sloped(body, z)
         taken = where(led, pick(back, channel), INV_FOUR_PI)
         inverse = 1.0 / taken
         turned = replace(
@@ -218,16 +266,9 @@ def walk_through(scene, path, surface, entering):
         walk = where(going, turned, walk)
         u = u3
         step = step + 1
-    beta = path.beta * _weight(body, walk) * factor
+    beta = path.beta * _weight(walk) * factor
     through = replace(
         path, o=walk.o, d=walk.d, beta=beta, pdf=lanes(1.0), delta=entering,
         active=path.active & ~ended,
     )  # fmt: skip
-    path = where(entering, through, path)
-    return replace(path, sampler=through.sampler, rays=rays), rays
-
-
-@kernel
-def enters_body(scene, surface, d):
-    """Mask: a path that leaves the surface along d is in a body that scatters."""
-    return is_body(scene, surface.bsdf) & (side_of(d, surface.ng) < 0.0)
+    return replace(where(entering, through, path), sampler=path.sampler, rays=rays)

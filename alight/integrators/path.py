@@ -50,19 +50,12 @@ from typing import Annotated, ClassVar, Literal
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import (
-    absorbs,
-    concentration,
-    has_bodies,
-    has_null,
-    refracts,
-    transmittance,
-)
+from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import enters_body, walk_through
+from alight.integrators.body_walk import enters_body, walk_inside
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -228,7 +221,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
-    absorbing, bodies = absorbs(program), has_bodies(program)
+    absorbing = absorbs(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
@@ -278,10 +271,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
-        vertex, rays = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0), path.rays
-        if bodies:
-            entering = vertex.active & enters_body(scene, surface, d)
-            vertex, rays = walk_through(scene, vertex, surface, entering)
+        vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
+        vertex, rays = walk_inside(scene, vertex, surface, active)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
             vertex = where((flags & NULL) != 0, on, vertex)
@@ -357,7 +348,7 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
     Only delta lights count unless `by_light`.
     """
     recorded, sample = listeners.sample is not None, listeners.sample
-    holes, guided, bodies = has_null(program), is_guided(program), has_bodies(program)
+    holes, guided = has_null(program), is_guided(program)
 
     @kernel
     def add_direct_light(scene, settings, path, surface, wo, active, here):
@@ -371,9 +362,8 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
         lit = active & (light.pdf > 0.0)
         if not by_light:
             lit = lit & light.delta
-        if bodies:
-            # Behind a surface that light enters, it is scattered: the walk inside will find it.
-            lit = lit & ~enters_body(scene, surface, light.wi)
+        # What lies inside is for walks there to find.
+        lit = lit & ~enters_body(scene, surface, light.wi)
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)

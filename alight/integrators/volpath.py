@@ -20,10 +20,10 @@ from typing import ClassVar, Literal
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import concentration, has_bodies, has_null, is_null, refracts
+from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import enters_body, walk_through
+from alight.integrators.body_walk import enters_body, walk_inside
 from alight.integrators.collisions import (
     Turn,
     evaluate_anywhere,
@@ -126,10 +126,10 @@ def step(program):
     without = _without_guide if guided else None
     reach_environment = write_reach_environment(found_weight, NO_LISTENERS, without)
     reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS, without)
-    add_direct_light = _write_add_direct_light(program, chosen_weight, by_light)
+    add_direct_light = _write_add_direct_light(chosen_weight, by_light, guided)
     guided_scatter = write_guided_scatter(roulette, sample_anywhere, evaluate_anywhere)
     refracting = refracts(program)
-    hides, bodies = program.option("hide_emitters", False), has_bodies(program)
+    hides = program.option("hide_emitters", False)
 
     @kernel
     def volpath_step(scene, settings, path):
@@ -222,11 +222,7 @@ def step(program):
                 vertex = play_beside_guide(settings, vertex, dimension, brightness, here.gain)
             else:
                 vertex = play_roulette(settings, vertex, dimension, brightness)
-        rays = on.rays
-        if bodies:
-            # Nothing but the body is in it: its surface bounds empty space.
-            entering = vertex.active & ~scattered & enters_body(scene, surface, d)
-            vertex, rays = walk_through(scene, vertex, surface, entering)
+        vertex, rays = walk_inside(scene, vertex, surface, met)
         going = vertex.active | passing
         path = where(passing, on, vertex)
         return replace(path, sampler=on.sampler, active=going, rays=rays)
@@ -237,13 +233,12 @@ def step(program):
 # ---------------------------------------------------------------- light
 
 
-def _write_add_direct_light(program, chosen_weight, by_light):
+def _write_add_direct_light(chosen_weight, by_light, guided):
     """Light sampling at surfaces and in media.
 
     ``(scene, settings, path, here, vertex, active) -> path``. Only delta lights count unless
     `by_light`.
     """
-    guided, bodies = is_guided(program), has_bodies(program)
 
     @kernel
     def add_direct_light(scene, settings, path, here, vertex, active):
@@ -258,8 +253,7 @@ def _write_add_direct_light(program, chosen_weight, by_light):
         lit = active & (light.pdf > 0.0)
         if not by_light:
             lit = lit & light.delta
-        if bodies:
-            lit = lit & (scattered | ~enters_body(scene, surface, light.wi))
+        lit = lit & (scattered | ~enters_body(scene, surface, light.wi))
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit & ~scattered)

@@ -30,7 +30,9 @@ def body_problems(scene: Scene) -> list[Issue]:
             text = "the material scatters light inside: nothing else can be there"
             issues.append(Issue(f"{path}.interior", text))
         if isinstance(node.shape, StrandShape):
-            text = f"{node.shape.type_name()} has no inside for a material that scatters light there"
+            text = (
+                f"{node.shape.type_name()} has no inside for a material that scatters light there"
+            )
             issues.append(Issue(f"{path}.bsdf", text))
     integrator = scene.integrator
     if used and integrator.needs_light and not integrator.walks_inside:

@@ -200,26 +200,24 @@ class _Flattener:
         while stack:
             path, node, parent, bsdf = stack.pop()
             here = parent.then(node.transform, self.shutter)
-            to_world = here.matrix
             bsdf = bsdf if node.bsdf is None else node.bsdf
             light = None if node.light is None else self.light(node.light)
             if node.shape is not None:
                 index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
-                border = self.border(node, self.bsdfs[index])
                 self.shapes.append(
                     PlacedShape(
                         name=path,
                         shape=with_arrays(node.shape, self.files),
-                        to_world=to_world,
+                        to_world=here.matrix,
                         bsdf=index,
                         light=light,
                         geometry=geometry,
-                        border=border,
+                        border=self.border(node, self.bsdfs[index]),
                         motion=here.motion,
                     )
                 )
             elif light is not None:
-                placed = PlacedLight(path, light, to_world, here.motion)
+                placed = PlacedLight(path, light, here.matrix, here.motion)
                 if light.placement == "environment":
                     self.environments.append(placed)
                 else:
@@ -231,10 +229,7 @@ class _Flattener:
             stack.extend(reversed(below))
 
     def border(self, node: Node, bsdf: Bsdf) -> tuple[int, int] | None:
-        """Number the media on both sides of a shape, if it bounds any.
-
-        A body that scatters light bounds those around it.
-        """
+        """Number the media on both sides of a shape, if it bounds any; fog ends at bodies."""
         around = self.scene.medium is not None and scatters_inside(bsdf)
         if node.interior is None and node.exterior is None and not around:
             return None
