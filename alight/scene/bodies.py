@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from alight.bsdfs.nesting import Nested, scatters_inside
 from alight.core.errors import Issue, join_path
 from alight.core.spec import Bsdf
-from alight.scene.description import Scene
+from alight.scene.description import VACUUM, Scene
 from alight.scene.nodes import all_nodes
 from alight.shapes.strands import StrandShape
 
@@ -26,7 +26,7 @@ def body_problems(scene: Scene) -> list[Issue]:
         if node.bsdf is None or not scatters_inside(node.bsdf, known):
             continue
         used.append(f"{path}.bsdf")
-        if node.interior is not None:
+        if node.interior not in (None, VACUUM):
             text = "the material scatters light inside: nothing else can be there"
             issues.append(Issue(f"{path}.interior", text))
         if isinstance(node.shape, StrandShape):
