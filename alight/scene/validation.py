@@ -66,9 +66,9 @@ def find_problems(scene: Scene, files: Files | None = None) -> list[Issue]:
         checker.check_environment()
         checker.check_nodes()
     checker.check_camera()
-    issues = checker.issues + media_problems(scene, files) + body_problems(scene)
-    # Only a graph that is right so far can be walked with its instances.
-    return issues or motion_problems(scene)
+    issues = checker.issues + media_problems(scene, files)
+    # Only materials and a graph that are right so far can be walked with all that is in them.
+    return issues or body_problems(scene) + motion_problems(scene)
 
 
 @dataclass
