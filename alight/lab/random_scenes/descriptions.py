@@ -40,9 +40,14 @@ DEEPEST = 2
 MOST_LEAVES = 4
 
 
+def models_of(family: str) -> list[ModuleType]:
+    """The models to choose from: all but bodies, which not all integrators and materials hold."""
+    return [module for module in Registry(family).values() if not hasattr(module, "inside")]
+
+
 def any_model(chance: Chance, family: str, depth: int = DEEPEST) -> Any:
     """A description of any model of a family."""
-    modules = list(Registry(family).values())
+    modules = models_of(family)
     for _ in range(20):
         found = of_model(chance, chance.choose(modules), depth)
         if depth > 0 or not _holds_others(found):
