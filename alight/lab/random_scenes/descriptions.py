@@ -11,7 +11,7 @@ import math
 from types import ModuleType
 from typing import Any, Literal, get_args, get_origin
 
-from alight.bsdfs.nesting import Nested, count_leaves, find_transmissive
+from alight.bsdfs.nesting import Nested, count_leaves, find_transmissive, scatters_inside
 from alight.core.errors import SceneError
 from alight.core.registry import Models as Registry
 from alight.core.spec import (
@@ -40,17 +40,14 @@ DEEPEST = 2
 MOST_LEAVES = 4
 
 
-def models_of(family: str) -> list[ModuleType]:
-    """The models to choose from: all but bodies, which not all integrators and materials hold."""
-    return [module for module in Registry(family).values() if not hasattr(module, "inside")]
-
-
 def any_model(chance: Chance, family: str, depth: int = DEEPEST) -> Any:
     """A description of any model of a family."""
-    modules = models_of(family)
+    modules = list(Registry(family).values())
     for _ in range(20):
         found = of_model(chance, chance.choose(modules), depth)
-        if depth > 0 or not _holds_others(found):
+        # Nothing can hold a body that scatters light inside.
+        nested = depth < DEEPEST and isinstance(found, Bsdf) and scatters_inside(found)
+        if not nested and (depth > 0 or not _holds_others(found)):
             return found
     return modules[0].EXAMPLES[0]
 
