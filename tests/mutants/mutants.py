@@ -1,6 +1,7 @@
 """All planted bugs, in the order in which they are tried."""
 
 from tests.mutants.agreement import AGREEMENT
+from tests.mutants.bodies import BODIES
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
 from tests.mutants.compiler import COMPILER
@@ -48,6 +49,7 @@ MUTANTS = (
     + COATED
     + PRINCIPLED
     + MEDIA
+    + BODIES
     + TURNED
     + KNOWN_ERROR
     + LABORATORY
