@@ -57,18 +57,43 @@ class Ladder(NamedTuple):
         return hashlib.sha256(repr(tuple(self)).encode()).hexdigest()
 
 
+class SharedArm(NamedTuple):
+    """What the replicates of one arm need.
+
+    Attributes
+    ----------
+    scene : CompiledScene
+    replicates : int
+        Of the film.
+    schedule : Any
+        The option, or None.
+    kernels : Kernels or None
+        None if they cannot travel.
+    """
+
+    scene: CompiledScene
+    replicates: int
+    schedule: Any
+    kernels: Kernels | None
+
+    @classmethod
+    def of(cls, arm: Arm) -> SharedArm:
+        """Take it from an arm, whose kernels have run."""
+        kernels = arm.kernels if arm.kernels.can_travel else None
+        return cls(arm.compiled, arm.replicates, arm.spec.options.get("schedule"), kernels)
+
+
 class SharedArms:
-    """What all replicates of a scene's arms need; kernels are made where they are used.
+    """What all replicates of a scene's arms need; kernels that did not come are made.
 
     Parameters
     ----------
-    arms : sequence of (CompiledScene, int, schedule)
-        The replicates of the film, and the option `schedule` or None.
+    arms : sequence of SharedArm
     """
 
-    def __init__(self, arms: Sequence[tuple[CompiledScene, int, Any]]) -> None:
+    def __init__(self, arms: Sequence[SharedArm]) -> None:
         self.arms = tuple(arms)
-        self._kernels: dict[int, Kernels] = {}
+        self._kernels = {number: arm.kernels for number, arm in enumerate(arms) if arm.kernels}
         self._lock = threading.Lock()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -78,7 +103,7 @@ class SharedArms:
         """Machine code of this process."""
         with self._lock:
             if arm not in self._kernels:
-                self._kernels[arm] = compiled_kernels(self.arms[arm][0])
+                self._kernels[arm] = compiled_kernels(self.arms[arm].scene)
             return self._kernels[arm]
 
 
@@ -95,10 +120,10 @@ def processor() -> str:
 
 def render_replicate(shared: SharedArms, task: Ladder) -> bytes:
     """Render a ladder on the thread that asks, and pack its pictures."""
-    scene, replicates, schedule = shared.arms[task.arm]
-    words = scene, shared.kernels(task.arm), replicates, task.seed, task.ladder, 0
+    arm = shared.arms[task.arm]
+    words = arm.scene, shared.kernels(task.arm), arm.replicates, task.seed, task.ladder, 0
     rungs = list(
-        steered_ladder(*words, schedule) if is_steered(schedule) else render_ladder(*words)
+        steered_ladder(*words, arm.schedule) if is_steered(arm.schedule) else render_ladder(*words)
     )
     told = [{"spp": r.spp, "seconds": r.seconds, "invalid": r.invalid} for r in rungs]
     content = {"task": task.digest, "rungs": told, "processor": processor()}
@@ -213,9 +238,7 @@ class Spread:
         """
         from alight.cluster.dispatch import Dispatcher, Patience
 
-        shared = SharedArms([
-            (arm.compiled, arm.replicates, arm.spec.options.get("schedule")) for arm in arms
-        ])  # fmt: skip
+        shared = SharedArms([SharedArm.of(arm) for arm in arms])
 
         def read(task: Ladder, data: Any) -> tuple[list[Rung], str]:
             rungs, name = read_replicate(task, arms[task.arm].size, data)

@@ -53,22 +53,29 @@ class BlockTask(NamedTuple):
 
 
 class SharedScene:
-    """What all tasks of a render need; kernels are made, or read from the cache, where it is used.
+    """What all tasks of a render need.
 
     Parameters
     ----------
     scene : CompiledScene
     settings : Settings
         Of any seed.
+    kernels : Kernels, optional
+        They have run, and travel as object code. Without, they are made, or read from the cache,
+        where they are used.
     """
 
-    def __init__(self, scene: CompiledScene, settings: Settings) -> None:
+    def __init__(
+        self, scene: CompiledScene, settings: Settings, kernels: Kernels | None = None
+    ) -> None:
         self.scene, self.settings = scene, settings
-        self._kernels: Kernels | None = None
+        self._kernels = kernels
         self._lock = threading.Lock()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return SharedScene, (self.scene, self.settings)
+        kernels = self._kernels
+        shipped = kernels if kernels is not None and kernels.can_travel else None
+        return SharedScene, (self.scene, self.settings, shipped)
 
     @property
     def kernels(self) -> Kernels:

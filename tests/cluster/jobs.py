@@ -70,6 +70,19 @@ def kept():
     return len(alight.cluster.worker._kept)
 
 
+def keep_kernels_in(folder):
+    """Let this process find and keep kernels in a folder; None is the usual one."""
+    if folder is None:
+        os.environ.pop("ALIGHT_CACHE", None)
+    else:
+        os.environ["ALIGHT_CACHE"] = folder
+
+
+def has_compiler():
+    """Whether this process has imported Numba."""
+    return "numba" in sys.modules
+
+
 def ticks_of_the_worker(dask_worker):
     """Milliseconds between two looks at its event loop."""
     return dask_worker.periodic_callbacks["tick"].callback_time
