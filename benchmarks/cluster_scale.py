@@ -74,11 +74,12 @@ def the_answer() -> bytes:
     from alight.compiled.scene import compile_scene
     from alight.integrators.walk import make_settings
     from alight.rendering.block_tasks import SharedScene
+    from alight.rendering.tile import make_kernels
     from alight.scene import flatten
 
     scene = compile_scene(flatten(alight.load("cornell-box", ["film.size=[64, 64]"])))
-    return render_blocks(SharedScene(scene, make_settings(scene.integrator, seed=0, replicates=4)),
-                         TILE)  # fmt: skip
+    settings = make_settings(scene.integrator, seed=0, replicates=4)
+    return render_blocks(SharedScene(scene, settings, make_kernels(scene)), TILE)
 
 
 def cluster(workers: int, tasks: int, answer: bytes) -> dict:

@@ -71,9 +71,7 @@ class MachineCode:
     of the same fingerprint, which then needs neither compiler nor cache.
     """
 
-    def __init__(
-        self, name: str, identity: str, compile_for: Callable[[tuple], ObjectCode] | None
-    ):
+    def __init__(self, name: str, identity: str, compile_for: Callable[[tuple], ObjectCode] | None):
         self.name, self.identity, self.compile_for = name, identity, compile_for
         self._codes: dict[str, ObjectCode] = {}
         self._entries: dict[str, Callable] = {}

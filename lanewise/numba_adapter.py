@@ -17,7 +17,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 import numpy as np
-from numba import njit, typeof, types
+from numba import config, njit, typeof, types
 from numba.core import cgutils  # struct proxies, `alloca_once`, `get_or_insert_function`
 from numba.core import ir as numba_ir  # Const, Global and FreeVar hold `value`, which may be set
 from numba.core.caching import NullCache  # a dispatcher's `_cache`, which is asked first
@@ -54,6 +54,7 @@ from numba.core.untyped_passes import (
     TranslateByteCode,  # the first step
 )
 
+from lanewise.machine import PORTABLE, PORTABLE_CPU, target
 from lanewise.machine_code import ObjectCode
 
 __all__ = [
@@ -62,6 +63,13 @@ __all__ = [
     "make_struct", "object_code",
 ]  # fmt: skip
 
+
+# Numba makes its code generator at the first compilation, for the processor that it finds here.
+if target() == PORTABLE:
+    config.CPU_NAME, config.CPU_FEATURES = PORTABLE_CPU, ""
+
+#: Where fast-math allows it, LLVM takes rsqrtps, whose bits Intel and AMD define each for itself.
+_NO_ESTIMATES = '"reciprocal-estimates"="none"'
 
 #: (class, method or attribute) that other files use -> what is assumed of it. The code generators
 #: are given a `BaseContext` as `context`, and unboxing a `PythonAPI` as `c.pyapi`.
@@ -128,6 +136,15 @@ class OptimisedLibrary(JITCodeLibrary):
         """Link with a function; not with Numba's runtime, "nrt", as kernels count no references."""
         if library.name != "nrt" or isinstance(library, OptimisedLibrary):
             super().add_linking_library(library)
+
+    def add_ir_module(self, ir_module):
+        """Take in what is being lowered."""
+        if target() == PORTABLE:
+            for function in ir_module.functions:
+                if not function.is_declaration:
+                    # llvmlite's method `add` refuses attributes that it does not know.
+                    set.add(function.attributes, _NO_ESTIMATES)
+        super().add_ir_module(ir_module)
 
     def add_llvm_module(self, ll_module):
         """Take in what was lowered."""

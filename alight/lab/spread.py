@@ -22,7 +22,7 @@ from alight.cluster.addresses import check_address, connected
 from alight.compiled.scene import CompiledScene
 from alight.core.errors import FilmError, OptionError
 from alight.films.archive import pack_archive, unpack_archive
-from alight.lab.measure import Rung, compiled_kernels, render_ladder
+from alight.lab.measure import Rung, render_ladder
 from alight.lab.steering import is_steered, steered_ladder
 from alight.rendering.tile import Kernels
 
@@ -63,48 +63,18 @@ class SharedArm(NamedTuple):
     Attributes
     ----------
     scene : CompiledScene
+    kernels : Kernels
+        They have run, and travel as object code.
     replicates : int
         Of the film.
     schedule : Any
         The option, or None.
-    kernels : Kernels or None
-        None if they cannot travel.
     """
 
     scene: CompiledScene
+    kernels: Kernels
     replicates: int
     schedule: Any
-    kernels: Kernels | None
-
-    @classmethod
-    def of(cls, arm: Arm) -> SharedArm:
-        """Take it from an arm, whose kernels have run."""
-        kernels = arm.kernels if arm.kernels.can_travel else None
-        return cls(arm.compiled, arm.replicates, arm.spec.options.get("schedule"), kernels)
-
-
-class SharedArms:
-    """What all replicates of a scene's arms need; kernels that did not come are made.
-
-    Parameters
-    ----------
-    arms : sequence of SharedArm
-    """
-
-    def __init__(self, arms: Sequence[SharedArm]) -> None:
-        self.arms = tuple(arms)
-        self._kernels = {number: arm.kernels for number, arm in enumerate(arms) if arm.kernels}
-        self._lock = threading.Lock()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return SharedArms, (self.arms,)
-
-    def kernels(self, arm: int) -> Kernels:
-        """Machine code of this process."""
-        with self._lock:
-            if arm not in self._kernels:
-                self._kernels[arm] = compiled_kernels(self.arms[arm].scene)
-            return self._kernels[arm]
 
 
 @cache
@@ -118,10 +88,10 @@ def processor() -> str:
     return names[0] if names else platform.machine()
 
 
-def render_replicate(shared: SharedArms, task: Ladder) -> bytes:
+def render_replicate(shared: Sequence[SharedArm], task: Ladder) -> bytes:
     """Render a ladder on the thread that asks, and pack its pictures."""
-    arm = shared.arms[task.arm]
-    words = arm.scene, shared.kernels(task.arm), arm.replicates, task.seed, task.ladder, 0
+    arm = shared[task.arm]
+    words = arm.scene, arm.kernels, arm.replicates, task.seed, task.ladder, 0
     rungs = list(
         steered_ladder(*words, arm.schedule) if is_steered(arm.schedule) else render_ladder(*words)
     )
@@ -238,7 +208,10 @@ class Spread:
         """
         from alight.cluster.dispatch import Dispatcher, Patience
 
-        shared = SharedArms([SharedArm.of(arm) for arm in arms])
+        shared = [
+            SharedArm(arm.compiled, arm.kernels, arm.replicates, arm.spec.options.get("schedule"))
+            for arm in arms
+        ]
 
         def read(task: Ladder, data: Any) -> tuple[list[Rung], str]:
             rungs, name = read_replicate(task, arms[task.arm].size, data)

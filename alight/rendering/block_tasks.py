@@ -7,7 +7,6 @@ canonical sums of each block, and the digest of the task that they answer.
 from __future__ import annotations
 
 import hashlib
-import threading
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -20,7 +19,7 @@ from alight.films.archive import pack_archive, unpack_archive
 from alight.films.fixed_point import HIGH_SCALE, LOW_MASK, MAX_VALUE, carry
 from alight.integrators.walk import Settings
 from alight.rendering.executors import Block
-from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
+from alight.rendering.tile import Kernels, Scratch, render_tile
 
 #: Units of limb 0 that a sample adds at most, with its carry.
 _LARGEST = int(MAX_VALUE * HIGH_SCALE) + 1
@@ -52,38 +51,21 @@ class BlockTask(NamedTuple):
         return found.hexdigest()
 
 
-class SharedScene:
+class SharedScene(NamedTuple):
     """What all tasks of a render need.
 
-    Parameters
+    Attributes
     ----------
     scene : CompiledScene
     settings : Settings
         Of any seed.
-    kernels : Kernels, optional
-        They have run, and travel as object code. Without, they are made, or read from the cache,
-        where they are used.
+    kernels : Kernels
+        They have run, and travel as object code.
     """
 
-    def __init__(
-        self, scene: CompiledScene, settings: Settings, kernels: Kernels | None = None
-    ) -> None:
-        self.scene, self.settings = scene, settings
-        self._kernels = kernels
-        self._lock = threading.Lock()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        kernels = self._kernels
-        shipped = kernels if kernels is not None and kernels.can_travel else None
-        return SharedScene, (self.scene, self.settings, shipped)
-
-    @property
-    def kernels(self) -> Kernels:
-        """Machine code of this process."""
-        with self._lock:
-            if self._kernels is None:
-                self._kernels = make_kernels(self.scene)
-            return self._kernels
+    scene: CompiledScene
+    settings: Settings
+    kernels: Kernels
 
 
 def render_blocks(shared: SharedScene, task: BlockTask) -> bytes:

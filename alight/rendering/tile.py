@@ -35,7 +35,7 @@ from alight.rendering.tile_kernel import (
     render_tile_kernel,
 )
 from lanewise.jit import StockKernel, instantiate
-from lanewise.machine_code import FixedKernel, MachineCode
+from lanewise.machine_code import MachineCode
 from lanewise.view import View
 
 #: What the kernel writes: flat int64 tables of one tile.
@@ -43,7 +43,7 @@ TileFilm = namedtuple("TileFilm", "sums counts direct tally")
 
 
 class Kernels(NamedTuple):
-    """Machine code for one scene.
+    """Machine code for one scene; once they have run, they can be pickled.
 
     Attributes
     ----------
@@ -58,11 +58,6 @@ class Kernels(NamedTuple):
     beauty: Callable
     layers: Callable | None
     add_rows: Callable | None
-
-    @property
-    def can_travel(self) -> bool:
-        """Whether other processes can be given their object code, by pickling them."""
-        return all(isinstance(one, FixedKernel) for one in self if one is not None)
 
 
 def make_kernels(

@@ -52,9 +52,9 @@ def _is_first(folder, number):
 
 def become_another_machine():
     """Let this process have another fingerprint, of a machine with other lanes."""
-    alight.cluster.worker.fingerprint = lambda: "another"
+    alight.cluster.worker.fingerprint = lambda target: "another"
     own = alight.cluster.worker.describe_machine()
-    alight.cluster.worker.describe_machine = lambda: {**own, "lanes": "another"}
+    alight.cluster.worker.describe_machine = lambda target: {**own, "lanes": "another"}
 
 
 def become_this_machine():
@@ -106,3 +106,10 @@ def become_another_processor():
 def become_this_processor():
     """Undo it."""
     alight.lab.spread.processor = _PROCESSOR
+
+
+def target_of_process():
+    """What this process compiles for."""
+    from lanewise.machine import target
+
+    return target()

@@ -70,7 +70,7 @@ CLUSTER = (
     Mutant(
         "workers of any fingerprint let in",
         "cluster/worker.py",
-        (("if fingerprint() != asked:", "if False:"),),
+        (("if fingerprint(asked.target) != asked.fingerprint:", "if False:"),),
         f"{DISPATCH}::test_a_worker_of_another_fingerprint_is_refused",
     ),
     Mutant(
