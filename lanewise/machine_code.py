@@ -62,8 +62,9 @@ class MachineCode:
     identity : str
         Everything beside sources, machine and types of arguments that decides the code.
     compile_for : callable or None
-        Given a tuple of arguments, the `ObjectCode` for their types. None has only what it was
-        pickled with.
+        Given a tuple of arguments, the `ObjectCode` for their types. None has `codes` only.
+    codes : dict of str to ObjectCode, optional
+        By `kind_of` the arguments: what is there already.
 
     Notes
     -----
@@ -71,9 +72,15 @@ class MachineCode:
     of the same fingerprint, which then needs neither compiler nor cache.
     """
 
-    def __init__(self, name: str, identity: str, compile_for: Callable[[tuple], ObjectCode] | None):
+    def __init__(
+        self,
+        name: str,
+        identity: str,
+        compile_for: Callable[[tuple], ObjectCode] | None,
+        codes: dict[str, ObjectCode] | None = None,
+    ) -> None:
         self.name, self.identity, self.compile_for = name, identity, compile_for
-        self._codes: dict[str, ObjectCode] = {}
+        self._codes = codes or {}
         self._entries: dict[str, Callable] = {}
         self._lock = threading.Lock()
 
@@ -107,17 +114,11 @@ class MachineCode:
         return compiled
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _compiled_elsewhere, (self.name, self.identity, self._codes)
+        return MachineCode, (self.name, self.identity, None, self._codes)
 
     def fixed(self) -> FixedKernel:
         """The same, for arguments whose types do not change from call to call."""
         return FixedKernel(self)
-
-
-def _compiled_elsewhere(name: str, identity: str, codes: dict[str, ObjectCode]) -> MachineCode:
-    made = MachineCode(name, identity, None)
-    made._codes.update(codes)
-    return made
 
 
 class FixedKernel:
