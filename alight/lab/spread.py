@@ -160,11 +160,6 @@ class Spread:
     equal_time : bool
         Whether the study compares arms at equal times.
 
-    Attributes
-    ----------
-    processors : set of str
-        Names of those that replicates were timed on.
-
     Raises
     ------
     OptionError
@@ -173,7 +168,6 @@ class Spread:
 
     def __init__(self, client: Any, equal_time: bool) -> None:
         self._client, self._equal_time = client, equal_time
-        self.processors: set[str] = set()
         own = processor()
         found: dict[str, str] = {}
         # One that does not answer now, or lacks alight, is told apart by its answers.
@@ -192,7 +186,7 @@ class Spread:
         arms: Sequence[Arm],
         tasks: Sequence[Ladder],
         seconds: float,
-        take: Callable[[Ladder, list[Rung]], None],
+        take: Callable[[Ladder, list[Rung], str], None],
     ) -> None:
         """Render replicates in any order.
 
@@ -204,7 +198,8 @@ class Spread:
         seconds : float
             That the longest of them should take.
         take : callable
-            Takes a task and its pictures, each task once, in this thread.
+            Takes a task, its pictures and the processor that they were timed on: each task once,
+            in this thread.
         """
         from alight.cluster.dispatch import Dispatcher, Patience
 
@@ -220,9 +215,7 @@ class Spread:
             return rungs, name
 
         def took(task: Ladder, answer: tuple[list[Rung], str], seconds: float) -> None:
-            rungs, name = answer
-            self.processors.add(name)
-            take(task, rungs)
+            take(task, *answer)
 
         patience = Patience(task=max(_LATE, _TIMES * seconds), times=_TIMES)
         dispatcher = Dispatcher(self._client, render_replicate, shared, read, patience)
@@ -237,13 +230,6 @@ class Spread:
         # A cluster that is lost leaves the rest to this process.
         for task in (*left, *waiting):
             took(task, read(task, render_replicate(shared, task)), 0.0)
-
-    @property
-    def note(self) -> str:
-        """What a reader must know of the times; empty where they compare."""
-        if len(self.processors) < 2:
-            return ""
-        return f"times are those of different processors: {', '.join(sorted(self.processors))}"
 
 
 @contextmanager
