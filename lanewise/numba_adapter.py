@@ -17,7 +17,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 import numpy as np
-from numba import config, njit, typeof, types
+from numba import njit, typeof, types
 from numba.core import cgutils  # struct proxies, `alloca_once`, `get_or_insert_function`
 from numba.core import ir as numba_ir  # Const, Global and FreeVar hold `value`, which may be set
 from numba.core.caching import NullCache  # a dispatcher's `_cache`, which is asked first
@@ -54,8 +54,8 @@ from numba.core.untyped_passes import (
     TranslateByteCode,  # the first step
 )
 
-from lanewise.machine import PORTABLE, PORTABLE_CPU, target
 from lanewise.machine_code import ObjectCode
+from lanewise.portable import forbid_estimates
 
 __all__ = [
     "DIGEST", "AbstractTemplate", "NullCache", "OptimisedLibrary", "TypingError", "as_compiled",
@@ -63,13 +63,6 @@ __all__ = [
     "make_struct", "object_code",
 ]  # fmt: skip
 
-
-# Numba makes its code generator at the first compilation, for the processor that it finds here.
-if target() == PORTABLE:
-    config.CPU_NAME, config.CPU_FEATURES = PORTABLE_CPU, ""
-
-#: Where fast-math allows it, LLVM takes rsqrtps, whose bits Intel and AMD define each for itself.
-_NO_ESTIMATES = '"reciprocal-estimates"="none"'
 
 #: (class, method or attribute) that other files use -> what is assumed of it. The code generators
 #: are given a `BaseContext` as `context`, and unboxing a `PythonAPI` as `c.pyapi`.
@@ -139,11 +132,7 @@ class OptimisedLibrary(JITCodeLibrary):
 
     def add_ir_module(self, ir_module):
         """Take in what is being lowered."""
-        if target() == PORTABLE:
-            for function in ir_module.functions:
-                if not function.is_declaration:
-                    # llvmlite's method `add` refuses attributes that it does not know.
-                    set.add(function.attributes, _NO_ESTIMATES)
+        forbid_estimates(ir_module)
         super().add_ir_module(ir_module)
 
     def add_llvm_module(self, ll_module):
