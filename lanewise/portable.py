@@ -19,7 +19,8 @@ def compile_for_target() -> None:
     from numba import config
 
     if target() == PORTABLE:
-        config.CPU_NAME, config.CPU_FEATURES = PORTABLE_CPU, ""
+        for name, value in (("CPU_NAME", PORTABLE_CPU), ("CPU_FEATURES", "")):
+            setattr(config, name, value)
 
 
 def forbid_estimates(module: Any) -> None:
