@@ -7,6 +7,7 @@ from pathlib import Path
 
 import alight.cluster.worker
 import alight.lab.spread
+from lanewise.machine import describe_machine, fingerprint, target
 
 _PROCESSOR = alight.lab.spread.processor
 
@@ -53,14 +54,12 @@ def _is_first(folder, number):
 def become_another_machine():
     """Let this process have another fingerprint, of a machine with other lanes."""
     alight.cluster.worker.fingerprint = lambda target: "another"
-    own = alight.cluster.worker.describe_machine()
+    own = describe_machine()
     alight.cluster.worker.describe_machine = lambda target: {**own, "lanes": "another"}
 
 
 def become_this_machine():
     """Undo it."""
-    from lanewise.machine import describe_machine, fingerprint
-
     alight.cluster.worker.fingerprint = fingerprint
     alight.cluster.worker.describe_machine = describe_machine
 
@@ -110,6 +109,4 @@ def become_this_processor():
 
 def target_of_process():
     """What this process compiles for."""
-    from lanewise.machine import target
-
     return target()

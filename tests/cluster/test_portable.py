@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import alight
 from alight.cli.main import app
 from alight.films import Film
+from lanewise.jit import load_compiler
 from lanewise.machine import fingerprint
 
 #: Renders on a cluster whose worker has compiled for its own processor, if at all, and goes on.
@@ -114,10 +115,6 @@ def test_portable_code_takes_no_instruction_whose_bits_are_a_vendors(tmp_path):
 
 def test_a_process_compiles_for_one_target(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    # This one has a compiler already.
-    alight.render("cornell-box", size=8, spp=1, threads=1)
-    from lanewise.jit import load_compiler
-
     load_compiler()
     with pytest.raises(alight.OptionError, match="has compiled for native: portable needs"):
         alight.render("cornell-box", size=8, spp=1, target="portable")
