@@ -35,6 +35,13 @@ from alight.rendering.tile_kernel import Tile
 TILE = BlockTask(0, (Block(Tile(0, 0, 32, 32), np.tile(np.array([0, 64]), (4, 4, 1))),))
 LAYOUT = Layout(4, 3, {})
 
+#: What each worker does now and then: a thousand of them in one process would do nothing else.
+IDLE = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1h",
+    "distributed.admin.system-monitor.interval": "1h",
+}
+
 
 def same_answer(answer: bytes, task: int) -> bytes:
     """What a fake worker does."""
@@ -45,8 +52,10 @@ async def fake_workers(address: str, count: int) -> None:
     """Workers of one process, which share a few threads."""
     from concurrent.futures import ThreadPoolExecutor
 
+    import dask.config
     from distributed import Worker
 
+    dask.config.set(IDLE)
     pool = ThreadPoolExecutor(2)
     workers = [
         Worker(address, nthreads=1, executor=pool, dashboard=False, memory_limit=0)
