@@ -39,6 +39,8 @@ HIT = 16 * UNIT
 #: Error of a unit vector: half of its square's (three operations), a root, a quotient, a product;
 #: of a frame: two of them, orthogonal up to three operations more, and a cross product.
 UNIT_VECTOR, FRAME = 5 * UNIT, 16 * UNIT
+#: Lines of which the length of the direction is varied.
+MEASURED = 2000
 #: Step between neighbours, in parts of the radius; and least cosine of the rays to them, which are
 #: then at most so many steps apart.
 STEP, LEAST_COSINE, FARTHEST = 5e-3, 0.3, 8.0
@@ -73,6 +75,26 @@ def hits_lie_on_their_rays_and_in_the_box(body: Body) -> None:
         demand_close(np.linalg.norm(v, axis=0), 1.0, f"length of {name}", atol=UNIT_VECTOR)
     demand_close(np.cross(ns, s, axis=0), t, "ns x s against t", atol=FRAME)
     demand_close(np.cross(s, t, axis=0), ns, "s x t against ns", atol=FRAME)
+
+
+@placed_everywhere
+def distances_are_in_lengths_of_the_direction(body: Body) -> None:
+    """A ray whose direction is longer meets the same point at a smaller t, as instances need it."""
+    o, d = (v[:, :MEASURED] for v in body.lines(9))
+    everywhere = np.ones(MEASURED, bool)
+    hit, surface = body.hit(o, d, everywhere)
+    facing = np.abs(np.sum(rows_of(surface.ng, MEASURED) * d, axis=0))
+    for length in (0.125, 3.0):
+        other, _ = body.hit(o, (length * d).astype(np.float32), everywhere)
+        both = np.isfinite(hit.t) & np.isfinite(other.t)
+        demand((both == np.isfinite(hit.t)).mean() > 0.99, f"{length:g} d misses what d meets")
+        # At an edge the one may pass what the other meets.
+        both &= (hit.shape == other.shape) & (hit.prim == other.prim)
+        near, far = (np.where(both, t, 0.0) for t in (length * other.t, hit.t))
+        demand_close(
+            (near - far) * facing, 0.0, f"metres between the hits of d and {length:g} d, along the normal",
+            atol=2.0 * _margin(body, o),
+        )  # fmt: skip
 
 
 def _margin(body: Body, o: np.ndarray) -> float:
@@ -374,6 +396,7 @@ def demand_same_surfaces(body: Body) -> None:
 
 LAWS = (
     hits_lie_on_their_rays_and_in_the_box,
+    distances_are_in_lengths_of_the_direction,
     an_automatic_camera_sees_all_of_it,
     neighbours_differ_as_the_derivatives_say,
     area_is_that_of_crofton,
