@@ -91,10 +91,8 @@ def distances_are_in_lengths_of_the_direction(body: Body) -> None:
         # At an edge the one may pass what the other meets.
         both &= (hit.shape == other.shape) & (hit.prim == other.prim)
         near, far = (np.where(both, t, 0.0) for t in (length * other.t, hit.t))
-        demand_close(
-            (near - far) * facing, 0.0, f"metres between the hits of d and {length:g} d, along the normal",
-            atol=2.0 * _margin(body, o),
-        )  # fmt: skip
+        what = f"metres between the hits of d and {length:g} d, along the normal"
+        demand_close((near - far) * facing, 0.0, what, atol=2.0 * _margin(body, o))
 
 
 def _margin(body: Body, o: np.ndarray) -> float:

@@ -112,7 +112,7 @@ FORMULAS = {
     "rgbtohsv": lambda x: colorsys.rgb_to_hsv(*x),
     "round": _each(lambda x: math.floor(x + 0.5)),
     "safepower": _each(lambda a, b: math.copysign(abs(a) ** b, a)),
-    "saturate": lambda x, a, weights: [_grey(x, weights) + a[0] * (c - _grey(x, weights)) for c in x],
+    "saturate": lambda x, a, w: [a[0] * c + (1.0 - a[0]) * _grey(x, w) for c in x],
     "screen": _blended(lambda fg, bg: fg + bg - fg * bg),
     "sign": _each(lambda x: float(x > 0.0) - float(x < 0.0)),
     "sin": _each(math.sin),
