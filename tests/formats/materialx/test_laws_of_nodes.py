@@ -1,22 +1,30 @@
 """Laws of nodes: each is its formula, and of textures what its formula makes of their texels."""
 
 import colorsys
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image as Pillow
 
+from alight.core.fields import Model
+from alight.formats.materialx import gltf_pbr, open_pbr, preview_surface, standard_surface
 from alight.formats.materialx.baking import _bitmaps, _evaluated, _image, _key, _value
 from alight.formats.materialx.document import Document
 from alight.formats.materialx.evaluate import Evaluator
 from alight.formats.materialx.pointwise import LUMA, POINTWISE, folded
 from alight.formats.materialx.rules import RULES
 from alight.formats.materialx.scene import DocumentHost
-from alight.formats.materialx.values import Plain, is_positive, limited, positive
+from alight.formats.materialx.values import Plain, is_positive, limited, parts_of, positive
 from alight.formats.reach import Reach
 from alight.formats.report import Report
+from alight.laws.textures import values_at
+from alight.scene.build import Builder
 from tests.formats.materialx.reading import TEXELS, document, link, node, picture, value
+
+SHADERS = (standard_surface, open_pbr, gltf_pbr, preview_surface)
 
 # ---------------------------------------------------------------- formulas
 
@@ -161,6 +169,17 @@ def test_every_node_is_its_formula():
             assert folded(function, inputs) == pytest.approx(meant, abs=1e-9), (category, inputs)
 
 
+def test_tables_are_those_of_the_library():
+    """As `test_library` reads them where its package is installed: names in order, defaults."""
+    stored = json.loads(Path(__file__).with_name("library.json").read_text("utf-8"))
+    nodes = {name: dict(arguments) for name, (_, arguments) in POINTWISE.items()}
+    shaders = {module.__name__.rpartition(".")[2]: module.INPUTS for module in SHADERS}
+    found = json.loads(json.dumps({"nodes": nodes, "shaders": shaders}))
+    assert found == stored
+    for name, inputs in found["nodes"].items():
+        assert list(inputs) == list(stored["nodes"][name]), name
+
+
 # ---------------------------------------------------------------- textures
 
 
@@ -215,7 +234,7 @@ OF_ONE = ("value1", "value2", "doclamp")
 
 def _drawn(name, rng):
     """Nodes and the input of that name: numbers, a picture, or one stretched and moved."""
-    kinds = ["grey numbers", "numbers", "picture", "grey picture", "affine"]
+    kinds = ["grey numbers", "numbers", "picture", "grey picture", "affine", "bright"]
     kind = rng.choice(kinds[:1] if name in OF_ONE else kinds)
     if kind == "numbers":
         return [], value(name, "color3", _numbers(rng.uniform(0.0, 1.5, 3).round(3)))
@@ -226,7 +245,13 @@ def _drawn(name, rng):
     if kind != "affine":
         return [shown], link(name, "color3" if kind == "picture" else "float", f"{name}p")
     factor, offset = rng.uniform(-1.5, 2.0, 3).round(3), rng.uniform(-0.5, 1.0, 3).round(3)
-    times = node("multiply", f"{name}m", "color3", link("in1", "color3", f"{name}p"),
+    below = f"{name}p"
+    if kind == "bright":
+        # A texture that exceeds 1, upside down.
+        both = link("in1", "color3", below), link("in2", "color3", below)
+        shown, below = shown + node("add", f"{name}s", "color3", *both), f"{name}s"
+        factor, offset = -0.5 * np.abs(factor), 2.0 + offset
+    times = node("multiply", f"{name}m", "color3", link("in1", "color3", below),
                  value("in2", "color3", _numbers(factor)))  # fmt: skip
     plus = node("add", f"{name}a", "color3", link("in1", "color3", f"{name}m"),
                 value("in2", "color3", _numbers(offset)))  # fmt: skip
@@ -263,3 +288,63 @@ def test_textures_show_what_the_node_makes_of_their_texels(category, folder):
             cut = found.shown(limited(found.value, 0.7))
             np.testing.assert_allclose(cut[ok], np.minimum(meant, 0.7)[ok], atol=2e-3)
     assert exact > 20
+
+
+def test_all_parts_of_a_texture_are_counted():
+    leaf = {"type": "constant", "color": [0.5] * 3}
+    tree, count = leaf, 1
+    for keys in (["texture"], ["a", "b"], ["a", "b", "weight"], ["weight", "texture"]):
+        tree, count = {"type": "mix"} | dict.fromkeys(keys, tree), 1 + count * len(keys)
+    assert parts_of(tree, 1000) == count
+    assert parts_of(tree, 7) > 7
+
+
+# ---------------------------------------------------------------- patterns
+
+
+def _four(u, v, bl, br, tl, tr):
+    return (1 - v) * ((1 - u) * bl + u * br) + v * ((1 - u) * tl + u * tr)
+
+
+#: Node -> names of its values, and which of them is shown where, in shares.
+PATTERNS_AT = {
+    "ramplr": (("valuel", "valuer"), lambda u, v, left, right: (1 - u) * left + u * right),
+    "ramptb": (("valueb", "valuet"), lambda u, v, low, high: (1 - v) * low + v * high),
+    "splitlr": (("valuel", "valuer"), lambda u, v, left, right: np.where(u < 0.3, left, right)),
+    "splittb": (("valueb", "valuet"), lambda u, v, low, high: np.where(v < 0.3, low, high)),
+    "ramp4": (("valuebl", "valuebr", "valuetl", "valuetr"), _four),
+    "checkerboard": (
+        ("color2", "color1"),
+        lambda u, v, near, other: np.where((2 * u) // 1 % 2 == (4 * v) // 1 % 2, near, other),
+    ),
+}
+
+
+@pytest.mark.parametrize("category", PATTERNS_AT)
+def test_patterns_show_what_they_say_at_every_point(category, folder):
+    names, shown = PATTERNS_AT[category]
+    rng = np.random.default_rng(5)
+    values = rng.uniform(0.1, 0.9, (len(names), 3)).round(3)
+    inputs = [value(n, "color3", _numbers(x)) for n, x in zip(names, values, strict=True)]
+    inputs += [value("center", "float", 0.3)] if category.startswith("split") else []
+    tiles = value("uvtiling", "vector2", "2, 4")
+    inputs += [tiles] if category == "checkerboard" else []
+    found = Network(folder, node(category, "x", "color3", *inputs))
+    texture = Builder().model(Model("texture", "textures"), positive(found.value), "")
+    u, v = rng.uniform(0.0, 1.0, (2, 500))
+    # Beside the edges.
+    u, v = (x[(np.abs(u - 0.3) > 0.01) & (np.abs(v - 0.3) > 0.01)] for x in (u, v))
+    meant = shown(u, v, *(x[:, None] for x in values))
+    np.testing.assert_allclose(values_at(texture, u, v), meant, atol=2e-3)
+
+
+def test_noise_is_the_native_one_about_its_pivot(folder):
+    inputs = value("amplitude", "vector3", "0.2, 0.1, 0.3"), value("pivot", "float", 0.4)
+    found = Network(folder, node("noise2d", "x", "color3", *inputs)).value
+    build = Builder()
+    u, v = np.random.default_rng(6).uniform(0.0, 9.0, (2, 500))
+    native = {"type": "noise", "space": "uv", "octaves": 1, "scale": [1.0, 1.0, 1.0]}
+    plain = values_at(build.model(Model("texture", "textures"), native, ""), u, v)
+    shown = values_at(build.model(Model("texture", "textures"), positive(found), ""), u, v)
+    meant = 0.4 + np.array([[0.2], [0.1], [0.3]]) * (2.0 * plain - 1.0)
+    np.testing.assert_allclose(shown, meant, atol=1e-5)
