@@ -232,10 +232,10 @@ def _numbers(x):
 OF_ONE = ("value1", "value2", "doclamp")
 
 
-def _drawn(name, rng):
+def _drawn(name, rng, *, is_plain):
     """Nodes and the input of that name: numbers, a picture, or one stretched and moved."""
     kinds = ["grey numbers", "numbers", "picture", "grey picture", "affine", "bright"]
-    kind = rng.choice(kinds[:1] if name in OF_ONE else kinds)
+    kind = rng.choice(kinds[:1] if name in OF_ONE else kinds[:2] if is_plain else kinds)
     if kind == "numbers":
         return [], value(name, "color3", _numbers(rng.uniform(0.0, 1.5, 3).round(3)))
     if kind == "grey numbers":
@@ -263,12 +263,14 @@ def test_textures_show_what_the_node_makes_of_their_texels(category, folder):
     function, arguments = POINTWISE[category]
     rng = np.random.default_rng(len(category))
     exact = 0
-    for _ in range(40):
+    for turn in range(40):
         nodes, inputs, rows = [], [], []
-        for name, default in arguments:
+        for place, (name, default) in enumerate(arguments):
             more, entry = [], ""
-            if rng.random() < 0.8:
-                more, entry = _drawn(name, rng)
+            # Every other time a texture among numbers.
+            is_plain = turn % 2 == 0 and place != turn // 2 % len(arguments)
+            if rng.random() < (0.5 if is_plain else 0.9):
+                more, entry = _drawn(name, rng, is_plain=is_plain)
             nodes, inputs = [*nodes, *more], [*inputs, entry]
             passed = node("dot", "x", "color3", entry.replace(f'name="{name}"', 'name="in"', 1))
             numbers = np.broadcast_to(np.asarray(default, float), (4, 3))
