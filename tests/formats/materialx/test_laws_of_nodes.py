@@ -1,6 +1,7 @@
 """Laws of nodes: each is its formula, and of textures what its formula makes of their texels."""
 
 import colorsys
+import itertools
 import json
 import math
 from pathlib import Path
@@ -17,7 +18,7 @@ from alight.formats.materialx.evaluate import Evaluator
 from alight.formats.materialx.pointwise import LUMA, POINTWISE, folded
 from alight.formats.materialx.rules import RULES
 from alight.formats.materialx.scene import DocumentHost
-from alight.formats.materialx.values import Plain, is_positive, limited, parts_of, positive
+from alight.formats.materialx.values import Plain, Varying, is_positive, limited, parts_of, positive
 from alight.formats.reach import Reach
 from alight.formats.report import Report
 from alight.laws.textures import values_at
@@ -299,6 +300,14 @@ def test_all_parts_of_a_texture_are_counted():
         tree, count = {"type": "mix"} | dict.fromkeys(keys, tree), 1 + count * len(keys)
     assert parts_of(tree, 1000) == count
     assert parts_of(tree, 7) > 7
+
+
+def test_no_weight_of_a_mixture_exceeds_1():
+    """What falls becomes a mixture by the texture, which must then stay within [0, 1]."""
+    for factor, most in itertools.product((-0.2, 0.2), (0.5, 1.0, 4.0)):
+        value = Varying({"type": "constant"}, (factor,), (0.9,), most)
+        assert is_positive(value) == (factor > 0.0 or most <= 1.0)
+    assert not is_positive(Varying({"type": "constant"}, (-1.0,), (0.9,), 1.0))
 
 
 # ---------------------------------------------------------------- patterns
