@@ -88,6 +88,39 @@ def asked(monkeypatch):
     return noted
 
 
+@pytest.fixture
+def textured(monkeypatch):
+    """Names of what a material is asked for that may be a texture."""
+    noted, ask = set(), Source.number
+
+    def note(self, name, default):
+        if self.p.directive.name == "Material":
+            noted.add(name)
+        return ask(self, name, default)
+
+    monkeypatch.setattr(Source, "number", note)
+    return noted
+
+
+def test_a_texture_that_is_the_same_everywhere_is_its_number(textured):
+    constant = 'Texture "t" "float" "constant" "float value" 0.3\n'
+    kinds, form = DIRECTIVES["Material"]
+    judged = 0
+    for kind in kinds:
+        textured.clear()
+        content = CONTENT.get(f"Material {kind}", "")
+        outcome(form.format(kind, content))
+        for name in sorted(textured):
+            number, texture = (
+                outcome(constant + form.format(kind, f"{word} {content}"))
+                for word in (f'"float {name}" 0.3', f'"texture {name}" "t"')
+            )
+            # What the number alone leaves unused is said.
+            assert texture[0] == number[0], (kind, name)
+            judged += 1
+    assert judged > 20
+
+
 @pytest.mark.parametrize("directive", DIRECTIVES)
 def test_numbers_have_their_defaults_and_matter(directive, asked):
     kinds, form = DIRECTIVES[directive]
