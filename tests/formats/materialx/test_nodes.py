@@ -1,5 +1,7 @@
 """Nodes of MaterialX: constants are folded, textures and pictures show what the nodes compute."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -361,3 +363,22 @@ def test_each_material_is_a_ball_and_one_can_be_chosen(tmp_path):
     assert list(without_floor(load(path, variant="M1")).nodes) == ["M1"]
     with pytest.raises(ValueError, match='there is no material "M2"'):
         load(path, variant="M2")
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 9, 10])
+def test_balls_stand_side_by_side_in_rows_as_long_as_there_are_rows(count, tmp_path):
+    balls = [
+        node("standard_surface", f"S{n}", "surfaceshader")
+        + node(
+            "surfacematerial", f"M{n}", "material", link("surfaceshader", "surfaceshader", f"S{n}")
+        )
+        for n in range(count)
+    ]
+    text = f'<materialx version="1.39">{"".join(balls)}</materialx>'
+    nodes = parsed(text, tmp_path).data["nodes"]
+    places = np.array([nodes[f"M{n}"]["transform"][-1]["translate"] for n in range(count)])
+    away = np.linalg.norm(places[:, None] - places, axis=2) + 9.0 * np.eye(count)
+    assert away.min() >= 2.4 - 1e-9
+    rows = (np.ptp(places, axis=0) / 2.4).round() + 1
+    columns = math.ceil(math.sqrt(count))
+    assert rows.tolist() == [columns, 1, math.ceil(count / columns)]
