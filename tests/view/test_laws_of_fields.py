@@ -6,6 +6,7 @@ import pytest
 
 from alight.core.registry import modules, type_name_of
 from alight.laws.bodies import scene_of
+from alight.lights.model import LIGHTS
 from alight.scene import Node, Scene, rotate, scale, translate
 from alight.scene.dump import dump_scene
 from alight.view.tree import fields_of, items_of
@@ -57,3 +58,14 @@ def test_every_field_has_the_value_at_its_path(family):
                 assert found == field.value, (type_name_of(module), field.path)
                 shown += 1
     assert shown > 20
+
+
+def test_a_light_may_become_any_that_stands_in_the_same_way():
+    placed = {name: model.EXAMPLES[0].placement for name, model in LIGHTS.items()}
+    for name, model in LIGHTS.items():
+        if placed[name] == "environment":
+            continue
+        scene = scene_with("lights", [model.EXAMPLES[0]])
+        alike = sorted(other for other, where in placed.items() if where == placed[name])
+        types = [f for f in fields_of(scene, "nodes.m0.light") if f.path.endswith("light.type")]
+        assert [f.choices for f in types] == ([alike] if len(alike) > 1 else []), name
