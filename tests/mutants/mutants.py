@@ -6,6 +6,7 @@ from tests.mutants.cluster import CLUSTER
 from tests.mutants.compiler import COMPILER
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
+from tests.mutants.everyday import EVERYDAY
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.formats import FORMATS
@@ -62,4 +63,5 @@ MUTANTS = (
     + SHOWN_AGAIN
     + SLIPS
     + STRANDS
+    + EVERYDAY
 )

@@ -36,7 +36,7 @@ DIRECTIVES = {
     ),
 }
 #: Defaults by name, and those of some types that have others; of pbrt 4, and of 3 for what only
-#: that has.
+#: that has. None: it has no such parameter.
 DEFAULTS = {
     "alpha": 2.0, "amount": 0.5, "anisotropic": 0.0, "beta_m": 0.3, "beta_n": 0.3,
     "clearcoat": 0.0, "clearcoatgloss": 1.0, "coneangle": 30.0, "conedelta": 5.0,
@@ -49,7 +49,7 @@ DEFAULTS = {
     "hair": {"eta": 1.55}, "kdsubsurface": {"eta": 1.33}, "marble": {"roughness": 0.5},
     "metal": {"roughness": 0.01}, "paraboloid": {"zmin": 0.0}, "plastic": {"roughness": 0.1},
     "substrate": {"roughness": 0.1}, "subsurface": {"eta": 1.33}, "uber": {"roughness": 0.1},
-    "projection": {"fov": 90.0}, "wrinkled": {"roughness": 0.5},
+    "projection": {"fov": 90.0}, "windy": {"octaves": None, "roughness": None}, "wrinkled": {"roughness": 0.5},
 }  # fmt: skip
 #: What has no effect by itself: a flat height, powers below 0, which stand for none, and what is
 #: said to become something plainer.

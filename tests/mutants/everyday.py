@@ -1,0 +1,198 @@
+"""Bugs of the kind that happens in practice and that no test found, with the laws that do now."""
+
+from tests.mutants.mutant import Mutant
+
+LAWS_OF = "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family"
+NODES = "tests/formats/materialx/test_laws_of_nodes.py"
+TEXELS = f"{NODES}::test_textures_show_what_the_node_makes_of_their_texels"
+PATTERNS = f"{NODES}::test_patterns_show_what_they_say_at_every_point"
+MITSUBA = (
+    "tests/formats/mitsuba/test_every_number_counts.py::test_numbers_have_their_defaults_and_matter"
+)
+PBRT = "tests/formats/pbrt/test_every_number_counts.py"
+FIELDS = "tests/view/test_laws_of_fields.py"
+LAYERS = "tests/view/test_layers.py"
+BORDERS = "tests/scene/test_fields_that_bound_each_other.py"
+
+EVERYDAY = (
+    Mutant(
+        "a ball at the end of a strand is met at a distance in metres",
+        "shapes/tube.py",
+        (("t = (center.z - half) * inverse\n", "t = center.z - half\n"),),
+        f"{LAWS_OF}[shapes-curves]",
+    ),
+    Mutant(
+        "the cone along a tube does not taper",
+        "shapes/tube.py",
+        (("    k = length + dr * dr\n", "    k = length\n"),),
+        "tests/shapes/test_tubes.py::test_the_cone_of_a_straight_tube_is_the_tube",
+    ),
+    Mutant(
+        "a triangle wave that is twice as high",
+        "formats/materialx/pointwise.py",
+        (
+            (
+                "lambda x: 0.5 - np.abs(np.abs(x) % 1.0 - 0.5)",
+                "lambda x: 1.0 - 2.0 * np.abs(np.abs(x) % 1.0 - 0.5)",
+            ),
+        ),
+        f"{NODES}::test_every_node_is_its_formula",
+    ),
+    Mutant(
+        "an angle of x over y",
+        "formats/materialx/pointwise.py",
+        (('(("iny", 0.0), ("inx", 1.0))', '(("inx", 1.0), ("iny", 0.0))'),),
+        f"{NODES}::test_tables_are_those_of_the_library",
+    ),
+    Mutant(
+        "a share of a mixture that is also the rest",
+        "formats/materialx/rules.py",
+        (("rest = affine(share, (-1.0,) * share.width, (1.0,) * share.width)", "rest = share"),),
+        f"{TEXELS}[mix]",
+    ),
+    Mutant(
+        "a range whose ends change places",
+        "formats/materialx/rules.py",
+        (("low, high, out_low, out_high], width)", "low, high, out_high, out_low], width)"),),
+        f"{TEXELS}[range]",
+    ),
+    Mutant(
+        "a luminance whose weights are never asked for",
+        "formats/materialx/rules.py",
+        (("return value if abs(total - 1.0) < 1e-6 else", "return value if total < 9.0 else"),),
+        f"{TEXELS}[luminance]",
+    ),
+    Mutant(
+        "a first power that is negative",
+        "formats/materialx/rules.py",
+        (("for low, _ in value.ends) < 0.0:", "for low, _ in value.ends) < -9.0:"),),
+        f"{TEXELS}[power]",
+    ),
+    Mutant(
+        "one texel over nothing takes the others with it",
+        "formats/materialx/baking.py",
+        (("_LARGEST, _LEAST = 1e15, -1e4", "_LARGEST, _LEAST = 1e15, -1e15"),),
+        f"{TEXELS}[divide]",
+    ),
+    Mutant(
+        "a texture beyond 1 as the weight of a mixture",
+        "formats/materialx/values.py",
+        (("not (falls and value.most > 1.0)", "True"),),
+        f"{NODES}::test_no_weight_of_a_mixture_exceeds_1",
+    ),
+    Mutant(
+        "parts of a texture are counted without its weight",
+        "formats/materialx/values.py",
+        (('for key in ("texture", "a", "b", "weight") if', 'for key in ("texture", "a", "b") if'),),
+        f"{NODES}::test_all_parts_of_a_texture_are_counted",
+    ),
+    Mutant(
+        "two corners of a ramp change places",
+        "formats/materialx/pictures.py",
+        (('("bl", "br", "tl", "tr")', '("bl", "tl", "br", "tr")'),),
+        f"{PATTERNS}[ramp4]",
+    ),
+    Mutant(
+        "a split on the other side of the middle",
+        "formats/materialx/pictures.py",
+        (("matrix[axis, 2] = 0.5 - center", "matrix[axis, 2] = center - 0.5"),),
+        f"{PATTERNS}[splitlr]",
+    ),
+    Mutant(
+        "noise of half its strength",
+        "formats/materialx/pictures.py",
+        (("textured(data, 1), (2.0,), (-1.0,))", "textured(data, 1), (1.0,), (-0.5,))"),),
+        f"{NODES}::test_noise_is_the_native_one_about_its_pivot",
+    ),
+    Mutant(
+        "all balls of a document in one row",
+        "formats/materialx/scene.py",
+        (("-APART * (number // columns)]", "-APART * (number // len(materials))]"),),
+        "tests/formats/materialx/test_nodes.py::"
+        "test_balls_stand_side_by_side_in_rows_as_long_as_there_are_rows[5]",
+    ),
+    Mutant(
+        "a coat as rough as the metal below it",
+        "formats/mitsuba/stand_ins.py",
+        (("math.sqrt(max(alpha, 0.0)),", "math.sqrt(inner),"),),
+        f"{MITSUBA}[3.0.0-bsdf]",
+    ),
+    Mutant(
+        "a lens that is focused at a metre where nothing is said",
+        "formats/mitsuba/sensors.py",
+        (('"focus_distance", p.number("far_clip", 1e4))', '"focus_distance", 1.0)'),),
+        f"{MITSUBA}[3.0.0-sensor]",
+    ),
+    Mutant(
+        "a sun that is asked how bright the sky is",
+        "formats/mitsuba/daylight.py",
+        (
+            (
+                '    if kind == "sunsky":\n        sun, sky',
+                '    p.number("sky_scale", each)\n    if kind == "sunsky":\n        sun, sky',
+            ),
+        ),
+        f"{MITSUBA}[3.0.0-emitter]",
+    ),
+    Mutant(
+        "a number that is three times its texture",
+        "formats/pbrt/textures.py",
+        (("return sum(value) / 3.0 if", "return sum(value) if"),),
+        f"{PBRT}::test_a_texture_that_is_the_same_everywhere_is_its_number",
+    ),
+    Mutant(
+        "a wind that is asked for its octaves",
+        "formats/pbrt/patterns.py",
+        (("waves, most = _waves(source, 6, 0.5)", "waves, most = _asked_waves(source)"),),
+        f"{PBRT}::test_numbers_have_their_defaults_and_matter[Texture]",
+    ),
+    Mutant(
+        "colours that no vertex carries are white",
+        "formats/usd/materials.py",
+        (('"vertex_color", "fallback": 0.18}', '"vertex_color", "fallback": 1.0}'),),
+        "tests/formats/usd/test_materials.py::"
+        "test_colors_of_vertices_that_are_not_there_are_the_usual_grey",
+    ),
+    Mutant(
+        "what only Python has comes first",
+        "options/table.py",
+        (("return not one.flags, PANELS", "return bool(one.flags), PANELS"),),
+        "tests/options/test_tables.py::test_what_only_python_has_goes_last[RenderOptions]",
+    ),
+    Mutant(
+        "a crop that may be as high as the picture is wide",
+        "scene/description.py",
+        (("y + h > height:", "y + h > width:"),),
+        f"{BORDERS}::test_a_crop_lies_inside_of_its_picture",
+    ),
+    Mutant(
+        "a beam without a cone",
+        "lights/projector.py",
+        (("(self.cutoff_angle or 0.0):", "(self.cutoff_angle or 90.0):"),),
+        f"{BORDERS}::test_no_beam_is_wider_than_its_cone[20.0-None]",
+    ),
+    Mutant(
+        "the first of two materials is edited as the second",
+        "view/tree.py",
+        (('scene, one, f"{path}[{i}]", f"{label}', 'scene, one, f"{path}[{i + 1}]", f"{label}'),),
+        f"{FIELDS}::test_every_field_has_the_value_at_its_path[bsdfs]",
+    ),
+    Mutant(
+        "a lamp on a shape may become a spot",
+        "view/tree.py",
+        (("if _placement(s) == spec.placement}", "if True}"),),
+        f"{FIELDS}::test_a_light_may_become_any_that_stands_in_the_same_way",
+    ),
+    Mutant(
+        "five channels as one",
+        "view/layers.py",
+        (("if len(planes) <= 4 else", "if len(planes) <= 5 else"),),
+        f"{LAYERS}::test_what_has_more_channels_than_a_colour_is_shown_channel_by_channel[5]",
+    ),
+    Mutant(
+        "a small picture that is as wide as it is high",
+        "view/live.py",
+        (("np.minimum(x // COARSER, columns - 1)", "np.minimum(x // COARSER, rows - 1)"),),
+        f"{LAYERS}::test_pixels_without_a_sample_show_the_small_picture[size0]",
+    ),
+)  # fmt: skip
