@@ -49,7 +49,8 @@ DEFAULTS = {
     "hair": {"eta": 1.55}, "kdsubsurface": {"eta": 1.33}, "marble": {"roughness": 0.5},
     "metal": {"roughness": 0.01}, "paraboloid": {"zmin": 0.0}, "plastic": {"roughness": 0.1},
     "substrate": {"roughness": 0.1}, "subsurface": {"eta": 1.33}, "uber": {"roughness": 0.1},
-    "projection": {"fov": 90.0}, "windy": {"octaves": None, "roughness": None}, "wrinkled": {"roughness": 0.5},
+    "projection": {"fov": 90.0}, "windy": {"octaves": None, "roughness": None},
+    "wrinkled": {"roughness": 0.5},
 }  # fmt: skip
 #: What has no effect by itself: a flat height, powers below 0, which stand for none, and what is
 #: said to become something plainer.
