@@ -21,6 +21,7 @@ from alight.formats import dumps, load, loads
 from alight.lab.random_scenes import KINDS, random_scene
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.kinds import summary
+from alight.lab.random_scenes.materials import clear
 from alight.laws import integrators as laws
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, flatten
@@ -197,3 +198,12 @@ def test_a_file_that_cannot_be_written_is_said(tmp_path):
     result = run("--kind", "studio", "-o", str(tmp_path / "none" / "scene.yaml"))
     assert result.exit_code == 2
     assert "cannot write" in result.stderr
+
+
+def test_clear_materials_are_seen_from_either_side_of_their_boundary():
+    found = [clear(Chance("clear", seed)) for seed in range(300)]
+    ratios = np.array([spec.int_ior / spec.ext_ior for spec in found])
+    # Denser inside, denser outside, and now and then nearly the same.
+    assert (ratios > 1.1).sum() > 100
+    assert (ratios < 1.0 / 1.1).sum() > 30
+    assert 0 < (np.abs(np.log(ratios)) <= np.log(1.1)).sum() < 60

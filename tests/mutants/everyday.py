@@ -195,4 +195,41 @@ EVERYDAY = (
         (("np.minimum(x // COARSER, columns - 1)", "np.minimum(x // COARSER, rows - 1)"),),
         f"{LAYERS}::test_pixels_without_a_sample_show_the_small_picture[size0]",
     ),
+    Mutant(
+        "strands that grow by the square root of the volume",
+        "shapes/strands.py",
+        (("growth = np.cbrt(abs(", "growth = np.sqrt(abs("),),
+        "tests/shapes/test_curves.py::test_radii_grow_as_the_third_root_of_the_volume",
+    ),
+    Mutant(
+        "tangents of Catmull and Rom's curve twice as long",
+        "shapes/strands.py",
+        (
+            (
+                "[[0, 6, 0, 0], [-1, 6, 1, 0], [0, 1, 6, -1], [0, 0, 6, 0]]",
+                "[[0, 6, 0, 0], [-2, 6, 2, 0], [0, 2, 6, -2], [0, 0, 6, 0]]",
+            ),
+        ),
+        "tests/shapes/test_curves.py::"
+        "test_segments_begin_and_end_as_their_basis_says[catmull_rom]",
+    ),
+    Mutant(
+        "of two reliefs the outer one counts",
+        "bsdfs/nesting.py",
+        (
+            (
+                "leaf.relief or (spec if spec.bends_normals else None)",
+                "(spec if spec.bends_normals else None) or leaf.relief",
+            ),
+        ),
+        "tests/physics/test_bent_normals.py::"
+        "test_of_two_reliefs_the_inner_one_counts[NormalMap-BumpMap]",
+    ),
+    Mutant(
+        "glass of random scenes that is never denser outside",
+        "lab/random_scenes/materials.py",
+        (("is_seen = max(ratio, 1.0 / ratio) > 1.1", "is_seen = ratio > 1.1"),),
+        "tests/lab/test_random_scenes.py::"
+        "test_clear_materials_are_seen_from_either_side_of_their_boundary",
+    ),
 )  # fmt: skip

@@ -49,6 +49,32 @@ def test_segments_join_smoothly(basis):
     np.testing.assert_allclose(parts.first, [0.0, 0.5])
 
 
+#: Basis -> where a segment of the control points a, b, c, d begins, and its derivative there.
+BEGINNINGS = {
+    "bezier": lambda a, b, c, d: (a, 3.0 * (b - a)),
+    "b_spline": lambda a, b, c, d: ((a + 4.0 * b + c) / 6.0, 0.5 * (c - a)),
+    "catmull_rom": lambda a, b, c, d: (b, 0.5 * (c - a)),
+}
+
+
+@pytest.mark.parametrize("basis", BEGINNINGS)
+def test_segments_begin_and_end_as_their_basis_says(basis):
+    rng = np.random.default_rng(2)
+    spec = curves.Curves(points=rng.normal(size=(4, 3)), radii=rng.uniform(1, 2, 4), basis=basis)
+    given = np.concatenate([spec.points, spec.radii[:, None]], axis=1, dtype=np.float64)
+    [found] = segments(spec, np.eye(4)).points
+    for rows, points in ((given, found), (given[::-1], found[::-1])):
+        place, slope = BEGINNINGS[basis](*rows)
+        np.testing.assert_allclose(points[0], place, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(3.0 * (points[1] - points[0]), slope, rtol=1e-6, atol=1e-9)
+
+
+def test_radii_grow_as_the_third_root_of_the_volume():
+    spec = curves.Curves(points=POINTS[:4], radii=(1, 2, 3, 4), basis="bezier")
+    [found] = segments(spec, np.diag([2.0, -3.0, 4.5, 1.0])).points
+    np.testing.assert_allclose(found[:, 3], [3.0, 6.0, 9.0, 12.0])
+
+
 def test_slender_segments_are_divided_and_stay_where_they_are():
     spec = curves.Curves(points=POINTS[:4], radii=(0.01, 0.02, 0.03, 0.04), basis="bezier")
     whole, rows = segments(spec, np.eye(4)).points[0], curves.pack(spec, np.eye(4))
