@@ -232,4 +232,17 @@ EVERYDAY = (
         "tests/lab/test_random_scenes.py::"
         "test_clear_materials_are_seen_from_either_side_of_their_boundary",
     ),
+    Mutant(
+        "an interval of the bias that is 1 % too wide where the bias is large",
+        "lab/decomposition.py",
+        (("+ 4.0 * crossed", "+ 4.08 * crossed"),),
+        "tests/lab/test_lab_statistics.py::"
+        "test_the_interval_of_a_bias_has_the_variance_of_its_square[0.3]",
+    ),
+    Mutant(
+        "no pixel at the left of a cell shows anything to turn about",
+        "view/movable.py",
+        (("tile = Tile(x, y, x + 1, y + 1)", "tile = Tile(x, y, x, y + 1)"),),
+        "tests/view/test_session.py::test_the_pivot_is_what_a_pixel_shows",
+    ),
 )  # fmt: skip
