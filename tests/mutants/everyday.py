@@ -72,7 +72,7 @@ EVERYDAY = (
         "one texel over nothing takes the others with it",
         "formats/materialx/baking.py",
         (("_LARGEST, _LEAST = 1e15, -1e4", "_LARGEST, _LEAST = 1e15, -1e15"),),
-        f"{TEXELS}[divide]",
+        f"{NODES}::test_a_texel_over_nothing_leaves_the_others_as_they_are",
     ),
     Mutant(
         "a texture beyond 1 as the weight of a mixture",

@@ -293,6 +293,16 @@ def test_textures_show_what_the_node_makes_of_their_texels(category, folder):
     assert exact > 20
 
 
+def test_a_texel_over_nothing_leaves_the_others_as_they_are(folder):
+    over = value("in1", "color3", "-0.3, 0.3, -3"), link("in2", "color3", "p")
+    found = Network(folder, picture(), node("divide", "x", "color3", *over)).rows()
+    below = Network(folder, picture("x")).rows()
+    ok = below > 0.0
+    assert not ok.all()
+    meant = np.broadcast_to([-0.3, 0.3, -3.0], (4, 3))[ok] / below[ok]
+    np.testing.assert_allclose(found[ok], meant, atol=2e-3)
+
+
 def test_all_parts_of_a_texture_are_counted():
     leaf = {"type": "constant", "color": [0.5] * 3}
     tree, count = leaf, 1
