@@ -245,4 +245,17 @@ EVERYDAY = (
         (("tile = Tile(x, y, x + 1, y + 1)", "tile = Tile(x, y, x, y + 1)"),),
         "tests/view/test_session.py::test_the_pivot_is_what_a_pixel_shows",
     ),
+    Mutant(
+        "the direction that light comes from begins with its second coordinate",
+        "guiding/light_records.py",
+        (("gather_vec3(log.rows, row + 3)", "gather_vec3(log.rows, row + 4)"),),
+        "tests/guiding/test_light_records.py::"
+        "test_sums_of_arrivals_are_those_of_their_leaves[False]",
+    ),
+    Mutant(
+        "facets of burley that are stretched along one direction alone",
+        "bsdfs/burley.py",
+        (("maximum(alpha * aspect, LEAST_ALPHA)", "maximum(alpha, LEAST_ALPHA)"),),
+        "tests/physics/test_energy_of_burley.py::test_facets_are_stretched_along_the_tangent",
+    ),
 )  # fmt: skip

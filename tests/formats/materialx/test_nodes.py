@@ -259,6 +259,22 @@ def test_functions_of_ramps_are_no_straight_lines(axis, category, tmp_path):
             assert texels[round(row), round(column)] == pytest.approx(function(at), abs=2e-3)
 
 
+@pytest.mark.parametrize("which", range(5))
+def test_switches_show_one_of_their_inputs(which, tmp_path):
+    inputs = [value(f"in{i + 1}", "color3", f"0.{i}, 0.5, 0.5") for i in range(4)]
+    number = value("which", "integer", which)
+    found, _ = base(tmp_path, node("switch", "x", "color3", *inputs, number))
+    # There is no fifth one: nothing is shown.
+    assert found == pytest.approx([0.1 * which, 0.5, 0.5] if which < 4 else [0.0] * 3)
+
+
+@pytest.mark.parametrize(("category", "factor"), [("premult", 0.5), ("unpremult", 2.0)])
+def test_colours_are_multiplied_by_their_alpha_or_divided(category, factor, tmp_path):
+    color = value("in", "color4", "0.2, 0.3, 0.4, 0.5")
+    found, _ = base(tmp_path, node(category, "x", "color4", color), kind="color4")
+    assert found == pytest.approx([factor * c for c in (0.2, 0.3, 0.4)])
+
+
 def test_graphs_and_their_interfaces(tmp_path):
     graph = (
         '<nodegraph name="G"><input name="tint" type="color3" value="0.5, 0.25, 0.125"/>'
