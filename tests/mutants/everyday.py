@@ -258,4 +258,39 @@ EVERYDAY = (
         (("maximum(alpha * aspect, LEAST_ALPHA)", "maximum(alpha, LEAST_ALPHA)"),),
         "tests/physics/test_energy_of_burley.py::test_facets_are_stretched_along_the_tangent",
     ),
+    Mutant(
+        "a hall without its far wall",
+        "lab/random_scenes/kinds/door.py",
+        (
+            (
+                '    draft.rectangle("hall", (left, middle, 0), (0, 0, -room.z), (0, middle, 0))\n',
+                "",
+            ),
+        ),
+        "tests/lab/test_random_scenes.py::test_no_light_leaves_a_closed_room[door]",
+    ),
+    Mutant(
+        "notes that are called warnings",
+        "lab/info.py",
+        (
+            (
+                '"warning": self.warnings, "note": self.notes',
+                '"warning": self.notes, "note": self.warnings',
+            ),
+        ),
+        "tests/lab/test_picture_info.py::test_remarks_are_called_what_they_are",
+    ),
+    Mutant(
+        "a switch whose first two inputs are the same",
+        "formats/materialx/evaluate.py",
+        (('f"in{which + 1}", (0.0,) * width)', 'f"in{max(which, 1)}", (0.0,) * width)'),),
+        "tests/formats/materialx/test_nodes.py::test_switches_show_one_of_their_inputs[0]",
+    ),
+    Mutant(
+        "a film of OpenPBR in nanometres",
+        "formats/materialx/open_pbr.py",
+        (('"thin_film_thickness"], (1000.0,)', '"thin_film_thickness"], (1.0,)'),),
+        "tests/formats/materialx/test_shaders.py::"
+        "test_films_have_the_unit_of_their_shader[open_pbr_surface-0.4-thin_film_weight]",
+    ),
 )  # fmt: skip
