@@ -293,4 +293,22 @@ EVERYDAY = (
         "tests/formats/materialx/test_shaders.py::"
         "test_films_have_the_unit_of_their_shader[open_pbr_surface-0.4-thin_film_weight]",
     ),
+    Mutant(
+        "instances have the usual material, wherever they stand",
+        "scene/flatten.py",
+        (
+            (
+                'below.insert(0, (f"{path}/{node.instance}", prototype, here, bsdf))',
+                'below.insert(0, (f"{path}/{node.instance}", prototype, here, None))',
+            ),
+        ),
+        "tests/scene/test_graph.py::"
+        "test_instances_have_the_material_of_where_they_stand_unless_they_have_their_own",
+    ),
+    Mutant(
+        "facets of six vertices",
+        "meshes/stl.py",
+        (("if in_facet != 3:", "if in_facet % 3 != 0:"),),
+        "tests/meshes/test_mesh_files.py::test_facets_of_stl_have_three_vertices[6]",
+    ),
 )  # fmt: skip
