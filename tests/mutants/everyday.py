@@ -311,4 +311,18 @@ EVERYDAY = (
         (("if in_facet != 3:", "if in_facet % 3 != 0:"),),
         "tests/meshes/test_mesh_files.py::test_facets_of_stl_have_three_vertices[6]",
     ),
+    Mutant(
+        "light between two points of a table goes to the nearer one and beyond",
+        "bsdfs/layered.py",
+        (("minimum(place.astype(np.int64),", "minimum(np.rint(place).astype(np.int64),"),),
+        "tests/physics/test_coated_conductor.py::"
+        "test_light_is_shared_by_the_points_on_both_sides_of_its_place",
+    ),
+    Mutant(
+        "phase functions of pbrt become less sharp than they must",
+        "formats/pbrt/media.py",
+        (("_LARGEST_G = 0.99\n", "_LARGEST_G = 0.9\n"),),
+        "tests/formats/pbrt/test_media.py::"
+        "test_phase_functions_that_are_too_sharp_become_less_so[0.98-0.98]",
+    ),
 )  # fmt: skip
