@@ -325,4 +325,23 @@ EVERYDAY = (
         "tests/formats/pbrt/test_media.py::"
         "test_phase_functions_that_are_too_sharp_become_less_so[0.98-0.98]",
     ),
+    Mutant(
+        "a colour of hair by its roughness along the fibre",
+        "bsdfs/hair.py",
+        (("absorption_of(c, self.beta_n) for c", "absorption_of(c, self.beta_m) for c"),),
+        "tests/physics/test_hair.py::test_what_a_fibre_absorbs_follows_its_pigments_or_its_colour",
+    ),
+    Mutant(
+        "a red pigment whose green is its blue",
+        "bsdfs/hair.py",
+        (("(0.187, 0.4, 1.05)", "(0.187, 1.05, 0.4)"),),
+        "tests/physics/test_hair.py::test_what_a_fibre_absorbs_follows_its_pigments_or_its_colour",
+    ),
+    Mutant(
+        "a file that is cut in silence where it is too large",
+        "formats/packed.py",
+        (("if len(data) > most:", "if len(data) > most + 1:"),),
+        "tests/formats/test_packed.py::"
+        "test_files_may_have_so_many_bytes_once_they_are_unpacked[1048577-a.txt]",
+    ),
 )  # fmt: skip
