@@ -344,4 +344,16 @@ EVERYDAY = (
         "tests/formats/test_packed.py::"
         "test_files_may_have_so_many_bytes_once_they_are_unpacked[1048577-a.txt]",
     ),
+    Mutant(
+        "hidden lights that light nothing either",
+        "integrators/volpath.py",
+        (
+            (
+                "hidden = met & (path.depth == 0) & (surface.light != 0)",
+                "hidden = met & (surface.light != 0)",
+            ),
+        ),
+        "tests/physics/test_hidden_lights.py::"
+        "test_hidden_lights_light_what_is_beside_them[volpath]",
+    ),
 )  # fmt: skip

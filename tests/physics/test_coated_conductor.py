@@ -132,6 +132,6 @@ def test_matte_bases_of_pbrt_are_plastic_with_another_base(alpha, within):
 
 
 def test_light_is_shared_by_the_points_on_both_sides_of_its_place():
-    places, light = np.array([[0.0, 1.25, 3.9, 4.0]]), np.array([[1.0, 2.0, 3.0, 4.0]])
+    places, light = np.array([[0.0, 1.75, 3.9, 4.0]]), np.array([[1.0, 2.0, 3.0, 4.0]])
     found = _shared(places, light, 5)
-    np.testing.assert_allclose(found, [[1.0, 1.5, 0.5, 0.3, 2.7 + 4.0]])
+    np.testing.assert_allclose(found, [[1.0, 0.5, 1.5, 0.3, 2.7 + 4.0]])
