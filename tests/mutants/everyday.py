@@ -284,7 +284,7 @@ EVERYDAY = (
         "a switch whose first two inputs are the same",
         "formats/materialx/evaluate.py",
         (('f"in{which + 1}", (0.0,) * width)', 'f"in{max(which, 1)}", (0.0,) * width)'),),
-        "tests/formats/materialx/test_nodes.py::test_switches_show_one_of_their_inputs[0]",
+        "tests/formats/materialx/test_nodes.py::test_switches_show_one_of_their_inputs[1]",
     ),
     Mutant(
         "a film of OpenPBR in nanometres",
@@ -355,5 +355,11 @@ EVERYDAY = (
         ),
         "tests/physics/test_hidden_lights.py::"
         "test_hidden_lights_light_what_is_beside_them[volpath]",
+    ),
+    Mutant(
+        "the last part of a ray's direction is written over its first ones",
+        "laws/emission.py",
+        (("store_lanes(out, i + 5 * n, e.d.z)", "store_lanes(out, i + 5, e.d.z)"),),
+        f"{LAWS_OF}[lights-point]",
     ),
 )  # fmt: skip
