@@ -334,8 +334,6 @@ def compiled_rays_are_the_twins(spec: Light) -> None:
             with np.errstate(all="ignore"):
                 emit(tables.tables, View(u), out, n)
             found.append(out.shaped)
-        lengths = np.linalg.norm(found[1][3:6].astype(float), axis=0)
-        demand_close(lengths, 1.0, "length of a direction", atol=1e-5)
         demand_close(found[0], found[1], "compiled against Python", rtol=2e-3, atol=1e-3)
 
 

@@ -360,6 +360,6 @@ EVERYDAY = (
         "the last part of a ray's direction is written over its first ones",
         "laws/emission.py",
         (("store_lanes(out, i + 5 * n, e.d.z)", "store_lanes(out, i + 5, e.d.z)"),),
-        f"{LAWS_OF}[lights-point]",
+        "tests/laws/test_compiled_benches.py::test_of_emission",
     ),
 )  # fmt: skip
