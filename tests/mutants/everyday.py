@@ -362,4 +362,10 @@ EVERYDAY = (
         (("store_lanes(out, i + 5 * n, e.d.z)", "store_lanes(out, i + 5, e.d.z)"),),
         "tests/laws/test_compiled_benches.py::test_of_emission",
     ),
+    Mutant(
+        "balls at the joints of a strand that look ahead for what was before",
+        "shapes/strand_rows.py",
+        (("np.roll(along, 1, axis=0))", "np.roll(along, -1, axis=0))"),),
+        "tests/shapes/test_curves.py::test_balls_at_joints_know_the_lines_on_both_sides",
+    ),
 )  # fmt: skip
