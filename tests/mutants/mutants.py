@@ -8,6 +8,7 @@ from tests.mutants.compiler import COMPILER
 from tests.mutants.displacement import DISPLACEMENT
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
+from tests.mutants.everyday import EVERYDAY
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.formats import FORMATS
@@ -68,4 +69,5 @@ MUTANTS = (
     + SHOWN_AGAIN
     + SLIPS
     + STRANDS
+    + EVERYDAY
 )
