@@ -298,8 +298,8 @@ EVERYDAY = (
         "scene/flatten.py",
         (
             (
-                'below.insert(0, (f"{path}/{node.instance}", prototype, here, bsdf))',
-                'below.insert(0, (f"{path}/{node.instance}", prototype, here, None))',
+                'below.insert(0, (f"{path}/{node.instance}", prototype, *given))',
+                'below.insert(0, (f"{path}/{node.instance}", prototype, here, None, material))',
             ),
         ),
         "tests/scene/test_graph.py::"
