@@ -36,6 +36,7 @@ from alight.scene.meshes import Geometry, checked
 from alight.shapes.arrays import TriangleShape, in_words
 from alight.shapes.hit import Surface
 from alight.textures.fetch import texture_value
+from alight.textures.vertex_color import FLAGS_COLUMN, HAS_COLORS, SHAPE_ROW
 from lanewise.jit import instantiate
 from lanewise.view import View
 
@@ -49,10 +50,17 @@ FINEST = 1 / 256
 _BAND = 1 << 16
 
 
+class _Shapes(NamedTuple):
+    """What they are given of its shapes: a row that says whether there are vertex colours."""
+
+    info: View
+
+
 class _Scene(NamedTuple):
     """What textures are given of a scene."""
 
     materials: MaterialTables
+    shapes: _Shapes
 
 
 def displaced(flat: FlatScene) -> FlatScene:
@@ -157,6 +165,8 @@ def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
     n = len(mesh.vertices)
     if not isinstance(texture, Texture):
         return np.full(n, float(texture))
+    if not texture.varies:
+        return np.full(n, float(luminance(Vec3(*texture.maximum()))))
     table = TextureTable()
     number = table.number(texture)
     compiled, blank = table.compiled(), View(np.zeros(2, np.uint32))
@@ -166,9 +176,12 @@ def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
     )  # fmt: skip
     names = tuple(name for name in compiled.names if name != UV_SETS)
     kernel = instantiate(texture_value, Program(textures=names), compiled=False)
+    info = np.zeros(SHAPE_ROW, np.uint32)
+    info[FLAGS_COLUMN] = 0 if mesh.colors is None else HAS_COLORS
+    scene = _Scene(tables, _Shapes(View(info)))
     bands = [slice(start, start + _BAND) for start in range(0, n, _BAND)]
     with np.errstate(all="ignore"):
-        found = [_looked_up(kernel, _Scene(tables), number, texture, mesh, band) for band in bands]
+        found = [_looked_up(kernel, scene, number, texture, mesh, band) for band in bands]
     return np.concatenate(found)
 
 

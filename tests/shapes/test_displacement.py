@@ -40,6 +40,12 @@ HILLS = np.round(0.5 + 0.25 * (np.sin(PHASES)[None, :] + np.cos(PHASES)[:, None]
 HEAD = HEAD.replace("PIXELS", str(HILLS.tolist()))
 
 
+#: Textures that name each other.
+CIRCLE = """  circle: {type: add, a: round, b: 1}
+  round: {type: add, a: circle, b: 1}
+"""
+
+
 def board(keys, bsdf="{type: diffuse, reflectance: 0.8}", more=UVS):
     """A scene of one square."""
     return HEAD + (f"  board: {{bsdf: {bsdf}, shape: {{type: mesh, {SQUARE}, {more}{keys}}}}}\n")
@@ -200,6 +206,8 @@ def test_what_is_displaced_is_told_and_counts_for_the_hash():
     [
         (", displacement: hils", UVS, 'unknown texture "hils"; did you mean "hills"'),
         ("displacement: hills", "", "a bitmap needs texture coordinates, and the mesh has no uvs"),
+        ("displacement: {type: add, a: 1, b: hills}", "", "an add needs texture coordinates"),
+        ("displacement: circle", "", "contains itself: circle -> round -> circle"),
         (", displacement: 1, displacement_edge: 0", UVS, "displacement_edge"),
         (", displacement: 1, displacement_edge: 0.01", UVS, "make displacement_edge larger"),
         (", displacement: 1.e+9, displacement_scale: 1.e+9, displacement_edge: 1", UVS, "too far"),
@@ -207,13 +215,30 @@ def test_what_is_displaced_is_told_and_counts_for_the_hash():
 )
 def test_what_cannot_be_displaced_is_refused(keys, more, said, monkeypatch):
     monkeypatch.setattr(displacement, "MOST_TRIANGLES", 1000)
+    text = board(keys, more=more)
+    text = text.replace("nodes:\n", f"{CIRCLE}nodes:\n") if "circle" in keys else text
     with pytest.raises(SceneError, match=said):
-        displaced(flatten(loads(board(keys, more=more), "scene.yaml")))
+        displaced(flatten(loads(text, "scene.yaml")))
 
 
 def test_solid_textures_need_no_coordinates():
     mesh = mesh_of(board("displacement: {type: noise, scale: 3}, displacement_edge: 0.2", more=""))
     assert 0.1 < np.ptp(mesh.vertices[:, 2]) <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("texture", "height"),
+    [
+        ("{type: constant, color: 0.5}", 0.5),
+        ("{type: multiply, a: {type: constant, color: 0.5}, b: 3}", 1.5),
+        ("{type: vertex_color}", 0.25),
+        ("{type: vertex_color, fallback: 0.75}", 0.75),
+    ],
+)
+def test_textures_that_kernels_treat_apart_displace_too(texture, height):
+    more = "" if "fallback" in texture else f", colors: {[[0.25, 0.25, 0.25]] * 4}"
+    mesh = mesh_of(board(f", displacement: {texture}, displacement_edge: 0.5", more=UVS + more))
+    np.testing.assert_allclose(mesh.vertices[:, 2], height, rtol=1e-6)
 
 
 def test_shapes_of_formulas_have_no_displacement():
