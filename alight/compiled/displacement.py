@@ -29,11 +29,11 @@ from alight.core.spec import Texture
 from alight.core.uv_sets import UV_SETS
 from alight.core.vec import Vec3, luminance
 from alight.meshes.normals import vertex_normals
-from alight.meshes.tessellation import TooManyTrianglesError, tessellated
+from alight.meshes.tessellation import TooManyTrianglesError, tessellated, welded
 from alight.meshes.triangles import MeshArrays
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry, checked
-from alight.shapes.arrays import TriangleShape, in_words
+from alight.shapes.arrays import DISPLACEMENT, TriangleShape, in_words
 from alight.shapes.hit import Surface
 from alight.textures.fetch import texture_value
 from alight.textures.vertex_color import FLAGS_COLUMN, HAS_COLORS, SHAPE_ROW
@@ -66,6 +66,8 @@ class _Scene(NamedTuple):
 def displaced(flat: FlatScene) -> FlatScene:
     """Put displaced meshes into the places of those that shall be; without any, the same scene.
 
+    Those of the result are displaced, and shall not be any more.
+
     Raises
     ------
     SceneError
@@ -82,7 +84,8 @@ def displaced(flat: FlatScene) -> FlatScene:
             if key not in known:
                 known[key] = len(geometries)
                 geometries.append(_displaced(placed, shape, flat.geometries[placed.geometry]))
-            placed = placed._replace(geometry=known[key])
+            done = shape.model_copy(update={DISPLACEMENT[0]: None})
+            placed = placed._replace(geometry=known[key], shape=done)
         shapes.append(placed)
     return replace(flat, shapes=shapes, geometries=geometries) if known else flat
 
@@ -107,6 +110,7 @@ def _displaced(placed: PlacedShape, shape: TriangleShape, mesh: Geometry) -> Geo
     if edge is None:
         edge = FINEST * float(np.linalg.norm(np.ptp(mesh.vertices.astype(np.float64), axis=0)))
     arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
+    arrays = arrays._replace(vertices=welded(arrays.vertices))
     try:
         fine = tessellated(arrays, edge, MOST_TRIANGLES)
     except TooManyTrianglesError:

@@ -187,7 +187,7 @@ def compile_scene(
         media=media,
         phases=phases,
         motion=motion,
-        registered=versions(described(flat)),
+        registered=versions(described(given)),
         environments=lights.environments,
     )
     return CompiledScene(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import alight
 from alight.compiled import displacement
 from alight.compiled.displacement import MOST_TRIANGLES, displaced, moved, told
 from alight.compiled.scene import compile_scene
@@ -10,11 +11,14 @@ from alight.core.errors import SceneError
 from alight.films import fixed_point
 from alight.formats import dumps, loads
 from alight.integrators.walk import make_settings
+from alight.laws.scene import pictures
 from alight.meshes.tessellation import TooManyTrianglesError, tessellated
 from alight.meshes.triangles import MeshArrays
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, flatten
+from alight.scene.description import Node
+from alight.scene.meshes import mesh_of as mesh_spec
 
 SQUARE = "vertices: [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], faces: [[0, 1, 2], [0, 2, 3]]"
 UVS = "uvs: [[0, 0], [1, 0], [1, 1], [0, 1]]"
@@ -52,8 +56,11 @@ def board(keys, bsdf="{type: diffuse, reflectance: 0.8}", more=UVS):
 
 
 def mesh_of(text):
-    flat = flatten(loads(text, "scene.yaml"))
-    after = displaced(flat)
+    return geometry_of(loads(text, "scene.yaml"))
+
+
+def geometry_of(scene):
+    after = displaced(flatten(scene))
     return after.geometries[after.shapes[-1].geometry]
 
 
@@ -132,6 +139,28 @@ def test_charts_and_edges_of_a_cube_do_not_open():
     assert (outwards > 0.0).all()
 
 
+def test_seams_that_are_closed_but_for_rounding_stay_closed():
+    # A tube, whose last column lies at sin(2 pi) where the first has 0; heights differ there.
+    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 4)))
+    points = np.stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u), v], axis=1)
+    corner = (13 * np.arange(3)[:, None] + np.arange(12)).ravel()
+    faces = [np.stack([corner, corner + a, corner + b], axis=1) for a, b in ((1, 14), (14, 13))]
+    arrays = MeshArrays(points.astype(np.float32), np.concatenate(faces).astype(np.int32))
+    assert len(np.unique(arrays.vertices, axis=0)) == 4 * 13
+    spec = mesh_spec(arrays._replace(uvs=np.stack([u, v], axis=1).astype(np.float32)))
+    keys = {"displacement": "ramp", "displacement_edge": 0.2, "displacement_scale": 0.3}
+    scene = loads(HEAD + "  ball: {shape: sphere}\n", "scene.yaml")
+    scene = scene.replaced(nodes={"tube": Node(shape=spec.replaced(**keys))})
+    mesh = geometry_of(scene)
+    places = np.unique(mesh.vertices + 0.0, axis=0)
+    edges, _ = edges_of(mesh)
+    pairs, uses = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    # Only edges of the two rims have no triangle on their other side.
+    height = places[pairs[uses == 1], 2]
+    assert uses.max() == 2
+    np.testing.assert_allclose(height, np.round(height), atol=1e-5)
+
+
 def test_a_mesh_that_is_inside_out_keeps_its_outer_side():
     inverted = cube()._replace(faces=cube().faces[:, ::-1].copy())
     normals = np.array(cube().vertices) / np.sqrt(3.0)
@@ -189,6 +218,8 @@ def test_shallow_hills_are_shaded_as_by_a_bump_map():
 def test_what_is_displaced_is_told_and_counts_for_the_hash():
     plain = flatten(loads(board(""), "scene.yaml"))
     assert displaced(plain) is plain
+    once = displaced(flatten(loads(board(", displacement: 0.5, displacement_edge: 1"), "again")))
+    assert displaced(once) is once
     keys = ", displacement: 0.5, displacement_edge: 0.5"
     flat = flatten(loads(board(keys), "scene.yaml"))
     after = displaced(flat)
@@ -244,3 +275,13 @@ def test_textures_that_kernels_treat_apart_displace_too(texture, height):
 def test_shapes_of_formulas_have_no_displacement():
     with pytest.raises(SceneError, match='unknown key "displacement"'):
         loads(HEAD + "  ball: {shape: {type: sphere, displacement: hills}}\n", "scene.yaml")
+
+
+def test_laws_of_a_scene_count_the_displaced_triangles(monkeypatch):
+    text = board(", displacement: 0.5, displacement_edge: 0.1")
+    text = text.replace("board: {", "board: {light: {type: area, radiance: 1}, ")
+    scene = loads(text, "scene.yaml")
+    said = {finding.part: finding.detail for finding in alight.check(scene, only="lights").findings}
+    assert "triangles: too many" in said["light board"]
+    monkeypatch.setattr(pictures, "MOST_TESTS", 1e6)
+    assert "triangles: too many" in next(pictures.check_accelerators(scene, 1, str)).detail
