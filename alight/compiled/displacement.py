@@ -26,7 +26,7 @@ from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
 from alight.core.errors import Issue, SceneError
 from alight.core.spec import Texture
-from alight.core.uv_sets import UV_SETS
+from alight.core.uv_sets import MOST_SETS, NO_SET, Chart, Corners
 from alight.core.vec import Vec3, luminance
 from alight.meshes.normals import vertex_normals
 from alight.meshes.tessellation import TooManyTrianglesError, tessellated, welded
@@ -51,9 +51,11 @@ _BAND = 1 << 16
 
 
 class _Shapes(NamedTuple):
-    """What they are given of its shapes: a row that says whether there are vertex colours."""
+    """What they are given of its shapes: the mesh is the only one, its vertices the first."""
 
     info: View
+    uvs: View
+    uv_shifts: View
 
 
 class _Scene(NamedTuple):
@@ -178,31 +180,38 @@ def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
         info=blank, data=blank, texture=blank, texture_info=compiled.info,
         texture_data=compiled.data, texels=compiled.texels, layers=blank, curves=blank,
     )  # fmt: skip
-    names = tuple(name for name in compiled.names if name != UV_SETS)
-    kernel = instantiate(texture_value, Program(textures=names), compiled=False)
-    info = np.zeros(SHAPE_ROW, np.uint32)
-    info[FLAGS_COLUMN] = 0 if mesh.colors is None else HAS_COLORS
-    scene = _Scene(tables, _Shapes(View(info)))
+    kernel = instantiate(texture_value, Program(textures=compiled.names), compiled=False)
+    scene = _Scene(tables, _shapes_of(mesh))
     bands = [slice(start, start + _BAND) for start in range(0, n, _BAND)]
     with np.errstate(all="ignore"):
-        found = [_looked_up(kernel, scene, number, texture, mesh, band) for band in bands]
+        found = [_looked_up(kernel, scene, number, mesh, band) for band in bands]
     return np.concatenate(found)
 
 
-def _looked_up(kernel, scene: _Scene, number: int, texture: Texture, mesh: MeshArrays, band: slice):
+def _shapes_of(mesh: MeshArrays) -> _Shapes:
+    n, info = len(mesh.vertices), np.zeros(SHAPE_ROW, np.uint32)
+    info[FLAGS_COLUMN] = 0 if mesh.colors is None else HAS_COLORS
+    more = [] if mesh.more_uvs is None else list(mesh.more_uvs)
+    sets = [np.zeros((1, 2), np.float32)] if mesh.uvs is None else [mesh.uvs, *more]
+    shifts = np.full(MOST_SETS, NO_SET, np.uint32)
+    shifts[: len(sets)] = n * np.arange(len(sets))
+    return _Shapes(View(info), View(np.concatenate(sets)), View(shifts))
+
+
+def _looked_up(kernel, scene: _Scene, number: int, mesh: MeshArrays, band: slice):
     p = mesh.vertices[band]
     n = len(p)
     zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
-    sets = [mesh.uvs, *([] if mesh.more_uvs is None else mesh.more_uvs)]
-    chosen = texture.set_of_coordinates() or 0
-    uvs = sets[chosen if chosen < len(sets) else 0]
-    u, v = (zero, zero) if uvs is None else np.ascontiguousarray(uvs[band].T)
+    u, v = (zero, zero) if mesh.uvs is None else np.ascontiguousarray(mesh.uvs[band].T)
+    # Each vertex is a triangle of three times itself.
+    itself = np.arange(band.start, band.start + n, dtype=np.uint32)
+    chart = Chart(zero, zero, Corners(itself, itself, itself), none)
     white = np.ones((3, n), np.float32) if mesh.colors is None else mesh.colors[band].T
     nothing = Vec3(zero, zero, zero)
     surface = Surface(
         p=Vec3(*np.ascontiguousarray(p.T)), error=zero, ng=nothing, ns=nothing, s=nothing,
         t=nothing, u=u, v=v, shape=none, prim=none, bsdf=none, light=none,
-        color=Vec3(*np.ascontiguousarray(white)), chart=(),
+        color=Vec3(*np.ascontiguousarray(white)), chart=chart,
     )  # fmt: skip
     value = luminance(kernel(scene, none + np.uint32(number), surface, nothing))
     return np.broadcast_to(value, n).astype(np.float64)

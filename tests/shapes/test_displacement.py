@@ -272,6 +272,19 @@ def test_textures_that_kernels_treat_apart_displace_too(texture, height):
     np.testing.assert_allclose(mesh.vertices[:, 2], height, rtol=1e-6)
 
 
+def test_parts_of_a_texture_have_their_own_sets_of_coordinates():
+    ramps = [f"{{type: bitmap, uv_set: {k}, pixels: [[1, 3]], color_space: linear, wrap: clamp}}"
+             for k in (0, 1, 7)]  # fmt: skip
+    # There is no set 7: the mesh's own.
+    product = (
+        f"{{type: multiply, a: {ramps[0]}, b: {{type: multiply, a: {ramps[1]}, b: {ramps[2]}}}}}"
+    )
+    sets = ", more_uvs: [[[0.5, 0], [0.5, 0], [1, 0], [1, 0]]]"
+    keys = f", displacement: {product}, displacement_edge: 9"
+    mesh = mesh_of(board(keys, more=UVS + sets))
+    np.testing.assert_allclose(mesh.vertices[:, 2], [2, 18, 27, 3], rtol=1e-6)
+
+
 def test_shapes_of_formulas_have_no_displacement():
     with pytest.raises(SceneError, match='unknown key "displacement"'):
         loads(HEAD + "  ball: {shape: {type: sphere, displacement: hills}}\n", "scene.yaml")
