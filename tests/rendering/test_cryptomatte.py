@@ -11,7 +11,8 @@ import pytest
 import alight
 from alight.compiled.scene import compile_scene
 from alight.core.errors import FilmError
-from alight.films import Film, fixed_point
+from alight.films import Film, fixed_point, storage
+from alight.films.archive import write_archive
 from alight.films.mattes import MATTES
 from alight.formats import loads
 from alight.integrators.walk import make_settings
@@ -256,6 +257,16 @@ def test_a_film_file_keeps_the_whole_table(things, tmp_path):
     nothing = Film.load(things.empty_like().save(tmp_path / "nothing.alight"))
     assert len(nothing.coverage.sums.pixels) == 0
     assert (nothing.mask("table") == 0.0).all()
+
+
+@pytest.mark.parametrize("column", ["pixels", "surfaces"])
+def test_a_film_file_with_numbers_of_nothing_is_refused(things, tmp_path, column):
+    described, arrays = storage.pack_films([things])
+    name = f"0.coverage.{column}"
+    arrays[name] = np.where(np.arange(len(arrays[name])) < len(arrays[name]) - 1, arrays[name], 999)
+    write_archive(tmp_path / "odd.alight", {"films": described}, arrays)
+    with pytest.raises(FilmError, match="holds no readable film"):
+        Film.load(tmp_path / "odd.alight")
 
 
 def test_films_of_things_with_other_names_do_not_merge(things):

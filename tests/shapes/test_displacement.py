@@ -232,6 +232,13 @@ def test_what_is_displaced_is_told_and_counts_for_the_hash():
     assert loads(dumps(other), "again.yaml") == other
 
 
+def test_info_says_how_many_triangles_there_are():
+    scene = loads(board(", displacement: 0.5, displacement_edge: 0.5"), "scene.yaml")
+    facts = dict(alight.info(scene, tree=True).facts)
+    assert facts["displaced"] == "board: 64 triangles of 2"
+    assert "displaced" not in facts["accelerator"]
+
+
 @pytest.mark.parametrize(
     ("keys", "more", "said"),
     [
