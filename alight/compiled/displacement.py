@@ -34,9 +34,8 @@ from alight.meshes.triangles import MeshArrays
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry, checked
 from alight.shapes.arrays import DISPLACEMENT, TriangleShape, in_words
-from alight.shapes.hit import Surface
+from alight.shapes.hit import COLORS, INFO, Surface
 from alight.textures.fetch import texture_value
-from alight.textures.vertex_color import FLAGS_COLUMN, HAS_COLORS, SHAPE_ROW
 from lanewise.jit import instantiate
 from lanewise.view import View
 
@@ -189,8 +188,8 @@ def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
 
 
 def _shapes_of(mesh: MeshArrays) -> _Shapes:
-    n, info = len(mesh.vertices), np.zeros(SHAPE_ROW, np.uint32)
-    info[FLAGS_COLUMN] = 0 if mesh.colors is None else HAS_COLORS
+    n, info = len(mesh.vertices), np.zeros(INFO, np.uint32)
+    info[4] = COLORS * (mesh.colors is not None)
     more = [] if mesh.more_uvs is None else list(mesh.more_uvs)
     sets = [np.zeros((1, 2), np.float32)] if mesh.uvs is None else [mesh.uvs, *more]
     shifts = np.full(MOST_SETS, NO_SET, np.uint32)
