@@ -25,6 +25,7 @@ from alight.compiled.materials import MaterialTables
 from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
 from alight.core.errors import Issue, SceneError
+from alight.core.registry import versions
 from alight.core.spec import Texture
 from alight.core.uv_sets import MOST_SETS, NO_SET, Chart, Corners
 from alight.core.vec import Vec3, luminance
@@ -179,7 +180,8 @@ def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
         info=blank, data=blank, texture=blank, texture_info=compiled.info,
         texture_data=compiled.data, texels=compiled.texels, layers=blank, curves=blank,
     )  # fmt: skip
-    kernel = instantiate(texture_value, Program(textures=compiled.names), compiled=False)
+    program = Program(textures=compiled.names, registered=versions([texture]))
+    kernel = instantiate(texture_value, program, compiled=False)
     scene = _Scene(tables, _shapes_of(mesh))
     bands = [slice(start, start + _BAND) for start in range(0, n, _BAND)]
     with np.errstate(all="ignore"):
