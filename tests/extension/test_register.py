@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 import alight
 from alight.bsdfs.diffuse import Diffuse
 from alight.cli.main import app
-from alight.compiled.displacement import displaced
 from alight.compiled.recompile import compiled_of
 from alight.compiled.shapes import compile_shapes
 from alight.core.errors import SceneError
@@ -92,46 +91,6 @@ def test_machine_code_of_an_earlier_version_is_not_used_again():
     np.testing.assert_array_equal(pictures[1], pictures[0])
     for later in pictures[2:]:
         np.testing.assert_allclose(later, 0.5 * pictures[0], rtol=1e-6)
-
-
-STEP = '''
-from typing import Literal
-
-from alight.core.spec import Texture
-from lanewise.jit import kernel
-from lanewise.simd import lanes_vec3
-
-
-class Step(Texture):
-    """A number, as a texture."""
-
-    type: Literal["step"] = "step"
-
-
-EXAMPLES = (Step(),)
-SLOTS = {"unused": 3}
-
-
-def pack(spec, packer):
-    packer.color("unused", (0.0, 0.0, 0.0))
-
-
-@kernel
-def evaluate(scene, base, surface):
-    return lanes_vec3(HEIGHT)
-
-
-HEIGHT = 0.25
-'''
-
-
-def test_heights_are_of_the_version_of_their_texture():
-    mesh = "{type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces: [[0, 1, 2]], %s}"
-    text = SCENE % "diffuse" + f"  hill: {{shape: {mesh % 'displacement: {type: step}'}}}\n"
-    for height in (0.25, 0.5):
-        alight.register(module_of(STEP.replace("0.25", str(height)), "step"))
-        scene = displaced(flatten(loads(text)))
-        np.testing.assert_allclose(scene.geometries[-1].vertices[:, 2], height)
 
 
 def test_what_was_compiled_of_a_scene_is_of_the_version_of_its_models():
