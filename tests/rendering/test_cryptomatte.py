@@ -273,6 +273,10 @@ def test_films_of_things_with_other_names_do_not_merge(things):
     other = filmed(THINGS.replace("tableau:", "tablet:"), (*MATTES, "alpha"), [(SPP, 1)])[0]
     with pytest.raises(FilmError, match=r'names differ \(object "tablet", not "tableau"\)'):
         Film.merge(things, other)
+    without = Film(SIZE, SIZE, scene_hash=things.scene_hash)
+    said = r"set of layers differs \(none, not alpha, cryptomatte_material, cryptomatte_object\)"
+    with pytest.raises(FilmError, match=said):
+        Film.merge(things, without)
     fewer, more = (Film(4, 4, surfaces=[("thing", "wood")] * count) for count in (1, 2))
     with pytest.raises(FilmError, match=r"number of surfaces differs \(2, not 1\)"):
         Film.merge(fewer, more)
