@@ -17,10 +17,12 @@ rendering architecture, displace before shading.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from alight.compiled.kept import Kept
 from alight.compiled.materials import MaterialTables
 from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
@@ -65,17 +67,18 @@ class _Scene(NamedTuple):
     shapes: _Shapes
 
 
-def displaced(flat: FlatScene) -> FlatScene:
+def displaced(flat: FlatScene, kept: Kept | None = None) -> FlatScene:
     """Put displaced meshes into the places of those that shall be; without any, the same scene.
 
-    Those of the result are displaced, and shall not be any more.
+    Those of the result are displaced, and shall not be any more. With `kept`, meshes that are as
+    they were the last time are the same arrays, so their trees are kept as well.
 
     Raises
     ------
     SceneError
         If a mesh would have too many triangles.
     """
-    geometries = list(flat.geometries)
+    geometries, kept = list(flat.geometries), kept or Kept()
     known: dict[tuple, int] = {}
     shapes = []
     for placed in flat.shapes:
@@ -85,7 +88,13 @@ def displaced(flat: FlatScene) -> FlatScene:
             key = placed.geometry, *described
             if key not in known:
                 known[key] = len(geometries)
-                geometries.append(_displaced(placed, shape, flat.geometries[placed.geometry]))
+                mesh = flat.geometries[placed.geometry]
+                make = partial(_displaced, placed, shape, mesh)
+                # The words, the digest and the versions decide what is made.
+                says = described, mesh.digest, versions([shape])
+                geometries.append(
+                    kept(f"displaced {len(known)}", lambda *_, make=make: make(), *says)
+                )
             done = shape.model_copy(update={DISPLACEMENT[0]: None})
             placed = placed._replace(geometry=known[key], shape=done)
         shapes.append(placed)

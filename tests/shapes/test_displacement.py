@@ -6,6 +6,7 @@ import pytest
 import alight
 from alight.compiled import displacement
 from alight.compiled.displacement import MOST_TRIANGLES, displaced, moved, told
+from alight.compiled.kept import Kept
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.films import fixed_point
@@ -230,6 +231,22 @@ def test_what_is_displaced_is_told_and_counts_for_the_hash():
     other = loads(board(keys + ", displacement_scale: 2"), "scene.yaml")
     assert len({content_hash(plain), content_hash(flat), content_hash(other)}) == 3
     assert loads(dumps(other), "again.yaml") == other
+
+
+def test_meshes_that_are_as_they_were_are_the_same_arrays():
+    keys, kept = ", displacement: hills, displacement_edge: 0.5", Kept()
+
+    def vertices_of(text):
+        return displaced(flatten(loads(text, "scene.yaml")), kept).geometries[-1].vertices
+
+    first = vertices_of(board(keys))
+    assert vertices_of(board(keys, "{type: diffuse, reflectance: 0.1}")) is first
+    # Everything that decides them: keys, the texture, the mesh.
+    scaled = vertices_of(board(keys + ", displacement_scale: 2"))
+    np.testing.assert_allclose(scaled[:, 2], 2 * first[:, 2], atol=1e-6)
+    bent = vertices_of(board(keys).replace(str(HILLS[0, 0]), str(HILLS[0, 0] + 1)))
+    assert np.abs(bent[:, 2] - first[:, 2]).max() > 0.1
+    assert vertices_of(board(keys).replace("[1, 1, 0]", "[1, 1.5, 0]"))[:, 1].max() == 1.5
 
 
 def test_info_says_how_many_triangles_there_are():
