@@ -35,6 +35,13 @@ from alight.rendering.tile_kernel import Tile
 TILE = BlockTask(0, (Block(Tile(0, 0, 32, 32), np.tile(np.array([0, 64]), (4, 4, 1))),))
 LAYOUT = Layout(4, 3, {})
 
+#: What each worker does now and then: a thousand of them in one process would do nothing else.
+IDLE = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1h",
+    "distributed.admin.system-monitor.interval": "1h",
+}
+
 
 def same_answer(answer: bytes, task: int) -> bytes:
     """What a fake worker does."""
@@ -45,8 +52,10 @@ async def fake_workers(address: str, count: int) -> None:
     """Workers of one process, which share a few threads."""
     from concurrent.futures import ThreadPoolExecutor
 
+    import dask.config
     from distributed import Worker
 
+    dask.config.set(IDLE)
     pool = ThreadPoolExecutor(2)
     workers = [
         Worker(address, nthreads=1, executor=pool, dashboard=False, memory_limit=0)
@@ -74,11 +83,12 @@ def the_answer() -> bytes:
     from alight.compiled.scene import compile_scene
     from alight.integrators.walk import make_settings
     from alight.rendering.block_tasks import SharedScene
+    from alight.rendering.tile import make_kernels
     from alight.scene import flatten
 
     scene = compile_scene(flatten(alight.load("cornell-box", ["film.size=[64, 64]"])))
-    return render_blocks(SharedScene(scene, make_settings(scene.integrator, seed=0, replicates=4)),
-                         TILE)  # fmt: skip
+    settings = make_settings(scene.integrator, seed=0, replicates=4)
+    return render_blocks(SharedScene(scene, settings, make_kernels(scene)), TILE)
 
 
 def cluster(workers: int, tasks: int, answer: bytes) -> dict:
@@ -97,7 +107,7 @@ def cluster(workers: int, tasks: int, answer: bytes) -> dict:
     )
     try:
         with Client(address, timeout=120) as client:
-            client.wait_for_workers(workers, timeout=550)
+            client.wait_for_workers(workers, timeout=3600)
             return through(client, tasks, answer, scheduler.pid)
     finally:
         fakes.kill()
@@ -132,7 +142,8 @@ def through(client, tasks: int, answer: bytes, scheduler: int) -> dict:
     its = processor_seconds(scheduler) - its
     dispatcher.close()
     return {
-        "workers": len(dispatcher.workers), "tasks": done, "left": len(rest),
+        "workers": dispatcher.threads, "that_worked": len(dispatcher.workers),
+        "tasks": done, "left": len(rest),
         "tasks_per_s": round(done / wall, 1), "scheduler_ms": round(1e3 * its / done, 3),
         "client_ms": round(1e3 * own / done, 3), "client_mb": memory,
         "again": dispatcher.counts["issued again"],

@@ -12,8 +12,11 @@ from lanewise.instructions import PRIMITIVES
 from lanewise.kept_functions import digest_on_disk, keep_on_disk
 from lanewise.lane_types import N
 from lanewise.numba_adapter import jit, object_code
+from lanewise.portable import compile_for_target
 
 __all__ = ["digest_on_disk", "jit", "keep_on_disk", "object_code", "primitive"]
+
+compile_for_target()
 
 # They fill PRIMITIVES.
 assert memory_instructions and record_instructions and wide_instructions

@@ -33,14 +33,13 @@ from lanewise.lane_types import (
     suffix,
     widest,
 )
+from lanewise.machine import features_of_target
 
 PRIMITIVES: dict = {}
 
 
 def _has_avx512() -> bool:
-    import llvmlite.binding as llvm
-
-    features = llvm.get_host_cpu_features()
+    features = features_of_target()
     return bool(features.get("avx512f") and features.get("avx512vl"))
 
 

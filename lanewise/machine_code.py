@@ -61,12 +61,26 @@ class MachineCode:
         First part of the names of its files.
     identity : str
         Everything beside sources, machine and types of arguments that decides the code.
-    compile_for : callable
-        Given a tuple of arguments, the `ObjectCode` for their types.
+    compile_for : callable or None
+        Given a tuple of arguments, the `ObjectCode` for their types. None has `codes` only.
+    codes : dict of str to ObjectCode, optional
+        By `kind_of` the arguments: what is there already.
+
+    Notes
+    -----
+    Pickled, it is its object code for the arguments that it was called with so far: for a process
+    of the same fingerprint, which then needs neither compiler nor cache.
     """
 
-    def __init__(self, name: str, identity: str, compile_for: Callable[[tuple], ObjectCode]):
+    def __init__(
+        self,
+        name: str,
+        identity: str,
+        compile_for: Callable[[tuple], ObjectCode] | None,
+        codes: dict[str, ObjectCode] | None = None,
+    ) -> None:
         self.name, self.identity, self.compile_for = name, identity, compile_for
+        self._codes = codes or {}
         self._entries: dict[str, Callable] = {}
         self._lock = threading.Lock()
 
@@ -84,37 +98,60 @@ class MachineCode:
         return self._entries[kind]
 
     def _load(self, kind: str, arguments: tuple) -> Callable:
+        if kind not in self._codes:
+            self._codes[kind] = self._found_or_compiled(kind, arguments)
+        return _brought_to_life(self._codes[kind])
+
+    def _found_or_compiled(self, kind: str, arguments: tuple) -> ObjectCode:
+        if self.compile_for is None:
+            raise TypeError(f"{self.name} was compiled elsewhere, and not for arguments {kind}")
         digest = hashlib.sha256(f"{self.identity}\0{kind}".encode()).hexdigest()[:24]
         path = cache_folder() / f"{self.name}-{digest}.kernel"
         compiled = _read(path)
         if compiled is None:
             compiled = self.compile_for(arguments)
             _write(path, compiled)
-        return _brought_to_life(compiled)
+        return compiled
 
-    def fixed(self) -> Callable[..., None]:
-        """The same, for arguments whose types do not change from call to call.
+    def __reduce__(self) -> tuple[Any, ...]:
+        return MachineCode, (self.name, self.identity, None, self._codes)
 
-        For nested tuples of tables, looking at them takes longer than a small tile. Tuples that are
-        given again, as the same object, are not even taken apart.
-        """
-        entry: Callable | None = None
-        known: dict[int, tuple[Any, tuple]] = {}
+    def fixed(self) -> FixedKernel:
+        """The same, for arguments whose types do not change from call to call."""
+        return FixedKernel(self)
 
-        def call(*arguments: Any) -> None:
-            nonlocal entry
-            if entry is None:
-                entry = self.entry(arguments)
-            parts: list[Any] = []
-            for place, argument in enumerate(arguments):
-                kept = known.get(place)
-                if kept is None or kept[0] is not argument:
-                    # Whoever calls keeps what a tuple holds alive; a replaced pair does no harm.
-                    kept = known[place] = (argument, tuple(leaves(argument)))
-                parts += kept[1]
-            entry(*parts)
 
-        return call
+class FixedKernel:
+    """A root kernel for arguments whose types do not change from call to call.
+
+    For nested tuples of tables, looking at them takes longer than a small tile. Tuples that are
+    given again, as the same object, are not even taken apart.
+
+    Parameters
+    ----------
+    kernel : MachineCode
+    """
+
+    def __init__(self, kernel: MachineCode) -> None:
+        self.kernel = kernel
+        self._entry: Callable | None = None
+        self._known: dict[int, tuple[Any, tuple]] = {}
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run; only the first call looks at the types."""
+        if self._entry is None:
+            self._entry = self.kernel.entry(arguments)
+        known, parts = self._known, []
+        for place, argument in enumerate(arguments):
+            kept = known.get(place)
+            if kept is None or kept[0] is not argument:
+                # Whoever calls keeps what a tuple holds alive; a replaced pair does no harm.
+                kept = known[place] = (argument, tuple(leaves(argument)))
+            parts += kept[1]
+        self._entry(*parts)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FixedKernel, (self.kernel,)
 
 
 def leaves(value: Any) -> Iterator[Any]:

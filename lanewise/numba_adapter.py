@@ -55,6 +55,7 @@ from numba.core.untyped_passes import (
 )
 
 from lanewise.machine_code import ObjectCode
+from lanewise.portable import forbid_estimates
 
 __all__ = [
     "DIGEST", "AbstractTemplate", "NullCache", "OptimisedLibrary", "TypingError", "as_compiled",
@@ -128,6 +129,11 @@ class OptimisedLibrary(JITCodeLibrary):
         """Link with a function; not with Numba's runtime, "nrt", as kernels count no references."""
         if library.name != "nrt" or isinstance(library, OptimisedLibrary):
             super().add_linking_library(library)
+
+    def add_ir_module(self, ir_module):
+        """Take in what is being lowered."""
+        forbid_estimates(ir_module)
+        super().add_ir_module(ir_module)
 
     def add_llvm_module(self, ll_module):
         """Take in what was lowered."""

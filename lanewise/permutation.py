@@ -8,6 +8,7 @@ from __future__ import annotations
 from llvmlite import ir
 
 from lanewise.lane_types import I32, call
+from lanewise.machine import features_of_target
 
 
 def shuffle(builder, a, b, order):
@@ -46,9 +47,7 @@ def _permute_halves(builder, x, order):
 
 def _permutation_features() -> dict[int, bool]:
     """Widths at which the processor permutes floats by a vector of indices."""
-    import llvmlite.binding as llvm
-
-    features = llvm.get_host_cpu_features()
+    features = features_of_target()
     return {16: bool(features.get("avx512f")), 8: bool(features.get("avx2"))}
 
 

@@ -23,6 +23,7 @@ from alight.bsdfs import (
     rough_conductor,
     rough_dielectric,
     rough_plastic,
+    subsurface,
     thin_dielectric,
     two_sided,
     uniform_scatter,
@@ -54,6 +55,7 @@ MODELS = (
     bump_map,
     coated_conductor,
     hair,
+    subsurface,
 )
 
 #: Of shapes that name none.

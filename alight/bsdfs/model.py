@@ -40,6 +40,21 @@ class BsdfSample(NamedTuple):
     flags: Any
 
 
+class Inside(NamedTuple):
+    """A body below a surface, which scatters light alike to all sides.
+
+    Attributes
+    ----------
+    extinction : Vec3
+        Per metre.
+    albedo : Vec3
+        Share of scattering in it.
+    """
+
+    extinction: Any
+    albedo: Any
+
+
 def no_features(spec: Any) -> tuple[str, ...]:
     """Nothing beyond the model's usual path."""
     return ()
@@ -79,6 +94,8 @@ class BsdfModel(Record):
         What programs call it that a material of the model refracts; without it all of them do.
     absorption : kernel ``(scene, base, surface) -> Vec3``
         Of models with an inside: absorption coefficients, per metre.
+    inside : kernel ``(scene, base, surface) -> Inside``
+        Of models of a body that scatters: what is below a point of the surface.
     relative_ior : (spec) -> float
         Of models that light passes bent: index of refraction inside over that outside.
     is_lossless, is_reciprocal : (spec) -> bool
@@ -98,6 +115,7 @@ class BsdfModel(Record):
     inner_index: Kernel | None = None
     REFRACTING: str = ""
     absorption: Kernel | None = None
+    inside: Kernel | None = None
     relative_ior: Callable[[Any], float] | None = None
     is_lossless: Callable[[Any], bool] = not_lossless
     is_reciprocal: Callable[[Any], bool | None] = left_open

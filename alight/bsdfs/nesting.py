@@ -12,6 +12,7 @@ from typing import ClassVar, NamedTuple, Self
 
 from pydantic import model_validator
 
+from alight.bsdfs.model import BSDFS
 from alight.core.spec import Bsdf, invalid, largest_of
 
 #: Most leaves of a material: kernels visit them one after the other.
@@ -173,3 +174,12 @@ def find_transmissive(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> Bsdf | Non
         if found is not None:
             return found
     return None
+
+
+def scatters_inside(spec: Bsdf | str, known: Mapping[str, Bsdf] | None = None) -> bool:
+    """Whether a material, or a part of it, has an inside that scatters light."""
+    if isinstance(spec, str):
+        return spec in (known or {}) and scatters_inside((known or {})[spec], known)
+    if not isinstance(spec, Nested):
+        return BSDFS[spec.type_name()].inside is not None
+    return any(scatters_inside(part.bsdf, known) for part in spec.parts)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from alight.bsdfs.absorption import ABSORBING
-from alight.bsdfs.model import BSDFS, BsdfModel, BsdfSample, BsdfValue, stride_of
+from alight.bsdfs.model import BSDFS, BsdfModel, BsdfSample, BsdfValue, Inside, stride_of
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.maths import exp
@@ -347,5 +347,51 @@ def _absorption_of(model, base_of):
     @kernel
     def answer(scene, surface, kind, row, active, value):
         return absorption(scene, base_of(row, active), surface)
+
+    return answer
+
+
+def _with_inside(program) -> list[BsdfModel]:
+    """Models of bodies that scatter light."""
+    return [model for model in models_of(program) if model.inside is not None]
+
+
+def has_bodies(program) -> bool:
+    """Whether there are bodies in which paths walk at random."""
+    return bool(_with_inside(program))
+
+
+@specialised
+def is_body(program):
+    """``(scene, row) -> mask``: below the material is a body that scatters light."""
+    bodies = is_one_of(model.number for model in _with_inside(program))
+
+    @kernel
+    def is_body(scene, row):
+        return bodies(_kind(scene, row))
+
+    return is_body
+
+
+@specialised
+def inside_of(program):
+    """``(scene, surface, active) -> Inside``: the body below active lanes."""
+    answers = _answers(program, _with_inside(program), _inside_of)
+
+    @kernel
+    def inside_of(scene, surface, active):
+        row, nothing = surface.bsdf, Inside(lanes_vec3(1.0), lanes_vec3(0.0))
+        return answers(scene, surface, _kind(scene, row), row, active, nothing)
+
+    return inside_of
+
+
+def _inside_of(model, base_of):
+    inside = model.inside
+
+    @kernel
+    def answer(scene, surface, kind, row, active, value):
+        extinction, albedo = inside(scene, base_of(row, active), surface)
+        return Inside(extinction, albedo)
 
     return answer

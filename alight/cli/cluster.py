@@ -7,6 +7,9 @@ from typing import Annotated
 
 import typer
 
+from alight.options.target import TargetOptions
+from lanewise.machine import NATIVE
+
 
 def keys(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write.")],
@@ -26,14 +29,18 @@ def status(
     cluster_keys: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Keys of a tls:// cluster.")
     ] = None,
+    target: Annotated[
+        str, typer.Option(metavar="NAME", help="Of the renders: native or portable.")
+    ] = NATIVE,
 ) -> None:
     """Say which workers a cluster has, and which this machine's renders refuse."""
     from alight.cluster.addresses import check_address, connected
     from alight.cluster.status import workers_of
 
     check_address(address, cluster_keys)
+    TargetOptions(target=target)
     with connected(address, cluster_keys) as client:
-        found = workers_of(client)
+        found = workers_of(client, target)
     for worker in found:
         typer.echo(str(worker))
     usable = sum(worker.threads for worker in found if not worker.trouble)
@@ -41,5 +48,5 @@ def status(
 
 
 keys.spelling = status.spelling = {  # type: ignore[attr-defined]
-    "cluster": "ADDRESS", "cluster_keys": "--cluster-keys",
+    "cluster": "ADDRESS", "cluster_keys": "--cluster-keys", "target": "--target",
 }  # fmt: skip

@@ -13,6 +13,8 @@ from alight.cluster.files import is_cluster_file, read_cluster_file, started
 from alight.cluster.keys import security_of
 from alight.core.errors import AlightError, OptionError
 from alight.core.extras import install_command
+from lanewise.application import variable
+from lanewise.jit import uses_stock_pipeline
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -48,6 +50,9 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
         Also if Dask is not installed.
     """
     check_dask()
+    if uses_stock_pipeline():
+        text = f"kernels of {variable('PIPELINE')}=stock stay in the process that compiled them"
+        raise OptionError(text, "cluster")
     if not isinstance(where, str):
         if not hasattr(where, "scheduler_info"):
             raise OptionError("must be an address or a client of Dask distributed", "cluster")

@@ -27,9 +27,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from alight.cluster.worker import Answer, Refusal, Shared, machine_here, perform
+from alight.cluster.worker import Answer, Asked, Refusal, Shared, machine_here, perform
 from alight.core.errors import AlightError
-from lanewise.machine import describe_machine, differing, fingerprint
+from lanewise.machine import describe_machine, differing, fingerprint, target
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -128,7 +128,7 @@ class Dispatcher:
         self._client: Any = client
         self._function, self._thing, self._check = function, thing, check
         self._patience = patience or Patience()
-        self._shared, self._asked = Shared(thing), fingerprint()
+        self._shared, self._asked = Shared(thing), Asked(target(), fingerprint())
         self.counts: Counter[str] = Counter(shared_bytes=len(self._shared.data))
         self.workers: dict[str, Counter[str]] = {}
         self.refused: dict[str, str] = {}
@@ -172,7 +172,7 @@ class Dispatcher:
         # One that is stopped does not answer; its tasks are issued again.
         with suppress(TimeoutError):
             found = self._client.sync(
-                self._client._run, machine_here, on_error="return",
+                self._client._run, machine_here, self._asked.target, on_error="return",
                 callback_timeout=self._patience.fetch,
             )  # fmt: skip
         for worker, answer in found.items():

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 from alight.cluster.worker import machine_here
-from lanewise.machine import differing
+from lanewise.machine import NATIVE, differing
 
 #: Seconds for which one worker's answer is waited for, and how many are asked at a time.
 _WAIT, _AT_A_TIME = 5.0, 16
@@ -39,8 +39,15 @@ class WorkerStatus(NamedTuple):
         return f"{line}, refused: {self.trouble}" if self.trouble else line
 
 
-def workers_of(client: Any) -> list[WorkerStatus]:
-    """Ask the scheduler of a `distributed.Client`, and each worker what machine it is."""
+def workers_of(client: Any, target: str = NATIVE) -> list[WorkerStatus]:
+    """Ask the scheduler of a `distributed.Client`, and each worker what machine it is.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    target : str
+        Of the renders that a worker may be of no use for.
+    """
     known = client.scheduler_info(n_workers=-1)["workers"]
     held = client.processing()
 
@@ -48,9 +55,9 @@ def workers_of(client: Any) -> list[WorkerStatus]:
         about = known[address]
         try:
             machine = client.sync(
-                client._run, machine_here, workers=[address], callback_timeout=_WAIT
+                client._run, machine_here, target, workers=[address], callback_timeout=_WAIT
             )[address]
-            trouble = "; ".join(differing(machine, machine_here()))
+            trouble = "; ".join(differing(machine, machine_here(target)))
         except TimeoutError:
             trouble = "it does not answer"
         except Exception as error:

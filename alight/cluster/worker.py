@@ -84,13 +84,28 @@ def _name(digest: str) -> str:
     return f"alight-{digest}"
 
 
-def machine_here() -> dict[str, str]:
-    """Describe this process; a function of alight, so that its sources are among what counts."""
-    return describe_machine()
+class Asked(NamedTuple):
+    """What the bits of answers are promised for.
+
+    Attributes
+    ----------
+    target : str
+        Of the code, see `lanewise.machine.TARGETS`.
+    fingerprint : str
+        Of the client, for this target.
+    """
+
+    target: str
+    fingerprint: str
+
+
+def machine_here(target: str) -> dict[str, str]:
+    """Describe this process for a target; of alight, so that its sources are in what counts."""
+    return describe_machine(target)
 
 
 def perform(
-    function: Callable[[Any, Any], Any], digest: str, asked: str, task: Any
+    function: Callable[[Any, Any], Any], digest: str, asked: Asked, task: Any
 ) -> Answer | Refusal:
     """Run a task: `function` of the shared object and the task.
 
@@ -100,13 +115,12 @@ def perform(
         Of a module, so that it travels by its name.
     digest : str
         Of the `Shared` object.
-    asked : str
-        Fingerprint that the bits are promised for.
+    asked : Asked
     task : object
     """
     address = get_worker().address
-    if fingerprint() != asked:
-        return Refusal(address, machine_here())
+    if fingerprint(asked.target) != asked.fingerprint:
+        return Refusal(address, machine_here(asked.target))
     thing, begin = _shared(digest), time.perf_counter()
     value = function(thing, task)
     return Answer(address, time.perf_counter() - begin, value)
@@ -116,6 +130,8 @@ def _shared(digest: str) -> Any:
     with _lock:
         if digest not in _kept:
             shared: Any = get_worker().plugins[_name(digest)]
+            if hashlib.sha256(shared.data).hexdigest() != digest:
+                raise ValueError("what tasks share has arrived with other bytes than were sent")
             _kept[digest] = pickle.loads(shared.data)
         _kept.move_to_end(digest)
         while len(_kept) > KEPT:

@@ -299,8 +299,8 @@ class Integrator(Spec):
     ----------
     needs_light : bool
         A dark scene gives a black picture.
-    sees_media : bool
-        Media play their part; those that follow light must say so.
+    sees_media, walks_inside : bool
+        Media, and bodies that scatter inside, play their part; those that follow light must say so.
     transports : bool
         Its picture is the light of all paths of at most `longest_path` edges, as of all its kind.
     splats : bool
@@ -311,6 +311,7 @@ class Integrator(Spec):
     kind: ClassVar[str] = "integrator"
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
+    walks_inside: ClassVar[bool] = False
     transports: ClassVar[bool] = False
     splats: ClassVar[bool] = False
 
@@ -372,8 +373,7 @@ Scale2 = Annotated[tuple[float, float], Numbers(2, Interval(), spread=True)]
 Color = Annotated[Triple, Numbers(3, Interval(low=0.0), spread=True)]
 PositiveColor = Annotated[Triple, Numbers(3, Interval(low=0.0, open_ends=True), spread=True)]
 Reflectance = Annotated[Triple, Numbers(3, Interval(0.0, 1.0), spread=True)]
-#: What may stand for a number: a texture, or the name of one.
-_NAMED = (str, Texture)
+_NAMED = (str, Texture)  # What may stand for a number: a texture, or the name of one.
 ColorTexture = Annotated[
     Triple | Texture | str, Numbers(3, Interval(0.0, 1.0), spread=True, other=_NAMED)
 ]

@@ -55,6 +55,7 @@ from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
+from alight.integrators.body_walk import enters_body, walk_inside
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -108,6 +109,7 @@ class Path(PathTracing):
         How "mis" weights the two techniques that find light.
     """
 
+    walks_inside: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
@@ -270,13 +272,14 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
+        vertex, rays = walk_inside(scene, vertex, surface, active)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
             vertex = where((flags & NULL) != 0, on, vertex)
         if hides:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             vertex = where(hidden, replace(path, o=beyond), vertex)
-        return replace(vertex, sampler=path.sampler, rays=path.rays)
+        return replace(vertex, sampler=path.sampler, rays=rays)
 
     return shade
 
@@ -359,6 +362,8 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
         lit = active & (light.pdf > 0.0)
         if not by_light:
             lit = lit & light.delta
+        # What lies inside is for walks there to find.
+        lit = lit & ~enters_body(scene, surface, light.wi)
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)

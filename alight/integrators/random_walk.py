@@ -30,6 +30,7 @@ class RandomWalk(Integrator):
         Longest path, counted in edges after the camera.
     """
 
+    walks_inside: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["random_walk"] = "random_walk"
     max_depth: Depth = 5

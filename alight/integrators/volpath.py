@@ -23,6 +23,7 @@ from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, max_component
+from alight.integrators.body_walk import enters_body, walk_inside
 from alight.integrators.collisions import (
     Turn,
     evaluate_anywhere,
@@ -98,6 +99,7 @@ class VolPath(PathTracing):
     """
 
     sees_media: ClassVar[bool] = True
+    walks_inside: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["volpath"] = "volpath"
 
@@ -220,9 +222,10 @@ def step(program):
                 vertex = play_beside_guide(settings, vertex, dimension, brightness, here.gain)
             else:
                 vertex = play_roulette(settings, vertex, dimension, brightness)
+        vertex, rays = walk_inside(scene, vertex, surface, met)
         going = vertex.active | passing
         path = where(passing, on, vertex)
-        return replace(path, sampler=on.sampler, active=going, rays=on.rays)
+        return replace(path, sampler=on.sampler, active=going, rays=rays)
 
     return volpath_step
 
@@ -250,6 +253,7 @@ def _write_add_direct_light(chosen_weight, by_light, guided):
         lit = active & (light.pdf > 0.0)
         if not by_light:
             lit = lit & light.delta
+        lit = lit & (scattered | ~enters_body(scene, surface, light.wi))
         if any_lane(lit):
             wi = to_local(surface, light.wi)
             f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit & ~scattered)

@@ -31,7 +31,6 @@ from alight.lab.references import (
 from alight.lab.results import BIASED, SceneResult
 from alight.lab.run_blocks import run_blocks
 from alight.lab.session import Session, StudyProgress
-from alight.lab.spread import Spread
 from alight.lab.study import SceneSpec, scene_name
 
 #: Processor seconds of a reference above which a shortcut is suggested.
@@ -158,12 +157,15 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
         reference_variance=reference.variance,
         arms=results,
         crops=[list(crop) for crop in scene.crops] if not session.quick else [],
-        notes=_notes(results, session.spread),
+        notes=_notes(results, set().union(*(store.processors(plan.key) for plan in plans))),
     )
 
 
-def _notes(results: Sequence, spread: Spread | None) -> list[str]:
-    notes = [spread.note] if spread is not None and spread.note else []
+def _notes(results: Sequence, processors: set[str]) -> list[str]:
+    notes = []
+    if len(processors) > 1:
+        named = ", ".join(sorted(processors))
+        notes.append(f"times are those of different processors: {named}")
     if all(point.flip is None for arm in results for point in arm.times or arm.samples):
         notes.append("FLIP is skipped: the package flip-evaluator is not installed")
     return notes + [

@@ -7,13 +7,14 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from alight.core.errors import OptionError
 from alight.lab.arm_plan import Plan
 from alight.lab.arms import seed_of
 from alight.lab.blocks import block_row
 from alight.lab.figures import Figures
 from alight.lab.measure import Rung
 from alight.lab.session import Session, StudyProgress
-from alight.lab.spread import Ladder
+from alight.lab.spread import Ladder, processor
 from alight.lab.store import Example, Replicate
 from alight.lab.study import SceneSpec, scene_name
 
@@ -40,7 +41,14 @@ def run_blocks(
     costs : sequence of float
         CPU seconds of a replicate of each.
     order_seed : int
+
+    Raises
+    ------
+    OptionError
+        If equal times would be compared with those of another processor, in the store.
     """
+    if session.study.equal_time:
+        _check_processors(session, plans)
     done = [session.store.numbers(plan.key) for plan in plans]
     figures = {
         id(plan.reference): Figures(plan.reference.image, plan.reference.variance) for plan in plans
@@ -55,20 +63,21 @@ def run_blocks(
     drawn = [(number, i) for number in range(count) for i in order.permutation(len(plans)).tolist()]
     wanted = [(number, i) for number, i in drawn if number not in done[i]]
 
-    def run(number: int, i: int, rungs: Iterable[Rung]) -> None:
+    def run(number: int, i: int, rungs: Iterable[Rung], timed_on: str) -> None:
         nonlocal spent
         plan = plans[i]
         text = f"{scene_name(scene)}: replicate {number + 1} of {count}, {plan.arm.spec.name}"
         session.progress(StudyProgress(text, spent, total))
         seed = _seed(session, scene, plan, number)
-        _keep_replicate(session, plan, figures[id(plan.reference)], number, seed, rungs)
+        made_up = figures[id(plan.reference)]
+        _keep_replicate(session, plan, made_up, number, seed, rungs, timed_on)
         spent += costs[i]
 
     if session.spread is None:
         for number, i in wanted:
             plan = plans[i]
             seed = _seed(session, scene, plan, number)
-            run(number, i, plan.arm.render(seed, plan.ladder, session.threads))
+            run(number, i, plan.arm.render(seed, plan.ladder, session.threads), processor())
     else:
         tasks = {
             Ladder(i, _seed(session, scene, plans[i], number), tuple(plans[i].ladder)): number
@@ -76,9 +85,20 @@ def run_blocks(
         }
         session.spread.render(
             [plan.arm for plan in plans], list(tasks), max(costs, default=0.0),
-            lambda task, rungs: run(tasks[task], task.arm, rungs),
+            lambda task, rungs, timed_on: run(tasks[task], task.arm, rungs, timed_on),
         )  # fmt: skip
     session.progress(StudyProgress(f"{scene_name(scene)}: rendered", total, total))
+
+
+def _check_processors(session: Session, plans: Sequence[Plan]) -> None:
+    own = processor()
+    found = set().union(*(session.store.processors(plan.key) for plan in plans))
+    if others := sorted(found - {own}):
+        raise OptionError(
+            "equal times are compared among processors of one kind, and this one is "
+            f"{own}, replicates in {session.store.path} were timed on {', '.join(others)}: write "
+            "to another folder, or say equal_time: false"
+        )
 
 
 def _seed(session: Session, scene: SceneSpec, plan: Plan, number: int) -> int:
@@ -94,6 +114,7 @@ def _keep_replicate(
     number: int,
     seed: int,
     ladder: Iterable[Rung],
+    timed_on: str,
 ) -> None:
     """Work out what is said of a replicate's pictures, step by step, and store it."""
     rungs, pictures, looked_at = {}, {}, {}
@@ -115,5 +136,6 @@ def _keep_replicate(
     # Between the steps it would leave the caches cold for some of the arms.
     for spp, picture in looked_at.items():
         rungs[spp] |= figures.of(picture, with_flip=True)
-    session.store.add(plan.key, Replicate(number, seed, invalid, rungs, blocks), pictures, example)
+    replicate = Replicate(number, seed, invalid, rungs, blocks, timed_on)
+    session.store.add(plan.key, replicate, pictures, example)
     session.seconds["statistics"] += time.process_time() - begin

@@ -22,7 +22,7 @@ from alight.cluster.addresses import check_address, connected
 from alight.compiled.scene import CompiledScene
 from alight.core.errors import FilmError, OptionError
 from alight.films.archive import pack_archive, unpack_archive
-from alight.lab.measure import Rung, compiled_kernels, render_ladder
+from alight.lab.measure import Rung, render_ladder
 from alight.lab.steering import is_steered, steered_ladder
 from alight.rendering.tile import Kernels
 
@@ -57,29 +57,24 @@ class Ladder(NamedTuple):
         return hashlib.sha256(repr(tuple(self)).encode()).hexdigest()
 
 
-class SharedArms:
-    """What all replicates of a scene's arms need; kernels are made where they are used.
+class SharedArm(NamedTuple):
+    """What the replicates of one arm need.
 
-    Parameters
+    Attributes
     ----------
-    arms : sequence of (CompiledScene, int, schedule)
-        The replicates of the film, and the option `schedule` or None.
+    scene : CompiledScene
+    kernels : Kernels
+        They have run, and travel as object code.
+    replicates : int
+        Of the film.
+    schedule : Any
+        The option, or None.
     """
 
-    def __init__(self, arms: Sequence[tuple[CompiledScene, int, Any]]) -> None:
-        self.arms = tuple(arms)
-        self._kernels: dict[int, Kernels] = {}
-        self._lock = threading.Lock()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return SharedArms, (self.arms,)
-
-    def kernels(self, arm: int) -> Kernels:
-        """Machine code of this process."""
-        with self._lock:
-            if arm not in self._kernels:
-                self._kernels[arm] = compiled_kernels(self.arms[arm][0])
-            return self._kernels[arm]
+    scene: CompiledScene
+    kernels: Kernels
+    replicates: int
+    schedule: Any
 
 
 @cache
@@ -93,12 +88,12 @@ def processor() -> str:
     return names[0] if names else platform.machine()
 
 
-def render_replicate(shared: SharedArms, task: Ladder) -> bytes:
+def render_replicate(shared: Sequence[SharedArm], task: Ladder) -> bytes:
     """Render a ladder on the thread that asks, and pack its pictures."""
-    scene, replicates, schedule = shared.arms[task.arm]
-    words = scene, shared.kernels(task.arm), replicates, task.seed, task.ladder, 0
+    arm = shared[task.arm]
+    words = arm.scene, arm.kernels, arm.replicates, task.seed, task.ladder, 0
     rungs = list(
-        steered_ladder(*words, schedule) if is_steered(schedule) else render_ladder(*words)
+        steered_ladder(*words, arm.schedule) if is_steered(arm.schedule) else render_ladder(*words)
     )
     told = [{"spp": r.spp, "seconds": r.seconds, "invalid": r.invalid} for r in rungs]
     content = {"task": task.digest, "rungs": told, "processor": processor()}
@@ -165,11 +160,6 @@ class Spread:
     equal_time : bool
         Whether the study compares arms at equal times.
 
-    Attributes
-    ----------
-    processors : set of str
-        Names of those that replicates were timed on.
-
     Raises
     ------
     OptionError
@@ -178,7 +168,6 @@ class Spread:
 
     def __init__(self, client: Any, equal_time: bool) -> None:
         self._client, self._equal_time = client, equal_time
-        self.processors: set[str] = set()
         own = processor()
         found: dict[str, str] = {}
         # One that does not answer now, or lacks alight, is told apart by its answers.
@@ -197,7 +186,7 @@ class Spread:
         arms: Sequence[Arm],
         tasks: Sequence[Ladder],
         seconds: float,
-        take: Callable[[Ladder, list[Rung]], None],
+        take: Callable[[Ladder, list[Rung], str], None],
     ) -> None:
         """Render replicates in any order.
 
@@ -209,13 +198,15 @@ class Spread:
         seconds : float
             That the longest of them should take.
         take : callable
-            Takes a task and its pictures, each task once, in this thread.
+            Takes a task, its pictures and the processor that they were timed on: each task once,
+            in this thread.
         """
         from alight.cluster.dispatch import Dispatcher, Patience
 
-        shared = SharedArms([
-            (arm.compiled, arm.replicates, arm.spec.options.get("schedule")) for arm in arms
-        ])  # fmt: skip
+        shared = [
+            SharedArm(arm.compiled, arm.kernels, arm.replicates, arm.spec.options.get("schedule"))
+            for arm in arms
+        ]
 
         def read(task: Ladder, data: Any) -> tuple[list[Rung], str]:
             rungs, name = read_replicate(task, arms[task.arm].size, data)
@@ -224,9 +215,7 @@ class Spread:
             return rungs, name
 
         def took(task: Ladder, answer: tuple[list[Rung], str], seconds: float) -> None:
-            rungs, name = answer
-            self.processors.add(name)
-            take(task, rungs)
+            take(task, *answer)
 
         patience = Patience(task=max(_LATE, _TIMES * seconds), times=_TIMES)
         dispatcher = Dispatcher(self._client, render_replicate, shared, read, patience)
@@ -241,13 +230,6 @@ class Spread:
         # A cluster that is lost leaves the rest to this process.
         for task in (*left, *waiting):
             took(task, read(task, render_replicate(shared, task)), 0.0)
-
-    @property
-    def note(self) -> str:
-        """What a reader must know of the times; empty where they compare."""
-        if len(self.processors) < 2:
-            return ""
-        return f"times are those of different processors: {', '.join(sorted(self.processors))}"
 
 
 @contextmanager

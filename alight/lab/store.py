@@ -26,6 +26,8 @@ CREATE TABLE IF NOT EXISTS facts (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS replicates (
     arm TEXT NOT NULL, number INTEGER NOT NULL, seed INTEGER NOT NULL, invalid INTEGER NOT NULL,
     rungs TEXT NOT NULL, blocks BLOB NOT NULL, PRIMARY KEY (arm, number));
+CREATE TABLE IF NOT EXISTS processors (
+    arm TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL, PRIMARY KEY (arm, number));
 CREATE TABLE IF NOT EXISTS moments (
     arm TEXT NOT NULL, spp INTEGER NOT NULL, count INTEGER NOT NULL, shape TEXT NOT NULL,
     mean BLOB NOT NULL, squares BLOB NOT NULL, PRIMARY KEY (arm, spp));
@@ -47,6 +49,8 @@ class Replicate:
         By spp: seconds, mse, relmse, relmse_literature, smape, flip.
     blocks : ndarray of float64
         `alight.lab.blocks.block_row` of the deepest picture.
+    processor : str
+        On which it was timed; empty where a store does not know, or is not asked.
     """
 
     number: int
@@ -54,6 +58,7 @@ class Replicate:
     invalid: int
     rungs: dict[int, dict[str, Any]]
     blocks: np.ndarray
+    processor: str = ""
 
 
 @dataclass(frozen=True)
@@ -158,6 +163,11 @@ class Store:
                     replicate.blocks.astype(np.float64).tobytes(),
                 ),
             )  # fmt: skip
+            if replicate.processor:
+                self._base.execute(
+                    "INSERT INTO processors VALUES (?, ?, ?)",
+                    (arm, replicate.number, replicate.processor),
+                )
             for spp, picture in pictures.items():
                 moments = self.moments(arm, spp) or Moments()
                 moments.add(np.asarray(picture, np.float32))
@@ -193,6 +203,12 @@ class Store:
         """The replicates that are done."""
         with self._explained():
             rows = self._base.execute("SELECT number FROM replicates WHERE arm = ?", (arm,))
+            return {row[0] for row in rows}
+
+    def processors(self, arm: str) -> set[str]:
+        """Those that replicates were timed on, as far as it is known."""
+        with self._explained():
+            rows = self._base.execute("SELECT name FROM processors WHERE arm = ?", (arm,))
             return {row[0] for row in rows}
 
     def replicates(self, arm: str) -> Iterator[Replicate]:

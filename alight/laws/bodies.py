@@ -14,7 +14,7 @@ from alight.compiled.scene import compile_scene
 from alight.compiled.shapes import compile_shapes
 from alight.core.spec import Shape
 from alight.laws.report import BrokenLawError
-from alight.laws.statistics import unit_vectors
+from alight.laws.statistics import UNIT, unit_vectors
 from alight.lights.model import LIGHTS
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import Transform, matrix, rotate, scale, translate
@@ -32,6 +32,9 @@ PLACEMENTS: dict[str, Transform] = {
 }
 #: Lines, and samples.
 N = 20_000
+#: Error of a hit, relative to the ray's origin and length: 16 operations in a row, which take the
+#: ray to the shape's space, find the root, and bring the point back.
+HIT = 16 * UNIT
 
 
 def scene_of(nodes: dict[str, Node]) -> Scene:
@@ -105,6 +108,11 @@ class Body:
         middle = self.center[:, None] + r * across
         o = middle - 1.5 * self.radius * d
         return np.ascontiguousarray(o, np.float32), np.ascontiguousarray(d, np.float32)
+
+
+def margin_of(body: Body, o: np.ndarray) -> float:
+    """Error of hits by rays from o (3, n), in m."""
+    return HIT * float(np.linalg.norm(o.astype(float), axis=0).max() + 6.0 * body.radius)
 
 
 def vec_of(v: np.ndarray) -> Vec3:

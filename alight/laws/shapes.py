@@ -14,7 +14,17 @@ import numpy as np
 from alight.accel import intersect_closest
 from alight.core.constants import INFINITY
 from alight.core.spec import Shape
-from alight.laws.bodies import Body, N, body_of, placed_everywhere, rows_of, vec_of
+from alight.laws.bodies import (
+    HIT,
+    Body,
+    N,
+    body_of,
+    margin_of,
+    placed_everywhere,
+    rows_of,
+    vec_of,
+)
+from alight.laws.distances import distances_are_in_lengths_of_the_direction
 from alight.laws.framing import an_automatic_camera_sees_all_of_it
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z, ROUNDING, UNIT, unit_vectors, z_of_mean
@@ -33,9 +43,6 @@ from lanewise.view import View
 #: Surfaces that one line crosses at most, of those that are counted.
 MOST_CROSSINGS = 8
 
-#: Error of a hit, relative to the ray's origin and length: 16 operations in a row, which take the
-#: ray to the shape's space, find the root, and bring the point back.
-HIT = 16 * UNIT
 #: Error of a unit vector: half of its square's (three operations), a root, a quotient, a product;
 #: of a frame: two of them, orthogonal up to three operations more, and a cross product.
 UNIT_VECTOR, FRAME = 5 * UNIT, 16 * UNIT
@@ -57,7 +64,7 @@ def hits_lie_on_their_rays_and_in_the_box(body: Body) -> None:
     demand(found.any(), "no line through its box meets it")
     p = rows_of(surface.p, N)[:, found]
     along = (o + np.where(found, hit.t, 0.0) * d)[:, found]
-    margin = _margin(body, o)
+    margin = margin_of(body, o)
     off = np.linalg.norm(np.cross(p - o[:, found], d[:, found], axis=0), axis=0)
     demand_close(off, 0.0, "metres from the ray", atol=margin)
     facing = np.abs(np.sum(rows_of(surface.ng, N)[:, found] * d[:, found], axis=0))
@@ -73,11 +80,6 @@ def hits_lie_on_their_rays_and_in_the_box(body: Body) -> None:
         demand_close(np.linalg.norm(v, axis=0), 1.0, f"length of {name}", atol=UNIT_VECTOR)
     demand_close(np.cross(ns, s, axis=0), t, "ns x s against t", atol=FRAME)
     demand_close(np.cross(s, t, axis=0), ns, "s x t against ns", atol=FRAME)
-
-
-def _margin(body: Body, o: np.ndarray) -> float:
-    """Error of hits by rays from o (3, n), in m."""
-    return HIT * float(np.linalg.norm(o.astype(float), axis=0).max() + 6.0 * body.radius)
 
 
 def _neighbours(body: Body, seed: int) -> tuple[np.ndarray, Any, list[tuple[Any, Any]], np.ndarray]:
@@ -136,7 +138,7 @@ def neighbours_differ_as_the_derivatives_say(body: Body) -> None:
         wrong.append(np.linalg.norm(said - moved, axis=0))
     for left, what in ((beside, "beside the tangent plane"), (wrong, "off dp/du du + dp/dv dv")):
         # Orders that cancel at one distance do not at the other.
-        bound = np.maximum(left[1] / 4.0, left[2] / 16.0) + 2.0 * _margin(body, o)
+        bound = np.maximum(left[1] / 4.0, left[2] / 16.0) + 2.0 * margin_of(body, o)
         demand_close(left[0][found], 0.0, f"metres of neighbours {what}", atol=bound[found])
 
 
@@ -374,6 +376,7 @@ def demand_same_surfaces(body: Body) -> None:
 
 LAWS = (
     hits_lie_on_their_rays_and_in_the_box,
+    distances_are_in_lengths_of_the_direction,
     an_automatic_camera_sees_all_of_it,
     neighbours_differ_as_the_derivatives_say,
     area_is_that_of_crofton,

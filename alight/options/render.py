@@ -14,6 +14,7 @@ from alight.options.kinds import Anything, Choice, File, Files, Names, Switch, T
 from alight.options.quantities import Part, Seconds, Share, Whole
 from alight.options.scene import SizedOptions
 from alight.options.table import PICTURE, PROMISE, SAMPLING, Options, option, table
+from alight.options.target import TargetOptions
 
 if TYPE_CHECKING:
     from alight.outputs.display import Display
@@ -148,8 +149,9 @@ class LimitOptions(Options):
 
 @table
 class RenderOptions(
-    DisplayOptions, PromiseOptions, LimitOptions, ClusterOptions, ThreadOptions, SizedOptions
-):
+    DisplayOptions, PromiseOptions, LimitOptions, ClusterOptions, TargetOptions, ThreadOptions,
+    SizedOptions,
+):  # fmt: skip
     """Everything that `alight.render` can be told.
 
     Every number is checked when the object is made, and contradictions are refused.

@@ -7,7 +7,6 @@ canonical sums of each block, and the digest of the task that they answer.
 from __future__ import annotations
 
 import hashlib
-import threading
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -21,7 +20,7 @@ from alight.films.coverage import SurfaceSums, pack_sums, unpack_sums
 from alight.films.fixed_point import HIGH_SCALE, LOW_MASK, MAX_VALUE, carry
 from alight.integrators.walk import Settings
 from alight.rendering.executors import Block
-from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
+from alight.rendering.tile import Kernels, Scratch, render_tile
 
 #: Units of limb 0 that a sample adds at most, with its carry.
 _LARGEST = int(MAX_VALUE * HIGH_SCALE) + 1
@@ -53,31 +52,21 @@ class BlockTask(NamedTuple):
         return found.hexdigest()
 
 
-class SharedScene:
-    """What all tasks of a render need; kernels are made, or read from the cache, where it is used.
+class SharedScene(NamedTuple):
+    """What all tasks of a render need.
 
-    Parameters
+    Attributes
     ----------
     scene : CompiledScene
     settings : Settings
         Of any seed.
+    kernels : Kernels
+        They have run, and travel as object code.
     """
 
-    def __init__(self, scene: CompiledScene, settings: Settings) -> None:
-        self.scene, self.settings = scene, settings
-        self._kernels: Kernels | None = None
-        self._lock = threading.Lock()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return SharedScene, (self.scene, self.settings)
-
-    @property
-    def kernels(self) -> Kernels:
-        """Machine code of this process."""
-        with self._lock:
-            if self._kernels is None:
-                self._kernels = make_kernels(self.scene)
-            return self._kernels
+    scene: CompiledScene
+    settings: Settings
+    kernels: Kernels
 
 
 def render_blocks(shared: SharedScene, task: BlockTask) -> bytes:

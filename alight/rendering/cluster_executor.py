@@ -75,22 +75,28 @@ class ClusterExecutor:
         """Disconnect; processes that were started for this render end."""
         self._stack.close()
 
-    def begin(self, job: Job) -> None:
-        """Send the scene to the workers.
+    def check(self, job: Job) -> None:
+        """Refuse paths that start at lights: their sums are whole pictures.
 
         Raises
         ------
         OptionError
-            If paths start at lights: their sums are whole pictures.
+        """
+        if job.splats:
+            name = job.scene.integrator.type_name()
+            text = f"does not render with the integrator {name}; {{part}} does"
+            raise OptionError(text, "cluster", names=("part",))
+
+    def begin(self, job: Job) -> None:
+        """Send the scene and its kernels to the workers.
+
+        Raises
+        ------
         AlightError
             If there are no workers.
         """
         from alight.cluster.dispatch import Dispatcher
 
-        if job.splats:
-            name = job.scene.integrator.type_name()
-            text = f"does not render with the integrator {name}; {{part}} does"
-            raise OptionError(text, "cluster", names=("part",))
         self._job = job
         film = job.rounds[0]
         layers = {name: film.aov_channels[name] for name in film.aov_sums}
@@ -102,7 +108,7 @@ class ClusterExecutor:
                 self._bytes += len(data)
             return read_blocks(layout, task, data)
 
-        shared = SharedScene(job.scene, job.settings)
+        shared = SharedScene(job.scene, job.settings, job.kernels)
         self._dispatcher = Dispatcher(self._client, render_blocks, shared, read, self._patience)
         self._stack.callback(self._dispatcher.close)
         self._dispatcher.open()

@@ -52,8 +52,17 @@ class Executor(Protocol):
     def __enter__(self) -> Self: ...
     def __exit__(self, *raised: object) -> None: ...
 
+    def check(self, job: Job) -> None:
+        """Refuse a job that it cannot render, before kernels are compiled.
+
+        Raises
+        ------
+        OptionError
+        """
+        ...
+
     def begin(self, job: Job) -> None:
-        """Take a job, whose kernels need not be compiled yet."""
+        """Take a job, whose kernels are compiled."""
         ...
 
     def render(
@@ -92,6 +101,9 @@ class Threads:
         """End the threads."""
         if self._pool is not None:
             self._pool.shutdown()
+
+    def check(self, job: Job) -> None:
+        """Threads render anything."""
 
     def begin(self, job: Job) -> None:
         """Start the threads."""

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from alight.compiled.digest import digest_of_tables
 from alight.compiled.scene import CompiledScene
 from alight.core.version import VERSION
 from alight.films import Film, PartialFilm, merging
@@ -25,7 +26,10 @@ from alight.rendering.seeds import PILOT, seed_of_round
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tiles import tiles_of
 from alight.rendering.training import Training
-from lanewise.machine import fingerprint
+from lanewise.machine import PORTABLE, fingerprint, target
+
+#: A part of the identity of films that machines of several kinds may go on with.
+TABLES = "tables"
 
 
 @dataclass(frozen=True)
@@ -148,7 +152,7 @@ class Job:
             surfaces=scene.surfaces.names if scene.surfaces else None,
             scene_hash=scene.content_hash,
             seed=seed_of_round(self.seed, round),
-            options=dict(scene.integrator) | self._guide(),
+            options=dict(scene.integrator) | self._guide() | self._tables(),
             fingerprint=fingerprint(),
             version=VERSION,
         )
@@ -161,6 +165,13 @@ class Job:
     def _guide(self) -> dict[str, str]:
         """The guide as a part of a film's identity."""
         return {"guide": self.training.hash} if self.training else {}
+
+    def _tables(self) -> dict[str, str]:
+        """What kernels read, as a part of the identity of a film that any machine may go on with.
+
+        Tables are NumPy's work, whose functions may round otherwise on another processor.
+        """
+        return {TABLES: digest_of_tables(self.scene.tables)} if target() == PORTABLE else {}
 
     # ------------------------------------------------------------------------ saved and restored
 

@@ -125,8 +125,9 @@ def run(
     if writer:
         # Before the first second is spent: a file that cannot be written is found out now.
         writer.write(job.state(copy=False))
-    executor.begin(job)
+    executor.check(job)
     job.start(progress)
+    executor.begin(job)
     clock.lap("compile")
     job.start_clock()
 

@@ -64,6 +64,7 @@ def prepare(scene: Any, options: RenderOptions) -> Prepared:
     AlightError
         For a scene or an option that is wrong.
     """
+    options.take_target()
     # Before the options, which may name a tone curve of theirs.
     load_plugins(options.plugins)
     targets = Targets(

@@ -21,13 +21,14 @@ from alight.rendering.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoint_writer import CheckpointWriter
 from alight.rendering.cluster_executor import executor_of
 from alight.rendering.executors import Executor
+from alight.rendering.job import TABLES, Job
 from alight.rendering.main_loop import Clock, make_job, run
 from alight.rendering.schedules import promise_of, restored_schedule
 from alight.rendering.steering import towards
 from alight.rendering.writing import Targets, finish
 from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
-from lanewise.machine import describe_machine, fingerprint
+from lanewise.machine import NATIVE, choose_target, describe_machine, fingerprint
 
 #: So many changes are named; more are counted.
 _MOST_NAMED = 8
@@ -133,6 +134,7 @@ def _go_on(saved: Checkpoint, options: ResumeOptions) -> Film:
 def _go_on_with(
     executor: Executor, saved: Checkpoint, options: ResumeOptions, clock: Clock
 ) -> Film:
+    _take_target(saved)
     _check_machine(saved)
     scene = _load_scene(saved, options.scene, options.root)
     state, film = saved.state, saved.state.rounds[0]
@@ -150,6 +152,7 @@ def _go_on_with(
         replicates=film.replicates, aovs=tuple(film.aov_channels),
     )  # fmt: skip
     check_same_names(film.coverage, job.rounds[0].coverage, f"cannot resume {saved.path}")
+    _check_tables(saved, job)
     job.restore(state, state.goal if goes_on else None)
     if options.time_limit is not None:
         job.time_limit = state.seconds + float(options.time_limit)
@@ -175,6 +178,14 @@ def _least_spp(saved: Checkpoint) -> int:
     return max(ends, default=0) - int(saved.state.schedule_state.get("first", 0))
 
 
+def _take_target(saved: Checkpoint) -> None:
+    """Compile for the target for which the film was rendered."""
+    try:
+        choose_target(saved.origin.machine.get("target", NATIVE))
+    except ValueError as error:
+        raise FilmError(f"cannot resume {saved.path} here: {error}") from None
+
+
 def _check_machine(saved: Checkpoint) -> None:
     """Refuse where the samples to come would not be those of the film."""
     if saved.state.rounds[0].fingerprint == fingerprint():
@@ -185,6 +196,15 @@ def _check_machine(saved: Checkpoint) -> None:
         + listed(changed or ["kernel fingerprint: is another one"])
         + f"\nits picture is whole: alight merge {saved.path} -o picture.exr"
     )
+
+
+def _check_tables(saved: Checkpoint, job: Job) -> None:
+    """Refuse a scene that comes out with other bits, though its text is the same."""
+    if job.film.options.get(TABLES) != saved.state.rounds[0].options.get(TABLES):
+        raise FilmError(
+            f"cannot resume {saved.path}: NumPy gives the tables of its scene other bits here\n"
+            f"its picture is whole: alight merge {saved.path} -o picture.exr"
+        )
 
 
 def _load_scene(

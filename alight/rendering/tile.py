@@ -46,7 +46,7 @@ TileFilm = namedtuple("TileFilm", "sums counts direct tally")
 
 
 class Kernels(NamedTuple):
-    """Machine code for one scene.
+    """Machine code for one scene; once they have run, they can be pickled.
 
     Attributes
     ----------

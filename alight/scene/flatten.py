@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from alight.bsdfs.nesting import scatters_inside
 from alight.core.errors import SceneError
 from alight.core.registry import default_of, versions
 from alight.core.spec import (
@@ -205,30 +206,28 @@ class _Flattener:
         while stack:
             path, node, parent, bsdf, material = stack.pop()
             here = parent.then(node.transform, self.shutter)
-            to_world = here.matrix
             if node.bsdf is not None:
                 bsdf, material = node.bsdf, node.bsdf if isinstance(node.bsdf, str) else path
             light = None if node.light is None else self.light(node.light)
             if node.shape is not None:
                 index, geometry = self.bsdf_index(bsdf), self.geometry_index(node.shape)
-                border = self.border(node)
                 self.shapes.append(
                     PlacedShape(
                         name=path,
                         shape=images.with_heights(
                             with_arrays(node.shape, self.files), self.scene.textures, self.files
                         ),
-                        to_world=to_world,
+                        to_world=here.matrix,
                         bsdf=index,
                         light=light,
                         geometry=geometry,
-                        border=border,
+                        border=self.border(node, self.bsdfs[index]),
                         motion=here.motion,
                         material=material,
                     )
                 )
             elif light is not None:
-                placed = PlacedLight(path, light, to_world, here.motion)
+                placed = PlacedLight(path, light, here.matrix, here.motion)
                 if light.placement == "environment":
                     self.environments.append(placed)
                 else:
@@ -240,9 +239,10 @@ class _Flattener:
                 below.insert(0, (f"{path}/{node.instance}", prototype, *given))
             stack.extend(reversed(below))
 
-    def border(self, node: Node) -> tuple[int, int] | None:
-        """Number the media on both sides of a shape, if it bounds any."""
-        if node.interior is None and node.exterior is None:
+    def border(self, node: Node, bsdf: Bsdf) -> tuple[int, int] | None:
+        """Number the media on both sides of a shape, if it bounds any; fog ends at bodies."""
+        around = self.scene.medium is not None and scatters_inside(bsdf)
+        if node.interior is None and node.exterior is None and not around:
             return None
         outside = self.scene.medium if node.exterior is None else node.exterior
         return self.medium_number(node.interior), self.medium_number(outside)

@@ -22,6 +22,7 @@ from alight.core.registry import specs
 from alight.core.spec import Bsdf, Light, Spec, Texture, texture_interval
 from alight.outputs.texels import reusing_memory
 from alight.scene import images
+from alight.scene.bodies import body_problems
 from alight.scene.description import Node, Scene
 from alight.scene.files import Files
 from alight.scene.media import media_problems
@@ -66,8 +67,8 @@ def find_problems(scene: Scene, files: Files | None = None) -> list[Issue]:
         checker.check_nodes()
     checker.check_camera()
     issues = checker.issues + media_problems(scene, files)
-    # Only a graph that is right so far can be walked with its instances.
-    return issues or motion_problems(scene)
+    # Only materials and a graph that are right so far can be walked with all that is in them.
+    return issues or body_problems(scene) + motion_problems(scene)
 
 
 @dataclass

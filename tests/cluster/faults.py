@@ -4,7 +4,8 @@
 
 A scheduler and two workers with nannies, behind TLS, stay from trial to trial; each render is a
 process with a checkpoint that is written without a pause. At a moment drawn uniformly from what is
-left of such a render when its first samples are there, one of `FAULTS` happens: before, a scheduler
+left of such a render when its first samples are there, one of `FAULTS` happens, or where the
+rights of root let one worker be in a network namespace, one of `CUTS`: before, a scheduler
 that does not answer is an error. Whatever is gone is started again for the next
 trial; a client that was killed goes on from its checkpoint. The last line is JSON: what happened,
 how many films differ from that of one process, and the longest delay over a render without fault.
@@ -32,6 +33,7 @@ from alight.cluster.dispatch import Patience
 from alight.cluster.keys import CERTIFICATE, KEY, make_keys
 from alight.films import Film
 from alight.rendering import cluster_executor
+from tests.cluster.cut_network import Namespace, namespace_here
 
 #: Seconds that a client waits for what is lost, in the campaign.
 PATIENCE = Patience(task=3.0, times=4.0, fetch=3.0, cluster=12.0)
@@ -44,6 +46,9 @@ FAULTS = (
     "kill client", "kill worker twice",
 )  # fmt: skip
 
+#: Where one of the workers can be in a network of its own: for good, and for a while.
+CUTS = ("cut worker", "cut worker briefly")
+
 #: Seconds after which a render hangs.
 HANGS = 180.0
 
@@ -51,20 +56,22 @@ HANGS = 180.0
 class Damaged:
     """The processes of a cluster, started again when they are gone."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.port = folder, _free_port()
+    def __init__(self, folder: Path, network: Namespace | None) -> None:
+        self.folder, self.port, self.network = folder, _free_port(), network
         self.keys = folder / "keys"
         make_keys(self.keys)
-        self.address = f"tls://127.0.0.1:{self.port}"
+        self.host = network.here if network else "127.0.0.1"
+        self.address = f"tls://{self.host}:{self.port}"
         self.scheduler: subprocess.Popen | None = None
         self.nannies: list[subprocess.Popen] = []
         self.log = (folder / "cluster.log").open("wb")
 
-    def _start(self, *words: str) -> subprocess.Popen:
+    def _start(self, *words: str, network: Namespace | None = None) -> subprocess.Popen:
         certificate, key = str(self.keys / CERTIFICATE), str(self.keys / KEY)
         tls = ["--tls-ca-file", certificate, "--tls-cert", certificate, "--tls-key", key]
         return subprocess.Popen(
-            [sys.executable, "-m", "dask", *words, "--host", "127.0.0.1", *tls],
+            [*(network.words if network else ()), sys.executable, "-m", "dask", *words,
+             "--host", network.there if network else self.host, *tls],
             stdout=self.log, stderr=self.log, cwd=self.folder,
             env={**os.environ, "PYTHONPATH": str(Path.cwd())},
         )  # fmt: skip
@@ -77,10 +84,12 @@ class Damaged:
             self.scheduler = self._start(
                 "scheduler", "--port", port, "--no-dashboard", "--protocol", "tls"
             )
-        alive = [nanny for nanny in self.nannies if nanny.poll() is None]
-        while len(alive) < 2:
-            alive.append(self._start("worker", self.address, "--nthreads", "1", "--no-dashboard"))
-        self.nannies = alive
+        words = "worker", self.address, "--nthreads", "1", "--no-dashboard"
+        # The first one is where it can be cut off.
+        for at, network in enumerate((self.network, None)):
+            if self.nannies[at : at + 1] and self.nannies[at].poll() is None:
+                continue
+            self.nannies[at : at + 1] = [self._start(*words, network=network)]
         with suppress(alight.AlightError):
             self._wait()
             return
@@ -151,7 +160,9 @@ class Campaign:
     """Trials of one folder."""
 
     def __init__(self, folder: Path, seed: int) -> None:
-        self.cluster, self.folder = Damaged(folder), folder
+        self.network = namespace_here()
+        self.faults = FAULTS + (CUTS if self.network else ())
+        self.cluster, self.folder = Damaged(folder, self.network), folder
         self.random = random.Random(seed)
         self.whole = alight.render("cornell-box", spp=SPP, **RENDER)
         self.told: Counter[str] = Counter()
@@ -167,7 +178,7 @@ class Campaign:
 
     def trial(self, number: int) -> None:
         """One render, and one fault."""
-        fault = FAULTS[number % len(FAULTS)]
+        fault = self.faults[number % len(self.faults)]
         self.cluster.repair()
         took = self._trial(f"{number}", fault)
         self.told[fault] += 1
@@ -191,6 +202,8 @@ class Campaign:
         finally:
             for pid in stopped:
                 _signal(pid, signal.SIGCONT)
+            if self.network:
+                self.network.mend()
             process.kill()
         if process.returncode != 0:
             self.differing.append(f"{name}: {fault}: exit code {process.returncode}")
@@ -214,6 +227,13 @@ class Campaign:
         self, fault: str, process: subprocess.Popen, path: Path
     ) -> tuple[subprocess.Popen, list[int]]:
         word, _, whom = fault.partition(" ")
+        if word == "cut":
+            assert self.network is not None
+            self.network.cut()
+            if whom == "worker briefly":
+                time.sleep(self.random.uniform(0.0, PATIENCE.task))
+                self.network.mend()
+            return process, []
         if whom == "client":
             process.kill()
             process.wait()
@@ -235,9 +255,18 @@ class Campaign:
         return process, [victim] if word == "stop" else []
 
 
-def run(folder: Path, faults: int, seed: int) -> dict:
-    """A campaign; gives what its last line says."""
+def run(folder: Path, faults: int | None, seed: int) -> dict:
+    """A campaign; gives what its last line says.
+
+    Parameters
+    ----------
+    folder : Path
+    faults : int or None
+        Renders; None is each kind of fault once.
+    seed : int
+    """
     campaign = Campaign(folder, seed)
+    faults = len(campaign.faults) if faults is None else faults
     try:
         campaign.begin()
         for number in range(faults):
@@ -245,6 +274,8 @@ def run(folder: Path, faults: int, seed: int) -> dict:
     finally:
         campaign.cluster.end()
         campaign.cluster.log.close()
+        if campaign.network:
+            campaign.network.end()
     return {
         "faults": dict(campaign.told), "differing": campaign.differing,
         "length_s": round(campaign.length, 1),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import alight.cluster.worker
 import alight.lab.spread
+from lanewise.machine import describe_machine, fingerprint, target
 
 _PROCESSOR = alight.lab.spread.processor
 
@@ -52,15 +53,13 @@ def _is_first(folder, number):
 
 def become_another_machine():
     """Let this process have another fingerprint, of a machine with other lanes."""
-    alight.cluster.worker.fingerprint = lambda: "another"
-    own = alight.cluster.worker.describe_machine()
-    alight.cluster.worker.describe_machine = lambda: {**own, "lanes": "another"}
+    alight.cluster.worker.fingerprint = lambda target: "another"
+    own = describe_machine()
+    alight.cluster.worker.describe_machine = lambda target: {**own, "lanes": "another"}
 
 
 def become_this_machine():
     """Undo it."""
-    from lanewise.machine import describe_machine, fingerprint
-
     alight.cluster.worker.fingerprint = fingerprint
     alight.cluster.worker.describe_machine = describe_machine
 
@@ -68,6 +67,19 @@ def become_this_machine():
 def kept():
     """How many shared objects this process keeps."""
     return len(alight.cluster.worker._kept)
+
+
+def keep_kernels_in(folder):
+    """Let this process find and keep kernels in a folder; None is the usual one."""
+    if folder is None:
+        os.environ.pop("ALIGHT_CACHE", None)
+    else:
+        os.environ["ALIGHT_CACHE"] = folder
+
+
+def has_compiler():
+    """Whether this process has imported Numba."""
+    return "numba" in sys.modules
 
 
 def ticks_of_the_worker(dask_worker):
@@ -93,3 +105,8 @@ def become_another_processor():
 def become_this_processor():
     """Undo it."""
     alight.lab.spread.processor = _PROCESSOR
+
+
+def target_of_process():
+    """What this process compiles for."""
+    return target()

@@ -40,6 +40,12 @@ def test_what_cannot_be_is_one_message(tmp_path, monkeypatch, words, message):
     assert not any(tmp_path.iterdir())
 
 
+def test_the_status_of_a_target_that_is_none_is_refused():
+    done = alight("cluster", "status", "local:1", "--target", "portabel")
+    assert done.exit_code == 2
+    assert '--target: unknown target "portabel"; did you mean "portable"?' in done.stderr
+
+
 def test_keys_are_made_once(tmp_path):
     done = alight("cluster", "keys", tmp_path / "keys")
     assert done.exit_code == 0

@@ -13,6 +13,7 @@ from alight.cluster.dispatch import Patience
 from alight.core.errors import OptionError
 from alight.films import Film
 from alight.rendering import cluster_executor
+from tests.cluster import jobs
 from tests.cluster.workers import two_workers
 from tests.rendering.interrupted import cancelled_after
 
@@ -92,6 +93,20 @@ def test_a_cluster_renders_the_same_film(client, many_tasks, tmp_path, scene, wo
     told = film.stats["cluster"]
     assert told["tasks"] >= 2
     assert told.get("done_here", 0) == told.get("failed", 0) == 0
+
+
+def test_workers_need_neither_compiler_nor_cache(client, many_tasks, tmp_path):
+    """Kernels arrive as object code: nothing is read from the cache, or written to it."""
+    cache = tmp_path / "cold"
+    client.run(jobs.keep_kernels_in, str(cache))
+    try:
+        words = {**RENDERS["layers"][1], "seed": 9}
+        film = alight.render("cornell-box", cluster=client, **words)
+    finally:
+        client.run(jobs.keep_kernels_in, os.environ.get("ALIGHT_CACHE"))
+    assert_same_film(film, alight.render("cornell-box", **words))
+    assert not cache.exists()
+    assert set(client.run(jobs.has_compiler).values()) == {False}
 
 
 def test_a_cancelled_render_goes_on_to_the_same_bits(client, many_tasks, monkeypatch, tmp_path):

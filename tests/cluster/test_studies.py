@@ -5,6 +5,7 @@ import pytest
 
 from alight.core.errors import FilmError, OptionError
 from alight.films.archive import pack_archive
+from alight.lab import run_blocks
 from alight.lab.run import run_study
 from alight.lab.spread import Ladder, read_replicate
 from alight.lab.study import ArmSpec, SceneSpec, Study
@@ -64,6 +65,28 @@ def test_times_of_another_processor_are_refused_or_marked(client, tmp_path):
         client.run(jobs.become_this_processor)
     assert any("different processors" in note and "Slow 3000" in note
                for note in found.scenes[0].notes)  # fmt: skip
+    # The store knows it, when the same study goes on without the cluster.
+    assert run_study(study(replicates=8), tmp_path / "b").scenes[0].notes == found.scenes[0].notes
+
+
+def test_times_of_another_processor_in_the_store_are_refused_or_marked(monkeypatch, tmp_path):
+    own = run_blocks.processor()
+    for equal_time in (False, True):
+        folder = tmp_path / str(equal_time)
+        fixed = {"equal_time": equal_time, "replicates": 4}
+        monkeypatch.setattr(run_blocks, "processor", lambda: "Slow 3000")
+        run_study(study(**fixed), folder)
+        monkeypatch.setattr(run_blocks, "processor", lambda: own)
+        more = study(**{**fixed, "replicates": 5})
+        if equal_time:
+            assert "were timed on Slow 3000: write to another" in refusal_of(
+                run_study, more, folder
+            )
+        else:
+            notes = run_study(more, folder).scenes[0].notes
+            assert f"times are those of different processors: {own}, Slow 3000" in notes
+            # Whoever only looks at what is there is told so, too.
+            assert run_study(more, folder).scenes[0].notes == notes
 
 
 def test_only_pictures_are_spread(client, tmp_path):

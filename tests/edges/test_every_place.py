@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from alight.bsdfs import MODELS
-from alight.bsdfs.nesting import Nested
+from alight.bsdfs.nesting import Nested, scatters_inside
 from alight.cameras.pinhole import Pinhole
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
@@ -48,6 +48,8 @@ def read_everywhere(scene, folder):
 
 def nested(outer, inner):
     """The outer material with others inside; None where they do not go together."""
+    if scatters_inside(inner) and len(outer.parts) > 1:
+        return None
     fields = {"bsdfs": (inner, outer.bsdfs[1])} if "bsdfs" in dict(outer) else {"bsdf": inner}
     try:
         return outer.replaced(**fields)

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
+from alight.core.equal_area import around_edges, sphere_to_square
 from alight.core.vec import Vec3, luminance
 from alight.formats import loads
 from alight.guiding.light_records import add_arrivals
 from alight.guiding.lookup import leaf_at
+from alight.guiding.parallax import focus_at, from_middle
+from alight.guiding.records import cell_of
 from alight.guiding.tables import LIGHT_RECORD, LightLog
 from alight.integrators.walk import make_settings
 from alight.rendering.trainer import Trainer
@@ -151,6 +154,20 @@ def test_sums_of_arrivals_are_those_of_their_leaves(compiled):
     assert (np.abs(by_leaf - totals.near.shaped[:, 0]) <= rounded).all()
     assert (totals.lit.shaped > 0).sum() > 2 * len(tree.roots)
     assert (totals.lit.shaped[tree.children > 0] == 0).all()
+    # Quarters lie around the direction as the middle of the leaf sees it.
+    p, w = (Vec3(*rows[inside, k : k + 3].T.copy()) for k in (0, 3))
+    seen, _ = from_middle(focus_at(guide, leaf, p), w)
+    x, y = sphere_to_square(seen)
+    active = np.ones(len(leaf), bool)
+    _, side = cell_of(guide, leaf, x, y, active)
+    quarters = np.zeros(totals.lit.shaped.size)
+    for right, up in ((-0.25, -0.25), (-0.25, 0.25), (0.25, -0.25), (0.25, 0.25)):
+        around = around_edges(x + right * side, y + up * side)
+        cell, _ = cell_of(guide, leaf, *around, active)
+        quarters += np.bincount(cell, rows[inside, 6] * 2.0**18, quarters.size)
+    misplaced = np.abs(totals.lit.shaped.ravel() - quarters).sum()
+    # Rounding moves a direction beyond a border now and then.
+    assert misplaced < 0.01 * quarters.sum()
 
 
 #: A lamp in fog, and nothing else.

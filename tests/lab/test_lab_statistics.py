@@ -115,6 +115,20 @@ def test_mse_is_bias_and_variance_exactly():
     assert parts.bias2.value + parts.variance == pytest.approx(mse, rel=1e-5)
 
 
+@pytest.mark.parametrize("bias", [0.0, 0.3])
+def test_the_interval_of_a_bias_has_the_variance_of_its_square(bias):
+    n, moments = 5 * 7, Moments()
+    for noise in (0.1, -0.1, 0.1, -0.1):
+        moments.add(np.full((5, 7, 3), 1.0 + bias + noise))
+    low, high = decompose(moments, np.ones((5, 7, 3)), None).bias2[1:]
+    # Channels of a pixel count as alike: its square has three times the noise, and the bias.
+    noise = 0.1**2 * 4.0 / 3.0 / 4.0
+    b2 = bias**2 - noise
+    variance = 2.0 * (3.0 * noise) ** 2 + 4.0 * max(9.0 * b2 * noise, 0.0)
+    width = stats.norm.ppf(0.975) * math.sqrt(n * variance) / (3.0 * n)
+    assert (low, high) == pytest.approx((b2 - width, b2 + width), rel=1e-5)
+
+
 def test_figures_are_those_of_the_metrics():
     rng = np.random.default_rng(6)
     image = rng.random((8, 8, 3)).astype(np.float32)

@@ -5,6 +5,7 @@ import pytest
 
 import alight
 from alight.core.errors import AlightError, OptionError
+from alight.lab.info import SceneInfo
 from alight.lab.picture_info import is_film_or_picture
 from alight.outputs.image import write_image
 
@@ -73,3 +74,8 @@ def test_options_of_scenes_are_refused(tmp_path):
 
 def test_scenes_are_no_pictures():
     assert not any(map(is_film_or_picture, ("cornell-box", "a.yaml", "b.glb", "c.json", 3)))
+
+
+def test_remarks_are_called_what_they_are():
+    info = SceneInfo([], [], ["a"], ["b"], ["c"], ["d", "e"])
+    assert info.remarks() == ["dropped: a", "approximated: b", "warning: c", "note: d", "note: e"]

@@ -11,6 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 import alight
+from alight.accel import intersect_closest
+from alight.bsdfs.model import BSDFS
 from alight.cli.main import app
 from alight.compiled.scene import compile_scene
 from alight.core.errors import OptionError
@@ -21,11 +23,15 @@ from alight.formats import dumps, load, loads
 from alight.lab.random_scenes import KINDS, random_scene
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.kinds import summary
+from alight.lab.random_scenes.materials import clear
 from alight.laws import integrators as laws
+from alight.laws.bodies import vec_of
+from alight.laws.statistics import unit_vectors
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, flatten
 from alight.scene.validation import find_problems
 from alight.shapes.strands import StrandShape
+from lanewise.jit import instantiate
 from tests.extension.models import LAMBERT, module_of
 from tests.fuzz.in_the_twin import SIDE, picture
 
@@ -108,6 +114,8 @@ def test_every_registered_model_is_drawn(scenes, family):
     left_out = {name for name, spec in specs_of(Integrator).items() if spec.splats}
     # Strands are arrays, which no other shape has.
     left_out |= {name for name, spec in specs_of(Shape).items() if issubclass(spec, StrandShape)}
+    # Not all integrators see into bodies that scatter light, and nothing can hold them.
+    left_out |= {name for name, model in BSDFS.items() if model.inside is not None}
     assert set(counts) == set(Models(family)) - left_out
 
 
@@ -197,3 +205,31 @@ def test_a_file_that_cannot_be_written_is_said(tmp_path):
     result = run("--kind", "studio", "-o", str(tmp_path / "none" / "scene.yaml"))
     assert result.exit_code == 2
     assert "cannot write" in result.stderr
+
+
+def test_clear_materials_are_seen_from_either_side_of_their_boundary():
+    found = [clear(Chance("clear", seed)) for seed in range(300)]
+    ratios = np.array([spec.int_ior / spec.ext_ior for spec in found])
+    # Denser inside, denser outside, and now and then nearly the same.
+    assert (ratios > 1.1).sum() > 100
+    assert (ratios < 1.0 / 1.1).sum() > 30
+    assert 0 < (np.abs(np.log(ratios)) <= np.log(1.1)).sum() < 60
+
+
+@pytest.mark.parametrize("kind", ["room", "door"])
+def test_no_light_leaves_a_closed_room(kind):
+    for seed in range(6):
+        flat = flatten(random_scene(seed, kind))
+        if any(shape.motion is not None for shape in flat.shapes):
+            continue
+        scene = compile_scene(flat, structure="list")
+        trace = instantiate(intersect_closest, scene.program, compiled=False)
+        d = unit_vectors(2000, seed)
+        for lamp in (shape.to_world for shape in flat.shapes if shape.light is not None):
+            # From beside the middle of the lamp.
+            normal = lamp[:3, 2] / np.linalg.norm(lamp[:3, 2])
+            o = np.repeat((lamp[:3, 3] + 0.01 * normal)[:, None], 2000, axis=1)
+            far = np.full(2000, np.inf, np.float32)
+            with np.errstate(all="ignore"):
+                hit = trace(scene.tables, vec_of(o), vec_of(d), far, np.ones(2000, bool))
+            assert np.isfinite(hit.t).all(), seed

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,18 @@ def test_round_trip(tmp_path):
         assert np.array_equal(store.example("x").picture, pictures[0])
         assert store.fact("fact") == [1, 2.5, "three"]
         assert store.fact("other") is None
+
+
+def test_processors_are_those_of_an_arm(tmp_path):
+    with Store(tmp_path / "a.sqlite") as store:
+        picture = np.ones((2, 2, 3), np.float32)
+        # Whoever wrote the first one did not say.
+        for number, name in enumerate(("", "Fast 1", "Slow 2", "Slow 2")):
+            row = replace(_replicate(number), processor=name)
+            store.add("x", row, {4: picture}, None)
+    with Store(tmp_path / "a.sqlite") as store:
+        assert store.processors("x") == {"Fast 1", "Slow 2"}
+        assert store.processors("y") == set()
 
 
 def test_a_replicate_is_all_or_nothing(tmp_path):

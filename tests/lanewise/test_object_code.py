@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import namedtuple
 
 import numpy as np
@@ -57,6 +58,21 @@ def test_fixed_calls_see_what_changed():
         call(outer._replace(word=np.uint32(word)), Vec3(0.0, 0.0, 0.0), 1.0, word, result)
         assert result.array[[0, 3, 8]].tolist() == [8, word, word]
     assert out.array[8] == 3
+
+
+def test_a_pickled_kernel_needs_neither_compiler_nor_cache(monkeypatch, tmp_path):
+    call, out = instantiate(write_arguments).fixed(), View(np.zeros(9, np.float32))
+    outer = Outer(Inner(View(np.int32([8])), 1), True, (), np.uint32(2))
+    call(outer, Vec3(0.5, 0.25, 0.0), 1.0, 2, out)
+    expected, out.array[:] = out.array.copy(), 0.0
+    monkeypatch.setenv(variable("CACHE"), str(tmp_path / "none"))
+    again = pickle.loads(pickle.dumps(call))
+    again(outer, Vec3(0.5, 0.25, 0.0), 1.0, 2, out)
+    np.testing.assert_array_equal(out.array, expected)
+    assert not any(tmp_path.iterdir())
+    # What it was not called with is not in it.
+    with pytest.raises(TypeError, match="was compiled elsewhere, and not for arguments"):
+        again.kernel(outer, Vec3(0.5, 0.25, 0.0), 1, 2, out)
 
 
 def test_kinds_and_leaves():

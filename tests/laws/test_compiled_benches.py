@@ -14,7 +14,7 @@ from alight.compiled.cameras import compile_camera
 from alight.compiled.program import Program
 from alight.filters.importance import compile_filter, sample_filter
 from alight.filters.tent import Tent
-from alight.laws import cameras, filters, textures
+from alight.laws import cameras, emission, filters, textures
 from alight.laws.bodies import body_of
 from alight.laws.compiled import RESULTS, N, scatter
 from alight.laws.lights import light_of_points, scene_of
@@ -22,6 +22,7 @@ from alight.laws.materials import Material, random_numbers
 from alight.laws.shapes import RESULTS as SHAPE_RESULTS
 from alight.laws.shapes import look_all
 from alight.laws.statistics import unit_vectors
+from alight.lights.emission_sampling import sample_emission
 from alight.lights.sampling import sample_light
 from alight.lights.spot import Spot
 from alight.shapes.sphere import Sphere
@@ -72,6 +73,26 @@ def test_of_shapes():
     np.testing.assert_array_equal(out.shaped[11], np.where(found, 0.0, -1.0))
     np.testing.assert_array_equal(out.shaped[0, ~found], -1.0)
     np.testing.assert_array_equal(out.shaped[1:11, ~found], 0.0)
+
+
+def test_of_emission():
+    spec, n = Spot(intensity=(3.0, 2.0, 1.0)), 2048
+    scene = emission.compiled(next(iter(emission.scenes_with(spec))))
+    u, out = (
+        np.random.default_rng(3).random((5, n), np.float32),
+        View(np.zeros((11, n), np.float32)),
+    )
+    with np.errstate(all="ignore"):
+        instantiate(emission.rays_of_lights, scene.program, compiled=False)(
+            scene.tables, View(u), out, n
+        )
+        e = instantiate(sample_emission, scene.program, compiled=False)(
+            scene.tables, u[0], (u[1], u[2]), (u[3], u[4])
+        )
+    seen = rows_of(e.p, e.d, e.flux, e.pdf_position, e.pdf_direction, n=n)
+    np.testing.assert_allclose(out.shaped, seen, rtol=1e-6, atol=1e-7)
+    # A spot stands at one point, and its colours are alike but for their factors.
+    same(out.shaped[3:9], seen[3:9])
 
 
 def test_of_lights():

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from alight.core.errors import SceneError
 from alight.meshes import obj, ply, stl
 from alight.meshes.triangles import MeshArrays, fan, srgb_to_linear
 from tests.formats.mutate import STL, binary_stl
@@ -175,3 +176,16 @@ def test_stl_joins_equal_corners_in_both_spellings():
 def test_stl_keeps_corners_that_differ_in_the_last_bit():
     near = STL.replace(b"vertex 0 1 0", b"vertex 1e-30 1 0").replace(b"-0 0 0", b"1e-30 0 0")
     assert len(stl.read(near).vertices) == 5
+
+
+@pytest.mark.parametrize("count", range(8))
+def test_facets_of_stl_have_three_vertices(count):
+    vertices = "".join(f"vertex {i} {i * i} 0\n" for i in range(count))
+    text = f"solid s\nfacet normal 0 0 1\nouter loop\n{vertices}endloop\nendfacet\nendsolid s\n"
+    try:
+        faces = len(stl.read(text.encode()).faces)
+    except SceneError as error:
+        assert count != 3
+        assert f"must have 3 vertices, got {count}" in str(error)
+    else:
+        assert (count, faces) == (3, 1)

@@ -70,7 +70,7 @@ CLUSTER = (
     Mutant(
         "workers of any fingerprint let in",
         "cluster/worker.py",
-        (("if fingerprint() != asked:", "if False:"),),
+        (("if fingerprint(asked.target) != asked.fingerprint:", "if False:"),),
         f"{DISPATCH}::test_a_worker_of_another_fingerprint_is_refused",
     ),
     Mutant(
@@ -106,5 +106,17 @@ CLUSTER = (
         "lab/spread.py",
         (("if equal_time and others:", "if False:"),),
         f"{STUDIES}::test_times_of_another_processor_are_refused_or_marked",
+    ),
+    Mutant(
+        "a store that does not know what replicates were timed on",
+        "lab/store.py",
+        (("if replicate.processor:", "if False:"),),
+        "tests/lab/test_store.py::test_processors_are_those_of_an_arm",
+    ),
+    Mutant(
+        "equal times of another processor taken from the store",
+        "lab/run_blocks.py",
+        (("if others := sorted(found - {own}):", "if others := []:"),),
+        f"{STUDIES}::test_times_of_another_processor_in_the_store_are_refused_or_marked",
     ),
 )

@@ -112,4 +112,12 @@ COMPILER = (
         "tests/lanewise/test_records.py::test_replace_changes_the_named_fields_only[machine code]",
         "lanewise",
     ),
+    Mutant(
+        "estimates of a vendor in portable code",
+        "portable.py",
+        (("set.add(function.attributes, _NO_ESTIMATES)", "pass"),),
+        "tests/cluster/test_portable.py"
+        "::test_portable_code_takes_no_instruction_whose_bits_are_a_vendors",
+        "lanewise",
+    ),
 )

@@ -81,6 +81,9 @@ EQUIVALENT: dict[str, str] = {
     "guiding/parallax.py _jacobian: 1.0 -> 1.02": (
         "divides by something other than 0 where a leaf has no sphere; the quotient is thrown away"
     ),
+    "integrators/random_walk.py scatter_uniformly: 2.0 * u -> (u) (2)": (
+        "where the coin shows tails, the direction that it chooses is thrown away"
+    ),
     "integrators/random_walk.py scatter_uniformly: 2.0 * u -> (2.0) (2)": (
         "a choice of lobe for the side of the coin that goes anywhere on the sphere"
     ),
@@ -212,6 +215,9 @@ EQUIVALENT: dict[str, str] = {
     ),
     "textures/composed.py _pop_two.two: operate(params, s.b, s.a) -> operate(params, s.a, s.b)": (
         "sums and products are the only textures of two parts, and both commute"
+    ),
+    "view/movable.py Movable.coarse_job: height - 1 -> ((height) + (1))": (
+        "a second guard: a row of the picture over 4 is below its height over 4, rounded up"
     ),
     "view/shades.py _spread: 1.0 -> 1.02": "divides 0 where all pixels are alike",
 }

@@ -1,12 +1,14 @@
 """All planted bugs, in the order in which they are tried."""
 
 from tests.mutants.agreement import AGREEMENT
+from tests.mutants.bodies import BODIES
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
 from tests.mutants.compiler import COMPILER
 from tests.mutants.displacement import DISPLACEMENT
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
+from tests.mutants.everyday import EVERYDAY
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.formats import FORMATS
@@ -48,6 +50,7 @@ MUTANTS = (
     + COATED
     + PRINCIPLED
     + MEDIA
+    + BODIES
     + TURNED
     + KNOWN_ERROR
     + LABORATORY
@@ -66,4 +69,5 @@ MUTANTS = (
     + SHOWN_AGAIN
     + SLIPS
     + STRANDS
+    + EVERYDAY
 )

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 
 import alight
+from lanewise import jit, machine_code
 from tests.mutants.campaign import sample
 from tests.mutants.equivalent import EQUIVALENT
 from tests.mutants.operators import planted, sites_of
 from tests.mutants.selection import select_tests
+from tests.mutants.trial import BY_TEXT, ONE_FOLDER
 
 PACKAGE = Path(alight.__file__).parent
 
@@ -86,3 +88,24 @@ def test_equivalent_slips_are_still_there_and_have_reasons(sites):
     gone = [name for name in EQUIVALENT if name not in names]
     assert not gone, f"the text has changed: {gone}"
     assert all(len(reason) > 20 for reason in EQUIVALENT.values())
+
+
+def test_what_the_campaign_adds_to_lanewise_runs_there(monkeypatch, tmp_path):
+    # A name that is not imported there would fail every test that compiles: they would all be left
+    # out, as failing without a slip.
+    monkeypatch.setenv("KERNELS_OF_THE_CAMPAIGN", str(tmp_path))
+    scope = dict(vars(machine_code))
+    exec(ONE_FOLDER, scope)
+    assert scope["cache_folder"]() == tmp_path
+
+    scope = dict(vars(jit))
+    exec(BY_TEXT, scope)
+    identities = set()
+    for constant in (1.0, 2.0, 1.0):
+
+        @jit.kernel
+        def root(x, constant=constant):
+            return x + constant
+
+        identities.add(scope["instantiate"](root).identity)
+    assert len(identities) == 2

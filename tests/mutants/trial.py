@@ -44,6 +44,8 @@ ONE_FOLDER = '''
 
 def cache_folder():
     """One for all slips."""
+    import os
+
     return Path(os.environ["KERNELS_OF_THE_CAMPAIGN"])
 '''
 
@@ -158,7 +160,7 @@ class Trial:
         """
         notes = self.folder / "notes.jsonl"
         notes.unlink(missing_ok=True)
-        shutil.rmtree(self.folder / "cache", ignore_errors=True)
+        self._forget()
         if plant is None:
             return self._run(tests, seconds, notes, None)
         path = self.folder / "alight" / plant[0]
@@ -171,6 +173,12 @@ class Trial:
             return self._run(tests, seconds, notes, (path, source, plant[1]))
         finally:
             path.write_bytes(source)
+
+    def _forget(self) -> None:
+        """Remove what an earlier slip may have left in the cache; functions are kept by text."""
+        for kept in (self.folder / "cache").glob("*"):
+            if not kept.name.startswith("functions-"):
+                shutil.rmtree(kept, ignore_errors=True)
 
     def _run(self, tests: list[str], seconds: float, notes: Path, change: Any) -> Result:
         sys.stdout.flush()

@@ -159,3 +159,9 @@ def test_a_transparent_background_asks_for_what_it_takes():
     options = RenderOptions(background="transparent", aovs="albedo")
     assert options.aovs == options.changed(spp=4).aovs == ("albedo", "alpha")
     assert options.assignments() == ["integrator.hide_emitters=true"]
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_what_only_python_has_goes_last(table):
+    has_flags = [bool(one.flags) for one in table.options().values()]
+    assert has_flags == sorted(has_flags, reverse=True)

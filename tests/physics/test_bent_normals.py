@@ -6,6 +6,7 @@ import pytest
 from alight.bsdfs.blend import Blend
 from alight.bsdfs.bump_map import BumpMap
 from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.nesting import leaves
 from alight.bsdfs.normal_map import NormalMap
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.principled import Principled
@@ -32,6 +33,20 @@ def lambert(normal, wo, wi):
     normal = np.asarray(normal) / np.linalg.norm(normal)
     seen, lit = normal @ wo, normal @ wi
     return np.where((seen > 0.0) & (lit > 0.0), lit / np.pi, 0.0)
+
+
+@pytest.mark.parametrize("outer", [NormalMap, BumpMap])
+@pytest.mark.parametrize("inner", [NormalMap, BumpMap])
+def test_of_two_reliefs_the_inner_one_counts(outer, inner):
+    def bent(wrapper, bsdf):
+        texture = (0.7, 0.4, 0.9) if wrapper is NormalMap else Bitmap(pixels=((0.0, 1.0),))
+        return wrapper(texture=texture, bsdf=bsdf)
+
+    below = bent(inner, Diffuse())
+    whole = TwoSided(bsdf=bent(outer, Blend(bsdfs=(below, Diffuse(reflectance=0.2)))))
+    one, other = leaves(whole)
+    assert one.relief is below
+    assert other.relief is whole.bsdf
 
 
 def test_normals_of_a_map_are_its_colours():

@@ -5,7 +5,7 @@ import pytest
 
 from alight.bsdfs.albedo_rows import LEAST_ALPHA, STEPS
 from alight.bsdfs.coated_conductor import CoatedConductor, layers_of
-from alight.bsdfs.layered import albedos
+from alight.bsdfs.layered import _shared, albedos
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.rough_plastic import RoughPlastic
 from alight.formats.pbrt.walks import Coat, base_of_walk
@@ -129,3 +129,9 @@ def test_matte_bases_of_pbrt_are_plastic_with_another_base(alpha, within):
         error = np.hypot(power.std(1), weight.std(1)) / np.sqrt(40_000)
         difference = weight.mean(1) - power.mean(1)
         assert (np.abs(difference) < within + 3.5 * error).all(), (cosine, difference, error)
+
+
+def test_light_is_shared_by_the_points_on_both_sides_of_its_place():
+    places, light = np.array([[0.0, 1.75, 3.9, 4.0]]), np.array([[1.0, 2.0, 3.0, 4.0]])
+    found = _shared(places, light, 5)
+    np.testing.assert_allclose(found, [[1.0, 0.5, 1.5, 0.3, 2.7 + 4.0]])

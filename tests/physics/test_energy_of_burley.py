@@ -9,7 +9,7 @@ import pytest
 
 from alight.bsdfs import burley, burley_thin
 from alight.bsdfs.blend import Blend
-from alight.bsdfs.burley import Burley
+from alight.bsdfs.burley import Burley, burley_facets
 from alight.bsdfs.burley_thin import BurleyThin
 from alight.bsdfs.diffuse import Diffuse
 from alight.cameras.pinhole import Pinhole
@@ -59,3 +59,12 @@ def test_info_says_which_models_make_light_wherever_they_are():
     for bsdf, names in ((inside, ["burley", "burley_thin"]), (Diffuse(), [])):
         scene = Scene(camera=Node(camera=Pinhole()), nodes={"a": Node(shape=Sphere(), bsdf=bsdf)})
         assert [text.split()[0] for text in energy_notes(flatten(scene))] == names
+
+
+def test_facets_are_stretched_along_the_tangent():
+    roughness = np.array([0.3, 0.8], np.float32)
+    for anisotropic in (0.0, 0.5, 1.0):
+        facets = burley_facets(roughness, np.float32(anisotropic))
+        aspect = np.sqrt(1.0 - 0.9 * anisotropic)
+        np.testing.assert_allclose(facets.alpha_x, roughness**2 / aspect, rtol=1e-6)
+        np.testing.assert_allclose(facets.alpha_y, roughness**2 * aspect, rtol=1e-6)

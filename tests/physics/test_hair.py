@@ -75,3 +75,21 @@ def test_values_are_mitsubas(wo, wi, expected):
     columns = (np.array(w, np.float32)[:, None] for w in (wo, wi))
     f_cos, _ = Material(spec).evaluate(*columns)
     np.testing.assert_allclose(f_cos[:, 0], expected, rtol=4e-3)
+
+
+def test_what_a_fibre_absorbs_follows_its_pigments_or_its_colour():
+    """Chiang et al. 2016: pigments of section 6.1 as pbrt has them, colours by equation 9."""
+    brown = np.array([0.419, 0.697, 1.37])
+    red = np.array([0.187, 0.4, 1.05])
+    np.testing.assert_allclose(hair.Hair().absorption, 1.3 * brown)
+    np.testing.assert_allclose(hair.Hair(eumelanin=0.3).absorption, 0.3 * brown)
+    np.testing.assert_allclose(hair.Hair(pheomelanin=0.5).absorption, 0.5 * red)
+    both = hair.Hair(eumelanin=0.3, pheomelanin=0.5)
+    np.testing.assert_allclose(both.absorption, 0.3 * brown + 0.5 * red)
+    color = np.array([0.8, 0.5, 0.2])
+    for around in (0.1, 0.3, 0.9):
+        powers = around ** np.arange(6)
+        fit = powers @ [5.969, -0.215, 2.532, -10.73, 5.574, 0.245]
+        for along in (0.2, 0.7):
+            fibre = hair.Hair(color=tuple(color), beta_m=along, beta_n=around)
+            np.testing.assert_allclose(fibre.absorption, (np.log(color) / fit) ** 2, rtol=1e-6)

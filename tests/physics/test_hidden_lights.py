@@ -77,3 +77,16 @@ def test_what_lights_light_stays_the_same():
     sides = np.r_[0:7, 17:24]
     np.testing.assert_array_equal(shown[WALL][:, sides], hidden[WALL][:, sides])
     assert shown[SKY] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("kind", ["path", "volpath"])
+def test_hidden_lights_light_what_is_beside_them(kind):
+    turned = SCENE.replace("angle: 10", "angle: 170").replace("radiance: 7", "radiance: 70")
+    shown, hidden = (
+        picture_of(loads(turned.format(kind=kind, hidden=word)), 8)[WALL][..., 0]
+        for word in ("false", "true")
+    )
+    sides = np.r_[0:7, 17:24]
+    np.testing.assert_array_equal(shown[:, sides], hidden[:, sides])
+    # Sun and sky alone give 0.65.
+    assert hidden[:, sides].mean() > 0.9

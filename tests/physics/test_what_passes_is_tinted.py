@@ -41,7 +41,7 @@ TINTED = {
     "Burley's sheet": (BurleyThin(base_color=1.0, spec_trans=1.0), "base_color", 1.0),
 }
 #: Not tinted: what is simply open, and what is made of others.
-UNTINTED = {"null", "mask", "blend", "two_sided", "normal_map", "bump_map", "hair"}
+UNTINTED = {"null", "mask", "blend", "two_sided", "normal_map", "bump_map", "hair", "subsurface"}
 
 
 def values_through(spec, cosine):

@@ -242,3 +242,27 @@ def test_set_value_changes_one_value():
     manager.set_value("integrator.heuristic=balance")
     manager.set_value("environment.type=constant")
     assert manager.scene.environment == Constant()
+
+
+def test_instances_have_the_material_of_where_they_stand_unless_they_have_their_own():
+    own, outer, inner = Diffuse(reflectance=0.1), Diffuse(reflectance=0.2), Diffuse(reflectance=0.3)
+    ball = Node(shape=Sphere())
+    both = Node(children={"bare": ball, "painted": ball.replaced(bsdf=own)})
+    scene = Scene(
+        camera=CAMERA,
+        prototypes={"both": both},
+        nodes={
+            "plain": Node(instance="both"),
+            "a": Node(bsdf=outer, children={"b": Node(instance="both")}),
+            "c": Node(bsdf=outer, children={"d": Node(instance="both", bsdf=inner)}),
+        },
+    )
+    flat = flatten(scene)
+    found = {shape.name: flat.bsdfs[shape.bsdf].reflectance[0] for shape in flat.shapes}
+    assert len(found) == 6
+    assert {name: value for name, value in found.items() if name.endswith("painted")} == {
+        f"{name}/both/painted": 0.1 for name in ("plain", "a/b", "c/d")
+    }
+    assert found["a/b/both/bare"] == 0.2
+    assert found["c/d/both/bare"] == 0.3
+    assert found["plain/both/bare"] not in (0.1, 0.2, 0.3)

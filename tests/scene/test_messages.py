@@ -62,6 +62,12 @@ SCENES = {
     "unknown-metal": CAMERA + "bsdfs: {g: {type: conductor, metal: god}}\n",
     "half-a-metal": CAMERA + "bsdfs: {g: {type: conductor, eta: 1}}\n",
     "metal-and-eta": CAMERA + "bsdfs: {g: {type: conductor, metal: gold, eta: 1, k: 1}}\n",
+    "body-unseen": CAMERA
+    + "integrator: direct\nnodes: {a: {shape: sphere, bsdf: {type: subsurface}}}\n",
+    "body-with-holes": CAMERA
+    + "bsdfs: {w: {type: subsurface}}\nnodes: {a: {shape: sphere, bsdf: {type: mask, bsdf: w}}}\n",
+    "body-that-is-filled": CAMERA
+    + "nodes: {a: {shape: sphere, bsdf: {type: subsurface}, interior: {type: homogeneous}}}\n",
     "media-unseen": CAMERA + "medium: {type: homogeneous}\nintegrator: path\n",
     "misspelt-medium": CAMERA
     + "media: {fog: {type: homogeneous}}\nnodes: {a: {shape: sphere, interior: fgo}}\n",

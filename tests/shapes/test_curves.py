@@ -1,5 +1,6 @@
 """Curves as descriptions: what is refused, files, and the boxes and coordinates of strands."""
 
+import itertools
 import zipfile
 
 import numpy as np
@@ -10,6 +11,7 @@ from alight.core.errors import SceneError
 from alight.formats.native import save
 from alight.scene.flatten import content_hash, flatten
 from alight.shapes import curves
+from alight.shapes.strand_rows import AFTER, BEFORE, IS_BALL
 from alight.shapes.strands import segments
 
 POINTS = [[0, 0, 0], [0, 1, 0], [1, 2, 0], [2, 2, 1], [3, 2, 1]]
@@ -47,6 +49,53 @@ def test_segments_join_smoothly(basis):
     np.testing.assert_allclose(ends[:, 3], starts[:, 0])
     np.testing.assert_allclose(ends[:, 3] - ends[:, 2], starts[:, 1] - starts[:, 0])
     np.testing.assert_allclose(parts.first, [0.0, 0.5])
+
+
+#: Basis -> where a segment of the control points a, b, c, d begins, and its derivative there.
+BEGINNINGS = {
+    "bezier": lambda a, b, c, d: (a, 3.0 * (b - a)),
+    "b_spline": lambda a, b, c, d: ((a + 4.0 * b + c) / 6.0, 0.5 * (c - a)),
+    "catmull_rom": lambda a, b, c, d: (b, 0.5 * (c - a)),
+}
+
+
+@pytest.mark.parametrize("basis", BEGINNINGS)
+def test_segments_begin_and_end_as_their_basis_says(basis):
+    rng = np.random.default_rng(2)
+    spec = curves.Curves(points=rng.normal(size=(4, 3)), radii=rng.uniform(1, 2, 4), basis=basis)
+    given = np.concatenate([spec.points, spec.radii[:, None]], axis=1, dtype=np.float64)
+    [found] = segments(spec, np.eye(4)).points
+    for rows, points in ((given, found), (given[::-1], found[::-1])):
+        place, slope = BEGINNINGS[basis](*rows)
+        np.testing.assert_allclose(points[0], place, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(3.0 * (points[1] - points[0]), slope, rtol=1e-6, atol=1e-9)
+
+
+def test_radii_grow_as_the_third_root_of_the_volume():
+    spec = curves.Curves(points=POINTS[:4], radii=(1, 2, 3, 4), basis="bezier")
+    [found] = segments(spec, np.diag([2.0, -3.0, 4.5, 1.0])).points
+    np.testing.assert_allclose(found[:, 3], [3.0, 6.0, 9.0, 12.0])
+
+
+def test_balls_at_joints_know_the_lines_on_both_sides():
+    # Two strands, of three lines and of one.
+    points = np.array([*POINTS[:4], [9, 9, 9], [9, 9, 8]], float)
+    rows = curves.pack(
+        curves.Curves(points=points, radii=0.1, counts=[4, 2], basis="linear"), np.eye(4)
+    )
+    balls = rows[rows[:, IS_BALL] > 0.0]
+    along = [(b - a) / np.linalg.norm(b - a) for a, b in itertools.pairwise(points)]
+    none = np.zeros(3)
+    lines = {
+        tuple(points[0]): (none, along[0]), tuple(points[1]): (along[0], along[1]),
+        tuple(points[2]): (along[1], along[2]), tuple(points[3]): (along[2], none),
+        tuple(points[4]): (none, along[4]), tuple(points[5]): (along[4], none),
+    }  # fmt: skip
+    assert len(balls) == len(lines)
+    for ball in balls:
+        before, after = lines[tuple(ball[:3])]
+        np.testing.assert_allclose(ball[BEFORE : BEFORE + 3], before, atol=1e-6)
+        np.testing.assert_allclose(ball[AFTER : AFTER + 3], after, atol=1e-6)
 
 
 def test_slender_segments_are_divided_and_stay_where_they_are():

@@ -124,6 +124,14 @@ def test_the_pivot_is_what_a_pixel_shows(session):
     assert (live.pose.pivot >= around.min(axis=0) - 0.05).all()
     assert (live.pose.pivot <= around.max(axis=0) + 0.05).all()
     assert live.layers.number == 0
+    # At the corners of cells, too.
+    places = seen.aov("position")
+    for x, y in ((8, 8), (16, 8), (7, 7), (15, 3), (8, 1)):
+        point = live.movable.hit(live.pose, x, y)
+        around = places[y - 1 : y + 2, x - 1 : x + 2].reshape(-1, 3)
+        assert point is not None
+        assert (point >= around.min(axis=0) - 0.05).all()
+        assert (point <= around.max(axis=0) + 0.05).all()
 
 
 def test_a_pixel_is_told_with_its_error(session):

@@ -22,8 +22,9 @@ from alight.textures.images import Image
 Rows = NDArray[np.float64]
 #: Texels of the largest picture that is computed anew, and of what is in memory at a time.
 MOST_TEXELS, AT_A_TIME = 2**24, 2**18
-#: Largest number that a picture may hold.
-_LARGEST = 1e15
+#: Largest number that a picture may hold, and least: texels are counted from the least one on, and
+#: where one is divided by nothing the float32 of the others must still tell them apart.
+_LARGEST, _LEAST = 1e15, -1e4
 _MAPPING = ("to_uv", "wrap", "wrap_v", "uv_set", "interpolation")
 
 
@@ -75,7 +76,7 @@ def baked(function: Callable[..., Rows], values: list[Value], files: Files, widt
         arrays = [_value(value, texels, count) for value in values]
         with np.errstate(all="ignore"):
             found = np.broadcast_to(function(*arrays), (count, max(a.shape[1] for a in arrays)))
-        found = np.clip(np.nan_to_num(found), -_LARGEST, _LARGEST)[:, : result.shape[2]]
+        found = np.clip(np.nan_to_num(found), _LEAST, _LARGEST)[:, : result.shape[2]]
         if 1 < found.shape[1] < result.shape[2]:
             found = np.pad(found, ((0, 0), (0, result.shape[2] - found.shape[1])))
         result[rows] = found.reshape(rows.stop - rows.start, columns, -1)

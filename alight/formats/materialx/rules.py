@@ -222,6 +222,14 @@ def largest(e: Evaluates, node: Node, values: list[Value], width: int) -> Value 
 
 
 def power(e: Evaluates, node: Node, values: list[Value], width: int) -> Value | None:
+    """The first power of a texture that is nowhere negative."""
+    value = values[0]
+    if isinstance(value, Varying) and min(low for low, _ in value.ends) < 0.0:
+        return None
+    return safe_power(e, node, values, width)
+
+
+def safe_power(e: Evaluates, node: Node, values: list[Value], width: int) -> Value | None:
     """The first power of a texture."""
     value, exponent = values
     is_one = isinstance(exponent, Plain) and set(exponent.numbers) == {1.0}
@@ -229,10 +237,15 @@ def power(e: Evaluates, node: Node, values: list[Value], width: int) -> Value | 
 
 
 def luminance(e: Evaluates, node: Node, values: list[Value], width: int) -> Value | None:
-    """A grey texture has its own."""
-    value = values[0]
+    """A grey texture has its own, times the sum of the weights."""
+    value, weights = values
     alike = len(set(value.factor[:3])) == 1 and len(set(value.offset[:3])) == 1
-    return value if isinstance(value, Varying) and value.is_grey and alike else None
+    if not isinstance(value, Varying) or not value.is_grey or not alike:
+        return None
+    if isinstance(weights, Varying):
+        return None
+    total = sum(_numbers(weights, 3))
+    return value if abs(total - 1.0) < 1e-6 else affine(value, (total,) * 3, (0.0,) * 3)
 
 
 def chosen(compare: Callable[[float, float], bool]) -> Any:
@@ -265,6 +278,6 @@ RULES: dict[str, Callable[[Any, Any, list[Value], int], Value | None]] = {
     "power": power,
     "range": range_of,
     "remap": remap,
-    "safepower": power,
+    "safepower": safe_power,
     "subtract": subtract,
 }

@@ -65,8 +65,8 @@ def sky_and_sun(light: Draft) -> list[Step]:
             text = "is left out: the sky does not depend on the ground's albedo"
             light.context.report.warn(albedo, text)
         light.data["ground"] = [0.0] * 3
-    sun, sky = p.number("sun_scale", each), p.number("sky_scale", each)
     if kind == "sunsky":
+        sun, sky = p.number("sun_scale", each), p.number("sky_scale", each)
         light.data |= {"sun_scale": [sun] * 3, "sky_scale": [sky] * 3}
     if kind != "sky":
         _diameter(light)

@@ -105,7 +105,8 @@ def _lens(draft: Draft, kind: str) -> tuple[float | None, float | None]:
         return None, None
     if not p.has("aperture_radius"):
         draft.context.report.error(draft.element, 'needs <float name="aperture_radius" .../>')
-    return p.number("aperture_radius", 0.0), p.number("focus_distance", 1.0)
+    # The planes that cut away are ignored, but for this.
+    return p.number("aperture_radius", 0.0), p.number("focus_distance", p.number("far_clip", 1e4))
 
 
 def _field_of_view(draft: Draft) -> tuple[float, str]:

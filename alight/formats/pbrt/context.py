@@ -22,6 +22,8 @@ class Context(Conversion):
         Whether the integrator of the file does.
     exposure : float
         Factor of all light: what the film makes of a radiance of 1.
+    coats : dict
+        What takes the place of materials with an inside where none can be, by key path.
     textures, materials : mapping
         What converts textures and materials, by pbrt's name.
     """
@@ -31,6 +33,7 @@ class Context(Conversion):
     old: bool = False
     sees_media: bool = True
     exposure: float = 1.0
+    coats: dict[str, Data] = field(default_factory=dict)
     textures: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)
     materials: Mapping[str, Callable[[Any], Data]] = field(default_factory=dict)
 

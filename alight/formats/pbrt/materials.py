@@ -8,14 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from alight.core.errors import unknown_name
 from alight.formats.pbrt.colors import INDICES
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.roughness import alphas, facets, is_smooth, one_alpha
 from alight.formats.pbrt.textures import Value, product
 from alight.formats.pbrt.walks import LEAST_ALPHA, Coat, base_of_walk
-from alight.formats.substances import SUBSTANCES, diffuse_reflectance
 from alight.formats.surfaces import LARGEST_IOR, reflectance, two_sided
 
 SMALLEST_ETA = 1e-6
@@ -220,25 +218,6 @@ def _mix(m: Making) -> Data:
     }
 
 
-def _subsurface(m: Making) -> Data:
-    base = m.color("reflectance", None) or m.color("Kd", None)
-    eta = index(m, "eta", 1.33)
-    alpha = one_alpha(m, *alphas(m, 0.0))
-    name = m.p.text("name")
-    usual = SUBSTANCES.get(name, SUBSTANCES["Wholemilk"])
-    scattered = m.color("sigma_s", list(usual[0]), "index")
-    absorbed = m.color("sigma_a", list(usual[1]), "index")
-    m.p.ignore("light leaves where it enters", "scale", "mfp", "g", "Kr", "Kt")
-    if name and name not in SUBSTANCES:
-        known = unknown_name("medium", name, SUBSTANCES, listed_as="known")
-        m.p.report.warn(m.p.named["name"], f"{known.partition('  (')[0]}: 0.7 is taken")
-        base = base or [0.7] * 3
-    if base is None and isinstance(absorbed, list) and isinstance(scattered, list):
-        base = [diffuse_reflectance(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
-    m.warn("scatters below the surface: a coat over a matte base is taken")
-    return two_sided({**coat(m, alpha, base or [0.7] * 3, eta, None), "nonlinear": True})
-
-
 #: Materials of pbrt that alight has models for, but for most of those that only pbrt 3 has.
 COVERED: dict[str, Callable[[Making], Data]] = {
     "": _interface,
@@ -249,9 +228,7 @@ COVERED: dict[str, Callable[[Making], Data]] = {
     "diffuse": _diffuse,
     "diffusetransmission": _diffuse_transmission,
     "interface": _interface,
-    "kdsubsurface": _subsurface,
     "mix": _mix,
     "none": _interface,
-    "subsurface": _subsurface,
     "thindielectric": _thin_dielectric,
 }

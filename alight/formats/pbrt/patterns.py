@@ -74,15 +74,20 @@ def _dots(source: Source) -> Value:
     return value
 
 
-def _waves(source: Source, octaves: int, gain: float, size: float = 1.0) -> tuple[Data, float]:
-    """Noise between 0 and 1 in the texture's space, and the largest sum of its waves."""
+def _asked_waves(source: Source, size: float = 1.0) -> tuple[Data, float]:
+    """`_waves` with the octaves and the roughness that a file says."""
     p = source.p
-    wanted = p.integer("octaves", octaves), p.number("roughness", gain)
+    wanted = p.integer("octaves", 8), p.number("roughness", 0.5)
     octaves = min(max(wanted[0], 1), _LARGEST_OCTAVES)
     gain = min(max(wanted[1], 0.0), 1.0)
     for name, value, taken in zip(("octaves", "roughness"), wanted, (octaves, gain), strict=True):
         if value != taken:
             p.report.warn(p.named[name], f"became {taken:g}")
+    return _waves(source, octaves, gain, size)
+
+
+def _waves(source: Source, octaves: int, gain: float, size: float = 1.0) -> tuple[Data, float]:
+    """Noise between 0 and 1 in the texture's space, and the largest sum of its waves."""
     scale, offset = _space(source, size)
     data: Data = {"type": "noise", "octaves": octaves, "gain": gain, "scale": scale}
     if any(offset):
@@ -102,13 +107,13 @@ def _space(source: Source, size: float) -> tuple[list[float], list[float]]:
 
 
 def _fbm(source: Source) -> Value:
-    data, most = _waves(source, 8, 0.5)
+    data, most = _asked_waves(source)
     _approximated(source, "becomes noise of the same steepness, but with no values below 0")
     return product(source, entry(source, data), [2.0 * most] * 3)
 
 
 def _wrinkled(source: Source) -> Value:
-    data, most = _waves(source, 8, 0.5)
+    data, most = _asked_waves(source)
     _approximated(source, "becomes noise: other wrinkles of the same size")
     return product(source, entry(source, {**data, "pattern": "turbulence"}), [most] * 3)
 
@@ -116,7 +121,7 @@ def _wrinkled(source: Source) -> Value:
 def _windy(source: Source) -> Value:
     wind, wind_most = _waves(source, 3, 0.5, 0.1)
     waves, most = _waves(source, 6, 0.5)
-    wind, waves = wind | {"octaves": 3, "pattern": "turbulence"}, waves | {"octaves": 6}
+    wind["pattern"] = "turbulence"
     _approximated(source, "becomes noise: other waves of about the same size")
     both = product(source, entry(source, wind), entry(source, waves))
     return product(source, both, [2.0 * most * wind_most] * 3)
@@ -126,7 +131,7 @@ def _marble(source: Source) -> Value:
     p = source.p
     size = p.number("scale", 1.0)
     p.number("variation", 0.2)
-    data, _ = _waves(source, 8, 0.5, size)
+    data, _ = _asked_waves(source, size)
     _approximated(source, "becomes noise between its colours: other veins")
     return entry(source, {**data, "color0": _VEIN, "color1": _STONE})
 

@@ -10,6 +10,7 @@ from alight.core.errors import Issue, SceneError
 from alight.formats.packed import text_of
 from alight.formats.parsed import Parsed
 from alight.formats.pbrt import settings
+from alight.formats.pbrt.below import put_coats
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, directives
 from alight.formats.pbrt.materials_of_3 import OF_3
@@ -215,6 +216,7 @@ class _Reader:
         self.camera |= self.world.media.around_camera(self.around_camera)
         self.world.close()
         in_media = self.world.media.close()
+        put_coats(context, self.world.nodes)
         self.spp, sampler = settings.sampler(context, found.get("Sampler"))
         return {
             "alight": FORMAT_VERSION,

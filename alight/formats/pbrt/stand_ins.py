@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from alight.formats import hair
+from alight.formats.pbrt.below import BELOW
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.materials import coat
@@ -62,6 +63,7 @@ STAND_INS: dict[str, Callable[[Making], Data]] = {
     "fourier": _measured,
     "hair": _hair,
     "measured": _measured,
+    **BELOW,
 }
 #: Those of pbrt 3 alone.
 ONLY_IN_3 = ("fourier",)

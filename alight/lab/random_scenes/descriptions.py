@@ -11,7 +11,7 @@ import math
 from types import ModuleType
 from typing import Any, Literal, get_args, get_origin
 
-from alight.bsdfs.nesting import Nested, count_leaves, find_transmissive
+from alight.bsdfs.nesting import Nested, count_leaves, find_transmissive, scatters_inside
 from alight.core.errors import SceneError
 from alight.core.registry import Models as Registry
 from alight.core.spec import (
@@ -45,7 +45,9 @@ def any_model(chance: Chance, family: str, depth: int = DEEPEST) -> Any:
     modules = list(Registry(family).values())
     for _ in range(20):
         found = of_model(chance, chance.choose(modules), depth)
-        if depth > 0 or not _holds_others(found):
+        # Nothing can hold a body that scatters light inside.
+        nested = depth < DEEPEST and isinstance(found, Bsdf) and scatters_inside(found)
+        if not nested and (depth > 0 or not _holds_others(found)):
             return found
     return modules[0].EXAMPLES[0]
 

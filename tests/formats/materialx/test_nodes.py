@@ -1,5 +1,7 @@
 """Nodes of MaterialX: constants are folded, textures and pictures show what the nodes compute."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -257,6 +259,22 @@ def test_functions_of_ramps_are_no_straight_lines(axis, category, tmp_path):
             assert texels[round(row), round(column)] == pytest.approx(function(at), abs=2e-3)
 
 
+@pytest.mark.parametrize("which", range(5))
+def test_switches_show_one_of_their_inputs(which, tmp_path):
+    inputs = [value(f"in{i + 1}", "color3", f"0.{i}, 0.5, 0.5") for i in range(4)]
+    number = value("which", "integer", which)
+    found, _ = base(tmp_path, node("switch", "x", "color3", *inputs, number))
+    # There is no fifth one: nothing is shown.
+    assert found == pytest.approx([0.1 * which, 0.5, 0.5] if which < 4 else [0.0] * 3)
+
+
+@pytest.mark.parametrize(("category", "factor"), [("premult", 0.5), ("unpremult", 2.0)])
+def test_colours_are_multiplied_by_their_alpha_or_divided(category, factor, tmp_path):
+    color = value("in", "color4", "0.2, 0.3, 0.4, 0.5")
+    found, _ = base(tmp_path, node(category, "x", "color4", color), kind="color4")
+    assert found == pytest.approx([factor * c for c in (0.2, 0.3, 0.4)])
+
+
 def test_graphs_and_their_interfaces(tmp_path):
     graph = (
         '<nodegraph name="G"><input name="tint" type="color3" value="0.5, 0.25, 0.125"/>'
@@ -361,3 +379,22 @@ def test_each_material_is_a_ball_and_one_can_be_chosen(tmp_path):
     assert list(without_floor(load(path, variant="M1")).nodes) == ["M1"]
     with pytest.raises(ValueError, match='there is no material "M2"'):
         load(path, variant="M2")
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 9, 10])
+def test_balls_stand_side_by_side_in_rows_as_long_as_there_are_rows(count, tmp_path):
+    balls = [
+        node("standard_surface", f"S{n}", "surfaceshader")
+        + node(
+            "surfacematerial", f"M{n}", "material", link("surfaceshader", "surfaceshader", f"S{n}")
+        )
+        for n in range(count)
+    ]
+    text = f'<materialx version="1.39">{"".join(balls)}</materialx>'
+    nodes = parsed(text, tmp_path).data["nodes"]
+    places = np.array([nodes[f"M{n}"]["transform"][-1]["translate"] for n in range(count)])
+    away = np.linalg.norm(places[:, None] - places, axis=2) + 9.0 * np.eye(count)
+    assert away.min() >= 2.4 - 1e-9
+    rows = (np.ptp(places, axis=0) / 2.4).round() + 1
+    columns = math.ceil(math.sqrt(count))
+    assert rows.tolist() == [columns, 1, math.ceil(count / columns)]

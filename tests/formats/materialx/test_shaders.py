@@ -110,6 +110,22 @@ def test_what_is_left_out_is_told(tmp_path):
         assert any(words in line for line in said), words
 
 
+@pytest.mark.parametrize(
+    ("category", "thickness", "weight"),
+    [
+        ("standard_surface", 400.0, None),
+        ("open_pbr_surface", 0.4, "thin_film_weight"),
+        ("gltf_pbr", 400.0, "iridescence"),
+    ],
+)
+def test_films_have_the_unit_of_their_shader(category, thickness, weight, tmp_path):
+    name = "iridescence_thickness" if category == "gltf_pbr" else "thin_film_thickness"
+    shader = value(name, "float", thickness)
+    shader += "" if weight is None else value(weight, "float", 1)
+    found, _ = principled(shader, tmp_path, category=category)
+    assert found["iridescence_thickness"] == pytest.approx(400.0)
+
+
 def test_the_coat_of_open_pbr_is_as_strong_straight_on(tmp_path):
     shader = value("coat_weight", "float", "0.5")
     found, said = principled(shader, tmp_path, category="open_pbr_surface")

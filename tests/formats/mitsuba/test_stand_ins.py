@@ -118,15 +118,22 @@ def test_what_takes_their_place_is_said(kind):
 
 def test_textures_times_a_factor():
     scaled = (
-        '<texture type="scale" name="reflectance"><float name="scale" value="0.5"/>'
+        '<texture type="scale" name="{}"><float name="scale" value="{}"/>'
         f'<texture type="bitmap">{PICTURE}</texture></texture>'
     )
-    found = read_bsdf(scaled, 'type="diffuse"', "0.5.0").reflectance
+    found = read_bsdf(scaled.format("reflectance", 0.5), 'type="diffuse"', "0.5.0").reflectance
     assert (found.type_name(), found.a.type_name(), found.b) == (
         "multiply",
         "bitmap",
         (0.5, 0.5, 0.5),
     )
+    # Lamps may be brighter than their pictures.
+    lamp = f'<emitter type="area">{scaled.format("radiance", 15)}</emitter>'
+    found = node(read(f'<shape type="rectangle">{lamp}</shape>', "0.5.0")).light.radiance
+    assert found.b == (15.0, 15.0, 15.0)
+
+
+def test_masks_by_a_channel():
     channel = f'<texture type="bitmap" name="opacity">{PICTURE}<string name="channel" value="a"/>'
     mask = read_bsdf(f'{channel}</texture><bsdf type="diffuse"/>', 'type="mask"', "0.5.0")
     assert (mask.opacity.type_name(), mask.opacity.channel) == ("channel", "a")

@@ -210,3 +210,13 @@ def test_light_through_a_ball_is_absorbed_on_the_side_that_was_meant(shape):
     wanted = np.exp(-1.0)
     error = np.sqrt(wanted * (1.0 - wanted) / film.counts.sum())
     assert np.abs(mean - wanted).max() < 3.0 * error
+
+
+@pytest.mark.parametrize(
+    ("g", "taken"), [(-0.95, -0.95), (0.98, 0.98), (0.999, 0.99), (-0.999, -0.99)]
+)
+def test_phase_functions_that_are_too_sharp_become_less_so(g, taken):
+    fog = f'MakeNamedMedium "fog" "string type" "homogeneous" "float g" {g}'
+    scene = read(f'{fog}\nMediumInterface "fog" ""\nMaterial "interface"\nShape "sphere"')
+    assert scene.media["fog"].phase.g == pytest.approx(taken)
+    assert any("0.99" in line for line in scene.warnings) == (abs(g) > 0.99)

@@ -40,8 +40,11 @@ def test_what_takes_their_place_is_said(kind):
 def test_media_by_name_have_their_coefficients():
     (scattered, absorbed), eta = SUBSTANCES["Marble"], 1.33
     meant = [diffuse_reflectance(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
-    found = read_bsdf('"subsurface" "string name" "Marble"').bsdf.diffuse_reflectance
-    np.testing.assert_allclose(found, meant)
+    found = read_bsdf('"subsurface" "string name" "Marble" "float scale" 2')
+    np.testing.assert_allclose(found.color, meant)
+    free = [0.5 / (a + s) for a, s in zip(absorbed, scattered, strict=True)]
+    np.testing.assert_allclose(found.radius, free)
+    assert (found.ior, found.roughness) == (eta, 0.0)
     # The diffuse reflectances of Jensen et al., figure 5.
     printed = {"Marble": (1.5, [0.83, 0.79, 0.75]), "Skin1": (1.3, [0.44, 0.22, 0.13])}
     for name, (index, wanted) in printed.items():
@@ -50,6 +53,38 @@ def test_media_by_name_have_their_coefficients():
     body = 'MakeNamedMedium "m" "string type" "homogeneous" "string preset" "Apple"'
     scene = read(f'{body}\nMediumInterface "m" ""\nMaterial ""\nShape "sphere"')
     assert scene.media["m"].sigma_s == (2.29, 2.39, 1.97)
+
+
+def test_bodies_have_their_colour_and_free_path():
+    given = '"rgb reflectance" [0.8 0.5 0.3] "rgb mfp" [0.3 0.2 0.1] "float scale" 0.5'
+    found = read_bsdf(f'"subsurface" {given} "float eta" 1.4 "float roughness" 0.25')
+    assert (found.color, found.ior) == ((0.8, 0.5, 0.3), 1.4)
+    np.testing.assert_allclose(found.radius, (0.15, 0.1, 0.05))
+    given = '"rgb sigma_a" [1 2 3] "rgb sigma_s" [8 16 24] "float g" 0.5'
+    np.testing.assert_allclose(read_bsdf(f'"subsurface" {given}').radius, (0.2, 0.1, 1.0 / 15.0))
+    old = read_bsdf('"kdsubsurface" "rgb Kd" [0.5 0.25 0.125] "rgb mfp" [1 2 3]', old=True)
+    assert (old.color, old.radius) == ((0.5, 0.25, 0.125), (1.0, 2.0, 3.0))
+
+
+SPHERE = 'Material "subsurface"\nShape "sphere"'
+BODY = 'MakeNamedMaterial "w" "string type" "subsurface"'
+MIXED = 'MakeNamedMaterial "m" "string type" "mix" "string materials" ["w" "w"]'
+FILLED = 'MakeNamedMedium "m" "string type" "homogeneous"\nMediumInterface "m" ""'
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f'{BODY}\n{MIXED}\nNamedMaterial "m"\nShape "disk"',
+        f'{SPHERE} "float alpha" 0.5',
+        f"{FILLED}\n{SPHERE}",
+        'Material "subsurface"\nShape "curve" "point3 P" [0 0 0 1 0 0 2 0 0 3 0 0]',
+    ],
+)
+def test_where_no_body_can_be_a_coat_takes_its_place(body):
+    scene = read(body)
+    assert not any(bsdf.type_name() == "subsurface" for bsdf in scene.bsdfs.values())
+    assert any("a coat is taken" in text for text in scene.warnings)
 
 
 def test_factors_of_heights_may_be_negative():

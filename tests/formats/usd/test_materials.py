@@ -109,6 +109,15 @@ def test_without_a_material_the_display_color_is_shown(load):
     assert bsdf.bsdf.reflectance == pytest.approx((0.1, 0.5, 0.9))
 
 
+def test_colors_of_vertices_that_are_not_there_are_the_usual_grey(load):
+    # A sphere has no vertices to carry them.
+    colors = '[(1, 0, 0), (0, 1, 0)] (interpolation = "vertex")'
+    scene = load(f'def Sphere "s" {{ color3f[] primvars:displayColor = {colors} }}')
+    (bsdf,) = scene.bsdfs.values()
+    shown = bsdf.bsdf.reflectance if hasattr(bsdf, "bsdf") else bsdf.reflectance
+    assert (shown.type_name(), shown.fallback) == ("vertex_color", pytest.approx((0.18,) * 3))
+
+
 def test_subsets_have_materials_of_their_own(load):
     scene = load("""
 def Material "red" { token outputs:surface.connect = </red/s.outputs:surface>

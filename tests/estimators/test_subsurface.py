@@ -1,0 +1,122 @@
+"""Light scattered inside bodies against exact albedos, furnaces, and walks step by step."""
+
+import numpy as np
+import pytest
+
+import alight
+from alight.bsdfs.subsurface import single_albedo
+from alight.integrators.volpath import VolPath
+from alight.laws.statistics import LARGEST_Z
+from alight.media.homogeneous import Homogeneous
+from alight.scene.flatten import flatten
+
+COLORS = (0.95, 0.5, 0.1)
+RADIUS = (0.1, 0.05, 0.02)
+SIDE = 16
+
+
+def scene(shape, bsdf, transform=(), integrator=None, size=SIDE, **node):
+    """One body before a white sky."""
+    look = {"look_at": {"origin": [0, 0, 3], "target": [0, 0, 0]}}
+    return alight.load(
+        {
+            "alight": 1,
+            "camera": {"fov": 20, "transform": look},
+            "film": {"size": [size, size], "filter": {"type": "box"}},
+            "sampler": {"type": "independent"},
+            "integrator": integrator or {"type": "path"},
+            "environment": {"type": "constant", "radiance": 1},
+            "nodes": {"body": {"shape": shape, "bsdf": bsdf, "transform": list(transform), **node}},
+        }
+    )
+
+
+def body(**keys):
+    return {"type": "subsurface", "color": list(COLORS), "radius": list(RADIUS), "ior": 1, **keys}
+
+
+def mean_and_error(what, spp, seed=1):
+    """Of the whole picture, for each channel."""
+    film = alight.render(what, spp=spp, seed=seed, replicates=16)
+    assert film.invalid == 0
+    image, error = np.asarray(film.mean, float), np.asarray(film.standard_error, float)
+    return image.mean((0, 1)), np.sqrt(np.sum(error**2, axis=(0, 1))) / image[..., 0].size
+
+
+def exact_albedo(single):
+    """What an endless body reflects of diffuse light: 1 - 2 sqrt(1 - a) int H(mu) mu d mu.
+
+    Chandrasekhar 1960, Radiative Transfer, section 33, with his H function for isotropic
+    scattering.
+    """
+    x, w = np.polynomial.legendre.leggauss(64)
+    mu, w = 0.5 * (x + 1.0), 0.5 * w
+    root, H = np.sqrt(1.0 - single), np.ones(64)
+    for _ in range(3000):
+        H = 1.0 / (root + 0.5 * single * (mu * H * w / (mu[:, None] + mu)).sum(1))
+    return 1.0 - 2.0 * root * np.sum(H * mu * w)
+
+
+@pytest.mark.parametrize("color", [0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99])
+def test_the_inverse_of_the_albedo_is_that_of_the_exact_one(color):
+    single = float(single_albedo(np.float64(color)))
+    assert exact_albedo(single) == pytest.approx(color, abs=0.0025)
+
+
+@pytest.mark.parametrize("integrator", ["path", pytest.param("volpath", marks=pytest.mark.proofs)])
+def test_a_half_space_has_the_colour_that_is_asked_for(integrator):
+    """Three edges are enough: to where light leaves, to where it enters, and to the sky."""
+    half = scene("plane", body(), integrator={"type": integrator, "max_depth": 3})
+    mean, error = mean_and_error(half, 128)
+    exact = [exact_albedo(float(single_albedo(np.float64(color)))) for color in COLORS]
+    assert np.all(np.abs(mean - exact) < LARGEST_Z * error)
+    assert np.all(error < 0.01)
+
+
+@pytest.mark.parametrize("ior", [pytest.param(1.0, marks=pytest.mark.proofs), 1.5])
+def test_a_white_body_vanishes_in_a_white_furnace(ior):
+    cube = scene("cube", body(color=1.0, ior=ior, roughness=0.6), [{"scale": 0.5}])
+    mean, error = mean_and_error(cube, 128)
+    # The table of the coat errs by 0.0005.
+    assert np.all(np.abs(mean - 1.0) < LARGEST_Z * error + (0.0005 if ior > 1.0 else 0.0))
+    assert np.all(error < 0.01)
+
+
+@pytest.mark.parametrize("shape", ["slab", pytest.param("sphere", marks=pytest.mark.proofs)])
+def test_walks_agree_with_a_medium_between_matte_surfaces(shape):
+    """The same body as a medium: every scattering is a vertex there, drawn in one way only."""
+    transform = [{"scale": [0.5, 0.5, 0.03]}, {"rotate": {"axis": "y", "angle": 30}}]
+    place = ("sphere", []) if shape == "sphere" else ("cube", transform)
+    of_one = [float(single_albedo(np.float64(color))) for color in COLORS]
+    sheet = {"type": "diffuse_transmission", "reflectance": 0, "transmittance": 1}
+    medium = {
+        "type": "homogeneous",
+        "sigma_t": [1.0 / radius for radius in RADIUS],
+        "albedo": of_one,
+    }
+    walked, error = mean_and_error(scene(place[0], body(), place[1]), 128)
+    other = scene(place[0], sheet, place[1], {"type": "volpath"}, interior=medium)
+    stepped, of_steps = mean_and_error(other, 256, seed=2)
+    assert np.all(np.abs(walked - stepped) < LARGEST_Z * np.hypot(error, of_steps))
+    assert np.all(np.hypot(error, of_steps) < 0.03 * stepped)
+
+
+@pytest.mark.proofs
+def test_all_ways_to_find_light_agree():
+    """A half-space lets light in from below if shadow rays pass it."""
+    means = []
+    for sampling in ("mis", "bsdf", "emitter"):
+        integrator = {"type": "path", "light_sampling": sampling}
+        mean, error = mean_and_error(scene("plane", body(), integrator=integrator), 128)
+        means.append((mean, error))
+    for mean, error in means[1:]:
+        assert np.all(np.abs(mean - means[0][0]) < LARGEST_Z * np.hypot(error, means[0][1]))
+
+
+def test_fog_around_a_body_does_not_fill_it():
+    plain = scene("sphere", body())
+    foggy = plain.replaced(
+        medium=Homogeneous(), integrator=VolPath(), camera=plain.camera, environment=None
+    )
+    assert flatten(plain).shapes[0].border is None
+    assert flatten(foggy).shapes[0].border == (0, 1)

@@ -1,0 +1,52 @@
+"""Bugs of light that is scattered inside bodies."""
+
+from tests.mutants.mutant import Mutant
+
+TESTS = "tests/estimators/test_subsurface.py"
+HALF_SPACE = f"{TESTS}::test_a_half_space_has_the_colour_that_is_asked_for[path]"
+MEDIUM = f"{TESTS}::test_walks_agree_with_a_medium_between_matte_surfaces[slab]"
+
+BODIES = (
+    Mutant(
+        "walks weighted as if all of them were led back",
+        "integrators/body_walk.py",
+        (("LED * mean(walk.led) + (1.0 - LED) * mean(walk.plain)", "mean(walk.led)"),),
+        HALF_SPACE,
+    ),
+    Mutant(
+        "walks that scatter without their channel's extinction",
+        "integrators/body_walk.py",
+        (("where(left, plain, plain * body.extinction)", "plain"),),
+        MEDIUM,
+    ),
+    Mutant(
+        "walks that absorb once too often",
+        "integrators/body_walk.py",
+        (("Walk(path.o, path.d, one, one, one)", "Walk(path.o, path.d, one, one, body.albedo)"),),
+        HALF_SPACE,
+    ),
+    Mutant(
+        "shadow rays that go straight through bodies",
+        "integrators/path.py",
+        (("lit = lit & ~enters_body(scene, surface, light.wi)", "lit = lit & True"),),
+        HALF_SPACE,
+    ),
+    Mutant(
+        "coat that dims light on the way out without end",
+        "bsdfs/subsurface.py",
+        (('packer.numbers("leaving", 1.0 / mean)', 'packer.numbers("leaving", 1.0)'),),
+        f"{TESTS}::test_a_white_body_vanishes_in_a_white_furnace[1.5]",
+    ),
+    Mutant(
+        "albedo of one scattering by the root of what is absorbed",
+        "bsdfs/subsurface.py",
+        (("1.0 - s * s", "1.0 - s"),),
+        f"{TESTS}::test_the_inverse_of_the_albedo_is_that_of_the_exact_one[0.5]",
+    ),
+    Mutant(
+        "fog inside bodies",
+        "scene/flatten.py",
+        ((" and not around", ""),),
+        f"{TESTS}::test_fog_around_a_body_does_not_fill_it",
+    ),
+)
