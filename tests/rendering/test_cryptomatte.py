@@ -301,14 +301,13 @@ def test_a_worker_answers_with_the_table():
         flatten(loads(THINGS, "scene.yaml")), structure="list", aovs=("cryptomatte_object",)
     )
     settings = make_settings(scene.integrator, seed=1, replicates=4)
-    shared = block_tasks.SharedScene(scene, settings)
-    shared._kernels = make_kernels(scene, compiled=False)
+    shared = block_tasks.SharedScene(scene, settings, make_kernels(scene, compiled=False))
     tile = Tile(0, 0, 8, 8)
     task = block_tasks.BlockTask(1, (Block(tile, np.array([[[0, SPP]]])),))
     layout = block_tasks.Layout(4, 3, {}, len(scene.surfaces.names))
     answer = block_tasks.render_blocks(shared, task)
     partial, _ = block_tasks.read_blocks(layout, task, answer)[0]
-    expected, _ = render_tile(shared._kernels, scene, settings, tile, task.blocks[0].ranges)
+    expected, _ = render_tile(shared.kernels, scene, settings, tile, task.blocks[0].ranges)
     for a, b in zip(partial.coverage, expected.coverage, strict=True):
         np.testing.assert_array_equal(a, b)
     with pytest.raises(FilmError, match="weighs what is not there"):
@@ -319,8 +318,7 @@ def test_a_worker_answers_where_there_is_no_surface():
     text = HEAD + "environment: {type: constant, radiance: 1}\n"
     scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list", aovs=tuple(MATTES))
     settings = make_settings(scene.integrator, seed=1, replicates=4)
-    shared = block_tasks.SharedScene(scene, settings)
-    shared._kernels = make_kernels(scene, compiled=False)
+    shared = block_tasks.SharedScene(scene, settings, make_kernels(scene, compiled=False))
     task = block_tasks.BlockTask(1, (Block(Tile(0, 0, 8, 8), np.array([[[0, 1]]])),))
     layout = block_tasks.Layout(4, 3, {}, 0)
     answer = block_tasks.render_blocks(shared, task)
