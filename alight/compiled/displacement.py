@@ -17,24 +17,27 @@ rendering architecture, displace before shading.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from alight.compiled.kept import Kept
 from alight.compiled.materials import MaterialTables
 from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
 from alight.core.errors import Issue, SceneError
+from alight.core.registry import versions
 from alight.core.spec import Texture
-from alight.core.uv_sets import UV_SETS
+from alight.core.uv_sets import MOST_SETS, NO_SET, Chart, Corners
 from alight.core.vec import Vec3, luminance
 from alight.meshes.normals import vertex_normals
-from alight.meshes.tessellation import TooManyTrianglesError, tessellated
+from alight.meshes.tessellation import TooManyTrianglesError, tessellated, welded
 from alight.meshes.triangles import MeshArrays
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry, checked
-from alight.shapes.arrays import TriangleShape, in_words
-from alight.shapes.hit import Surface
+from alight.shapes.arrays import DISPLACEMENT, TriangleShape, in_words
+from alight.shapes.hit import COLORS, INFO, Surface
 from alight.textures.fetch import texture_value
 from lanewise.jit import instantiate
 from lanewise.view import View
@@ -49,21 +52,33 @@ FINEST = 1 / 256
 _BAND = 1 << 16
 
 
+class _Shapes(NamedTuple):
+    """What they are given of its shapes: the mesh is the only one, its vertices the first."""
+
+    info: View
+    uvs: View
+    uv_shifts: View
+
+
 class _Scene(NamedTuple):
     """What textures are given of a scene."""
 
     materials: MaterialTables
+    shapes: _Shapes
 
 
-def displaced(flat: FlatScene) -> FlatScene:
+def displaced(flat: FlatScene, kept: Kept | None = None) -> FlatScene:
     """Put displaced meshes into the places of those that shall be; without any, the same scene.
+
+    Those of the result are displaced, and shall not be any more. With `kept`, meshes that are as
+    they were the last time are the same arrays, so their trees are kept as well.
 
     Raises
     ------
     SceneError
         If a mesh would have too many triangles.
     """
-    geometries = list(flat.geometries)
+    geometries, kept = list(flat.geometries), kept or Kept()
     known: dict[tuple, int] = {}
     shapes = []
     for placed in flat.shapes:
@@ -73,8 +88,15 @@ def displaced(flat: FlatScene) -> FlatScene:
             key = placed.geometry, *described
             if key not in known:
                 known[key] = len(geometries)
-                geometries.append(_displaced(placed, shape, flat.geometries[placed.geometry]))
-            placed = placed._replace(geometry=known[key])
+                mesh = flat.geometries[placed.geometry]
+                make = partial(_displaced, placed, shape, mesh)
+                # The words, the digest and the versions decide what is made.
+                says = described, mesh.digest, versions([shape])
+                geometries.append(
+                    kept(f"displaced {len(known)}", lambda *_, make=make: make(), *says)
+                )
+            done = shape.model_copy(update={DISPLACEMENT[0]: None})
+            placed = placed._replace(geometry=known[key], shape=done)
         shapes.append(placed)
     return replace(flat, shapes=shapes, geometries=geometries) if known else flat
 
@@ -99,6 +121,7 @@ def _displaced(placed: PlacedShape, shape: TriangleShape, mesh: Geometry) -> Geo
     if edge is None:
         edge = FINEST * float(np.linalg.norm(np.ptp(mesh.vertices.astype(np.float64), axis=0)))
     arrays = MeshArrays(*(getattr(mesh, name) for name in MeshArrays._fields))
+    arrays = arrays._replace(vertices=welded(arrays.vertices))
     try:
         fine = tessellated(arrays, edge, MOST_TRIANGLES)
     except TooManyTrianglesError:
@@ -157,6 +180,8 @@ def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
     n = len(mesh.vertices)
     if not isinstance(texture, Texture):
         return np.full(n, float(texture))
+    if not texture.varies:
+        return np.full(n, float(luminance(Vec3(*texture.maximum()))))
     table = TextureTable()
     number = table.number(texture)
     compiled, blank = table.compiled(), View(np.zeros(2, np.uint32))
@@ -164,28 +189,39 @@ def heights_of(texture: float | Texture, mesh: MeshArrays) -> np.ndarray:
         info=blank, data=blank, texture=blank, texture_info=compiled.info,
         texture_data=compiled.data, texels=compiled.texels, layers=blank, curves=blank,
     )  # fmt: skip
-    names = tuple(name for name in compiled.names if name != UV_SETS)
-    kernel = instantiate(texture_value, Program(textures=names), compiled=False)
+    program = Program(textures=compiled.names, registered=versions([texture]))
+    kernel = instantiate(texture_value, program, compiled=False)
+    scene = _Scene(tables, _shapes_of(mesh))
     bands = [slice(start, start + _BAND) for start in range(0, n, _BAND)]
     with np.errstate(all="ignore"):
-        found = [_looked_up(kernel, _Scene(tables), number, texture, mesh, band) for band in bands]
+        found = [_looked_up(kernel, scene, number, mesh, band) for band in bands]
     return np.concatenate(found)
 
 
-def _looked_up(kernel, scene: _Scene, number: int, texture: Texture, mesh: MeshArrays, band: slice):
+def _shapes_of(mesh: MeshArrays) -> _Shapes:
+    n, info = len(mesh.vertices), np.zeros(INFO, np.uint32)
+    info[4] = COLORS * (mesh.colors is not None)
+    more = [] if mesh.more_uvs is None else list(mesh.more_uvs)
+    sets = [np.zeros((1, 2), np.float32)] if mesh.uvs is None else [mesh.uvs, *more]
+    shifts = np.full(MOST_SETS, NO_SET, np.uint32)
+    shifts[: len(sets)] = n * np.arange(len(sets))
+    return _Shapes(View(info), View(np.concatenate(sets)), View(shifts))
+
+
+def _looked_up(kernel, scene: _Scene, number: int, mesh: MeshArrays, band: slice):
     p = mesh.vertices[band]
     n = len(p)
     zero, none = np.zeros(n, np.float32), np.zeros(n, np.uint32)
-    sets = [mesh.uvs, *([] if mesh.more_uvs is None else mesh.more_uvs)]
-    chosen = texture.set_of_coordinates() or 0
-    uvs = sets[chosen if chosen < len(sets) else 0]
-    u, v = (zero, zero) if uvs is None else np.ascontiguousarray(uvs[band].T)
+    u, v = (zero, zero) if mesh.uvs is None else np.ascontiguousarray(mesh.uvs[band].T)
+    # Each vertex is a triangle of three times itself.
+    itself = np.arange(band.start, band.start + n, dtype=np.uint32)
+    chart = Chart(zero, zero, Corners(itself, itself, itself), none)
     white = np.ones((3, n), np.float32) if mesh.colors is None else mesh.colors[band].T
     nothing = Vec3(zero, zero, zero)
     surface = Surface(
         p=Vec3(*np.ascontiguousarray(p.T)), error=zero, ng=nothing, ns=nothing, s=nothing,
         t=nothing, u=u, v=v, shape=none, prim=none, bsdf=none, light=none,
-        color=Vec3(*np.ascontiguousarray(white)), chart=(),
+        color=Vec3(*np.ascontiguousarray(white)), chart=chart,
     )  # fmt: skip
     value = luminance(kernel(scene, none + np.uint32(number), surface, nothing))
     return np.broadcast_to(value, n).astype(np.float64)

@@ -125,8 +125,8 @@ def compile_scene(
     SceneError
         If it does, and there is a light at which no light path can start.
     """
-    given, flat = flat, displaced(flat)
     kept, paths = kept or Kept(), MotionTable()
+    given, flat = flat, displaced(flat, kept)
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures)
     accel, plan, stats = kept(
@@ -187,7 +187,7 @@ def compile_scene(
         media=media,
         phases=phases,
         motion=motion,
-        registered=versions(described(flat)),
+        registered=versions(described(given)),
         environments=lights.environments,
     )
     return CompiledScene(

@@ -140,6 +140,9 @@ def check_same_names(first: Coverage | None, other: Coverage | None, said: str) 
     """
     if first is None or other is None:
         return
+    if len(first.names) != len(other.names):
+        text = f"the number of surfaces differs ({len(other.names)}, not {len(first.names)})"
+        raise FilmError(f"{said}: {text}")
     for mine, theirs in zip(first.names, other.names, strict=True):
         for what, a, b in zip(("object", "material"), mine, theirs, strict=True):
             if a != b:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from alight.core.errors import FilmError
 from alight.films import fixed_point, ledger
 from alight.films.coverage import check_same_names
 from alight.films.sample_ranges import CELL_SIZE, cells_of, union_of_cells
-from alight.films.tiles import check_room
+from alight.films.tiles import check_room, names_of
 
 if TYPE_CHECKING:
     from alight.films.film import Film
@@ -22,7 +22,7 @@ _IDENTITY: tuple[tuple[str, Callable[[Any], Any]], ...] = (
     ("crop", lambda film: film.crop),
     ("number of replicates", lambda film: film.replicates),
     ("channels", lambda film: film.channels),
-    ("AOVs", lambda film: film.aov_channels),
+    ("set of layers", lambda film: film.aov_channels),
     ("scene hash", lambda film: film.scene_hash),
     ("seed", lambda film: film.seed),
     ("kernel fingerprint", lambda film: film.fingerprint),
@@ -109,6 +109,8 @@ def _check_same(first: Film, other: Film, first_name: str, name: str) -> None:
 
 
 def _shown(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return names_of(value)
     return "x".join(map(str, value)) if isinstance(value, tuple) else repr(value)
 
 

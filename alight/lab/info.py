@@ -99,7 +99,7 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
     flat = flatten(description)
     found, tree = facts(description, flat), []
     if options.tree:
-        found.append(("accelerator", accelerator_facts(flat)))
+        found += accelerator_facts(flat)
         tree = list(tree_lines(description))
     remarks = description.source.remarks
     return SceneInfo(
@@ -177,12 +177,18 @@ def mesh_bytes(flat: FlatScene) -> int:
     return sum(array.nbytes for array in arrays if array is not None)
 
 
-def accelerator_facts(flat: FlatScene) -> str:
-    """Build the acceleration structure and say its figures."""
+def accelerator_facts(flat: FlatScene) -> list[tuple[str, str]]:
+    """Displace meshes, build the acceleration structure, and say the figures of both."""
     from alight.compiled.scene import compile_scene
 
-    stats = compile_scene(flat).stats
-    return ", ".join(f"{name.replace('_', ' ')} {_figure(value)}" for name, value in stats.items())
+    stats = dict(compile_scene(flat).stats)
+    displaced = stats.pop("displaced", {})
+    figures = (f"{name.replace('_', ' ')} {_figure(value)}" for name, value in stats.items())
+    meshes = (
+        f"{name}: {n['triangles']} triangles of {n['before']}" for name, n in displaced.items()
+    )
+    found = [("accelerator", ", ".join(figures)), ("displaced", ", ".join(meshes))]
+    return found if displaced else found[:1]
 
 
 def tree_lines(scene: Scene) -> Iterator[str]:

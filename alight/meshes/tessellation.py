@@ -7,6 +7,8 @@ vertices of their own. What vertices carry is interpolated linearly, as kernels 
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,11 @@ from alight.meshes.triangles import MeshArrays
 
 Table = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+#: Vertices nearer than half of this share of the longest side of their box are at one place; the
+#: cells of a grid of such steps are numbered with 3 times 21 bits.
+NEAREST = 2.0**-20
 
 
 class TooManyTrianglesError(ValueError):
@@ -45,6 +52,26 @@ def tessellated(mesh: MeshArrays, longest: float, most: int) -> MeshArrays:
         faces = finer
     parts = np.split(table.astype(np.float32), np.cumsum(widths)[:-1], axis=1)
     return _mesh_of(mesh, parts, faces.astype(np.int32))
+
+
+def welded(vertices: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Vertices that differ by rounding alone are put at one place: that of the first of them.
+
+    Seams of computed surfaces are such: sin(2 pi) is not 0 in any floating point.
+    """
+    low = vertices.min(axis=0).astype(np.float64)
+    longest = float((vertices.max(axis=0) - low).max())
+    if longest == 0.0:
+        return vertices
+    at = (vertices - low) / (longest * NEAREST)
+    # Whatever is less than half a cell apart shares a cell in one of the eight grids.
+    for shift in product((0.0, 0.5), repeat=3):
+        cell = np.floor(at + shift).astype(np.int64)
+        keys = cell[:, 0] << 42 | cell[:, 1] << 21 | cell[:, 2]
+        _, first, which = np.unique(keys, return_index=True, return_inverse=True)
+        if len(first) < len(keys):
+            at, vertices = at[first[which]], vertices[first[which]]
+    return vertices
 
 
 def _columns_of(mesh: MeshArrays) -> tuple[list[np.ndarray], list[int]]:

@@ -98,14 +98,14 @@ class Layout(NamedTuple):
     replicates, channels : int
     aovs : mapping of str to sequence of str
         Channels of each layer that has some.
-    surfaces : int
-        How many are weighed; 0 where none are.
+    surfaces : int or None
+        How many there are to be weighed; None where none shall be.
     """
 
     replicates: int
     channels: int
     aovs: Mapping[str, Sequence[str]]
-    surfaces: int = 0
+    surfaces: int | None = None
 
     def most_bytes(self, task: BlockTask) -> int:
         """How long an answer can be: all its numbers as they are, and a header."""
@@ -113,7 +113,7 @@ class Layout(NamedTuple):
         numbers = self.replicates * (2 * self.channels + 1)
         numbers += 2 * sum(map(len, self.aovs.values()))
         rows = 0
-        if self.surfaces:
+        if self.surfaces is not None:
             of_blocks = (samples_of(block, self.replicates).sum(axis=2) for block in task.blocks)
             rows = sum(int(np.minimum(n, self.surfaces).sum()) for n in of_blocks)
         return 8 * (numbers * pixels + 4 * rows) + _HEADER * len(task.blocks)
@@ -194,7 +194,7 @@ def samples_of(block: Block, replicates: int) -> np.ndarray:
 
 def _coverage(layout: Layout, arrays: Any, name: str, samples: np.ndarray) -> SurfaceSums | None:
     """The table of a block; `samples` are those of each pixel."""
-    if not layout.surfaces:
+    if layout.surfaces is None:
         return None
     found = unpack_sums(name, arrays)
     for numbers, end in ((found.pixels, len(samples)), (found.surfaces, layout.surfaces)):

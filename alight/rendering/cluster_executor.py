@@ -100,7 +100,7 @@ class ClusterExecutor:
         self._job = job
         film = job.rounds[0]
         layers = {name: film.aov_channels[name] for name in film.aov_sums}
-        surfaces = len(film.coverage.names) if film.coverage else 0
+        surfaces = len(film.coverage.names) if film.coverage else None
         layout = Layout(film.replicates, len(film.channels), layers, surfaces)
 
         def read(task: BlockTask, data: Any) -> Any:

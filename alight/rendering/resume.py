@@ -11,6 +11,7 @@ from pathlib import Path
 
 from alight.core.errors import FilmError, SceneError
 from alight.films import Film
+from alight.films.coverage import check_same_names
 from alight.formats import load
 from alight.options.entry import takes
 from alight.options.kinds import Files
@@ -150,6 +151,7 @@ def _go_on_with(
         scene, schedule, clock, seed=film.seed, threads=options.threads,
         replicates=film.replicates, aovs=tuple(film.aov_channels),
     )  # fmt: skip
+    check_same_names(film.coverage, job.rounds[0].coverage, f"cannot resume {saved.path}")
     _check_tables(saved, job)
     job.restore(state, state.goal if goes_on else None)
     if options.time_limit is not None:

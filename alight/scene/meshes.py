@@ -224,8 +224,10 @@ def displacement_problem(
     """Say why a mesh cannot be displaced; None if it can, or shall not be."""
     value = mesh.displacement
     texture = textures.get(value) if isinstance(value, str) else value
-    if isinstance(texture, Texture) and found.uvs is None and reads_uv(texture):
-        return f"a {texture.type_name()} needs texture coordinates, and the mesh has no uvs"
+    if isinstance(texture, Texture) and found.uvs is None and reads_uv(texture, textures):
+        name = texture.type_name()
+        article = "an" if name[0] in "aeiou" else "a"
+        return f"{article} {name} needs texture coordinates, and the mesh has no uvs"
     return None
 
 

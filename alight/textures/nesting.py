@@ -86,10 +86,16 @@ def average(part: Value) -> Triple:
     return part.mean() if isinstance(part, Texture) else most(part)
 
 
-def reads_uv(part: Value) -> bool:
-    """Whether a texture is looked up in (u, v) anywhere; solid ones are looked up in space."""
+def reads_uv(part: Value, named: Mapping[str, Texture]) -> bool:
+    """Whether a texture is looked up in (u, v) anywhere; solid ones are looked up in space.
+
+    Names stand for those of `named`, unknown ones for none; circles are found elsewhere.
+    """
+    if isinstance(part, str):
+        others = {name: texture for name, texture in named.items() if name != part}
+        return part in named and reads_uv(named[part], others)
     if isinstance(part, Composed):
-        return any(map(reads_uv, part.parts))
+        return any(reads_uv(inner, named) for inner in part.parts)
     if not isinstance(part, Texture) or part.set_of_coordinates() is None:
         return False
     return not getattr(part, "is_solid", False)

@@ -11,7 +11,8 @@ import pytest
 import alight
 from alight.compiled.scene import compile_scene
 from alight.core.errors import FilmError
-from alight.films import Film, fixed_point
+from alight.films import Film, fixed_point, storage
+from alight.films.archive import write_archive
 from alight.films.mattes import MATTES
 from alight.formats import loads
 from alight.integrators.walk import make_settings
@@ -258,10 +259,27 @@ def test_a_film_file_keeps_the_whole_table(things, tmp_path):
     assert (nothing.mask("table") == 0.0).all()
 
 
+@pytest.mark.parametrize("column", ["pixels", "surfaces"])
+def test_a_film_file_with_numbers_of_nothing_is_refused(things, tmp_path, column):
+    described, arrays = storage.pack_films([things])
+    name = f"0.coverage.{column}"
+    arrays[name] = np.where(np.arange(len(arrays[name])) < len(arrays[name]) - 1, arrays[name], 999)
+    write_archive(tmp_path / "odd.alight", {"films": described}, arrays)
+    with pytest.raises(FilmError, match="holds no readable film"):
+        Film.load(tmp_path / "odd.alight")
+
+
 def test_films_of_things_with_other_names_do_not_merge(things):
     other = filmed(THINGS.replace("tableau:", "tablet:"), (*MATTES, "alpha"), [(SPP, 1)])[0]
     with pytest.raises(FilmError, match=r'names differ \(object "tablet", not "tableau"\)'):
         Film.merge(things, other)
+    without = Film(SIZE, SIZE, scene_hash=things.scene_hash)
+    said = r"set of layers differs \(none, not alpha, cryptomatte_material, cryptomatte_object\)"
+    with pytest.raises(FilmError, match=said):
+        Film.merge(things, without)
+    fewer, more = (Film(4, 4, surfaces=[("thing", "wood")] * count) for count in (1, 2))
+    with pytest.raises(FilmError, match=r"number of surfaces differs \(2, not 1\)"):
+        Film.merge(fewer, more)
 
 
 def test_more_objects_than_ranks_lose_the_least_in_the_file_alone(things):
@@ -283,18 +301,43 @@ def test_a_worker_answers_with_the_table():
         flatten(loads(THINGS, "scene.yaml")), structure="list", aovs=("cryptomatte_object",)
     )
     settings = make_settings(scene.integrator, seed=1, replicates=4)
-    shared = block_tasks.SharedScene(scene, settings)
-    shared._kernels = make_kernels(scene, compiled=False)
+    shared = block_tasks.SharedScene(scene, settings, make_kernels(scene, compiled=False))
     tile = Tile(0, 0, 8, 8)
     task = block_tasks.BlockTask(1, (Block(tile, np.array([[[0, SPP]]])),))
     layout = block_tasks.Layout(4, 3, {}, len(scene.surfaces.names))
     answer = block_tasks.render_blocks(shared, task)
     partial, _ = block_tasks.read_blocks(layout, task, answer)[0]
-    expected, _ = render_tile(shared._kernels, scene, settings, tile, task.blocks[0].ranges)
+    expected, _ = render_tile(shared.kernels, scene, settings, tile, task.blocks[0].ranges)
     for a, b in zip(partial.coverage, expected.coverage, strict=True):
         np.testing.assert_array_equal(a, b)
     with pytest.raises(FilmError, match="weighs what is not there"):
         block_tasks.read_blocks(layout._replace(surfaces=2), task, answer)
+
+
+def test_a_worker_answers_where_there_is_no_surface():
+    text = HEAD + "environment: {type: constant, radiance: 1}\n"
+    scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list", aovs=tuple(MATTES))
+    settings = make_settings(scene.integrator, seed=1, replicates=4)
+    shared = block_tasks.SharedScene(scene, settings, make_kernels(scene, compiled=False))
+    task = block_tasks.BlockTask(1, (Block(Tile(0, 0, 8, 8), np.array([[[0, 1]]])),))
+    layout = block_tasks.Layout(4, 3, {}, 0)
+    answer = block_tasks.render_blocks(shared, task)
+    partial, _ = block_tasks.read_blocks(layout, task, answer)[0]
+    film = Film(SIZE, SIZE, aovs=dict.fromkeys(MATTES, ()), surfaces=())
+    film.add_tile(partial)
+    assert film.counts.sum() == 64
+    assert len(film.coverage.sums.pixels) == 0
+
+
+def test_a_checkpoint_of_things_with_other_names_is_not_resumed(tmp_path):
+    path = tmp_path / "things.checkpoint"
+    scene = loads(THINGS, "scene.yaml")
+    alight.render(scene, spp=1, aovs="cryptomatte", threads=1, checkpoint=path)
+    renamed = loads(THINGS.replace("tableau:", "tablet:"), "scene.yaml")
+    with pytest.raises(FilmError, match=r'cannot resume .*names differ \(object "tablet"'):
+        alight.resume(path, scene=renamed, spp=2)
+    film = alight.resume(path, scene=scene, spp=2)
+    assert same_sums(film, alight.render(scene, spp=2, aovs="cryptomatte", threads=1))
 
 
 def test_renders_hold_the_bits_of_the_twin(things):

@@ -3,18 +3,23 @@
 import numpy as np
 import pytest
 
+import alight
 from alight.compiled import displacement
 from alight.compiled.displacement import MOST_TRIANGLES, displaced, moved, told
+from alight.compiled.kept import Kept
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.films import fixed_point
 from alight.formats import dumps, loads
 from alight.integrators.walk import make_settings
+from alight.laws.scene import pictures
 from alight.meshes.tessellation import TooManyTrianglesError, tessellated
 from alight.meshes.triangles import MeshArrays
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, flatten
+from alight.scene.description import Node
+from alight.scene.meshes import mesh_of as mesh_spec
 
 SQUARE = "vertices: [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], faces: [[0, 1, 2], [0, 2, 3]]"
 UVS = "uvs: [[0, 0], [1, 0], [1, 1], [0, 1]]"
@@ -40,14 +45,23 @@ HILLS = np.round(0.5 + 0.25 * (np.sin(PHASES)[None, :] + np.cos(PHASES)[:, None]
 HEAD = HEAD.replace("PIXELS", str(HILLS.tolist()))
 
 
+#: Textures that name each other.
+CIRCLE = """  circle: {type: add, a: round, b: 1}
+  round: {type: add, a: circle, b: 1}
+"""
+
+
 def board(keys, bsdf="{type: diffuse, reflectance: 0.8}", more=UVS):
     """A scene of one square."""
     return HEAD + (f"  board: {{bsdf: {bsdf}, shape: {{type: mesh, {SQUARE}, {more}{keys}}}}}\n")
 
 
 def mesh_of(text):
-    flat = flatten(loads(text, "scene.yaml"))
-    after = displaced(flat)
+    return geometry_of(loads(text, "scene.yaml"))
+
+
+def geometry_of(scene):
+    after = displaced(flatten(scene))
     return after.geometries[after.shapes[-1].geometry]
 
 
@@ -126,6 +140,28 @@ def test_charts_and_edges_of_a_cube_do_not_open():
     assert (outwards > 0.0).all()
 
 
+def test_seams_that_are_closed_but_for_rounding_stay_closed():
+    # A tube, whose last column lies at sin(2 pi) where the first has 0; heights differ there.
+    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 4)))
+    points = np.stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u), v], axis=1)
+    corner = (13 * np.arange(3)[:, None] + np.arange(12)).ravel()
+    faces = [np.stack([corner, corner + a, corner + b], axis=1) for a, b in ((1, 14), (14, 13))]
+    arrays = MeshArrays(points.astype(np.float32), np.concatenate(faces).astype(np.int32))
+    assert len(np.unique(arrays.vertices, axis=0)) == 4 * 13
+    spec = mesh_spec(arrays._replace(uvs=np.stack([u, v], axis=1).astype(np.float32)))
+    keys = {"displacement": "ramp", "displacement_edge": 0.2, "displacement_scale": 0.3}
+    scene = loads(HEAD + "  ball: {shape: sphere}\n", "scene.yaml")
+    scene = scene.replaced(nodes={"tube": Node(shape=spec.replaced(**keys))})
+    mesh = geometry_of(scene)
+    places = np.unique(mesh.vertices + 0.0, axis=0)
+    edges, _ = edges_of(mesh)
+    pairs, uses = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    # Only edges of the two rims have no triangle on their other side.
+    height = places[pairs[uses == 1], 2]
+    assert uses.max() == 2
+    np.testing.assert_allclose(height, np.round(height), atol=1e-5)
+
+
 def test_a_mesh_that_is_inside_out_keeps_its_outer_side():
     inverted = cube()._replace(faces=cube().faces[:, ::-1].copy())
     normals = np.array(cube().vertices) / np.sqrt(3.0)
@@ -183,6 +219,8 @@ def test_shallow_hills_are_shaded_as_by_a_bump_map():
 def test_what_is_displaced_is_told_and_counts_for_the_hash():
     plain = flatten(loads(board(""), "scene.yaml"))
     assert displaced(plain) is plain
+    once = displaced(flatten(loads(board(", displacement: 0.5, displacement_edge: 1"), "again")))
+    assert displaced(once) is once
     keys = ", displacement: 0.5, displacement_edge: 0.5"
     flat = flatten(loads(board(keys), "scene.yaml"))
     after = displaced(flat)
@@ -195,11 +233,36 @@ def test_what_is_displaced_is_told_and_counts_for_the_hash():
     assert loads(dumps(other), "again.yaml") == other
 
 
+def test_meshes_that_are_as_they_were_are_the_same_arrays():
+    keys, kept = ", displacement: hills, displacement_edge: 0.5", Kept()
+
+    def vertices_of(text):
+        return displaced(flatten(loads(text, "scene.yaml")), kept).geometries[-1].vertices
+
+    first = vertices_of(board(keys))
+    assert vertices_of(board(keys, "{type: diffuse, reflectance: 0.1}")) is first
+    # Everything that decides them: keys, the texture, the mesh.
+    scaled = vertices_of(board(keys + ", displacement_scale: 2"))
+    np.testing.assert_allclose(scaled[:, 2], 2 * first[:, 2], atol=1e-6)
+    bent = vertices_of(board(keys).replace(str(HILLS[0, 0]), str(HILLS[0, 0] + 1)))
+    assert np.abs(bent[:, 2] - first[:, 2]).max() > 0.1
+    assert vertices_of(board(keys).replace("[1, 1, 0]", "[1, 1.5, 0]"))[:, 1].max() == 1.5
+
+
+def test_info_says_how_many_triangles_there_are():
+    scene = loads(board(", displacement: 0.5, displacement_edge: 0.5"), "scene.yaml")
+    facts = dict(alight.info(scene, tree=True).facts)
+    assert facts["displaced"] == "board: 64 triangles of 2"
+    assert "displaced" not in facts["accelerator"]
+
+
 @pytest.mark.parametrize(
     ("keys", "more", "said"),
     [
         (", displacement: hils", UVS, 'unknown texture "hils"; did you mean "hills"'),
         ("displacement: hills", "", "a bitmap needs texture coordinates, and the mesh has no uvs"),
+        ("displacement: {type: add, a: 1, b: hills}", "", "an add needs texture coordinates"),
+        ("displacement: circle", "", "contains itself: circle -> round -> circle"),
         (", displacement: 1, displacement_edge: 0", UVS, "displacement_edge"),
         (", displacement: 1, displacement_edge: 0.01", UVS, "make displacement_edge larger"),
         (", displacement: 1.e+9, displacement_scale: 1.e+9, displacement_edge: 1", UVS, "too far"),
@@ -207,8 +270,10 @@ def test_what_is_displaced_is_told_and_counts_for_the_hash():
 )
 def test_what_cannot_be_displaced_is_refused(keys, more, said, monkeypatch):
     monkeypatch.setattr(displacement, "MOST_TRIANGLES", 1000)
+    text = board(keys, more=more)
+    text = text.replace("nodes:\n", f"{CIRCLE}nodes:\n") if "circle" in keys else text
     with pytest.raises(SceneError, match=said):
-        displaced(flatten(loads(board(keys, more=more), "scene.yaml")))
+        displaced(flatten(loads(text, "scene.yaml")))
 
 
 def test_solid_textures_need_no_coordinates():
@@ -216,6 +281,44 @@ def test_solid_textures_need_no_coordinates():
     assert 0.1 < np.ptp(mesh.vertices[:, 2]) <= 1.0
 
 
+@pytest.mark.parametrize(
+    ("texture", "height"),
+    [
+        ("{type: constant, color: 0.5}", 0.5),
+        ("{type: multiply, a: {type: constant, color: 0.5}, b: 3}", 1.5),
+        ("{type: vertex_color}", 0.25),
+        ("{type: vertex_color, fallback: 0.75}", 0.75),
+    ],
+)
+def test_textures_that_kernels_treat_apart_displace_too(texture, height):
+    more = "" if "fallback" in texture else f", colors: {[[0.25, 0.25, 0.25]] * 4}"
+    mesh = mesh_of(board(f", displacement: {texture}, displacement_edge: 0.5", more=UVS + more))
+    np.testing.assert_allclose(mesh.vertices[:, 2], height, rtol=1e-6)
+
+
+def test_parts_of_a_texture_have_their_own_sets_of_coordinates():
+    ramps = [f"{{type: bitmap, uv_set: {k}, pixels: [[1, 3]], color_space: linear, wrap: clamp}}"
+             for k in (0, 1, 7)]  # fmt: skip
+    # There is no set 7: the mesh's own.
+    product = (
+        f"{{type: multiply, a: {ramps[0]}, b: {{type: multiply, a: {ramps[1]}, b: {ramps[2]}}}}}"
+    )
+    sets = ", more_uvs: [[[0.5, 0], [0.5, 0], [1, 0], [1, 0]]]"
+    keys = f", displacement: {product}, displacement_edge: 9"
+    mesh = mesh_of(board(keys, more=UVS + sets))
+    np.testing.assert_allclose(mesh.vertices[:, 2], [2, 18, 27, 3], rtol=1e-6)
+
+
 def test_shapes_of_formulas_have_no_displacement():
     with pytest.raises(SceneError, match='unknown key "displacement"'):
         loads(HEAD + "  ball: {shape: {type: sphere, displacement: hills}}\n", "scene.yaml")
+
+
+def test_laws_of_a_scene_count_the_displaced_triangles(monkeypatch):
+    text = board(", displacement: 0.5, displacement_edge: 0.1")
+    text = text.replace("board: {", "board: {light: {type: area, radiance: 1}, ")
+    scene = loads(text, "scene.yaml")
+    said = {finding.part: finding.detail for finding in alight.check(scene, only="lights").findings}
+    assert "triangles: too many" in said["light board"]
+    monkeypatch.setattr(pictures, "MOST_TESTS", 1e6)
+    assert "triangles: too many" in next(pictures.check_accelerators(scene, 1, str)).detail

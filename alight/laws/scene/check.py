@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 
+from alight.compiled.displacement import displaced
 from alight.compiled.scene import compile_scene
 from alight.core.spec import Bsdf
 from alight.integrators.contributions import can_record
@@ -100,7 +101,7 @@ def _findings(
     scene: Scene, seed: int, only: Sequence[str], say: Callable[[str], None]
 ) -> Iterator[Finding]:
     say("reading the scene")
-    flat = flatten(small(scene, integrator_of(scene)))
+    flat = displaced(flatten(small(scene, integrator_of(scene))))
     compiled = compile_scene(flat, structure="list")
     if "materials" in only:
         say("materials")

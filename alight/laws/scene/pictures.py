@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from alight.compiled.displacement import displaced
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.constants import LUMINANCE
 from alight.core.registry import default_of, specs_of
@@ -246,7 +247,7 @@ def _welch(
 def check_accelerators(scene: Scene, seed: int, say: Callable[[str], None]) -> Iterator[Finding]:
     """The same seed through a list of all primitives and through the tree: the same bits."""
     law = "list and tree give the same bits"
-    flat = flatten(small(scene))
+    flat = displaced(flatten(small(scene)))
     triangles = sum(len(flat.geometries[s.geometry].faces) for s in flat.shapes if s.geometry >= 0)
     size = SIZE if triangles < 2000 else 16
     rays = 8 * size * size
