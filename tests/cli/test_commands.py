@@ -107,7 +107,9 @@ def test_info_shows_the_tree_and_the_accelerator():
 
 
 def test_deep_trees_are_shown(tmp_path, monkeypatch):
-    monkeypatch.setattr("alight.lab.info.accelerator_facts", lambda flat: [("accelerator", "nodes 7")])
+    monkeypatch.setattr(
+        "alight.lab.info.accelerator_facts", lambda flat: [("accelerator", "nodes 7")]
+    )
     text = "{shape: {type: sphere}}"
     for _ in range(20):
         text = f"{{children: {{n: {text}}}}}"
