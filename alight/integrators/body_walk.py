@@ -55,6 +55,7 @@ from lanewise.simd import (
     maximum,
     minimum,
     sqrt,
+    to_float,
     to_uint,
     where,
 )
@@ -65,15 +66,18 @@ WAY, DISTANCE = 9, 10
 LED = 0.75
 #: A walk goes on for sure while its weight is above this.
 DIM = 0.5
-#: Walks of so many scatterings are rare; those that are still in it end now and then, since
-#: without absorption in an endless body their number has no mean.
-LONG, LONG_SURVIVAL = 10_000, 0.999
+#: Walks of so many scatterings are rare. Those that go on survive to n scatterings with the
+#: probability (LONG / n)^LONG_POWER, since without absorption in an endless body their number has
+#: no mean. In a white half-space 1 % of the light needs more.
+LONG, LONG_POWER = 20_000, 1.5
 #: Numbers of the streams of walks begin here, behind those that media use.
 OWN_STREAMS = 1 << 15
 #: Bounds of nu: at 1 and at infinity its logarithm has no digits left.
 LEAST_NU, MOST_NU = 1.001, 40.0
 #: Mean free paths are at least so many rounding errors of the place.
 LEAST_STEPS = 4.0
+#: Below this cosine, the margin under the surface grows no more along a ray.
+LEAST_SLOPE = 0.02
 
 #: A walk. o, d: as of a path; d points along the ray to the next scattering; plain, led (Vec3):
 #: densities of the walk by the ways of each channel, over that of the way that it takes; albedo
@@ -224,10 +228,12 @@ def walk_through(scene, path, surface, entering):
         stretched = _stretched(body, z)
         chosen = where(led, sigma * (1.0 - z * inverse_nu), sigma)
         distance = -log(1.0 - u) / chosen
-        hit = intersect_closest(scene, walk.o, walk.d, distance, going)
+        # Walks begin a margin below the surface, where rounding cannot hide it: they end there too.
+        margin = where(z > 0.0, surface.error / maximum(z, LEAST_SLOPE), 0.0)
+        hit = intersect_closest(scene, walk.o, walk.d, distance + margin, going)
         rays += count_lanes(going)
         left = going & (hit.t < INFINITY)
-        distance = where(left, hit.t, distance)
+        distance = where(left, maximum(hit.t - margin, 0.0), distance)
         # Densities of this step by all ways, over that of the way that it took.
         plain, back = _passed(body.extinction, distance), _passed(stretched, distance)
         plain = where(left, plain, plain * body.extinction)
@@ -245,7 +251,8 @@ def walk_through(scene, path, surface, entering):
         u2, u3 = step_numbers(stream, 2 * step + 1)
         weight = max_component(_weight(walk)) * factor
         survival = minimum(weight * (1.0 / DIM), 1.0)
-        survival = where(step > LONG, survival * LONG_SURVIVAL, survival)
+        longer = survival * (1.0 - LONG_POWER / maximum(to_float(step), 2.0))
+        survival = where(step > LONG, longer, survival)
         survives = u0 < survival
         ended = ended | (going & ~survives)
         going = going & survives

@@ -26,6 +26,12 @@ BODIES = (
         HALF_SPACE,
     ),
     Mutant(
+        "walks that begin below the surface and end at it",
+        "integrators/body_walk.py",
+        (("maximum(hit.t - margin, 0.0)", "hit.t"),),
+        f"{TESTS}::test_the_smallest_radii_leave_the_colour_as_it_is",
+    ),
+    Mutant(
         "shadow rays that go straight through bodies",
         "integrators/path.py",
         (("lit = lit & ~enters_body(scene, surface, light.wi)", "lit = lit & True"),),
