@@ -41,6 +41,7 @@ from alight.core.vec import Vec3, dot, max_component, normalize
 from alight.core.warps import direction_around_z
 from alight.integrators.volume_walk import mean
 from alight.integrators.walk import count_lanes, vertex_dimension
+from alight.lights.choice import lit_normal
 from alight.media.tables import step_numbers, stream_of
 from alight.samplers.sampling import get_1d
 from alight.shapes.hit import side_of
@@ -174,6 +175,21 @@ def enters_body(program):
 @kernel
 def _enters_nothing(scene, surface, d):
     return lanes_mask(False)
+
+
+@specialised
+def lit_side(program):
+    """``(scene, surface, wo) -> normal``: `lit_normal`; only lights outside shine on a body."""
+    bodies = has_bodies(program)
+
+    @kernel
+    def lit_side(scene, surface, wo):
+        n = lit_normal(surface.ns, wo)
+        if bodies:
+            n = where(is_body(scene, surface.bsdf), surface.ns, n)
+        return n
+
+    return lit_side
 
 
 @specialised

@@ -15,18 +15,21 @@ RADIUS = (0.1, 0.05, 0.02)
 SIDE = 16
 
 
-def scene(shape, bsdf, transform=(), integrator=None, size=SIDE, **node):
+def scene(shape, bsdf, transform=(), integrator=None, others=None, **node):
     """One body before a white sky."""
     look = {"look_at": {"origin": [0, 0, 3], "target": [0, 0, 0]}}
     return alight.load(
         {
             "alight": 1,
             "camera": {"fov": 20, "transform": look},
-            "film": {"size": [size, size], "filter": {"type": "box"}},
+            "film": {"size": [SIDE, SIDE], "filter": {"type": "box"}},
             "sampler": {"type": "independent"},
             "integrator": integrator or {"type": "path"},
             "environment": {"type": "constant", "radiance": 1},
-            "nodes": {"body": {"shape": shape, "bsdf": bsdf, "transform": list(transform), **node}},
+            "nodes": {
+                "body": {"shape": shape, "bsdf": bsdf, "transform": list(transform), **node},
+                **(others or {}),
+            },
         }
     )
 
@@ -128,6 +131,23 @@ def test_all_ways_to_find_light_agree():
         means.append((mean, error))
     for mean, error in means[1:]:
         assert np.all(np.abs(mean - means[0][0]) < LARGEST_Z * np.hypot(error, means[0][1]))
+
+
+def test_lamps_that_shine_from_below_a_body_are_not_sampled_where_light_leaves():
+    """A light tree would like those on the viewer's side, and he is inside."""
+    lamps = {
+        name: {
+            "shape": {"type": "sphere", "radius": 0.05},
+            "light": {"type": "area", "radiance": radiance},
+            "transform": [{"translate": [0.4, 0.3, z]}],
+        }
+        for name, radiance, z in (("above", 50.0, 0.8), ("below", 500.0, -0.8))
+    }
+    by_light = {"light_choice": "tree", "light_sampling": "emitter", "hide_emitters": True}
+    half = body(color=0.8, radius=0.01)
+    lit = scene("plane", half, integrator={"type": "path", **by_light}, others=lamps)
+    mean, error = mean_and_error(lit.replaced(environment=None), 32)
+    assert np.all(error < 0.03 * mean)
 
 
 def test_fog_around_a_body_does_not_fill_it():
