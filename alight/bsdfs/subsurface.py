@@ -9,20 +9,24 @@ r"""Subsurface scattering: skin, wax, marble, milk; light enters, is scattered i
     \text{from inside:}\quad f(\omega_o, \omega_i) &=
         \frac{T(\cos\theta_i)}{\pi\,\bar T}, \qquad \bar T = \int_0^1 2 \mu\, T(\mu)\, d\mu
 
-Here is the surface only: a coat of GGX facets reflects, and leaves to the body the part T = 1 - E
-of the light, E being what it reflects of light from a direction; that part enters with the
-distribution of a matte surface, and leaves again likewise. Index 1 has no coat. In between, paths
-walk through the body at random (`alight.integrators.body_walk`), which scatters as much in all
-directions with the mean free path `radius`.
+These formulas describe the surface only. A coat of GGX facets reflects the part E of the light from
+a direction; the rest, T = 1 - E, enters the body with the distribution of a matte surface, and
+leaves it in the same way. With index 1 there is no coat. In between, paths take a random walk
+through the body (`alight.integrators.body_walk`), which scatters light equally in all directions,
+with the mean free path `radius`.
 
-The albedo alpha of one scattering is that which gives a flat, deep body the asked colour A, as van
-de Hulst's approximation has it,
+The albedo alpha of one scattering is chosen so that a flat, deep body has the colour A that is
+asked for, by van de Hulst's approximation
 
 .. math::
     A = \frac{(1 - s)(1 - 0.139 s)}{1 + 1.17 s}, \qquad s = \sqrt{1 - \alpha} .
 
-From Chandrasekhar's exact albedo for diffuse light it differs by less than 0.0025 everywhere. So
-where a body is thick, and lit alike over a few radii, it looks like `diffuse` of the same colour.
+It differs from Chandrasekhar's exact albedo for diffuse light by less than 0.0025 everywhere. So
+where a body is thick, and lit evenly over a few radii, it looks like `diffuse` of the same colour.
+
+The shape has to be closed, with normals that point outwards: inside out, it is black. A radius is
+measured in the world, however a node or an instance scales the shape. Shapes inside are met, but
+light between them and the surface is not scattered, nor is that of a camera inside.
 
 Source: van de Hulst 1974, The spherical albedo of a planet covered with a homogeneous cloud layer;
 Kulla and Conty 2017, Revisiting Physically Based Shading at Imageworks, for its inverse; Chiang,
@@ -79,7 +83,7 @@ class Subsurface(Bsdf):
     color : ColorTexture, default 0.8
         What a thick body reflects of the light that enters, each channel in [0, 1].
     radius : PositiveColor, metres, default (1, 0.35, 0.2) / 100
-        Mean free path of light inside: how far it goes from one scattering to the next.
+        Mean free path of light inside: how far it goes between two scatterings, on average.
     scale : float > 0, default 1
         Factor of `radius`.
     ior : float in [1, 5], default 1.4

@@ -41,6 +41,7 @@ from alight.core.vec import Vec3, dot, max_component, normalize
 from alight.core.warps import direction_around_z
 from alight.integrators.volume_walk import mean
 from alight.integrators.walk import count_lanes, vertex_dimension
+from alight.lights.choice import lit_normal
 from alight.media.tables import step_numbers, stream_of
 from alight.samplers.sampling import get_1d
 from alight.shapes.hit import side_of
@@ -55,6 +56,7 @@ from lanewise.simd import (
     maximum,
     minimum,
     sqrt,
+    to_float,
     to_uint,
     where,
 )
@@ -65,15 +67,18 @@ WAY, DISTANCE = 9, 10
 LED = 0.75
 #: A walk goes on for sure while its weight is above this.
 DIM = 0.5
-#: Walks of so many scatterings are rare; those that are still in it end now and then, since
-#: without absorption in an endless body their number has no mean.
-LONG, LONG_SURVIVAL = 10_000, 0.999
+#: Walks of so many scatterings are rare. Those that go on survive to n scatterings with the
+#: probability (LONG / n)^LONG_POWER, since without absorption in an endless body their number has
+#: no mean. In a white half-space 1 % of the light needs more.
+LONG, LONG_POWER = 20_000, 1.5
 #: Numbers of the streams of walks begin here, behind those that media use.
 OWN_STREAMS = 1 << 15
 #: Bounds of nu: at 1 and at infinity its logarithm has no digits left.
 LEAST_NU, MOST_NU = 1.001, 40.0
 #: Mean free paths are at least so many rounding errors of the place.
 LEAST_STEPS = 4.0
+#: Below this cosine, the margin under the surface grows no more along a ray.
+LEAST_SLOPE = 0.02
 
 #: A walk. o, d: as of a path; d points along the ray to the next scattering; plain, led (Vec3):
 #: densities of the walk by the ways of each channel, over that of the way that it takes; albedo
@@ -173,6 +178,21 @@ def _enters_nothing(scene, surface, d):
 
 
 @specialised
+def lit_side(program):
+    """``(scene, surface, wo) -> normal``: `lit_normal`; only lights outside shine on a body."""
+    bodies = has_bodies(program)
+
+    @kernel
+    def lit_side(scene, surface, wo):
+        n = lit_normal(surface.ns, wo)
+        if bodies:
+            n = where(is_body(scene, surface.bsdf), surface.ns, n)
+        return n
+
+    return lit_side
+
+
+@specialised
 def walk_inside(program):
     """``(scene, path, surface, active) -> (path, rays)``: `walk_through`, where paths enter."""
     if not has_bodies(program):
@@ -224,10 +244,12 @@ def walk_through(scene, path, surface, entering):
         stretched = _stretched(body, z)
         chosen = where(led, sigma * (1.0 - z * inverse_nu), sigma)
         distance = -log(1.0 - u) / chosen
-        hit = intersect_closest(scene, walk.o, walk.d, distance, going)
+        # Walks begin a margin below the surface, where rounding cannot hide it: they end there too.
+        margin = where(z > 0.0, surface.error / maximum(z, LEAST_SLOPE), 0.0)
+        hit = intersect_closest(scene, walk.o, walk.d, distance + margin, going)
         rays += count_lanes(going)
         left = going & (hit.t < INFINITY)
-        distance = where(left, hit.t, distance)
+        distance = where(left, maximum(hit.t - margin, 0.0), distance)
         # Densities of this step by all ways, over that of the way that it took.
         plain, back = _passed(body.extinction, distance), _passed(stretched, distance)
         plain = where(left, plain, plain * body.extinction)
@@ -245,7 +267,8 @@ def walk_through(scene, path, surface, entering):
         u2, u3 = step_numbers(stream, 2 * step + 1)
         weight = max_component(_weight(walk)) * factor
         survival = minimum(weight * (1.0 / DIM), 1.0)
-        survival = where(step > LONG, survival * LONG_SURVIVAL, survival)
+        longer = survival * (1.0 - LONG_POWER / maximum(to_float(step), 2.0))
+        survival = where(step > LONG, longer, survival)
         survives = u0 < survival
         ended = ended | (going & ~survives)
         going = going & survives

@@ -55,7 +55,7 @@ from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import enters_body, walk_inside
+from alight.integrators.body_walk import enters_body, lit_side, walk_inside
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -84,7 +84,6 @@ from alight.integrators.walk import (
     to_world,
     vertex_dimension,
 )
-from alight.lights.choice import lit_normal
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environments_of
 from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
@@ -354,7 +353,7 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
     def add_direct_light(scene, settings, path, surface, wo, active, here):
         rays, depth = path.rays, path.depth + 1
         dimension = vertex_dimension(depth)
-        n = lit_normal(surface.ns, wo)
+        n = lit_side(scene, surface, wo)
         light = sample_light(
             scene, surface.p, n, get_1d(path.sampler, dimension + LIGHT_CHOICE),
             get_2d(path.sampler, dimension + LIGHT_POINT), active,

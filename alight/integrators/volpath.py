@@ -23,7 +23,7 @@ from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import enters_body, walk_inside
+from alight.integrators.body_walk import enters_body, lit_side, walk_inside
 from alight.integrators.collisions import (
     Turn,
     evaluate_anywhere,
@@ -65,7 +65,6 @@ from alight.integrators.walk import (
     to_world,
     vertex_dimension,
 )
-from alight.lights.choice import lit_normal
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environments_of
 from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
@@ -245,7 +244,7 @@ def _write_add_direct_light(chosen_weight, by_light, guided):
         p, surface, wo, dimension, scattered = vertex
         rays = path.rays
         # Media have no normal.
-        n = where(scattered, lanes_vec3(0.0), lit_normal(surface.ns, wo))
+        n = where(scattered, lanes_vec3(0.0), lit_side(scene, surface, wo))
         light = sample_light(
             scene, p, n, get_1d(path.sampler, dimension + LIGHT_CHOICE),
             get_2d(path.sampler, dimension + LIGHT_POINT), active,

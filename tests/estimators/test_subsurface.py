@@ -15,18 +15,21 @@ RADIUS = (0.1, 0.05, 0.02)
 SIDE = 16
 
 
-def scene(shape, bsdf, transform=(), integrator=None, size=SIDE, **node):
+def scene(shape, bsdf, transform=(), integrator=None, others=None, **node):
     """One body before a white sky."""
     look = {"look_at": {"origin": [0, 0, 3], "target": [0, 0, 0]}}
     return alight.load(
         {
             "alight": 1,
             "camera": {"fov": 20, "transform": look},
-            "film": {"size": [size, size], "filter": {"type": "box"}},
+            "film": {"size": [SIDE, SIDE], "filter": {"type": "box"}},
             "sampler": {"type": "independent"},
             "integrator": integrator or {"type": "path"},
             "environment": {"type": "constant", "radiance": 1},
-            "nodes": {"body": {"shape": shape, "bsdf": bsdf, "transform": list(transform), **node}},
+            "nodes": {
+                "body": {"shape": shape, "bsdf": bsdf, "transform": list(transform), **node},
+                **(others or {}),
+            },
         }
     )
 
@@ -73,6 +76,23 @@ def test_a_half_space_has_the_colour_that_is_asked_for(integrator):
     assert np.all(error < 0.01)
 
 
+def test_the_smallest_radii_leave_the_colour_as_it_is():
+    """Walks of the length of rounding errors neither leak out nor begin too deep."""
+    tiny = scene("sphere", body(radius=1e-9), integrator={"type": "path", "max_depth": 3})
+    mean, error = mean_and_error(tiny, 128)
+    exact = [exact_albedo(float(single_albedo(np.float64(color)))) for color in COLORS]
+    assert np.all(np.abs(mean - exact) < LARGEST_Z * error + 0.005)
+    assert np.all(error < 0.01)
+
+
+def test_long_walks_through_a_white_half_space_come_back():
+    """Of those that end after 10,000 scatterings 1.2 % of the light would be lost."""
+    white = body(color=1.0, radius=0.01)
+    mean, error = mean_and_error(scene("plane", white, integrator={"type": "path"}), 512)
+    assert np.all(mean > 0.993)
+    assert np.all(error < 0.003)
+
+
 @pytest.mark.parametrize("ior", [pytest.param(1.0, marks=pytest.mark.proofs), 1.5])
 def test_a_white_body_vanishes_in_a_white_furnace(ior):
     cube = scene("cube", body(color=1.0, ior=ior, roughness=0.6), [{"scale": 0.5}])
@@ -111,6 +131,23 @@ def test_all_ways_to_find_light_agree():
         means.append((mean, error))
     for mean, error in means[1:]:
         assert np.all(np.abs(mean - means[0][0]) < LARGEST_Z * np.hypot(error, means[0][1]))
+
+
+def test_lamps_that_shine_from_below_a_body_are_not_sampled_where_light_leaves():
+    """A light tree would like those on the viewer's side, and he is inside."""
+    lamps = {
+        name: {
+            "shape": {"type": "sphere", "radius": 0.05},
+            "light": {"type": "area", "radiance": radiance},
+            "transform": [{"translate": [0.4, 0.3, z]}],
+        }
+        for name, radiance, z in (("above", 50.0, 0.8), ("below", 500.0, -0.8))
+    }
+    by_light = {"light_choice": "tree", "light_sampling": "emitter", "hide_emitters": True}
+    half = body(color=0.8, radius=0.01)
+    lit = scene("plane", half, integrator={"type": "path", **by_light}, others=lamps)
+    mean, error = mean_and_error(lit.replaced(environment=None), 32)
+    assert np.all(error < 0.03 * mean)
 
 
 def test_fog_around_a_body_does_not_fill_it():

@@ -26,10 +26,33 @@ BODIES = (
         HALF_SPACE,
     ),
     Mutant(
+        "walks that begin below the surface and end at it",
+        "integrators/body_walk.py",
+        (("maximum(hit.t - margin, 0.0)", "hit.t"),),
+        f"{TESTS}::test_the_smallest_radii_leave_the_colour_as_it_is",
+    ),
+    Mutant(
         "shadow rays that go straight through bodies",
         "integrators/path.py",
         (("lit = lit & ~enters_body(scene, surface, light.wi)", "lit = lit & True"),),
         HALF_SPACE,
+    ),
+    Mutant(
+        "lamps chosen for the inner side of bodies",
+        "integrators/body_walk.py",
+        (("n = where(is_body(scene, surface.bsdf), surface.ns, n)", "pass"),),
+        f"{TESTS}::test_lamps_that_shine_from_below_a_body_are_not_sampled_where_light_leaves",
+    ),
+    Mutant(
+        "walks that end after some scatterings, come what may",
+        "integrators/body_walk.py",
+        (
+            (
+                "longer = survival * (1.0 - LONG_POWER / maximum(to_float(step), 2.0))",
+                "longer = 0.0",
+            ),
+        ),
+        f"{TESTS}::test_long_walks_through_a_white_half_space_come_back",
     ),
     Mutant(
         "coat that dims light on the way out without end",

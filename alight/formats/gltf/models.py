@@ -26,6 +26,7 @@ from alight.bsdfs.interface import Interface
 from alight.bsdfs.phong import Phong
 from alight.bsdfs.plastic import Coated
 from alight.bsdfs.principled import Principled
+from alight.bsdfs.subsurface import Subsurface
 from alight.core.spec import Bsdf, Texture
 from alight.formats.gltf.burleys import burley_as_principled
 from alight.formats.gltf.planes import Plane, plane_of
@@ -66,6 +67,8 @@ def as_principled(bsdf: Bsdf) -> tuple[Bsdf, list[str]]:
         made = _plastic(bsdf, fields, lost)
     elif isinstance(bsdf, Burley | BurleyThin):
         made = burley_as_principled(bsdf, lost)
+    elif isinstance(bsdf, Subsurface):
+        made = _body(bsdf, lost)
     elif isinstance(bsdf, Phong):
         made = _phong(fields, lost)
     elif kind == "mirror":
@@ -160,6 +163,16 @@ def _plastic(bsdf: Coated, fields: dict[str, Any], lost: list[str]) -> Principle
         ior=_index(max(ratio, 1.0), kind, lost),
         specular_color=_tint(fields["specular_reflectance"], kind, lost),
         **_facets(bsdf, lost),
+    )
+
+
+def _body(bsdf: Subsurface, lost: list[str]) -> Principled:
+    """The coat over a matte base of the colour that a thick body has."""
+    lost.append("subsurface: no light is scattered below the surface, its colour is diffuse")
+    return Principled(
+        base_color=bsdf.color,
+        roughness=bsdf.roughness,
+        ior=_index(bsdf.ior, "subsurface", lost),
     )
 
 

@@ -41,6 +41,14 @@ def test_lacquered_metals_have_a_coat(tmp_path):
     assert "coated_conductor: the thickness of its coat" in lost
 
 
+def test_bodies_keep_their_colour_and_coat(tmp_path):
+    bsdf = {"type": "subsurface", "color": [0.9, 0.5, 0.25], "ior": 1.3, "roughness": 0.3}
+    found, _, lost = again(bsdf, tmp_path)
+    assert found.base_color == pytest.approx([0.9, 0.5, 0.25])
+    assert (found.roughness, found.ior) == (pytest.approx(0.3), pytest.approx(1.3))
+    assert "subsurface: no light is scattered below the surface, its colour is diffuse" in lost
+
+
 @pytest.mark.parametrize(("along", "across"), [(0.64, 0.16), (0.16, 0.64)])
 def test_brushed_metals_keep_both_roughnesses(along, across, tmp_path):
     bsdf = {"type": "rough_conductor", "alpha_u": along, "alpha_v": across}
