@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -85,12 +86,13 @@ class FileLayers(Layers):
     def __init__(self, picture: Picture) -> None:
         height, width = picture.image.shape[:2]
         self.size = width, height
-        groups: dict[str, list[np.ndarray]] = {}
-        for name, plane in sorted(picture.layers.items(), key=_in_order):
+        groups: dict[str, dict[str, np.ndarray]] = {}
+        for name in sorted(picture.layers, key=lambda name: name.rpartition(".")):
             group, _, channel = name.rpartition(".")
-            groups.setdefault(group or channel, []).append(plane)
+            groups.setdefault(group or channel, {})[channel] = picture.layers[name]
         self._planes = {PICTURE: picture.image}
-        for name, planes in groups.items():
+        for name, channels in groups.items():
+            planes = [channels[channel] for channel in _in_order(channels)]
             # What has more channels than a colour is shown channel by channel.
             self._planes |= {name: np.stack(planes, axis=-1)} if len(planes) <= 4 else {
                 f"{name}.{number}": plane[..., None] for number, plane in enumerate(planes)
@@ -137,10 +139,10 @@ def relative_error(image: np.ndarray, error: np.ndarray) -> np.ndarray:
     return np.divide(noise, scale, out=np.full_like(noise, np.nan), where=scale > 0.0)
 
 
-def _in_order(channel: tuple[str, np.ndarray]) -> tuple[str, int, str]:
-    """Layers by name, their channels red before green, x before y."""
-    group, _, name = channel[0].rpartition(".")
-    return group, "RGBXYZUVA".find(name.upper()), name
+def _in_order(channels: Iterable[str]) -> list[str]:
+    """Channels of a layer, red before green, x before y; in small letters if all are colours."""
+    order = "rgba" if set(channels) <= set("rgba") else "RGBXYZUVA"
+    return sorted(channels, key=lambda name: (order.find(name), name))
 
 
 def _window(x: int, y: int) -> tuple[slice, slice]:

@@ -124,7 +124,7 @@ class Pixels:
     def __init__(self, means, counts):
         h, w = counts.shape[:2]
         self.crop, self.cells, self.replicates = (0, 0, w, h), empty_cells(w, h), 4
-        self.means, self.counts, self.aov_sums = means, counts, {}
+        self.means, self.counts, self.aov_channels = means, counts, {}
         self.largest_sample = None
         self.spp = float(counts.sum(axis=2).mean())
 
