@@ -140,8 +140,8 @@ def relative_error(image: np.ndarray, error: np.ndarray) -> np.ndarray:
 
 
 def _in_order(channels: Iterable[str]) -> list[str]:
-    """Channels of a layer, red before green, x before y; in small letters if all are colours."""
-    order = "rgba" if set(channels) <= set("rgba") else "RGBXYZUVA"
+    """Channels of a layer, red before green, x before y; in small letters if they are a colour."""
+    order = "rgba" if set("rgb") <= set(channels) <= set("rgba") else "RGBXYZUVA"
     return sorted(channels, key=lambda name: (order.find(name), name))
 
 
