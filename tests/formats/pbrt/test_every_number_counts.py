@@ -40,7 +40,8 @@ DIRECTIVES = {
 DEFAULTS = {
     "alpha": 2.0, "amount": 0.5, "anisotropic": 0.0, "beta_m": 0.3, "beta_n": 0.3,
     "clearcoat": 0.0, "clearcoatgloss": 1.0, "coneangle": 30.0, "conedelta": 5.0,
-    "conedeltaangle": 5.0, "conductor.roughness": 0.0, "dimension": 2, "eta": 1.5, "height": 1.0,
+    "conedeltaangle": 5.0, "conductor.roughness": 0.0, "dimension": 2, "eta": 1.5, "g": 0.0,
+    "height": 1.0,
     "innerradius": 0.0, "interface.eta": 1.5, "interface.roughness": 0.0, "maxdepth": 10,
     "metallic": 0.0, "octaves": 8, "phimax": 360.0, "radius": 1.0, "roughness": 0.0, "scale": 1.0,
     "sheen": 0.0, "sigma": 0.0, "spectrans": 0.0, "thickness": 0.01, "udelta": 0.0, "uscale": 1.0,
