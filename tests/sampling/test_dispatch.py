@@ -75,9 +75,13 @@ PROGRAMS = {
 }
 
 
+#: All models in one function take minutes to compile.
+ALL = pytest.param(MIXED, marks=[pytest.mark.proofs, pytest.mark.timeout(1800)])
+
+
 @pytest.mark.parametrize(
     "specs",
-    [*PROGRAMS.values(), pytest.param(MIXED, marks=pytest.mark.proofs)],
+    [*PROGRAMS.values(), ALL],
     ids=[*PROGRAMS, "all models"],
 )
 def test_compiled_code_equals_the_twin(specs):
