@@ -269,17 +269,23 @@ def test_a_film_file_with_numbers_of_nothing_is_refused(things, tmp_path, column
         Film.load(tmp_path / "odd.alight")
 
 
+def refusal(*films):
+    """Why films do not merge; nothing if they do."""
+    try:
+        Film.merge(*films)
+    except FilmError as error:
+        return str(error)
+    return ""
+
+
 def test_films_of_things_with_other_names_do_not_merge(things):
     other = filmed(THINGS.replace("tableau:", "tablet:"), (*MATTES, "alpha"), [(SPP, 1)])[0]
-    with pytest.raises(FilmError, match=r'names differ \(object "tablet", not "tableau"\)'):
-        Film.merge(things, other)
+    assert 'names differ (object "tablet", not "tableau")' in refusal(things, other)
     without = Film(SIZE, SIZE, scene_hash=things.scene_hash)
-    said = r"set of layers differs \(none, not alpha, cryptomatte_material, cryptomatte_object\)"
-    with pytest.raises(FilmError, match=said):
-        Film.merge(things, without)
+    said = "set of layers differs (none, not alpha, cryptomatte_material, cryptomatte_object)"
+    assert said in refusal(things, without)
     fewer, more = (Film(4, 4, surfaces=[("thing", "wood")] * count) for count in (1, 2))
-    with pytest.raises(FilmError, match=r"number of surfaces differs \(2, not 1\)"):
-        Film.merge(fewer, more)
+    assert "number of surfaces differs (2, not 1)" in refusal(fewer, more)
 
 
 def test_more_objects_than_ranks_lose_the_least_in_the_file_alone(things):
