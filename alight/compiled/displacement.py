@@ -36,7 +36,7 @@ from alight.meshes.tessellation import TooManyTrianglesError, tessellated, welde
 from alight.meshes.triangles import MeshArrays
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.meshes import Geometry, checked
-from alight.shapes.arrays import DISPLACEMENT, TriangleShape, in_words
+from alight.shapes.arrays import TriangleShape, in_words
 from alight.shapes.hit import COLORS, INFO, Surface
 from alight.textures.fetch import texture_value
 from lanewise.jit import instantiate
@@ -95,7 +95,7 @@ def displaced(flat: FlatScene, kept: Kept | None = None) -> FlatScene:
                 geometries.append(
                     kept(f"displaced {len(known)}", lambda *_, make=make: make(), *says)
                 )
-            done = shape.model_copy(update={DISPLACEMENT[0]: None})
+            done = shape.model_copy(update={"displacement": None})
             placed = placed._replace(geometry=known[key], shape=done)
         shapes.append(placed)
     return replace(flat, shapes=shapes, geometries=geometries) if known else flat

@@ -63,13 +63,22 @@ def pack_sums(name: str, sums: SurfaceSums) -> dict[str, np.ndarray]:
     }
 
 
-def unpack_sums(name: str, arrays: Mapping[str, np.ndarray]) -> SurfaceSums:
+def unpack_sums(
+    name: str, arrays: Mapping[str, np.ndarray], pixels_in_all: int, surfaces_in_all: int
+) -> SurfaceSums:
     """What `pack_sums` gave.
+
+    Parameters
+    ----------
+    name : str
+    arrays : mapping of str to ndarray
+    pixels_in_all, surfaces_in_all : int
+        Of the film or tile that the table is of.
 
     Raises
     ------
     ValueError
-        If the arrays are none of a table in its order.
+        If the arrays are none of a table in its order, or name other pixels or surfaces.
     """
     if f"{name}.pixels" not in arrays:
         return no_sums()
@@ -82,6 +91,9 @@ def unpack_sums(name: str, arrays: Mapping[str, np.ndarray]) -> SurfaceSums:
         raise ValueError("rows of a table of coverage are out of order")
     if ((low < 0) | (low > fixed_point.LOW_MASK)).any():
         raise ValueError("weights of a table of coverage are no fixed-point numbers")
+    for numbers, end in ((pixels, pixels_in_all), (surfaces, surfaces_in_all)):
+        if ((numbers < 0) | (numbers >= end)).any():
+            raise ValueError("a table of coverage weighs what is not there")
     return SurfaceSums(pixels, surfaces, np.stack([high, low], axis=-1))
 
 

@@ -126,14 +126,8 @@ def _unpack(
         name: _joined(arrays, f"{number}.{name}", plane) for name, plane in film.aov_sums.items()
     }
     if film.coverage:
-        rows = unpack_sums(f"{number}.coverage", arrays)
-        for numbers, end in (
-            (rows.pixels, film.counts[..., 0].size),
-            (rows.surfaces, len(surfaces)),
-        ):
-            if ((numbers < 0) | (numbers >= end)).any():
-                raise ValueError("a table of coverage weighs what is not there")
-        film.coverage.add(rows)
+        pixels = film.counts[..., 0].size
+        film.coverage.add(unpack_sums(f"{number}.coverage", arrays, pixels, len(surfaces)))
     ranges = [SampleRanges(pairs) for pairs in described["ranges"]]
     table = np.zeros(len(ranges), dtype=object)
     table[:] = ranges

@@ -69,8 +69,8 @@ def run_blocks(
         text = f"{scene_name(scene)}: replicate {number + 1} of {count}, {plan.arm.spec.name}"
         session.progress(StudyProgress(text, spent, total))
         seed = _seed(session, scene, plan, number)
-        made_up = figures[id(plan.reference)]
-        _keep_replicate(session, plan, made_up, number, seed, rungs, timed_on)
+        errors = figures[id(plan.reference)]
+        _keep_replicate(session, plan, errors, number, seed, rungs, timed_on)
         spent += costs[i]
 
     if session.spread is None:

@@ -196,10 +196,7 @@ def _coverage(layout: Layout, arrays: Any, name: str, samples: np.ndarray) -> Su
     """The table of a block; `samples` are those of each pixel."""
     if layout.surfaces is None:
         return None
-    found = unpack_sums(name, arrays)
-    for numbers, end in ((found.pixels, len(samples)), (found.surfaces, layout.surfaces)):
-        if ((numbers < 0) | (numbers >= end)).any():
-            raise FilmError("a worker's answer weighs what is not there")
+    found = unpack_sums(name, arrays, len(samples), layout.surfaces)
     if (abs(found.sums[:, 0]) > _LARGEST * samples[found.pixels]).any():
         raise FilmError("a worker's answer has weights that its samples cannot have")
     return found

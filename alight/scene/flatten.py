@@ -33,7 +33,7 @@ from alight.scene.motion import NOWHERE, Motion
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.validation import find_problems
-from alight.shapes.arrays import ARRAYS, DISPLACEMENT, TriangleShape, in_words
+from alight.shapes.arrays import ARRAYS, DISPLACEMENT, TriangleShape, in_words, is_displaced
 
 NO_GEOMETRY = -1
 
@@ -392,7 +392,7 @@ def _content(spec: Spec) -> bytes:
     """Describe a model without the arrays of meshes, which have a digest of their own."""
     left_out = (*ARRAYS, "file", "medium", "shutter")
     # Meshes from before there was any displacement keep their hash.
-    if getattr(spec, DISPLACEMENT[0], None) is None:
+    if not is_displaced(spec):
         left_out += DISPLACEMENT
     fields = {name: in_words(value) for name, value in spec if name not in left_out}
     return json.dumps(fields, sort_keys=True).encode()

@@ -17,7 +17,7 @@ from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.files import Files
 from alight.scene.meshes import unreadable
-from alight.shapes.arrays import DISPLACEMENT
+from alight.shapes.arrays import is_displaced
 from alight.textures.images import Image, as_image, holds_image, size_problem
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
@@ -74,9 +74,7 @@ def resolved(spec: AnySpec, textures: Mapping[str, Texture], files: Files) -> An
 
 def with_heights(shape: Shape, textures: Mapping[str, Texture], files: Files) -> Shape:
     """A shape whose displacement is put into the place of its name; any other one stays."""
-    if getattr(shape, DISPLACEMENT[0], None) is None:
-        return shape
-    return resolved(shape, textures, files)
+    return resolved(shape, textures, files) if is_displaced(shape) else shape
 
 
 def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = None) -> Image:

@@ -11,7 +11,16 @@ from numpy.typing import DTypeLike, NDArray
 from pydantic import PrivateAttr, model_validator
 from pydantic_core import core_schema
 
-from alight.core.spec import Interval, NumberOrTexture, Positive, Shape, Texture, Truth, invalid
+from alight.core.spec import (
+    Interval,
+    NumberOrTexture,
+    Positive,
+    Shape,
+    Spec,
+    Texture,
+    Truth,
+    invalid,
+)
 from alight.core.uv_sets import MOST_SETS
 
 
@@ -179,3 +188,8 @@ def in_words(value: object) -> str:
         return repr(value)
     digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
     return f"{value.dtype}{value.shape} {digest}"
+
+
+def is_displaced(spec: Spec) -> bool:
+    """Whether it is a mesh that shall be displaced."""
+    return isinstance(spec, TriangleShape) and spec.displacement is not None

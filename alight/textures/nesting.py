@@ -96,9 +96,7 @@ def reads_uv(part: Value, named: Mapping[str, Texture]) -> bool:
         return part in named and reads_uv(named[part], others)
     if isinstance(part, Composed):
         return any(reads_uv(inner, named) for inner in part.parts)
-    if not isinstance(part, Texture) or part.set_of_coordinates() is None:
-        return False
-    return not getattr(part, "is_solid", False)
+    return isinstance(part, Texture) and part.set_of_coordinates() is not None
 
 
 def names_in(spec: Texture) -> Iterator[str]:

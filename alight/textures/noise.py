@@ -89,14 +89,9 @@ class Noise(Texture):
     octaves: Octaves = 4
     gain: UnitInterval = 0.5
 
-    def set_of_coordinates(self) -> int:
-        """The one that it names."""
-        return self.uv_set
-
-    @property
-    def is_solid(self) -> bool:
-        """Whether it fills space, and (u, v) play no part."""
-        return self.space == "world"
+    def set_of_coordinates(self) -> int | None:
+        """The one that it names; none where it fills space."""
+        return self.uv_set if self.space == "uv" else None
 
     def maximum(self) -> Triple:
         """Largest value of each channel."""

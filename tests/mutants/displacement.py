@@ -58,7 +58,7 @@ DISPLACEMENT = (
     Mutant(
         "what is displaced has the hash of what is not",
         "scene/flatten.py",
-        (("    if getattr(spec, DISPLACEMENT[0], None) is None:\n", "    if True:\n"),),
+        (("    if not is_displaced(spec):\n", "    if True:\n"),),
         f"{TESTS}::test_what_is_displaced_is_told_and_counts_for_the_hash",
     ),
 )  # fmt: skip

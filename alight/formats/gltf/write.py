@@ -25,7 +25,7 @@ from alight.meshes.triangles import MeshArrays
 from alight.outputs.atomic import replacing
 from alight.scene.flatten import FlatScene, PlacedShape
 from alight.scene.opening import at_opening
-from alight.shapes.arrays import DISPLACEMENT
+from alight.shapes.arrays import is_displaced
 
 _TURNED = np.diag([1.0, -1.0, -1.0, 1.0])
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
@@ -95,7 +95,7 @@ class _Writer(Store):
 
     def add_shape(self, shape: PlacedShape) -> None:
         kind, to_world = shape.shape.type_name(), shape.to_world
-        if getattr(shape.shape, DISPLACEMENT[0], None) is not None:
+        if is_displaced(shape.shape):
             self.lose(f"{shape.name}: its displacement")
         if shape.geometry >= 0:
             found = self.flat.geometries[shape.geometry]
