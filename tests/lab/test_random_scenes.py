@@ -12,24 +12,27 @@ from typer.testing import CliRunner
 
 import alight
 from alight.accel import intersect_closest
-from alight.bsdfs.model import BSDFS
+from alight.bsdfs.hair import Hair
+from alight.bsdfs.nesting import scatters_inside
 from alight.cli.main import app
 from alight.compiled.scene import compile_scene
 from alight.core.errors import OptionError
 from alight.core.registration import unregister
 from alight.core.registry import FAMILIES_OF_SCENES, Models, specs_of
-from alight.core.spec import Integrator, Shape, Spec
+from alight.core.spec import Integrator, Spec
 from alight.formats import dumps, load, loads
 from alight.lab.random_scenes import KINDS, random_scene
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.kinds import summary
 from alight.lab.random_scenes.materials import clear
+from alight.lab.random_scenes.meshes import closed_mesh
 from alight.laws import integrators as laws
 from alight.laws.bodies import vec_of
 from alight.laws.statistics import unit_vectors
 from alight.rendering.tile_kernel import Tile
 from alight.scene import content_hash, flatten
 from alight.scene.validation import find_problems
+from alight.shapes.arrays import TriangleShape, is_displaced
 from alight.shapes.strands import StrandShape
 from lanewise.jit import instantiate
 from tests.extension.models import LAMBERT, module_of
@@ -112,10 +115,6 @@ def test_every_registered_model_is_drawn(scenes, family):
     )
     # Light tracing does not find what mirrors show: scenes of any kind cannot ask for it.
     left_out = {name for name, spec in specs_of(Integrator).items() if spec.splats}
-    # Strands are arrays, which no other shape has.
-    left_out |= {name for name, spec in specs_of(Shape).items() if issubclass(spec, StrandShape)}
-    # Not all integrators see into bodies that scatter light, and nothing can hold them.
-    left_out |= {name for name, model in BSDFS.items() if model.inside is not None}
     assert set(counts) == set(Models(family)) - left_out
 
 
@@ -214,6 +213,34 @@ def test_clear_materials_are_seen_from_either_side_of_their_boundary():
     assert (ratios > 1.1).sum() > 100
     assert (ratios < 1.0 / 1.1).sum() > 30
     assert 0 < (np.abs(np.log(ratios)) <= np.log(1.1)).sum() < 60
+
+
+def test_closed_bodies_face_outwards():
+    """Their volume is positive, by the divergence theorem; glass would be air in glass else."""
+    for seed in range(60):
+        mesh = closed_mesh(Chance("mesh", seed))
+        a, b, c = np.moveaxis(np.asarray(mesh.vertices, float)[mesh.faces], 1, 0)
+        assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() > 0.0, seed
+
+
+def test_what_scatters_inside_is_in_closed_shapes_and_seen(scenes):
+    """By integrators that walk, around nothing else, and not in a box of fog."""
+    for place, scene in scenes.items():
+        bodies = {name for name, bsdf in scene.bsdfs.items() if scatters_inside(bsdf)}
+        nodes = [node for node in scene.nodes.values() if node.bsdf in bodies]
+        assert len(bodies) <= 1
+        assert not nodes or scene.integrator.walks_inside or not scene.integrator.needs_light
+        for node in nodes:
+            assert node.interior is None
+            assert node.shape.closed or isinstance(node.shape, TriangleShape)
+            assert not node.shape.flip_normals, place
+
+
+def test_some_meshes_are_displaced_and_some_strands_are_hair(scenes):
+    nodes = [(s.bsdfs.get(n.bsdf), n.shape) for s in scenes.values() for n in s.nodes.values()]
+    assert sum(shape is not None and is_displaced(shape) for _, shape in nodes) > 10
+    hairy = [isinstance(bsdf, Hair) for bsdf, shape in nodes if isinstance(shape, StrandShape)]
+    assert 10 < sum(hairy) < len(hairy) - 10
 
 
 @pytest.mark.parametrize("kind", ["room", "door"])

@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 
 from alight.core.registry import Models as Registry
+from alight.core.registry import specs_of
 from alight.core.spec import Shape
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.descriptions import of_model
-from alight.lab.random_scenes.meshes import any_mesh
+from alight.lab.random_scenes.meshes import any_mesh, closed_mesh
 from alight.scene.transform import Transform, scale, translate
 from alight.shapes.mesh import Mesh
 from alight.shapes.model import SHAPES
+from alight.shapes.strands import DEGREE, STEP, StrandShape
 
 #: Solid bodies are seen more often than flat ones.
 _OFTEN = ("sphere", "mesh", "mesh", "cube")
@@ -33,11 +35,49 @@ def any_body(chance: Chance, names: list[str] | None = None) -> tuple[Shape, Tra
         shape = of_model(chance, Registry("shapes")[name])
     # Inside out only now and then: closed bodies are black then, or filled with the outer medium.
     shape = shape.replaced(flip_normals=chance.happens(0.05))
+    return shape, _into_the_cube(shape)
+
+
+def closed_body(chance: Chance) -> tuple[Shape, Transform]:
+    """As `any_body`: a shape without holes, which faces outwards."""
+    names = [name for name in finite_shapes() if specs_of(Shape)[name].closed]
+    name = chance.choose([*names, "mesh"])
+    if name == "mesh":
+        shape: Any = closed_mesh(chance)
+    else:
+        shape = of_model(chance, Registry("shapes")[name]).replaced(flip_normals=False)
+    return shape, _into_the_cube(shape)
+
+
+def strands(chance: Chance) -> tuple[Shape, Transform]:
+    """As `any_body`: a tuft of strands on the ground, or a few that wind about each other."""
+    kinds = [spec for spec in specs_of(Shape).values() if issubclass(spec, StrandShape)]
+    basis = chance.choose(tuple(DEGREE))
+    count = round(chance.scaled(1.0, 40.0))
+    length = DEGREE[basis] + STEP[basis] * chance.whole(1, 3) + 1
+    # From points on the ground upwards, each less straight than the last.
+    lean = chance.within(0.0, 1.0)
+    steps = chance.numbers(count, length, 3) - 0.5
+    steps[:, 0] *= (2.0, 0.0, 2.0)
+    steps[:, 1:] = lean * steps[:, 1:] + (0.0, 2.0 / length, 0.0)
+    thick = chance.scaled(0.005, 0.12)
+    taper = np.linspace(1.0, chance.choose((0.0, 0.3, 1.0)), length)
+    shape = chance.choose(kinds)(
+        points=np.round(np.cumsum(steps, axis=1), 4).reshape(-1, 3),
+        radii=np.round(np.tile(thick * taper, count), 5),
+        counts=np.full(count, length),
+        basis=basis,
+    )
+    return shape, _into_the_cube(shape)
+
+
+def _into_the_cube(shape: Shape) -> Transform:
+    """What brings a shape into the cube from -1 to 1."""
     low, high = extent(shape)
     center = [float(f"{-c:.6g}") + 0.0 for c in 0.5 * (low + high)]
     factor = 2.0 / max(float((high - low).max()), 1e-12)
     fitted = scale(float(f"{factor:.6g}"))
-    return shape, fitted @ translate(*center) if any(center) else fitted
+    return fitted @ translate(*center) if any(center) else fitted
 
 
 def extent(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
@@ -46,6 +86,9 @@ def extent(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
     if isinstance(shape, Mesh):
         vertices = np.asarray(shape.vertices, float)
         return vertices.min(axis=0), vertices.max(axis=0)
+    if isinstance(shape, StrandShape):
+        points, radius = np.asarray(shape.points, float), float(np.max(shape.radii))
+        return points.min(axis=0) - radius, points.max(axis=0) + radius
     if hasattr(shape, "center"):
         center = np.array(fields.center)
         return center - fields.radius, center + fields.radius

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from alight.bsdfs.nesting import scatters_inside
 from alight.core.registry import Models as Registry
 from alight.core.spec import Bsdf, Light, Medium, Texture, texture_interval
 from alight.lab.random_scenes import bodies, fogs, materials, views
@@ -17,6 +18,9 @@ from alight.shapes.rectangle import Rectangle
 #: Materials that are drawn for each purpose; then they are used again. Each model of a scene takes
 #: its time to compile, so these are few; walls are mostly of one model.
 MOST_MATERIALS = {"any_material": 3, "wall": 3}
+
+#: Among things of any material, the share of bodies that scatter light inside, and of strands.
+TRANSLUCENT, STRANDS = 0.07, 0.07
 
 
 class Draft:
@@ -37,6 +41,8 @@ class Draft:
         Probability that a thing moves.
     cloudy : bool
         Whether things may have a medium inside.
+    walked : bool
+        Whether there may be bodies that scatter light inside.
     """
 
     def __init__(self, chance: Chance, size: tuple[int, int] | None = None) -> None:
@@ -45,6 +51,7 @@ class Draft:
         self.found_by_chance, self.closed, self.edges = True, False, (2, 9)
         self.moving = 0.3 if chance.named("does it move").happens(0.15) else 0.0
         self.cloudy = chance.named("is it cloudy").happens(0.15)
+        self.walked = True
         self.camera: Node | None = None
         self.environment: Light | None = None
         self.medium: Medium | str | None = None
@@ -107,9 +114,19 @@ class Draft:
     def thing(
         self, name: str, at: Point, radius: float, role: str = "any_material", **fields: Any
     ) -> None:
-        """Put a body of any shape into a cube, of a material for some purpose."""
+        """Put a body of any shape into a cube, of a material for some purpose.
+
+        Some of those of any material scatter light inside, and some are strands.
+        """
         chance = self.chance.named(f"{name} {len(self.nodes)}")
-        shape, fitted = bodies.any_body(chance, fields.pop("shapes", None))
+        sort = chance.named("sort").number() if role == "any_material" else 1.0
+        if self.walked and sort < TRANSLUCENT:
+            role, (shape, fitted) = "translucent", bodies.closed_body(chance)
+        elif not self.moving and TRANSLUCENT <= sort < TRANSLUCENT + STRANDS:
+            # They bound no media, and stand still.
+            role, (shape, fitted) = "fibre", bodies.strands(chance)
+        else:
+            shape, fitted = bodies.any_body(chance, fields.pop("shapes", None))
         where = self.placed(chance, at, radius, fitted)
         bsdf = self.material(role)
         if self.cloudy and role in ("clear", "any_material") and chance.happens(0.5):
@@ -148,6 +165,7 @@ class Draft:
         integrator = views.any_integrator(
             self.chance.named("integrator"),
             media=any(medium is not None for medium in used),
+            bodies=any(map(scatters_inside, self.bsdfs.values())),
             found_by_chance=self.found_by_chance,
             closed=self.closed,
             edges=self.edges,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.hair import Hair
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.nesting import find_transmissive, leaves, scatters_inside
 from alight.core.registry import Models as Registry
@@ -19,10 +20,26 @@ _COLORS = ("reflectance", "base_color", "diffuse_reflectance")
 
 
 def any_material(chance: Chance) -> Bsdf:
-    """Any model, nested ones too."""
-    # Not all integrators see bodies that scatter light inside.
+    """Any model for any shape, nested ones too."""
+    # What scatters light inside needs a closed shape: `translucent`.
     models = [m for m in Registry("bsdfs").values() if not scatters_inside(m.EXAMPLES[0])]
     return _bent(chance, of_model(chance, chance.choose(models)))
+
+
+def translucent(chance: Chance) -> Bsdf:
+    """A model with an inside that scatters light, for closed shapes of about 1 m."""
+    models = [m for m in Registry("bsdfs").values() if scatters_inside(m.EXAMPLES[0])]
+    found = of_model(chance, chance.choose(models))
+    radius, fields = chance.scaled(0.005, 0.5), dict(found)
+    # Much shorter mean free paths would make walks of many thousand steps.
+    sizes = {"radius": tuple(radius * chance.within(0.2, 1.0) for _ in range(3)), "scale": 1.0}
+    return found.replaced(**{name: size for name, size in sizes.items() if name in fields})
+
+
+def fibre(chance: Chance) -> Bsdf:
+    """Hair, or any other material: for strands."""
+    hair = Registry("bsdfs")[Hair.type_name()]
+    return of_model(chance, hair) if chance.happens(0.5) else any_material(chance)
 
 
 def solid(chance: Chance) -> Bsdf:

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
+from alight.core.fields import Interval
 from alight.lab.random_scenes.chance import Chance
+from alight.lab.random_scenes.descriptions import any_texture
 from alight.shapes.mesh import EXAMPLES, Mesh
+from alight.textures.nesting import reads_uv
 
 
 def any_mesh(chance: Chance) -> Mesh:
     """A mesh of about 1 m around the origin."""
     make = chance.choose((_lump, _ring, _crystal, _example))
-    return make(chance)
+    return _displaced(chance.named("displacement"), make(chance))
+
+
+def closed_mesh(chance: Chance) -> Mesh:
+    """A mesh of about 1 m without holes, which faces outwards."""
+    make = chance.choose((_lump, _ring, _crystal))
+    return _displaced(chance.named("displacement"), make(chance))
 
 
 def hills(chance: Chance, side: float, height: float, steps: int = 9) -> Mesh:
@@ -66,7 +75,7 @@ def _ring(chance: Chance) -> Mesh:
     )
     u, v = np.broadcast_arrays(b / (2.0 * np.pi), a / (2.0 * np.pi))
     uvs = np.stack([u, v], axis=2).reshape(-1, 2)
-    return _mesh(chance, vertices.reshape(-1, 3), _grid_faces(rows, columns), uvs)
+    return _mesh(chance, vertices.reshape(-1, 3), _grid_faces(rows, columns)[:, ::-1], uvs)
 
 
 def _crystal(chance: Chance) -> Mesh:
@@ -84,6 +93,19 @@ def _crystal(chance: Chance) -> Mesh:
 
 def _example(chance: Chance) -> Mesh:
     return chance.choose(EXAMPLES)
+
+
+def _displaced(chance: Chance, mesh: Mesh) -> Mesh:
+    """Now and then with hills and hollows."""
+    texture = any_texture(chance, Interval(0.0, 1.0)) if chance.happens(0.2) else None
+    if texture is None or (mesh.uvs is None and reads_uv(texture, {})):
+        return mesh
+    return mesh.replaced(
+        displacement=texture,
+        displacement_scale=chance.scaled(0.02, 0.3) * chance.choose((-1.0, 1.0)),
+        displacement_midlevel=chance.choose((0.0, 0.5)),
+        displacement_edge=chance.scaled(0.08, 0.5),
+    )
 
 
 def _grid_faces(rows: int, columns: int) -> np.ndarray:

@@ -76,7 +76,13 @@ def any_sampler(chance: Chance) -> Sampler:
 
 
 def any_integrator(
-    chance: Chance, *, media: bool, found_by_chance: bool, closed: bool, edges: tuple[int, int]
+    chance: Chance,
+    *,
+    media: bool,
+    bodies: bool,
+    found_by_chance: bool,
+    closed: bool,
+    edges: tuple[int, int],
 ) -> Integrator:
     """An integrator that shows the scene.
 
@@ -85,6 +91,8 @@ def any_integrator(
     chance : Chance
     media : bool
         Whether there are media to be seen.
+    bodies : bool
+        Whether there are bodies that scatter light inside.
     found_by_chance : bool
         Whether paths meet enough of the light without looking for it.
     closed : bool
@@ -97,6 +105,7 @@ def any_integrator(
         for module in Registry("integrators").values()
         for _ in range(_weight(module.EXAMPLES[0], media))
         if _shows(module.EXAMPLES[0], media, found_by_chance, edges[0])
+        and (module.EXAMPLES[0].walks_inside or not bodies)
     ]
     module = chance.choose(modules)
     spec = varied(chance, chance.choose(module.EXAMPLES), keep=("hide_emitters",), share=0.3)
