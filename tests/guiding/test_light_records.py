@@ -29,7 +29,7 @@ integrator: {{type: path, max_depth: {depth}, guiding: "on", light_sampling: {sa
 nodes:
   mirror:
     shape: rectangle
-    bsdf: {{type: mirror, reflectance: 0.5}}
+    bsdf: {{type: {first}, reflectance: 0.5}}
     transform:
       - {{scale: [1, 0.5, 1]}}
       - {{rotate: {{axis: x, angle: -90}}}}
@@ -50,9 +50,11 @@ LAMP = """
 """
 
 
-def arrivals(light, *, sampling="mis", wall="diffuse", depth=4, samples=16, air=""):
+def arrivals(
+    light, *, sampling="mis", first="mirror", wall="diffuse", depth=4, samples=16, air=""
+):
     """Rows of a log, and the number of paths; `air` is a medium that fills the scene."""
-    text = MIRROR.format(light=light, sampling=sampling, wall=wall, depth=depth)
+    text = MIRROR.format(light=light, sampling=sampling, first=first, wall=wall, depth=depth)
     if air:
         text = text.replace("type: path", "type: volpath") + f"medium: {air}\n"
     trainer = Trainer(untrained(compile_scene(flatten(loads(text, "mirror.yaml")))), 1)
@@ -95,6 +97,22 @@ def test_the_length_of_a_way_goes_over_mirrors(light, radiant):
     values[: len(rows)] = rows[:, 6]
     error = values.std() / paths**0.5
     assert values.mean() == pytest.approx(0.5 * radiant * solid, abs=4.5 * error + 0.002 * solid)
+
+
+@pytest.mark.parametrize("air", ["", "{type: homogeneous, sigma_t: 1e-9}"])
+def test_a_way_begins_where_light_was_scattered(air):
+    """At a matt plate in the mirror's place, which is the plane x + y = 0."""
+    rows, _ = arrivals(POINT, first="diffuse", air=air)
+    # Some meet a molecule very far away.
+    rows = rows[np.abs(rows[:, :3]).max(1) < 10.0]
+    way = 1.0 / rows[:, 7]
+    began = rows[:, :3] + way[:, None] * rows[:, 3:6]
+    at_wall = rows[:, 0] > 2.9
+    assert at_wall.sum() > 100
+    assert np.abs(began[at_wall, :2].sum(1)).max() < 1e-3
+    # And what comes back to the plate comes from the wall, at x = 3.
+    assert (~at_wall).sum() > 10
+    assert began[~at_wall, 0] == pytest.approx(np.full((~at_wall).sum(), 3.0), abs=1e-3)
 
 
 def test_only_what_light_sampling_misses_is_recorded():

@@ -11,11 +11,11 @@ from alight.compiled.program import Program
 from alight.core.constants import INFINITY
 from alight.core.motion import general_matrix_at, matrix_at, rigid_matrix_at
 from alight.core.vec import Vec3
-from alight.lights.hits import light_pdf
-from alight.lights.sampling import sample_light
+from alight.lights.hits import light_pdf, pdf_of_shape
+from alight.lights.sampling import sample_chosen, sample_light
 from alight.scene import keyframes, rotate, scale, translate
 from alight.scene.motion import NOWHERE
-from alight.shapes.hit import Hit, spawn_origin
+from alight.shapes.hit import Hit, ShapeHit, spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, load_lanes, store_lanes, to_float, where
@@ -251,6 +251,28 @@ def test_each_sample_of_a_moving_light_is_found_by_its_ray_with_the_same_density
     density = twin_of(light_pdf, scene)(at, surface.light, Vec3(*o), s.wi, finite.t, surface)
     np.testing.assert_allclose(density[met], s.pdf[met], rtol=3e-3)
     assert len(set(surface.light[met])) == 6
+
+
+def test_lamps_at_rest_read_the_motion_of_none_that_is_not_there():
+    """One motion of two lamps: lanes of the other one read some row, which the table must have."""
+    text = """
+nodes:
+  one: {transform: {keyframes: [{time: 0}, {time: 1, translate: [0, 1, 1]}]},
+        shape: {type: sphere, radius: 0.7}, light: area}
+  other: {shape: {type: sphere, radius: 0.5, center: [-3, -3, 0]}, light: area}
+"""
+    scene, n = compiled(text), 256
+    o, d, time = rays(n, seed=10)
+    at, ones = seen(scene, time), np.ones(n, np.float32)
+    index, u = np.arange(n, dtype=np.uint32) % 2, np.full((3, n), 0.25, np.float32)
+    hit = ShapeHit(np.zeros(n, np.uint32), Vec3(*d), ones, ones)
+    try:
+        density = twin_of(pdf_of_shape, scene)(at, index, Vec3(*o), hit)
+        s = twin_of(sample_chosen, scene)(at, index, Vec3(*o), u[0], (u[1], u[2]))
+        told = np.isfinite(density) & (s.distance > 0.0)
+    except IndexError as error:
+        told = np.array(str(error)) == ""
+    assert told.all()
 
 
 # ---------------------------------------------------------------- matrices and boxes

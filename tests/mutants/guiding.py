@@ -15,6 +15,28 @@ SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
 
 GUIDING = (
     Mutant(
+        "ways go on through what scatters",
+        "rendering/light_training.py",
+        (
+            (
+                "        way = lanes_vec3(1.0) * where(delta, way, 0.0)\n        # Light",
+                "        way = lanes_vec3(1.0) * way\n        # Light",
+            ),
+        ),
+        f"{LIGHT}::test_a_way_begins_where_light_was_scattered",
+    ),
+    Mutant(
+        "ways go on through what scatters in media",
+        "rendering/light_training.py",
+        (
+            (
+                "        way = lanes_vec3(1.0) * where(delta, way, 0.0)\n        unseen",
+                "        way = lanes_vec3(1.0) * way\n        unseen",
+            ),
+        ),
+        f"{LIGHT}::test_a_way_begins_where_light_was_scattered",
+    ),
+    Mutant(
         "weights of the mixture for lamps that paths without a guide would meet",
         "integrators/reach.py",
         (("return replace(path, pdf=path.unguided.pdf)", "return path"),),

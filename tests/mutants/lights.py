@@ -16,6 +16,44 @@ POWER = (
 
 LIGHT = (
     Mutant(
+        "densities of lamps at rest by the motion of the second",
+        "lights/moving.py",
+        (
+            (
+                (
+                    "where(moving, number - 1, 0), scene.time))\n"
+                    "            p = where(moving, point_at_rest(w, p), p)\n"
+                    "            hit ="
+                ),
+                (
+                    "where(moving, number - 1, 1), scene.time))\n"
+                    "            p = where(moving, point_at_rest(w, p), p)\n"
+                    "            hit ="
+                ),
+            ),
+        ),
+        "tests/motion/test_kernels.py::test_lamps_at_rest_read_the_motion_of_none_that_is_not_there",
+    ),
+    Mutant(
+        "samples of lamps at rest by the motion of the second",
+        "lights/moving.py",
+        (
+            (
+                (
+                    "where(moving, number - 1, 0), scene.time))\n"
+                    "            p = where(moving, point_at_rest(w, p), p)\n"
+                    "        s ="
+                ),
+                (
+                    "where(moving, number - 1, 1), scene.time))\n"
+                    "            p = where(moving, point_at_rest(w, p), p)\n"
+                    "        s ="
+                ),
+            ),
+        ),
+        "tests/motion/test_kernels.py::test_lamps_at_rest_read_the_motion_of_none_that_is_not_there",
+    ),
+    Mutant(
         "density per area for one per solid angle",
         "shapes/hit.py",
         (

@@ -47,6 +47,29 @@ RANDOM_SCENES = (
         "tests/extension/test_users_models.py::test_random_scenes_bring_a_users_shape_into_their_cube",
     ),
     Mutant(
+        "rings that are inside out",
+        "lab/random_scenes/meshes.py",
+        (
+            (
+                "return _mesh(chance, vertices.reshape(-1, 3), _grid_faces(rows, columns)[:, ::-1]",
+                "return _mesh(chance, vertices.reshape(-1, 3), _grid_faces(rows, columns)",
+            ),
+        ),
+        f"{SCENES}::test_closed_bodies_face_outwards",
+    ),
+    Mutant(
+        "bodies before integrators that do not walk",
+        "lab/random_scenes/views.py",
+        (("(module.EXAMPLES[0].walks_inside or not bodies)", "True"),),
+        f"{SCENES}::test_what_scatters_inside_is_in_closed_shapes_and_seen",
+    ),
+    Mutant(
+        "bodies with a far side that is missing",
+        "lab/random_scenes/bodies.py",
+        ((" if specs_of(Shape)[name].closed]", "]"),),
+        f"{SCENES}::test_what_scatters_inside_is_in_closed_shapes_and_seen",
+    ),
+    Mutant(
         "versions of models without what has a default",
         "core/registration.py",
         (("(*FORMS[family].names, *members_of(family))", "FORMS[family].names"),),
