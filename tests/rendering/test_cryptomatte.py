@@ -1,5 +1,6 @@
 """Cryptomattes: exact coverage of objects and materials, as files of the specification hold it."""
 
+import collections
 import itertools
 import json
 import struct
@@ -13,7 +14,8 @@ from alight.compiled.scene import compile_scene
 from alight.core.errors import FilmError
 from alight.films import Film, fixed_point, storage
 from alight.films.archive import write_archive
-from alight.films.mattes import MATTES
+from alight.films.coverage import SurfaceSums
+from alight.films.mattes import MATTES, ranks_of
 from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.laws.statistics import LARGEST_Z
@@ -151,6 +153,8 @@ def test_hashes_are_those_of_the_published_algorithm():
     }  # fmt: skip
     for name, value in known.items():
         assert cryptomatte.murmur_hash(name.encode()) == value
+    # As text, not as escapes.
+    assert "ü" in cryptomatte.header_of("CryptoObject", ["ü"])["cryptomatte/3ae39a5/manifest"]
     # The one key that every writer has: that of its layer.
     assert "cryptomatte/3ae39a5/name" in cryptomatte.header_of("CryptoObject", [])
 
@@ -205,6 +209,44 @@ def test_all_surfaces_together_are_the_layer_of_coverage(text):
     np.testing.assert_array_equal(total_of(film), film.aov_sums["alpha"][..., 0, :])
 
 
+def coverage_of(rows):
+    """A table from (pixel, surface, weight)."""
+    pixels, surfaces, weights = (np.array(column) for column in zip(*rows, strict=True))
+    return SurfaceSums.gathered(pixels, surfaces, fixed_point.to_limbs(weights)[0])
+
+
+def test_ranks_are_those_of_the_sums_of_each_name():
+    """Once more with dictionaries: several surfaces of a name, weights of 0 and below, ties."""
+    rng = np.random.default_rng(69)
+    names = [(f"thing {number % 9}", f"{'ab'[number % 2]}/b") for number in range(20)]
+    film = Film(4, 3, aovs=dict.fromkeys(MATTES, ()), surfaces=names)
+    rows = [
+        (pixel, int(surface), float(rng.choice([-1.0, 0.0, 0.0, 0.25, 0.5, 1.0])))
+        for pixel in range(12)
+        for surface in rng.permutation(20)[: rng.integers(1, 20)]
+    ]
+    film.coverage.add(coverage_of(rows))
+    for number, layer in enumerate(MATTES):
+        ids, shares = ranks_of(film, layer)
+        for pixel in range(12):
+            sums = collections.Counter()
+            for own, surface, weight in rows:
+                if own == pixel:
+                    sums[cryptomatte.id_of(names[surface][number])] += weight
+            best = sorted((-w, name) for name, w in sums.items() if w > 0.0)[: cryptomatte.RANKS]
+            best += [(0.0, 0)] * (cryptomatte.RANKS - len(best))
+            y, x = divmod(pixel, 4)
+            assert list(ids[y, x]) == [name for _, name in best]
+            assert list(shares[y, x]) == [-weight for weight, _ in best]
+
+
+def test_names_of_materials_are_no_branches():
+    film = Film(2, 1, surfaces=[("house/door", "wood"), ("house/wall", "wood/oak")])
+    film.coverage.add(coverage_of([(0, 0, 1.0), (1, 1, 1.0)]))
+    assert list(film.mask("house")[0]) == [1.0, 1.0]
+    assert list(film.mask("wood", "cryptomatte_material")[0]) == [1.0, 0.0]
+
+
 def test_what_is_partly_there_covers_its_part():
     film = filmed(VEILED.replace("mitchell", "box"), tuple(MATTES), [(0, 64)])[0]
     inside = film.mask("veil")[5:7, 3:9]
@@ -222,9 +264,45 @@ def test_what_is_partly_there_covers_its_part():
     assert (film.mask("lamp") == 0.0).all()
 
 
+def test_what_passes_a_veil_in_the_picture_passes_it_in_the_matte():
+    """Sample by sample: a white board below black veils, behind a lamp that is hidden.
+
+    Light comes from aside, past the veils, and all but never from the lamp.
+    """
+    text = HEAD.replace(
+        "ambient_occlusion", "{type: path, max_depth: 5, hide_emitters: true}"
+    ).replace("film: {", "film: {filter: box, ")
+    text += """
+nodes:
+  sun:
+    light: {type: directional, irradiance: 1}
+    transform: {look_at: {origin: [0, 0, 0], target: [0, -2, 1]}}
+  lamp:
+    shape: rectangle
+    light: {type: area, radiance: 1e-9}
+    transform: [{scale: [0.2, 0.4, 1]}, {translate: [-0.2, 0, 1]}]
+  veils:
+    bsdf: {type: mask, opacity: 0.4, bsdf: red}
+    children:
+      upper: {shape: rectangle, transform: {scale: 0.4}}
+      lower: {shape: rectangle, transform: [{scale: 0.3}, {translate: [0, 0, -0.2]}]}
+  board:
+    shape: rectangle
+    bsdf: {type: diffuse, reflectance: 1}
+    transform: [{scale: [0.4, 0.2, 1]}, {translate: [0, 0, -1]}]
+"""
+    film = filmed(text, (*MATTES, "alpha"))[0]
+    board, light = film.mask("board"), film.mean[..., 0]
+    assert board[6, 2:5].min() > 0.0
+    assert len(np.unique(board)) > 4
+    np.testing.assert_allclose(light, board * (5.0**-0.5 / np.pi), rtol=0.01, atol=1e-6)
+
+
 def test_unknown_names_are_told_with_the_nearest(things):
     with pytest.raises(FilmError, match='unknown object "tabel/top"; did you mean "table/top"'):
         things.mask("tabel/top")
+    with pytest.raises(FilmError, match='did you mean "table/left"'):
+        things.mask("table/lefd")
     with pytest.raises(FilmError, match='unknown material "wod"; did you mean "wood"'):
         things.mask("wod", "cryptomatte_material")
     with pytest.raises(FilmError, match='did you mean "cryptomatte_material"'):
@@ -259,14 +337,39 @@ def test_a_film_file_keeps_the_whole_table(things, tmp_path):
     assert (nothing.mask("table") == 0.0).all()
 
 
-@pytest.mark.parametrize("column", ["pixels", "surfaces"])
-def test_a_film_file_with_numbers_of_nothing_is_refused(things, tmp_path, column):
-    described, arrays = storage.pack_films([things])
-    name = f"0.coverage.{column}"
-    arrays[name] = np.where(np.arange(len(arrays[name])) < len(arrays[name]) - 1, arrays[name], 999)
-    write_archive(tmp_path / "odd.alight", {"films": described}, arrays)
-    with pytest.raises(FilmError, match="holds no readable film"):
-        Film.load(tmp_path / "odd.alight")
+def is_readable(film, folder, **columns):
+    """Whether a film is read from a file in which columns of its table are others."""
+    described, arrays = storage.pack_films([film])
+    arrays |= {f"0.coverage.{name}": column for name, column in columns.items()}
+    write_archive(folder / "odd.alight", {"films": described}, arrays)
+    try:
+        Film.load(folder / "odd.alight")
+    except FilmError as error:
+        assert "holds no readable film" in str(error)
+        return False
+    return True
+
+
+def test_a_film_file_with_numbers_of_nothing_is_refused(things, tmp_path):
+    pixels, surfaces, _ = things.coverage.sums
+    ends = {"pixels": SIZE * SIZE, "surfaces": len(things.coverage.names)}
+    for name, column in (("pixels", pixels), ("surfaces", surfaces)):
+        for place, number in ((-1, ends[name]), (0, -1)):
+            odd = column.copy()
+            odd[place] = number
+            assert not is_readable(things, tmp_path, **{name: odd}), (name, number)
+
+
+def test_a_film_file_whose_rows_are_out_of_order_is_refused(tmp_path):
+    """Each pair stands once, pixels first; sums of pairs that stand twice would be lost."""
+    film = Film(2, 1, surfaces=[("a", "a"), ("b", "b")])
+    film.coverage.add(coverage_of([(0, 0, 1.0), (0, 1, 1.0), (1, 0, 1.0)]))
+    for pixels, surfaces, right in (
+        ((0, 0, 1), (0, 1, 0), True), ((0, 0, 1), (1, 0, 0), False), ((0, 0, 1), (0, 0, 0), False),
+        ((0, 1, 0), (0, 0, 1), False),
+    ):  # fmt: skip
+        columns = {"pixels": np.array(pixels), "surfaces": np.array(surfaces)}
+        assert is_readable(film, tmp_path, **columns) == right, (pixels, surfaces)
 
 
 def refusal(*films):
