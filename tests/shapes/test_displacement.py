@@ -309,6 +309,93 @@ def test_parts_of_a_texture_have_their_own_sets_of_coordinates():
     np.testing.assert_allclose(mesh.vertices[:, 2], [2, 18, 27, 3], rtol=1e-6)
 
 
+#: Two triangles that share an edge, with corners of their own: x and y of one side are 0, or -0.
+FOLDED = {
+    "vertices": [[0, 0, 0], [2, 0, 0], [0, 1, 0], [2, -0.0, 0], [2, 1, 1], [-0.0, 1, 0]],
+    "faces": [[0, 1, 2], [3, 4, 5]],
+    "normals": [[0, 0, 3], [0, 0, 1], [0, 0, 0.2], [-2, 0, 1], [-1, 0, 1], [-4, 1, 2]],
+    "uvs": [[0.25, 0], [0.75, 0], [0.25, 1], [0.5, 0], [0.75, 0], [0.3, 1]],
+    "more_uvs": [
+        [[0.3, 0], [0.4, 0], [0.5, 0], [0.6, 0], [0.7, 0], [0.75, 0]],
+        [[0.75, 0], [0.5, 0], [0.25, 0], [0.3, 0], [0.3, 0], [0.7, 0]],
+    ],
+    "colors": [
+        [0.9, 0.1, 0.2],
+        [0.2, 0.8, 0.4],
+        [0, 0.5, 1],
+        [1, 0, 0],
+        [0.1, 0.1, 0.9],
+        [0, 1, 0],
+    ],
+}
+
+
+@pytest.mark.parametrize("band", [1 << 16, 3])
+def test_a_displaced_mesh_is_that_of_its_formula(band, monkeypatch):
+    """p + s (h - m) n once more, vertex by vertex: of several sets of coordinates, in colours."""
+    monkeypatch.setattr(displacement, "_BAND", band)
+    mesh = {name: np.array(rows) for name, rows in FOLDED.items()}
+    ramps, s, m = [(1.0, 0.5, 0.2), (0.2, 1.0, 0.1), (0.3, 0.1, 2.0)], -0.3, 0.4
+    parts = [
+        f"{{type: bitmap, uv_set: {k}, pixels: [[[0, 0, 0], {list(c)}]], color_space: linear, "
+        "wrap: clamp}" for k, c in enumerate(ramps)
+    ]  # fmt: skip
+    texture = (
+        f"{{type: multiply, a: {{type: vertex_color}}, b: {{type: add, a: {parts[0]}, "
+        f"b: {{type: add, a: {parts[1]}, b: {parts[2]}}}}}}}"
+    )
+    rows = ", ".join(f"{name}: {table}" for name, table in FOLDED.items())
+    keys = (
+        f"displacement: {texture}, displacement_scale: {s}, displacement_midlevel: {m}, "
+        "displacement_edge: 0.6"
+    )
+    found = mesh_of(HEAD + f"  folded: {{shape: {{type: mesh, {rows}, {keys}}}}}\n")
+
+    fine = tessellated(MeshArrays(**{
+        name: np.array(table, np.int32 if name == "faces" else np.float32)
+        for name, table in mesh.items()
+    }), 0.6, MOST_TRIANGLES)  # fmt: skip
+    sets = [fine.uvs, *fine.more_uvs]
+    ramp = sum(2.0 * (uv[:, :1] - 0.25) * c for uv, c in zip(sets, ramps, strict=True))
+    heights = (fine.colors * ramp) @ [0.2126, 0.7152, 0.0722]
+    unit = fine.normals / np.linalg.norm(fine.normals, axis=1, keepdims=True)
+    expected = []
+    for p in fine.vertices:
+        here = (fine.vertices == p).all(axis=1)
+        n = unit[here].sum(axis=0)
+        expected.append(p + s * (heights[here].mean() - m) * n / np.linalg.norm(n))
+    assert len(expected) > 20
+    np.testing.assert_allclose(found.vertices, expected, atol=2e-5)
+
+
+def test_an_even_texture_counts_by_its_luminance():
+    keys = ", displacement: {type: constant, color: [1, 0.5, 0.25]}, displacement_edge: 9"
+    expected = 0.2126 + 0.5 * 0.7152 + 0.25 * 0.0722
+    np.testing.assert_allclose(mesh_of(board(keys)).vertices[:, 2], expected, rtol=1e-4)
+
+
+def test_edges_are_by_default_a_part_of_the_diagonal():
+    """Of a box of 3 m by 4 m 5/256 m: its diagonal is halved eight times."""
+    text = board(", displacement: 0.5").replace("[-1, -1, 0]", "[0, 0, 0]")
+    text = text.replace("[1, -1, 0]", "[3, 0, 0]").replace("[1, 1, 0]", "[3, 4, 0]")
+    mesh = mesh_of(text.replace("[-1, 1, 0]", "[0, 4, 0]"))
+    assert lengths_of(mesh).max() == pytest.approx(5 / 256, rel=1e-4)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_of_two_diagonals_the_shorter_one_is_taken(mirrored):
+    """Two edges of a triangle are halved: between what is left, by the shorter way across."""
+    corners = np.array([[0, 0, 0], [3, 0, 0], [0.25, 2, 0]], np.float32)
+    faces = np.array([[0, 1, 2]], np.int32)
+    if mirrored:
+        corners, faces = corners * np.float32([-1, 1, 1]), np.array([[2, 1, 0]], np.int32)
+    halved = tessellated(MeshArrays(corners, faces), 2.5, MOST_TRIANGLES)
+    # From the corner at 0 to the middle of the edge across.
+    middle = halved.vertices.tolist().index([(-1.625 if mirrored else 1.625), 1.0, 0.0])
+    shared = [{0, middle} <= set(face) for face in halved.faces.tolist()]
+    assert (len(shared), sum(shared)) == (3, 2)
+
+
 def test_shapes_of_formulas_have_no_displacement():
     with pytest.raises(SceneError, match='unknown key "displacement"'):
         loads(HEAD + "  ball: {shape: {type: sphere, displacement: hills}}\n", "scene.yaml")
