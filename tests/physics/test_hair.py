@@ -93,3 +93,19 @@ def test_what_a_fibre_absorbs_follows_its_pigments_or_its_colour():
         for along in (0.2, 0.7):
             fibre = hair.Hair(color=tuple(color), beta_m=along, beta_n=around)
             np.testing.assert_allclose(fibre.absorption, (np.log(color) / fit) ** 2, rtol=1e-6)
+
+
+def test_lobes_are_as_wide_as_their_roughness_says():
+    """Chiang et al. 2016, equations 7 and 8, at rough fibres, where only their last terms count."""
+    for m, n in ((0.05, 0.3), (0.5, 0.95), (0.9, 0.05), (1.0, 1.0)):
+        packed: dict = {}
+
+        class Packer:
+            def numbers(self, name, *values, packed=packed):
+                packed[name] = values
+
+        hair.pack(hair.Hair(beta_m=m, beta_n=n), Packer())
+        along = 0.726 * m + 0.812 * m * m + 3.7 * np.exp(20.0 * np.log(m))
+        around = 0.265 * n + 1.194 * n * n + 5.372 * np.exp(22.0 * np.log(n))
+        assert packed["variance"] == pytest.approx((along * along,))
+        assert packed["scale"] == pytest.approx((0.6266570686577501 * around,))
