@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.subsurface import single_albedo
+from alight.bsdfs.subsurface import Subsurface, pack, single_albedo
 from alight.integrators.volpath import VolPath
 from alight.laws.statistics import LARGEST_Z
 from alight.media.homogeneous import Homogeneous
@@ -157,3 +157,27 @@ def test_fog_around_a_body_does_not_fill_it():
     )
     assert flatten(plain).shapes[0].border is None
     assert flatten(foggy).shapes[0].border == (0, 1)
+
+
+def test_the_scale_multiplies_the_radius():
+    """What scatters is one over it: each channel has its own."""
+    packed: dict = {}
+
+    class Packer:
+        def numbers(self, name, *values):
+            packed[name] = values
+
+        def color(self, name, value):
+            packed[name] = value
+
+        curve = color
+
+    pack(Subsurface(radius=(0.1, 0.2, 0.5), scale=0.25), Packer())
+    assert packed["extinction"] == pytest.approx((40.0, 20.0, 8.0))
+
+
+def test_the_layer_of_albedo_is_the_colour_below_a_coat_that_has_none():
+    """F at right angles, by the index alone, and the body's colour of the rest."""
+    scene_of = scene("plane", {"type": "subsurface", "color": list(COLORS), "ior": 1.5})
+    albedo = alight.render(scene_of, spp=1, aovs="albedo").aov("albedo")[8, 8]
+    np.testing.assert_allclose(albedo, 0.04 + 0.96 * np.array(COLORS), atol=0.004)

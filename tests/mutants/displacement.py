@@ -61,4 +61,35 @@ DISPLACEMENT = (
         (("    if not is_displaced(spec):\n", "    if True:\n"),),
         f"{TESTS}::test_what_is_displaced_is_told_and_counts_for_the_hash",
     ),
+    Mutant(
+        "heights by the red of a colour",
+        "compiled/displacement.py",
+        (("value = luminance(kernel(scene, none + np.uint32(number), surface, nothing))",
+"value = kernel(scene, none + np.uint32(number), surface, nothing).x"),),
+        f"{TESTS}::test_a_displaced_mesh_is_that_of_its_formula",
+    ),
+    Mutant(
+        "further sets of coordinates the other way round",
+        "compiled/displacement.py",
+        (("[mesh.uvs, *more]", "[mesh.uvs, *more[::-1]]"),),
+        f"{TESTS}::test_a_displaced_mesh_is_that_of_its_formula",
+    ),
+    Mutant(
+        "later vertices by the colours of the first",
+        "compiled/displacement.py",
+        (("np.arange(band.start, band.start + n, dtype", "np.arange(n, dtype"),),
+        f"{TESTS}::test_a_displaced_mesh_is_that_of_its_formula",
+    ),
+    Mutant(
+        "hollows that are hills",
+        "compiled/displacement.py",
+        (("shape.displacement_scale * heights", "abs(shape.displacement_scale) * heights"),),
+        f"{TESTS}::test_a_displaced_mesh_is_that_of_its_formula",
+    ),
+    Mutant(
+        "of two diagonals the longer one",
+        "meshes/tessellation.py",
+        (("_distances(table, a, n) <=", "_distances(table, a, n) >="),),
+        f"{TESTS}::test_of_two_diagonals_the_shorter_one_is_taken",
+    ),
 )  # fmt: skip

@@ -77,4 +77,39 @@ MATTES = (
         (('arrays |= pack_sums(f"{number}.coverage", partial.coverage)', "pass"),),
         f"{TESTS}::test_a_worker_answers_with_the_table",
     ),
+    Mutant(
+        "things that cover nothing have ranks",
+        "films/mattes.py",
+        (("order[share[order] > 0.0]", "order[share[order] >= 0.0]"),),
+        f"{TESTS}::test_ranks_are_those_of_the_sums_of_each_name",
+    ),
+    Mutant(
+        "materials that belong to others by their names",
+        "films/mattes.py",
+        (
+            (
+                "(_is_hierarchical(layer) and one.startswith(name + _BELOW))",
+                "one.startswith(name + _BELOW)",
+            ),
+        ),
+        f"{TESTS}::test_names_of_materials_are_no_branches",
+    ),
+    Mutant(
+        "tables whose pairs stand in any order",
+        "films/coverage.py",
+        (("((step == 0) & further)", "(step == 0)"),),
+        f"{TESTS}::test_a_film_file_whose_rows_are_out_of_order_is_refused",
+    ),
+    Mutant(
+        "holes of mattes by the numbers of the vertex before",
+        "integrators/coverage.py",
+        (("vertex_dimension(path.depth + 1)", "vertex_dimension(path.depth)"),),
+        f"{TESTS}::test_what_passes_a_veil_in_the_picture_passes_it_in_the_matte",
+    ),
+    Mutant(
+        "hidden lights are vertices of mattes",
+        "integrators/coverage.py",
+        (("depth = where(hidden, path.depth, depth)", "depth = where(hidden, depth, depth)"),),
+        f"{TESTS}::test_what_passes_a_veil_in_the_picture_passes_it_in_the_matte",
+    ),
 )
