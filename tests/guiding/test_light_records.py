@@ -50,9 +50,7 @@ LAMP = """
 """
 
 
-def arrivals(
-    light, *, sampling="mis", first="mirror", wall="diffuse", depth=4, samples=16, air=""
-):
+def arrivals(light, *, sampling="mis", first="mirror", wall="diffuse", depth=4, samples=16, air=""):
     """Rows of a log, and the number of paths; `air` is a medium that fills the scene."""
     text = MIRROR.format(light=light, sampling=sampling, first=first, wall=wall, depth=depth)
     if air:
