@@ -136,11 +136,11 @@ def _cut(text: str, width: float) -> str:
 
 
 def _words(comparison: PictureComparison) -> str:
-    """The figures that do not depend on the pictures' brightness, and the verdict."""
+    """One figure of the error, those of what an eye sees, and the verdict."""
     parts = [
         f"{metric.LABEL} {_number(name, comparison)}"
         for name, metric in METRICS.items()
-        if (metric.BOUNDED or name == SHOWN) and name not in comparison.missing
+        if (name == SHOWN or metric.shown or metric.error_map) and name not in comparison.missing
     ]
     return " · ".join([*parts, comparison.verdict])
 
