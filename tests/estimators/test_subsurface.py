@@ -178,6 +178,7 @@ def test_the_scale_multiplies_the_radius():
 
 def test_the_layer_of_albedo_is_the_colour_below_a_coat_that_has_none():
     """F at right angles, by the index alone, and the body's colour of the rest."""
-    scene_of = scene("plane", {"type": "subsurface", "color": list(COLORS), "ior": 1.5})
-    albedo = alight.render(scene_of, spp=1, aovs="albedo").aov("albedo")[8, 8]
+    coated = {"type": "subsurface", "color": list(COLORS), "ior": 1.5}
+    seen = scene("plane", coated, integrator={"type": "ambient_occlusion"})
+    albedo = alight.render(seen, spp=1, aovs="albedo").aov("albedo")[8, 8]
     np.testing.assert_allclose(albedo, 0.04 + 0.96 * np.array(COLORS), atol=0.004)
