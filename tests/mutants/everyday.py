@@ -10,11 +10,6 @@ MITSUBA = (
     "tests/formats/mitsuba/test_every_number_counts.py::test_numbers_have_their_defaults_and_matter"
 )
 PBRT = "tests/formats/pbrt/test_every_number_counts.py"
-PBRT_COLORS = "tests/formats/pbrt/test_every_colour_and_flag_counts.py"
-MITSUBA_COLORS = (
-    "tests/formats/mitsuba/test_every_colour_and_flag_counts.py::"
-    "test_colours_have_their_defaults_and_each_channel_matters"
-)
 FIELDS = "tests/view/test_laws_of_fields.py"
 LAYERS = "tests/view/test_layers.py"
 BORDERS = "tests/scene/test_fields_that_bound_each_other.py"
@@ -391,24 +386,5 @@ EVERYDAY = (
         (("return params.color * through + (1.0 - through)", "return params.color"),),
         "tests/estimators/test_subsurface.py::"
         "test_the_layer_of_albedo_is_the_colour_below_a_coat_that_has_none",
-    ),
-    Mutant(
-        "a substrate that is half as shiny",
-        "formats/pbrt/materials_of_3.py",
-        (('_tint(m, "Ks", 0.5)', '_tint(m, "Ks", 0.25)'),),
-        f"{PBRT_COLORS}::test_colours_have_their_defaults_and_each_channel_matters[Material]",
-    ),
-    Mutant(
-        "a lamp of Mitsuba that is given no colour",
-        "formats/mitsuba/emitters.py",
-        (('light.color("irradiance", 1.0)', 'light.color("irradiance", 0.5)'),),
-        f"{MITSUBA_COLORS}[emitter-directional-irradiance]",
-    ),
-    Mutant(
-        "a coat of glTF that is as rough as it is strong",
-        "formats/materialx/gltf_pbr.py",
-        (('get["clearcoat_roughness"]', 'get["clearcoat"]'),),
-        "tests/formats/materialx/test_every_input_counts.py::"
-        "test_every_input_of_a_shader_counts[gltf_pbr]",
     ),
 )  # fmt: skip

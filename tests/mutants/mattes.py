@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 TESTS = "tests/rendering/test_cryptomatte.py"
+TABLES = "tests/film/test_mattes.py"
 
 MATTES = (
     Mutant(
@@ -81,7 +82,7 @@ MATTES = (
         "things that cover nothing have ranks",
         "films/mattes.py",
         (("order[share[order] > 0.0]", "order[share[order] >= 0.0]"),),
-        f"{TESTS}::test_ranks_are_those_of_the_sums_of_each_name",
+        f"{TABLES}::test_ranks_are_those_of_the_sums_of_each_name",
     ),
     Mutant(
         "materials that belong to others by their names",
@@ -92,13 +93,13 @@ MATTES = (
                 "one.startswith(name + _BELOW)",
             ),
         ),
-        f"{TESTS}::test_names_of_materials_are_no_branches",
+        f"{TABLES}::test_names_of_materials_are_no_branches",
     ),
     Mutant(
         "tables whose pairs stand in any order",
         "films/coverage.py",
         (("((step == 0) & further)", "(step == 0)"),),
-        f"{TESTS}::test_a_film_file_whose_rows_are_out_of_order_is_refused",
+        f"{TABLES}::test_a_film_file_whose_rows_are_out_of_order_is_refused",
     ),
     Mutant(
         "holes of mattes by the numbers of the vertex before",

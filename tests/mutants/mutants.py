@@ -11,6 +11,7 @@ from tests.mutants.emission import EMISSION
 from tests.mutants.everyday import EVERYDAY
 from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
+from tests.mutants.foreign import FOREIGN
 from tests.mutants.formats import FORMATS
 from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
@@ -70,4 +71,5 @@ MUTANTS = (
     + SLIPS
     + STRANDS
     + EVERYDAY
+    + FOREIGN
 )

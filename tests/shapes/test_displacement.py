@@ -319,22 +319,14 @@ FOLDED = {
         [[0.3, 0], [0.4, 0], [0.5, 0], [0.6, 0], [0.7, 0], [0.75, 0]],
         [[0.75, 0], [0.5, 0], [0.25, 0], [0.3, 0], [0.3, 0], [0.7, 0]],
     ],
-    "colors": [
-        [0.9, 0.1, 0.2],
-        [0.2, 0.8, 0.4],
-        [0, 0.5, 1],
-        [1, 0, 0],
-        [0.1, 0.1, 0.9],
-        [0, 1, 0],
-    ],
-}
+    "colors": [[0.9, 0.1, 0.2], [0.2, 0.8, 0.4], [0, 0.5, 1], [1, 0, 0], [0.1, 0, 0.9], [0, 1, 0]],
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("band", [1 << 16, 3])
 def test_a_displaced_mesh_is_that_of_its_formula(band, monkeypatch):
     """p + s (h - m) n once more, vertex by vertex: of several sets of coordinates, in colours."""
     monkeypatch.setattr(displacement, "_BAND", band)
-    mesh = {name: np.array(rows) for name, rows in FOLDED.items()}
     ramps, s, m = [(1.0, 0.5, 0.2), (0.2, 1.0, 0.1), (0.3, 0.1, 2.0)], -0.3, 0.4
     parts = [
         f"{{type: bitmap, uv_set: {k}, pixels: [[[0, 0, 0], {list(c)}]], color_space: linear, "
@@ -345,16 +337,14 @@ def test_a_displaced_mesh_is_that_of_its_formula(band, monkeypatch):
         f"b: {{type: add, a: {parts[1]}, b: {parts[2]}}}}}}}"
     )
     rows = ", ".join(f"{name}: {table}" for name, table in FOLDED.items())
-    keys = (
-        f"displacement: {texture}, displacement_scale: {s}, displacement_midlevel: {m}, "
-        "displacement_edge: 0.6"
+    keys = f"displacement: {texture}, displacement_scale: {s}, displacement_midlevel: {m}"
+    found = mesh_of(
+        HEAD + f"  folded: {{shape: {{type: mesh, displacement_edge: 0.6, {rows}, {keys}}}}}\n"
     )
-    found = mesh_of(HEAD + f"  folded: {{shape: {{type: mesh, {rows}, {keys}}}}}\n")
 
-    fine = tessellated(MeshArrays(**{
-        name: np.array(table, np.int32 if name == "faces" else np.float32)
-        for name, table in mesh.items()
-    }), 0.6, MOST_TRIANGLES)  # fmt: skip
+    mesh = {name: np.array(table, np.float32) for name, table in FOLDED.items()}
+    mesh["faces"] = mesh["faces"].astype(np.int32)
+    fine = tessellated(MeshArrays(**mesh), 0.6, MOST_TRIANGLES)
     sets = [fine.uvs, *fine.more_uvs]
     ramp = sum(2.0 * (uv[:, :1] - 0.25) * c for uv, c in zip(sets, ramps, strict=True))
     heights = (fine.colors * ramp) @ [0.2126, 0.7152, 0.0722]
