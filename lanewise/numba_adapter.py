@@ -33,7 +33,10 @@ from numba.core.compiler_machinery import (
     PassManager,  # steps in order: `add_pass`, `add_pass_after`, `finalize`
     register_pass,  # no step runs without it
 )
-from numba.core.errors import TypingError  # what a call template raises where no type fits
+from numba.core.errors import (
+    NumbaError,  # whatever keeps a kernel from being compiled
+    TypingError,  # what a call template raises where no type fits
+)
 from numba.core.imputils import lower_constant  # how a global of our type becomes LLVM IR
 from numba.core.typed_passes import (
     NativeLowering,  # lowers into `state.library` and leaves a result in ``state["cr"]``
@@ -62,6 +65,9 @@ __all__ = [
     "bare_descriptor", "cgutils", "infer_global", "jit", "look_in", "lower_constant",
     "make_struct", "object_code",
 ]  # fmt: skip
+
+#: What Numba raises for a kernel that it does not compile.
+NOT_COMPILED = NumbaError
 
 
 #: (class, method or attribute) that other files use -> what is assumed of it. The code generators

@@ -231,9 +231,9 @@ class Dispatcher:
                 if self._is_lost():
                     return [issue.task for issue in issues.values()]
                 while len(issues) < AHEAD * self.threads and (task := draw()) is not None:
-                    issue = _Issue(next(self._numbers), task)
-                    issues[issue.number] = issue
-                    self._submit(issue)
+                    number = next(self._numbers)
+                    issues[number] = _Issue(number, task)
+                    self._submit(issues[number])
                 if not issues and self.threads:
                     return []
                 self._collect(take)
@@ -295,12 +295,11 @@ class Dispatcher:
         )  # fmt: skip
         issue.futures.append(future)
         issue.since = time.perf_counter()
-        number, task = issue.number, issue.task
 
         def done(future: Future) -> None:
             # After the end nobody fetches.
             with suppress(RuntimeError):
-                self._fetchers.submit(self._fetch, number, task, future)
+                self._fetchers.submit(self._fetch, issue.number, issue.task, future)
 
         future.add_done_callback(done)
 
