@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from alight.outputs.display import Display
 
 #: What an error may be that of, and the rules of adaptive sampling.
-METRICS, CRITERIA = ("relrmse", "pixel"), ("pilot", "cycles")
+PROMISED, CRITERIA = ("relrmse", "pixel"), ("pilot", "cycles")
 
 #: What is seen where there is no surface: the surroundings, or nothing.
 BACKGROUNDS = ("scene", "transparent")
@@ -70,7 +70,7 @@ class PromiseOptions(Options):
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
     metric: str = option(
-        Choice("metric", METRICS),
+        Choice("metric", PROMISED),
         "Which error: relrmse of the whole picture, or pixel: that of a share of the pixels.",
         default="relrmse", panel=PROMISE,
     )  # fmt: skip
