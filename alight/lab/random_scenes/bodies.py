@@ -87,7 +87,7 @@ def extent(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
         vertices = np.asarray(shape.vertices, float)
         return vertices.min(axis=0), vertices.max(axis=0)
     if isinstance(shape, StrandShape):
-        points, radius = np.asarray(shape.points, float), float(np.max(shape.radii))
+        points, radius = np.asarray(shape.points, float), float(np.asarray(shape.radii).max())
         return points.min(axis=0) - radius, points.max(axis=0) + radius
     if hasattr(shape, "center"):
         center = np.array(fields.center)
