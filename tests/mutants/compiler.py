@@ -136,4 +136,11 @@ COMPILER = (
         "::test_portable_code_takes_no_instruction_whose_bits_are_a_vendors",
         "lanewise",
     ),
+    Mutant(
+        "portable packets as wide as this machine's",
+        "machine.py",
+        (("_PORTABLE_LANES if _target == PORTABLE else _native_lanes()", "_native_lanes()"),),
+        "tests/lanewise/test_machine.py::test_portable_packets_are_as_wide_on_any_machine[16]",
+        "lanewise",
+    ),
 )
