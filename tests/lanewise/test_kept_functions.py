@@ -108,6 +108,22 @@ def test_found_or_compiled_it_is_the_same_machine_code(folder, tmp_path, monkeyp
     assert code_of(2.0) != compiled_alone
 
 
+def test_a_root_alone_is_optimised_as_a_whole(folder, monkeypatch):
+    """The time of doing so for each function grows with the depth of calls, for no other code."""
+    names = []
+    optimise = numba_adapter.JITCodeLibrary._optimize_final_module
+
+    def look(self):
+        names.append(self.name)
+        return optimise(self)
+
+    monkeypatch.setattr(numba_adapter.JITCodeLibrary, "_optimize_final_module", look)
+    for program in (2.0, 3.0):  # compiled, and linked with another callee
+        monkeypatch.setattr(jit, "_SHARED", {})
+        code_of(program)
+    assert names == ["root", "root"]
+
+
 def test_what_is_found_computes_what_the_text_says(folder, monkeypatch):
     for program in (2.0, 3.0, 2.0):
         monkeypatch.setattr(jit, "_SHARED", {})

@@ -16,7 +16,7 @@ COMPILER = (
     ),
     Mutant(
         "a kernel for every constant",
-        "numba_adapter.py",
+        "dispatchers.py",
         (("if keywords or plain == list(arguments):", "if True:"),),
         "tests/lanewise/test_compiler.py"
         "::test_a_kernel_is_compiled_once_for_all_numbers_unless_it_must_know_them",
@@ -64,6 +64,20 @@ COMPILER = (
         "unlinked.py",
         (("!= (call.accepted, call.result)", "!= (answer.args, answer.return_type)"),),
         f"{FITTING}[another-type]",
+        "lanewise",
+    ),
+    Mutant(
+        "a root linked as if it were inlined somewhere",
+        "unlinked.py",
+        (("library.is_root = found.is_root", "library.is_root = False"),),
+        f"{KEPT}::test_found_or_compiled_it_is_the_same_machine_code",
+        "lanewise",
+    ),
+    Mutant(
+        "what is inlined optimised at each step on the way",
+        "numba_adapter.py",
+        (("if self.is_root:", "if True:"),),
+        f"{KEPT}::test_a_root_alone_is_optimised_as_a_whole",
         "lanewise",
     ),
     Mutant(
