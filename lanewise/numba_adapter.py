@@ -3,7 +3,8 @@
 The rest of the package uses `numba.njit`, `types`, `typeof`, `from_dtype`, `config` and
 `numba.extending`, `llvmlite.ir` and `llvmlite.binding`. The names below are Numba's own affair and
 may change with any minor version. Each says in one line what is assumed of it, and
-`lanewise.canary` tries them one by one. So do the `METHODS` of objects that Numba and llvmlite hand to the rest of the package.
+`lanewise.canary` tries them one by one. So do the `METHODS` of objects that Numba and llvmlite hand
+to the rest of the package.
 """
 
 # Numba declares infer_global and others as None until it is initialised.
