@@ -9,7 +9,7 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
-from lanewise import jit, numba_adapter
+from lanewise import jit, machine, numba_adapter
 from lanewise.application import variable
 from lanewise.jit import instantiate, kernel, specialised
 from lanewise.machine import functions_folder, lanes_of_machine
@@ -306,6 +306,32 @@ def test_circumstances_closures_defaults_and_code_are_in_its_digest():
     ]  # fmt: skip
     assert None not in digests and len(set(digests)) == len(digests)
     assert digest(text_of(1.0)) == digests[0]
+
+
+OTHERWISE = {
+    "Numba": ("importlib.metadata.version", lambda name: f"another {name}"),
+    "Python": ("platform.python_version", lambda: "4.0"),
+    "platform": ("llvmlite.binding.get_process_triple", lambda: "z80-unknown-cpm"),
+    "processor": ("llvmlite.binding.get_host_cpu_name", lambda: "z80"),
+    "features": ("llvmlite.binding.get_host_cpu_features", llvm.FeatureMap),
+    "lanes": ("lanewise.machine._native_lanes", lambda: 4),
+    "sources": ("lanewise.machine._digest_of_sources", lambda packages: "others"),
+    "target": ("lanewise.machine._target", "portable"),
+}
+
+
+@pytest.mark.parametrize("what", OTHERWISE)
+def test_functions_are_kept_for_one_compiler_and_one_kind_of_code(what, monkeypatch):
+    def folder_now():
+        machine._describe_compiler.cache_clear()
+        machine._compiler_name.cache_clear()
+        return functions_folder()
+
+    own = folder_now()
+    monkeypatch.setattr(*OTHERWISE[what])
+    other = folder_now()
+    monkeypatch.undo()
+    assert folder_now() == own != other
 
 
 def test_texts_of_which_no_digest_can_be_made_are_not_kept(folder):

@@ -62,6 +62,27 @@ COMPILER = (
         "lanewise",
     ),
     Mutant(
+        "functions kept for packets of any width",
+        "machine.py",
+        (('        "lanes": str(_native_lanes()),\n', ""),),
+        f"{KEPT}::test_functions_are_kept_for_one_compiler_and_one_kind_of_code[lanes]",
+        "lanewise",
+    ),
+    Mutant(
+        "functions kept for processors of any features",
+        "machine.py",
+        (('        "features of the processor": llvm.get_host_cpu_features().flatten(),\n', ""),),
+        f"{KEPT}::test_functions_are_kept_for_one_compiler_and_one_kind_of_code[features]",
+        "lanewise",
+    ),
+    Mutant(
+        "functions kept for any target",
+        "machine.py",
+        (("_compiler_name(_target)", "_compiler_name(NATIVE)"),),
+        f"{KEPT}::test_functions_are_kept_for_one_compiler_and_one_kind_of_code[target]",
+        "lanewise",
+    ),
+    Mutant(
         "functions kept without the values that they name",
         "source_digest.py",
         (("        self.globals(function)\n        for cell", "        for cell"),),
