@@ -33,8 +33,8 @@ scatters light.
 
 Source: Křivánek and d'Eon 2014, A zero-variance-based sampling scheme for Monte Carlo subsurface
 scattering, for the scheme and nu; Meng, Hanika and Dachsbacher 2016, Improving the Dwivedi sampling
-scheme; Veach and Guibas 1995 for the balance heuristic; Wilkie et al. 2014 for the channels; Chiang,
-Kutz and Burley 2016 for their probabilities.
+scheme; Veach and Guibas 1995 for the balance heuristic; Wilkie et al. 2014 for the channels;
+Chiang, Kutz and Burley 2016 for their probabilities.
 """
 
 from __future__ import annotations
@@ -92,9 +92,9 @@ LEAST_SLOPE = 0.02
 #: Larger exponents of e would overflow in float32.
 MOST_EXPONENT = 80.0
 
-#: What stays the same. extinction: sigma; albedo, rarity and led: logarithms of alpha, of sigma over
-#: that of the first channel, and of 2 / (w nu); nu; share: pi (all of them Vec3); n: unit normal out
-#: of the body; margin: rounding error there, metres.
+#: What stays the same. extinction: sigma; albedo, rarity and led: logarithms of alpha, of sigma
+#: over that of the first channel, and of 2 / (w nu); nu; share: pi (all of them Vec3); n: unit
+#: normal out of the body; margin: rounding error there, metres.
 Body = namedtuple("Body", "extinction albedo rarity led nu share n margin")
 
 #: The way that a walk takes. led: mask; sigma, nu, width: of its channel.
@@ -161,9 +161,7 @@ def body_below(scene, path, surface, entering):
     )
     rarity = _logarithms(extinction * (1.0 / extinction.x))
     share = shares_of(path.beta, albedo)
-    return Body(
-        extinction, _logarithms(albedo), rarity, led, nu, share, surface.ng, surface.error
-    )
+    return Body(extinction, _logarithms(albedo), rarity, led, nu, share, surface.ng, surface.error)
 
 
 @kernel

@@ -4,51 +4,36 @@ A packet's samples take their first step together. Where some paths end, the oth
 from which the next packet is taken as soon as they fill one; so packets stay full although paths
 differ in length, and hold paths of the same pixel and depth, whose rays go the same way (the
 regeneration and compaction of paths of Wald 2011, Active thread compaction for GPU path tracing).
-Where a step has two halves, they wait a second time in the middle of it. Those that have entered
-bodies have a queue of their own, for walks of one scattering or of a thousand.
+Where a step has two halves, they wait a second time in the middle of it
+(`alight.rendering.staged_tile`).
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.bsdfs.switch import has_bodies
 from alight.cameras.rays import generate_ray
 from alight.films.fixed_point import put_limbs
 from alight.films.sample_ranges import CELL_SIZE
 from alight.filters.importance import sample_filter
 from alight.guiding.records import record_ends
-from alight.integrators.body_walk import walk_on
 from alight.integrators.aov import LayerFilm, look
 from alight.integrators.coverage import weigh
 from alight.integrators.guided import is_guided
 from alight.integrators.moments import at_times_of
-from alight.integrators.queue import (
-    NO_HIT,
-    empty_queue,
-    no_walks_wait,
-    put,
-    put_walks,
-    take,
-    take_walks,
-)
+from alight.integrators.queue import NO_HIT, empty_queue, put, take
 from alight.integrators.walk import (
     FILTER,
     LENS,
     begin_paths,
     count_lanes,
     empty_paths,
-    is_staged,
     no_paths,
-    shade,
     start_paths,
     step,
-    trace,
 )
 from alight.samplers.sampling import get_2d, sampler_state
-from alight.shapes.hit import no_hit
 from lanewise.jit import kernel, specialised
-from lanewise.records import replace
 from lanewise.simd import (
     LANES,
     any_lane,
@@ -83,9 +68,6 @@ ROOM = 16
 TAKEN = 4 * ROOM
 
 INVALID, SATURATED, RAYS = 0, 1, 2
-
-#: A packet of walks goes on together while more of them than this do.
-REST = 3 * LANES // 4
 
 
 @kernel
@@ -246,20 +228,12 @@ def finish(program):
     return finish
 
 
-@specialised
-def render_tile_kernel(program):
-    """Render the samples `ranges` of one tile into `film` (sums counts direct tally).
-
-    ``render_tile_kernel(scene, settings, tile, ranges, film)``
-    """
-    if not is_staged(program):
-        return render_step_by_step
-    return render_bodies if has_bodies(program) else render_in_stages
-
-
 @kernel
 def render_step_by_step(scene, settings, tile, ranges, film):
-    """`render_tile_kernel` where a step is one piece."""
+    """Render the samples `ranges` of one tile into `film` (sums counts direct tally).
+
+    Where a step is one piece.
+    """
     path = empty_paths()
     queue = empty_queue(NO_HIT)
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
@@ -282,126 +256,6 @@ def render_step_by_step(scene, settings, tile, ranges, film):
         before = path.active
         path = step(scene, settings, path)
         finish(settings, tile, film, path, before)
-    film.tally[RAYS] += rays
-
-
-@kernel
-def render_in_stages(scene, settings, tile, ranges, film):
-    """`render_tile_kernel` where paths wait a second time, for others whose rays met a surface.
-
-    Many rays of an open scene meet none. The packets that meet one are full again, and so are
-    those of shadow rays.
-    """
-    path, hit = empty_paths(), no_hit()
-    queue, met = empty_queue(NO_HIT), empty_queue(hit)
-    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
-    _, cells = count_cells(tile)
-    waiting, held, rays = 0, 0, 0
-    while True:
-        rest = False
-        if mask_bits(~path.active) != 0:
-            rays += path.rays
-            waiting = put(queue, waiting, path, NO_HIT)
-            if waiting >= LANES:
-                waiting -= LANES
-                path, _ = take(settings, queue, waiting, LANES, NO_HIT)
-            elif cursor.cell < cells:
-                cursor, path = start(scene, settings, tile, ranges, cursor)
-            elif held > 0:
-                rest = True
-            elif waiting > 0:
-                path, _ = take(settings, queue, 0, waiting, NO_HIT)
-                waiting = 0
-            else:
-                break
-        count = 0
-        if rest:
-            path, hit = take(settings, met, 0, held, hit)
-            count, held = held, 0
-        else:
-            before = path.active
-            path, hit = trace(scene, settings, path)
-            finish(settings, tile, film, path, before)
-            count = LANES
-            if mask_bits(~path.active) != 0:
-                rays += path.rays
-                held = put(met, held, path, hit)
-                count = 0
-                if held >= LANES:
-                    held, count = held - LANES, LANES
-                path, hit = take(settings, met, held, count, hit)
-        if count > 0:
-            before = path.active
-            path, _ = shade(scene, settings, path, hit)
-            finish(settings, tile, film, path, before)
-    film.tally[RAYS] += rays
-
-
-@kernel
-def render_bodies(scene, settings, tile, ranges, film):
-    """`render_in_stages` where there are bodies: their walks wait for others too.
-
-    So a packet's walks are as many all the time, although they differ in length. At most two
-    packets of paths and walks wait when new ones start, and no step makes two of one; so walks
-    never fill more than three packets.
-    """
-    path, hit = empty_paths(), no_hit()
-    queue, met, walks = empty_queue(NO_HIT), empty_queue(hit), no_walks_wait()
-    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
-    _, cells = count_cells(tile)
-    waiting, held, inside, rays = 0, 0, 0, 0
-    while True:
-        rest, walking = False, 0
-        if mask_bits(~path.active) != 0:
-            rays += path.rays
-            waiting = put(queue, waiting, path, NO_HIT)
-            if waiting >= LANES:
-                waiting -= LANES
-                path, _ = take(settings, queue, waiting, LANES, NO_HIT)
-            elif inside >= LANES:
-                walking = LANES
-            elif cursor.cell < cells:
-                cursor, path = start(scene, settings, tile, ranges, cursor)
-            elif held > 0:
-                rest = True
-            elif waiting > 0:
-                path, _ = take(settings, queue, 0, waiting, NO_HIT)
-                waiting = 0
-            elif inside > 0:
-                walking = inside
-            else:
-                break
-        if walking > 0:
-            inside -= walking
-            path, walk = take_walks(settings, walks, inside, walking)
-            before = path.active
-            path, walk = walk_on(scene, path, walk, REST if walking == LANES else 0)
-            finish(settings, tile, film, path, before)
-            inside = put_walks(walks, inside, path, walk)
-            path = replace(path, active=path.active & ~walk.going)
-            continue
-        count = 0
-        if rest:
-            path, hit = take(settings, met, 0, held, hit)
-            count, held = held, 0
-        else:
-            before = path.active
-            path, hit = trace(scene, settings, path)
-            finish(settings, tile, film, path, before)
-            count = LANES
-            if mask_bits(~path.active) != 0:
-                rays += path.rays
-                held = put(met, held, path, hit)
-                count = 0
-                if held >= LANES:
-                    held, count = held - LANES, LANES
-                path, hit = take(settings, met, held, count, hit)
-        if count > 0:
-            before = path.active
-            path, walk = shade(scene, settings, path, hit)
-            finish(settings, tile, film, path, before)
-            inside = put_walks(walks, inside, path, walk)
-            path = replace(path, active=path.active & ~walk.going)
     film.tally[RAYS] += rays
 
 

@@ -10,19 +10,19 @@ BODIES = (
     Mutant(
         "walks weighted as if all of them were led back",
         "integrators/body_walk.py",
-        (("LED * mean(walk.led) + (1.0 - LED) * mean(walk.plain)", "mean(walk.led)"),),
+        (("LED * led + (1.0 - LED) * _exponentials(plain)", "led"),),
         HALF_SPACE,
     ),
     Mutant(
         "walks that scatter without their channel's extinction",
         "integrators/body_walk.py",
-        (("where(left, plain, plain * body.extinction)", "plain"),),
+        (("plain = n * body.rarity - walk.length * thinner", "plain = -walk.length * thinner"),),
         MEDIUM,
     ),
     Mutant(
         "walks that absorb once too often",
         "integrators/body_walk.py",
-        (("Walk(path.o, path.d, one, one, one)", "Walk(path.o, path.d, one, one, body.albedo)"),),
+        (("plain + n * body.albedo", "plain + (n + 1.0) * body.albedo"),),
         HALF_SPACE,
     ),
     Mutant(
@@ -30,6 +30,18 @@ BODIES = (
         "integrators/body_walk.py",
         (("maximum(hit.t - margin, 0.0)", "hit.t"),),
         f"{TESTS}::test_the_smallest_radii_leave_the_colour_as_it_is",
+    ),
+    Mutant(
+        "led walks whose last direction had the density of the others",
+        "integrators/body_walk.py",
+        (("(body.nu.x - walk.first) / (body.nu.x - z)", "body.nu.x / (body.nu.x - z)"),),
+        HALF_SPACE,
+    ),
+    Mutant(
+        "channels that are all followed alike, and weighted as if they were not",
+        "integrators/body_walk.py",
+        (("below, above = share.x, share.x + share.y", "below, above = 0.333, 0.667"),),
+        MEDIUM,
     ),
     Mutant(
         "shadow rays that go straight through bodies",
