@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.bsdfs.nesting import scatters_inside
-from alight.meshes.tessellation import welded
+from alight.meshes.volume import enclosed_volume
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
-from alight.scene.meshes import Geometry
 from alight.shapes.model import SHAPES
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -25,40 +24,16 @@ def suspicious_bodies(flat: FlatScene) -> tuple[str, ...]:
     for placed in bodies:
         number = placed.geometry
         if number == NO_GEOMETRY:
-            if _faces_all_sides(placed) and getattr(placed.shape, "flip_normals", False):
+            if placed.shape.closed and getattr(placed.shape, "flip_normals", False):
                 found.append(f"{placed.name}: {TURNED_OVER}")
             continue
         if number not in volumes:
-            volumes[number] = volume_of(flat.geometries[number])
+            mesh = flat.geometries[number]
+            volumes[number] = enclosed_volume(mesh.vertices, mesh.faces)
         turned = getattr(placed.shape, "flip_normals", False)
         if volumes[number] * (-1.0 if turned else 1.0) < 0.0:
             found.append(f"{placed.name}: {TURNED_OVER if turned else INSIDE_OUT}")
     return (*found, *_in_fog(flat, bodies))
-
-
-def _faces_all_sides(placed: PlacedShape) -> bool:
-    """Whether a shape with a formula is closed, as its normals point everywhere."""
-    model = SHAPES[placed.shape.type_name()]
-    if model.facing is None:
-        return False
-    return bool(model.facing(model.pack(placed.shape, placed.to_world))[1] >= np.pi)
-
-
-def volume_of(mesh: Geometry) -> float:
-    """The volume that a mesh encloses, negative if it is inside out; 0 if it is open."""
-    _, places = np.unique(welded(mesh.vertices), axis=0, return_inverse=True)
-    corners = places.reshape(-1)[mesh.faces].astype(np.int64)
-    start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
-    real = start != end
-    count = len(mesh.vertices)
-    there = np.sort(start[real] * count + end[real])
-    back = np.sort(end[real] * count + start[real])
-    if not np.array_equal(there, back):
-        return 0.0
-    points = mesh.vertices.astype(np.float64)
-    points -= points.mean(axis=0)
-    a, b, c = (points[mesh.faces[:, corner]] for corner in range(3))
-    return float((a * np.cross(b, c)).sum() / 6.0)
 
 
 def _in_fog(flat: FlatScene, bodies: list[PlacedShape]) -> list[str]:
@@ -85,8 +60,11 @@ def box_of(flat: FlatScene, placed: PlacedShape) -> Box | None:
         points = flat.geometries[placed.geometry].vertices.astype(np.float64)
         points = points @ placed.to_world[:3, :3].T + placed.to_world[:3, 3]
         return points.min(axis=0), points.max(axis=0)
-    model = SHAPES[placed.shape.type_name()]
-    if model.bounds is None or not placed.shape.finite:
-        return None
-    low, high = model.bounds(model.pack(placed.shape, placed.to_world))
-    return np.asarray(low, np.float64), np.asarray(high, np.float64)
+    corners: list[NDArray[np.float64]] = []
+    for part, place in placed.shape.parts() or ((placed.shape, np.eye(4)),):
+        model = SHAPES[part.type_name()]
+        if model.pack is None or model.bounds is None or model.is_many:
+            return None
+        corners += model.bounds(model.pack(part, placed.to_world @ place))
+    points = np.array(corners, np.float64)
+    return points.min(axis=0), points.max(axis=0)

@@ -34,7 +34,7 @@ BODIES = (
     Mutant(
         "led walks whose last direction had the density of the others",
         "integrators/body_walk.py",
-        (("(body.nu.x - walk.first) / (body.nu.x - z)", "body.nu.x / (body.nu.x - z)"),),
+        (("(body.nu.z - walk.first) / (body.nu.z - z)", "body.nu.z / (body.nu.z - z)"),),
         HALF_SPACE,
     ),
     Mutant(
@@ -60,7 +60,7 @@ BODIES = (
         "integrators/body_walk.py",
         (
             (
-                "longer = survival * (1.0 - LONG_POWER / maximum(to_float(step), 2.0))",
+                "longer = survival * (1.0 - LONG_POWER / maximum(to_float(walk.step), 2.0))",
                 "longer = 0.0",
             ),
         ),

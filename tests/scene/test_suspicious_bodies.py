@@ -41,6 +41,8 @@ def warnings_of(shape, **keys):
         ({**INSIDE_OUT, "faces": INSIDE_OUT["faces"][1:]}, None),
         ("sphere", None),
         ({"type": "sphere", "flip_normals": True}, "leave out flip_normals"),
+        ({"type": "cube", "flip_normals": True}, "leave out flip_normals"),
+        ("cube", None),
         ({"type": "rectangle", "flip_normals": True}, None),
     ],
 )
@@ -65,6 +67,7 @@ def test_bodies_in_fog_that_does_not_end_at_them_are_told(half, told):
         "interior": fog,
     }
     keys = {"others": {"cloud": cloud}, "integrator": {"type": "volpath"}}
+    assert len(warnings_of("cube", **keys)) == told
     found = warnings_of("sphere", **keys)
     assert len(found) == told
     assert all("give it the interior of cloud as exterior" in text for text in found)
