@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,3 +36,8 @@ def enclosed_volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> 
     points -= points.mean(axis=0)
     a, b, c = (points[faces[:, corner]] for corner in range(3))
     return float((a * np.cross(b, c)).sum() / 6.0)
+
+
+def is_closed(mesh: Any) -> bool:
+    """Whether the triangles of a mesh, of arrays, enclose a volume."""
+    return enclosed_volume(np.asarray(mesh.vertices), np.asarray(mesh.faces)) != 0.0

@@ -18,7 +18,7 @@ from alight.formats.usd.curves import read_curves, with_mean_color
 from alight.formats.usd.inherited import children_of, constants_of, handed_down, source_of
 from alight.formats.usd.lights import is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
-from alight.formats.usd.meshes import arrays_of, has_set, is_closed, read_mesh, solid
+from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
 from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade, UsdSkel
 from alight.formats.usd.placing import is_inside, is_placement
 from alight.formats.usd.points import read_points
@@ -26,6 +26,7 @@ from alight.formats.usd.skins import Pose, poses_of
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
+from alight.meshes.volume import is_closed
 from alight.scene.meshes import mesh_of
 from alight.scene.steps import parse_transform
 from alight.scene.transform import is_singular

@@ -15,7 +15,6 @@ from alight.formats.usd.skins import Pose
 from alight.formats.usd.stage import Stage
 from alight.meshes.polygons import Polygons, Triangles, subdivided, triangulated, vertex_normals
 from alight.meshes.triangles import MeshArrays, joined_sets
-from alight.meshes.volume import enclosed_volume
 from alight.shapes.mesh import Mesh
 
 Data = dict[str, Any]
@@ -82,11 +81,6 @@ def arrays_of(triangles: Triangles, sets: Sequence[str], chosen: Any = None) -> 
         uvs=uvs,
         more_uvs=more_uvs,
     )
-
-
-def is_closed(mesh: Mesh) -> bool:
-    """Whether its triangles enclose a volume."""
-    return enclosed_volume(np.asarray(mesh.vertices), np.asarray(mesh.faces)) != 0.0
 
 
 def has_set(triangles: Triangles, name: str) -> bool:
