@@ -46,7 +46,9 @@ def _in_fog(flat: FlatScene, bodies: list[PlacedShape]) -> list[str]:
     found = []
     for placed in alone:
         own = box_of(flat, placed)
-        for name, (low, high) in boxes if own else []:
+        if own is None:
+            continue
+        for name, (low, high) in boxes:
             if (own[0] >= low).all() and (own[1] <= high).all():
                 text = "scatters light inside, and the medium around it goes on there"
                 found.append(f"{placed.name}: {text}: give it the interior of {name} as exterior")

@@ -36,8 +36,12 @@ def body_of(item: Item, core: Data, opacity: Any) -> Data | None:
     if scattering is None and translucent is None:
         return None
     volume = item.extension("KHR_materials_volume")
-    wanted = scattering is not None and translucent is not None and volume is not None
-    if not (wanted and _is_alone(translucent, core, opacity)):
+    if (
+        scattering is None
+        or translucent is None
+        or volume is None
+        or not _is_alone(translucent, core, opacity)
+    ):
         names = [name for name in (TRANSLUCENT, SCATTERING) if item.extension(name) is not None]
         text = "light that enters a surface is shown where all of it does, and is scattered inside"
         item.report.approximate(f"{item.pointer}: {' and '.join(names)}: left out; {text}")

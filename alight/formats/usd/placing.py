@@ -22,7 +22,8 @@ def is_inside(to_world: Matrix, radius: float, points: Any) -> bool:
 
 def _to_local(to_world: Matrix, points: Any) -> Matrix:
     """World points (n, 3) as a prim has them."""
-    return np.linalg.solve(to_world[:3, :3], (np.asarray(points) - to_world[:3, 3]).T).T
+    found = np.linalg.solve(to_world[:3, :3], (np.asarray(points, np.float64) - to_world[:3, 3]).T)
+    return np.asarray(found.T, np.float64)
 
 
 def is_placement(matrix: Matrix) -> bool:
