@@ -161,7 +161,10 @@ def body_below(scene, path, surface, entering):
     )
     rarity = _logarithms(extinction * (1.0 / extinction.x))
     share = shares_of(path.beta, albedo)
-    return Body(extinction, _logarithms(albedo), rarity, led, nu, share, surface.ng, surface.error)
+    return Body(
+        extinction=extinction, albedo=_logarithms(albedo), rarity=rarity, led=led, nu=nu,
+        share=share, n=surface.ng, margin=surface.error,
+    )  # fmt: skip
 
 
 @kernel
@@ -259,9 +262,14 @@ def _no_walks(scene, path, surface, active):
 def no_walks():
     """Walks, none of them going."""
     zero, none = lanes(0.0), lanes_vec3(0.0)
-    body = Body(none, none, none, none, none, none, none, zero)
-    way = Way(lanes_mask(False), zero, zero, zero)
-    return Walk(lanes_mask(False), body, way, zero, lanes_u32(0), zero, zero, zero, zero)
+    body = Body(
+        extinction=none, albedo=none, rarity=none, led=none, nu=none, share=none, n=none,
+        margin=zero,
+    )  # fmt: skip
+    return Walk(
+        going=lanes_mask(False), body=body, way=Way(lanes_mask(False), zero, zero, zero), u=zero,
+        step=lanes_u32(0), length=zero, height=zero, first=zero, factor=zero,
+    )  # fmt: skip
 
 
 @kernel
@@ -281,9 +289,10 @@ def _begin(scene, path, surface, entering):
     nu = pick(body.nu, channel)
     way = Way(within < LED, pick(body.extinction, channel), nu, _width(nu))
     u = get_1d(path.sampler, dimension + DISTANCE)
-    zero = lanes(0.0)
-    z = dot(path.d, body.n)
-    return Walk(entering, body, way, u, lanes_u32(0), zero, zero, z, lanes(1.0))
+    return Walk(
+        going=entering, body=body, way=way, u=u, step=lanes_u32(0), length=lanes(0.0),
+        height=lanes(0.0), first=dot(path.d, body.n), factor=lanes(1.0),
+    )  # fmt: skip
 
 
 @kernel

@@ -44,6 +44,18 @@ BODIES = (
         MEDIUM,
     ),
     Mutant(
+        "the last walk of a tile is forgotten",
+        "rendering/staged_tile.py",
+        (("elif inside > 0:", "elif inside > 1:"),),
+        "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
+    ),
+    Mutant(
+        "walks that wait, and whose paths go on outside",
+        "rendering/staged_tile.py",
+        (("active=path.active & ~walk.going)\n    film", "active=path.active)\n    film"),),
+        "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
+    ),
+    Mutant(
         "shadow rays that go straight through bodies",
         "integrators/path.py",
         (("lit = lit & ~enters_body(scene, surface, light.wi)", "lit = lit & True"),),
