@@ -114,6 +114,11 @@ FORMS = {
     "media": Form(("pack", "density_at"), ("fly", "cross")),
     "integrators": Form(),
     "tone_curves": Form(("apply",), more_functions=("invert",)),
+    "metrics": Form(
+        ("evaluate",),
+        values=("LABEL",),
+        more_functions=("weight", "error_map", "label", "shown", "missing"),
+    ),
 }
 
 #: What a shape with a formula has, and what those have that can shine.

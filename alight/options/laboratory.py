@@ -116,12 +116,16 @@ class CompareOptions(Options):
         Texts("FIGURE=NUMBER"), "Limit of a figure, such as relmse=0.01; exit code 1 above it.",
         default=(),
     )  # fmt: skip
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scene.scripts("metrics")
 
 
 @table
 class StudyOptions(ClusterOptions, Options):
     """Everything that `alight.study` can be told."""
 
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scene.scripts(
+        "models for the scenes, or metrics"
+    )
     output: str | PathLike[str] | None = option(
         File("FOLDER"), "Folder to write.", flag="--output -o", shown="study-NAME", default=None
     )

@@ -18,6 +18,12 @@ DPI = 300
 READING = ("definitions", "lenient", "root", "variant", "scene_name", "animation", "at")
 
 
+def scripts(what: str, panel: str = "") -> Any:
+    """Declare the scripts that bring users' models."""
+    help = f"Script that registers {what} (alight.register). Repeatable."
+    return option(Files("FILE.py"), help, default=(), flag="--plugin", panel=panel)
+
+
 @table
 class SceneOptions(Options):
     """How a scene is loaded, and what of it is changed."""
@@ -27,11 +33,9 @@ class SceneOptions(Options):
         "Set any key of the scene file, such as film.size=[64,64]. Repeatable.",
         default=(), flag="--set", panel=SCENE,
     )  # fmt: skip
-    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
-        Files("FILE.py"),
-        "Script that registers models for the scene (alight.register). Repeatable.",
-        default=(), flag="--plugin", panel=SCENE,
-    )  # fmt: skip
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scripts(
+        "models for the scene", SCENE
+    )
     definitions: Mapping[str, str] = option(
         Definitions(), "Set $NAME in an .xml file. Repeatable.",
         default={}, flag="-D", panel=FOREIGN,
