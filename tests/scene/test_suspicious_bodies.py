@@ -58,13 +58,16 @@ def test_bodies_that_are_inside_out_are_told(shape, advice):
             assert found[0].endswith(advice)
 
 
-@pytest.mark.parametrize(("half", "told"), [(2.0, True), (0.4, False)])
-def test_bodies_in_fog_that_does_not_end_at_them_are_told(half, told):
+@pytest.mark.parametrize(
+    ("half", "x", "told"), [(2.0, 0, True), (0.4, 0, False), (2.0, 3.5, False), (2.0, -3.5, False)]
+)
+def test_bodies_in_fog_that_does_not_end_at_them_are_told(half, x, told):
     fog = {"type": "homogeneous", "sigma_t": 0.1, "albedo": 0.5}
     cloud = {
         "shape": {"type": "sphere", "radius": half * 2},
         "bsdf": {"type": "null"},
         "interior": fog,
+        "transform": [{"translate": [x, 0, 0]}],
     }
     keys = {"others": {"cloud": cloud}, "integrator": {"type": "volpath"}}
     assert len(warnings_of("cube", **keys)) == told
