@@ -9,6 +9,8 @@ from alight.metrics import (
     relmse_literature,
     rmse,
 )
+
+# Underscored where a function of the same name is exported.
 from alight.metrics import mse as _mse
 from alight.metrics import relmse as _relmse
 from alight.metrics import smape as _smape

@@ -64,7 +64,7 @@ class MetricModel(Record):
         Of metrics that are means of weighted squared errors: the weights. A reference's own noise
         can be subtracted from these.
     error_map : (spec, Pair) -> ndarray, shape (h, w)
-        Whose mean it is, where this is worth being looked at.
+        A map whose mean is the metric, if it is worth looking at.
     label : (spec, Pair) -> str
         Where `LABEL` alone does not tell everything.
     shown : float -> float
@@ -76,7 +76,7 @@ class MetricModel(Record):
     BOUNDED : bool
         It is never above 1.
     IN_STUDIES : bool
-        Studies report it; no if another one tells the same.
+        Studies report it; False if another metric says the same.
     """
 
     LABEL: str

@@ -43,7 +43,7 @@ class ResumeOptions(PromiseOptions, ClusterOptions):
         shown="what is left of the first limit", default=None
     )  # fmt: skip
     scene: Scene | str | PathLike[str] | None = option(
-        Text(), "The same scene, where its file was moved or it was made in Python.", default=None
+        Text(), "The same scene, if its file was moved or it was built in Python.", default=None
     )  # fmt: skip
     root: str | PathLike[str] | None = option(
         File("FOLDER"), "Folder whose files the scene may read.",

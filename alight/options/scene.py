@@ -46,7 +46,7 @@ class SceneOptions(Options):
     )  # fmt: skip
     root: str | PathLike[str] | None = option(
         File("FOLDER"),
-        "Folder whose files the scene may read; must contain it.",
+        "Folder whose files the scene may read; must contain the scene file.",
         shown="the scene's own folder", panel=SCENE, default=None
     )  # fmt: skip
 
@@ -59,7 +59,7 @@ class SceneOptions(Options):
         shown="the scene that the file shows", panel=FOREIGN, default=None,
     )  # fmt: skip
     animation: str | None = option(
-        Text("NAME|NUMBER"), "Animation that --at is a time of (.gltf, .glb), from 0.",
+        Text("NAME|NUMBER"), "Animation that --at refers to (.gltf, .glb); numbers count from 0.",
         shown="the first one", panel=FOREIGN, default=None,
     )  # fmt: skip
     at: float | None = option(
@@ -107,7 +107,7 @@ class SizedOptions(SceneOptions):
         default=None,
     )
     crop: tuple[int, int, int, int] | str | None = option(
-        Crop(), "Part to render, in pixels.", panel=SCENE, default=None
+        Crop(), "Region to render, in pixels.", panel=SCENE, default=None
     )
 
     def __post_init__(self) -> None:
@@ -137,8 +137,8 @@ def camera() -> Any:
 def integrator() -> Any:
     """Declare the algorithm."""
     help = (
-        "Algorithm: path, volpath, direct, ambient_occlusion, random_walk, light, bidirectional or "
-        "one of a plug-in."
+        "Integrator: path, volpath, direct, ambient_occlusion, random_walk, light, bidirectional "
+        "or one of a plug-in."
     )
     return option(Text(), help, key="integrator.type", panel=SCENE, default=None)
 
@@ -151,10 +151,7 @@ def max_depth() -> Any:
 
 def sampler() -> Any:
     """Declare the source of random numbers."""
-    help = (
-        "Source of random numbers: independent, stratified, multijittered, halton, sobol or one of "
-        "a plug-in."
-    )
+    help = "Sampler: independent, stratified, multijittered, halton, sobol or one of a plug-in."
     return option(Text(), help, key="sampler.type", panel=SCENE, default=None)
 
 
