@@ -155,7 +155,7 @@ def trained(
         chooses, rounds = again["guide"] == NONE, int(again.get("guide_rounds", ROUNDS))
     width, height = scene.small_view.size
     plan = TrainingPlan(rounds, chooses, samples, width * height)
-    if again and chooses or not plan.begins:
+    if (again and chooses) or not plan.begins:
         return without_guide(scene), Training.left_out()
     trainer = Trainer(untrained(scene), threads)
     guide = trainer.train(seed, plan)

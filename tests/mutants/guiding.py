@@ -5,6 +5,7 @@ from tests.mutants.mutant import Mutant
 TREE = "tests/guiding/test_tree.py"
 LAWS = "tests/guiding/test_laws_of_training.py"
 GAIN = "tests/guiding/test_gain.py"
+PLAN = "tests/guiding/test_training_plan.py"
 WITHOUT = f"{GAIN}::test_paths_with_a_guide_tell_the_second_moment_without_it"
 LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
@@ -351,9 +352,31 @@ GUIDING = (
     ),
     Mutant(
         "a guide that is used whatever it is worth",
-        "rendering/trainer.py",
-        (("not choose or self.gain >= least", "True"),),
-        f"{GAIN}::test_a_guide_that_does_not_pay_is_left_out",
+        "rendering/training_plan.py",
+        (("if gain >= LEAST_GAIN:", "if True:"),),
+        f"{PLAN}::test_gates_rise",
+    ),
+    Mutant(
+        "one more round than the picture is worth",
+        "rendering/training_plan.py",
+        (
+            (
+                "gain >= GATES[number] and self._spent(number + 1)",
+                "gain >= GATES[number] and self._spent(number)",
+            ),
+        ),
+        f"{PLAN}::test_a_guide_that_never_pays_costs_little",
+    ),
+    Mutant(
+        "the samples of one part in place of the whole render's",
+        "rendering/schedules.py",
+        (
+            (
+                "    return options.spp or (None if",
+                "    return (options.spp or 0) // (options.part or (1, 1))[1] or (None if",
+            ),
+        ),
+        f"{PLAN}::test_parts_plan_with_the_whole_render",
     ),
     Mutant(
         "paths that nothing is known of never end",
