@@ -117,7 +117,7 @@ class Trainer:
         rays_alone = 0
         began = time.thread_time()
         with ThreadPoolExecutor(self.threads) as pool:
-            for number in range(plan.rounds):
+            for number in range(plan.most_rounds):
                 settings = make_settings(
                     self.scene.integrator,
                     seed=seed_of_round(seed, TRAINING + number),

@@ -137,7 +137,7 @@ def trained(
     threads : int
         They do not change the guide.
     rounds : int
-        At most.
+        To be run, where the scene does not leave the choice (`TrainingPlan`).
     samples : float, optional
         Of all pixels of the whole picture together; infinite where nobody knows.
     again : mapping, optional

@@ -1,8 +1,8 @@
 """How long a guide is trained where the scene leaves the choice, and when it is given up.
 
 A guide that does not pay shall cost no more than `MOST_SPENT` of the picture, and one that pays no
-more than half of it. What a round costs is told by its paths, the picture by its samples: neither
-clocks nor threads decide.
+more than half of it, or a tenth if it is long. What a round costs is told by its paths, the picture
+by its samples: neither clocks nor threads decide.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ import math
 from dataclasses import dataclass
 from enum import Enum, auto
 
-#: Rounds of training: 1, 2, 4 ... samples a pixel.
-ROUNDS = 7
+#: Rounds of training: 1, 2, 4 ... samples a pixel. Where the scene leaves the choice, a long render
+#: may have more: guides still get better.
+ROUNDS, MOST_ROUNDS = 7, 9
 
 #: A guide is used where each of its rays is worth so many without it: such a ray takes up to 2.4
 #: times as long, and evenly distributed samples help unguided paths up to 1.3 times as much.
@@ -27,8 +28,9 @@ FIRST_GATE = min(GATES)
 #: without a guide: 3 to 8 were measured.
 COST = 6.0
 
-#: Of the picture: what may be spent on a guide before it has shown that it pays, and after that.
-MOST_SPENT, MOST_SPENT_WELL = 0.05, 0.5
+#: Of the picture: what may be spent on a guide before it has shown that it pays; after that; and on
+#: rounds beyond `ROUNDS`.
+MOST_SPENT, MOST_SPENT_WELL, MOST_SPENT_LONG = 0.05, 0.5, 0.1
 
 
 class Step(Enum):
@@ -46,7 +48,7 @@ class TrainingPlan:
     Parameters
     ----------
     rounds : int
-        At most so many.
+        To be run; where the plan chooses, perhaps fewer, or up to `MOST_ROUNDS`.
     chooses : bool
         Whether the guide may be given up; if not, all rounds are run.
     samples : float
@@ -61,6 +63,12 @@ class TrainingPlan:
     pixels: int = 1
 
     @property
+    def most_rounds(self) -> int:
+        """That may be run."""
+        long = self.chooses and self.rounds == ROUNDS and math.isfinite(self.samples)
+        return MOST_ROUNDS if long else self.rounds
+
+    @property
     def begins(self) -> bool:
         """Whether the picture is worth the rounds before a guide is first judged."""
         first = min(FIRST_GATE, self.rounds - 1)
@@ -68,21 +76,22 @@ class TrainingPlan:
 
     def is_judged(self, number: int) -> bool:
         """Whether what the guide is worth is asked after a round."""
-        return number in GATES or number == self.rounds - 1
+        return number in GATES or number >= self.rounds - 1
 
     def step(self, number: int, gain: float) -> Step:
         """What follows a round, counted from 0, after which a ray is worth `gain` without a guide.
 
         Of rounds that are not judged, `gain` does not count.
         """
-        last, judged = number == self.rounds - 1, self.is_judged(number)
-        if not self.chooses or not judged:
+        last = number == self.most_rounds - 1
+        if not self.chooses or not self.is_judged(number):
             return Step.USE if last else Step.GO_ON
+        long = number >= self.rounds - 1
         if gain >= LEAST_GAIN:
-            ends = last or self._spent(number + 1) > MOST_SPENT_WELL
-            return Step.USE if ends else Step.GO_ON
-        # One more round, to pay after all: if it still can, and nothing is lost if it does not.
-        goes_on = not last and gain >= GATES[number] and self._spent(number + 1) <= MOST_SPENT
+            most = MOST_SPENT_LONG if long else MOST_SPENT_WELL
+            return Step.USE if last or self._spent(number + 1) > most else Step.GO_ON
+        # One more round, to pay after all: if it still can, and little is lost if it does not.
+        goes_on = not long and gain >= GATES[number] and self._spent(number + 1) <= MOST_SPENT
         return Step.GO_ON if goes_on else Step.GIVE_UP
 
     def _spent(self, number: int) -> float:

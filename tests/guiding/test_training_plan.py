@@ -14,7 +14,9 @@ from alight.rendering.training_plan import (
     FIRST_GATE,
     GATES,
     LEAST_GAIN,
+    MOST_ROUNDS,
     MOST_SPENT,
+    MOST_SPENT_LONG,
     MOST_SPENT_WELL,
     ROUNDS,
     Step,
@@ -29,7 +31,7 @@ def rounds_of(plan, gains):
     """How many rounds are run, what they cost as a part of the picture, and how it ends."""
     if not plan.begins:
         return 0, 0.0, Step.GIVE_UP
-    for number in range(plan.rounds):
+    for number in range(plan.most_rounds):
         step = plan.step(number, gains[number])
         if step is not Step.GO_ON:
             break
@@ -38,18 +40,22 @@ def rounds_of(plan, gains):
 
 def test_a_guide_that_never_pays_costs_little():
     """Whatever it seems to be worth below that; one that pays may cost half of the picture."""
-    rng = np.random.default_rng(1)
+    rng, seen = np.random.default_rng(1), set()
     for samples in np.exp(rng.uniform(np.log(1e5), np.log(1e10), 400)):
         plan = TrainingPlan(ROUNDS, True, samples, PIXELS)
         rounds, cost, step = rounds_of(plan, rng.uniform(0.5, LEAST_GAIN, ROUNDS))
         assert step is Step.GIVE_UP
         assert cost <= MOST_SPENT
         assert rounds == 0 or rounds > FIRST_GATE
-        rounds, cost, step = rounds_of(plan, np.full(ROUNDS, LEAST_GAIN))
-        assert cost <= MOST_SPENT_WELL
-        # As long as half of the picture allows, once there is anything to be seen.
-        assert rounds == 0 or rounds == ROUNDS or 2.0 * cost + MOST_SPENT_WELL / 1e3 > 0.25
+        rounds, cost, step = rounds_of(plan, np.full(MOST_ROUNDS, LEAST_GAIN))
+        most = MOST_SPENT_LONG if rounds > ROUNDS else MOST_SPENT_WELL
+        assert cost <= most
+        # As long as that allows, once there is anything to be seen; one more would be too many.
+        next_most = MOST_SPENT_LONG if rounds >= ROUNDS else MOST_SPENT_WELL
+        assert rounds in (0, MOST_ROUNDS) or 2.2 * cost > next_most
         assert step is (Step.USE if rounds else Step.GIVE_UP)
+        seen.add(rounds)
+    assert {0, ROUNDS, MOST_ROUNDS} < seen
 
 
 @pytest.mark.parametrize(
