@@ -35,8 +35,9 @@ from alight.rendering.training_plan import Step, TrainingPlan
 from lanewise.jit import instantiate
 from lanewise.view import View
 
-#: After this round leaves learn how far their light comes from.
-FOCUS_ROUND = 1
+#: After these rounds leaves learn how far their light comes from: first at all, then from where
+#: most of it comes, which they know by then.
+FOCUS_ROUND, REFOCUS_ROUND = 1, 3
 
 #: Samples a pixel that a tile renders before its vertices are added; vertices a path, at first,
 #: that there is room for.
@@ -145,6 +146,8 @@ class Trainer:
                 tree.learn(found.totals, self.unit, asked=number > 0)
                 if number == FOCUS_ROUND:
                     tree = tree.focused(found.totals, box)
+                elif number == REFOCUS_ROUND:
+                    tree = tree.refocused(found.totals, box)
                 if step is Step.USE:
                     break
                 tree = tree.grown(found.totals.leaves.shaped[:, 0], MOST_NODES)

@@ -207,7 +207,7 @@ GUIDING = (
         "a mean of distances, not of their inverses",
         "guiding/light_records.py",
         (
-            ("flux * minimum(size * near, SHORTEST)", "flux / maximum(size * near, 1e-3)"),
+            ("sharp * minimum(size * near, SHORTEST)", "sharp / maximum(size * near, 1e-3)"),
             ("    minimum,\n", "    maximum,\n    minimum,\n"),
         ),
         f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves",
@@ -355,6 +355,23 @@ GUIDING = (
         "rendering/training_plan.py",
         (("if gain >= LEAST_GAIN:", "if True:"),),
         f"{PLAN}::test_gates_rise",
+    ),
+    Mutant(
+        "all light counts alike where it is asked how far it comes from",
+        "guiding/light_records.py",
+        (
+            (
+                "sharp = flux * minimum(direction_density(guide, found, w, active), DENSEST)",
+                "sharp = flux",
+            ),
+        ),
+        f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves[False]",
+    ),
+    Mutant(
+        "a new focus where light comes from everywhere",
+        "guiding/tree.py",
+        (("focus[few, 3] = radius[few]", "focus[:, 3] = radius"),),
+        f"{TREE}::test_a_new_focus_forgets_nothing",
     ),
     Mutant(
         "one more round than the picture is worth",
