@@ -5,7 +5,6 @@ from tests.mutants.mutant import Mutant
 TREE = "tests/guiding/test_tree.py"
 LAWS = "tests/guiding/test_laws_of_training.py"
 GAIN = "tests/guiding/test_gain.py"
-PLAN = "tests/guiding/test_training_plan.py"
 WITHOUT = f"{GAIN}::test_paths_with_a_guide_tell_the_second_moment_without_it"
 LIGHT = "tests/guiding/test_light_records.py"
 RENDERS = "tests/guiding/test_guided_renders.py"
@@ -349,51 +348,6 @@ GUIDING = (
         "core/equal_area.py",
         (("_folded(x), where(beyond, 1.0 - y, y)", "_folded(x), y"),),
         f"{TREE}::test_beyond_an_edge_of_the_square_the_map_goes_on",
-    ),
-    Mutant(
-        "a guide that is used whatever it is worth",
-        "rendering/training_plan.py",
-        (("if gain >= LEAST_GAIN:", "if True:"),),
-        f"{PLAN}::test_gates_rise",
-    ),
-    Mutant(
-        "all light counts alike where it is asked how far it comes from",
-        "guiding/light_records.py",
-        (
-            (
-                "sharp = flux * minimum(direction_density(guide, found, w, active), DENSEST)",
-                "sharp = flux",
-            ),
-        ),
-        f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves[False]",
-    ),
-    Mutant(
-        "a new focus where light comes from everywhere",
-        "guiding/tree.py",
-        (("focus[few, 3] = radius[few]", "focus[:, 3] = radius"),),
-        f"{TREE}::test_a_new_focus_forgets_nothing",
-    ),
-    Mutant(
-        "one more round than the picture is worth",
-        "rendering/training_plan.py",
-        (
-            (
-                "gain >= GATES[number] and self._spent(number + 1)",
-                "gain >= GATES[number] and self._spent(number)",
-            ),
-        ),
-        f"{PLAN}::test_a_guide_that_never_pays_costs_little",
-    ),
-    Mutant(
-        "the samples of one part in place of the whole render's",
-        "rendering/schedules.py",
-        (
-            (
-                "    return options.spp or (None if",
-                "    return (options.spp or 0) // (options.part or (1, 1))[1] or (None if",
-            ),
-        ),
-        f"{PLAN}::test_parts_plan_with_the_whole_render",
     ),
     Mutant(
         "paths that nothing is known of never end",
