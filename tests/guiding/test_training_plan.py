@@ -31,11 +31,11 @@ def rounds_of(plan, gains):
     """How many rounds are run, what they cost as a part of the picture, and how it ends."""
     if not plan.begins:
         return 0, 0.0, Step.GIVE_UP
-    for number in range(plan.most_rounds):
+    number, step = 0, Step.GO_ON
+    while step is Step.GO_ON:
         step = plan.step(number, gains[number])
-        if step is not Step.GO_ON:
-            break
-    return number + 1, COST * PIXELS * (2 ** (number + 1) - 1) / plan.samples, step
+        number += 1
+    return number, COST * PIXELS * (2**number - 1) / plan.samples, step
 
 
 def test_a_guide_that_never_pays_costs_little():
