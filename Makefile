@@ -121,7 +121,7 @@ lock:
 	requirements/lock.sh
 
 canary:
-	PYTHON=$(PYTHON) requirements/canary.sh
+	PYTHON=$(PYTHON) NUMBA=$(NUMBA) requirements/canary.sh
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .ruff_cache .hypothesis .import_linter_cache

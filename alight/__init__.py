@@ -20,11 +20,14 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from alight.core.errors import KernelError
 from alight.core.version import VERSION as __version__
 from lanewise.application import set_application
 
 # Kernels heed ALIGHT_LANES, ALIGHT_CACHE and ALIGHT_PIPELINE.
-set_application("alight", __path__[0])
+set_application(
+    "alight", __path__[0], error=KernelError, mathematics=("alight.core.maths",)
+)  # fmt: skip
 
 #: Public name -> module that holds it. Imported at first use: `import alight` stays fast.
 _PUBLIC = {

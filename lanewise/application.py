@@ -10,6 +10,10 @@ import os
 from typing import NamedTuple
 
 
+class KernelError(TypeError):
+    """A kernel is wrong: the place, its line, and what to write instead."""
+
+
 class Application(NamedTuple):
     """A package with kernels of its own.
 
@@ -19,10 +23,16 @@ class Application(NamedTuple):
         Its import name; in capitals, the first word of its environment variables.
     folder : str
         Where its sources are.
+    error : type of exception
+        What is raised for kernels that are wrong.
+    mathematics : tuple of str
+        Modules with functions of lanes beyond `lanewise.simd`.
     """
 
     name: str
     folder: str
+    error: type[Exception] = KernelError
+    mathematics: tuple[str, ...] = ()
 
 
 #: Without another application, scripts and notebooks use lanewise as it is.
@@ -31,10 +41,16 @@ LANEWISE = Application("lanewise", os.path.dirname(__file__))  # noqa: PTH120 (n
 _current = LANEWISE
 
 
-def set_application(name: str, folder: str) -> None:
+def set_application(
+    name: str,
+    folder: str,
+    *,
+    error: type[Exception] = KernelError,
+    mathematics: tuple[str, ...] = (),
+) -> None:
     """Compile for this package from now on; there is one in a process, the last one counts."""
     global _current
-    _current = Application(name, folder)
+    _current = Application(name, folder, error, mathematics)
 
 
 def application() -> Application:

@@ -228,7 +228,7 @@ def _try_inference() -> None:
 
 @_check("LeanCompiler")
 def _try_lean() -> None:
-    """Ten of Numba's passes, in this order, are enough for kernel text."""
+    """Ten passes, Numba's or made of its own, in this order, are enough for kernel text."""
     made = load_compiler().object_code(_fresh(_root), (_numbers(),))
     _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made))
     llvm = _llvm(_root)

@@ -21,6 +21,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 from lanewise.application import setting, variable
+from lanewise.kernel_text import check_text, explained, is_ours
 from lanewise.machine_code import MachineCode, ObjectCode
 from lanewise.marks import STRICT, Specialised, is_kernel, kernel, specialised
 from lanewise.source_digest import digest_of, digest_of_text
@@ -59,8 +60,9 @@ def instantiate(
         return StockKernel(root, program)
 
     def compile_for(arguments: tuple) -> ObjectCode:
-        with no_garbage_collection():
-            return load_compiler().object_code(dispatcher_of(root, program), arguments)
+        build = _CompiledBuild(program)
+        with no_garbage_collection(), explained(build.users):
+            return load_compiler().object_code(build.get(root), arguments)
 
     text = root.factory if isinstance(root, Specialised) else root
     # The digest tells a kernel that is in no package from an older one of the same name.
@@ -153,6 +155,8 @@ class _CompiledBuild(_Build):
         super().__init__(program)
         self.stock = stock
         self.compiler = load_compiler()
+        #: Kernels that are neither of lanewise nor of its application, by name.
+        self.users: dict[str, types.FunctionType] = {}
 
     def get(self, node: Any, strict: bool = False) -> Any:
         root = not self.done
@@ -163,6 +167,9 @@ class _CompiledBuild(_Build):
         return super().get(node, strict)
 
     def make(self, node: Callable, strict: bool, root: bool = False) -> Any:
+        if not is_ours(node):
+            check_text(node)
+            self.users[node.__name__] = node
         strict = strict or getattr(node, STRICT)
         shared = not depends_on_program(node)
         key = (node, strict, root, self.stock)

@@ -1,7 +1,7 @@
 """All that lanewise takes from Numba and llvmlite beyond what they document, in one place.
 
-The rest of the package uses `numba.njit`, `numba.types`, `numba.extending`, `llvmlite.ir` and
-`llvmlite.binding`. The names below are Numba's own affair and may change with any minor version.
+The rest of the package uses `numba.types`, `typeof`, `from_dtype`, `config` and `numba.extending`,
+`llvmlite.ir` and `llvmlite.binding`. The names below are Numba's own affair and may change with any minor version.
 Each says in one line what is assumed of it, and `lanewise.canary` tries them one by one. So do the
 `METHODS` of objects that Numba and llvmlite hand to the rest of the package.
 """
@@ -33,7 +33,10 @@ from numba.core.compiler_machinery import (
     PassManager,  # steps in order: `add_pass`, `add_pass_after`, `finalize`
     register_pass,  # no step runs without it
 )
-from numba.core.errors import TypingError  # what a call template raises where no type fits
+from numba.core.errors import (
+    NumbaError,  # whatever keeps a kernel from being compiled
+    TypingError,  # what a call template raises where no type fits
+)
 from numba.core.imputils import lower_constant  # how a global of our type becomes LLVM IR
 from numba.core.typed_passes import (
     NativeLowering,  # lowers into `state.library` and leaves a result in ``state["cr"]``
@@ -62,6 +65,9 @@ __all__ = [
     "bare_descriptor", "cgutils", "infer_global", "jit", "look_in", "lower_constant",
     "make_struct", "object_code",
 ]  # fmt: skip
+
+#: What Numba raises for a kernel that it does not compile.
+NOT_COMPILED = NumbaError
 
 
 #: (class, method or attribute) that other files use -> what is assumed of it. The code generators

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Try lanewise with the newest Numba and NumPy that exist, pre-releases included, in an environment
 # of its own: first with the NumPy that this Numba asks for, then with the newest one of all.
+# NUMBA=0.69.0 tries that release instead, to find the one that broke something.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +14,7 @@ install() {
 canary() { LANEWISE_CACHE="$environment/cache" "$environment/bin/python" -m lanewise.canary; }
 version() { "$environment/bin/python" -c 'from importlib.metadata import version; print(version("numpy"))'; }
 
-install numba
+install "numba${NUMBA:+==$NUMBA}"
 status=0
 canary || status=$?
 asked=$(version)

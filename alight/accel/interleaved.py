@@ -2,7 +2,8 @@
 
 In each round the next entry is popped from the stack of each ray, then all nodes are opened, then
 all leaves tested. Which children a ray meets, and whether it hits anything, is unpredictable; so no
-branch depends on it, and the latencies of all rays overlap. Decision 11 has the reasons.
+branch depends on it, and the latencies of all rays overlap. (Trees larger than the cache are the
+exception: their children are sorted as they are pushed.) Decision 11 has the reasons.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from lanewise.simd import (
 
 @kernel(strict=True)
 def trace_interleaved(search, packet, bits, others):
-    """Take the rays in `bits` to their ends, from what waits for them on; see `trace_packet`."""
+    """Take the rays in `bits` to their ends, starting with the subtrees that wait for them; see `trace_packet`."""
     hits, stacks, tests = packet.hits, packet.stacks, packet.tests
     sizes, codes = local_uints(MOST), local_uints(MOST)
     bottom = load_lanes(packet.bases, 0)

@@ -19,8 +19,8 @@ from lanewise.jit import kernel
 from lanewise.simd import absolute, copysign, maximum, minimum, where
 from lanewise.wide import load_wide
 
-#: 1 + 8 2^-24, relative rounding of the box test: two subtractions, two reciprocals, two products,
-#: and the product with this.
+#: 1 + 16 2^-24: more than the relative rounding of the box test, which is that of two subtractions,
+#: two reciprocals, two products, and the product with this.
 STRETCH = 1.0 + 2.0**-20
 SHRINK = 1.0 - 2.0**-20
 

@@ -48,8 +48,8 @@ from lanewise.simd import (
 )
 from lanewise.wide import load_wide
 
-#: So many sixteenths of the lanes, or fewer, go on alone: a test for all takes as long as theirs
-#: (decision 11).
+#: If at most this many sixteenths of the lanes enter a subtree, each goes on alone: a test for all
+#: takes as long as theirs (decision 11).
 FEW = 12
 
 #: Subtrees that may wait for a ray alone; beyond that, all continue together.

@@ -50,7 +50,7 @@ TABLE, COUNTS = 8 * (3 * BINS + 2), 3 * BINS
 #: bins; axis; last: the last bin on the left.
 Border = namedtuple("Border", "centers per_axis axis last")
 
-#: Boxes are enlarged by this much of the primitive's size, and by as much of the coordinate: the
+#: Boxes are enlarged by `MARGIN` of the primitive's size and `ROUNDING` of the coordinate: the
 #: intersection test itself errs by a few units of 2^-24 of either.
 MARGIN = 2.0**-20
 ROUNDING = 2.0**-22
@@ -65,7 +65,7 @@ def corner(vertices, faces, k):
 
 @kernel(strict=True)
 def enlarged(box):
-    """A box with the margin that it needs (`MARGIN`)."""
+    """A box with the margin that it needs (`MARGIN`, `ROUNDING`)."""
     edges = -(low_half(box) + high_half(box))
     size = maximum(lane(edges, 0), maximum(lane(edges, 1), lane(edges, 2)))
     return box - (size * MARGIN + absolute(box) * ROUNDING)

@@ -208,7 +208,7 @@ def _chance_of_coat(params, cosine):
 def evaluate(params, wo, wi):
     """(f cos theta_i, pdf per steradian)."""
     above = (wo.z > 0.0) & (wi.z > 0.0)
-    # Below the surface, the overhead direction replaces it; the result is not used.
+    # Below the surface, the overhead direction replaces both; the result is not used.
     up = Vec3(0.0, 0.0, 1.0)
     wo, wi = where(above, wo, up), where(above, wi, up)
     cosine, kept, coat_pdf = _mirrored(params.coat, wo, wi)

@@ -39,7 +39,7 @@ def check(
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Test a scene: materials, lights, random numbers, and that all methods give one picture.
+    """Test a scene: materials, lights, random numbers, and that all methods give the same picture.
 
     Exit code 1 if something fails.
     """

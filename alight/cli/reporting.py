@@ -50,8 +50,8 @@ def note_unused(name: str, scene: Scene) -> None:
     """Say on stderr how much of a foreign file plays no part in the picture."""
     count = len(scene.source.remarks.notes)
     if count:
-        what = "1 thing of the file plays" if count == 1 else f"{count} things of the file play"
-        typer.echo(f"note: {what} no part in the picture, see alight info {name}", err=True)
+        what = "1 item of the file has" if count == 1 else f"{count} items of the file have"
+        typer.echo(f"note: {what} no effect on the picture; see alight info {name}", err=True)
 
 
 def show_remarks(scene: Scene) -> None:

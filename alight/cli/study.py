@@ -27,19 +27,21 @@ def study(
     """Compare techniques: how much noise each leaves, at what cost, with what certainty."""
     from alight.core.errors import OptionError
     from alight.lab.study_file import load_study, ready_names
+    from alight.options.plugins import load_plugins
 
     if list_ready:
         _list()
         return
     if name is None:
         raise OptionError(f"name a study file or one of: {', '.join(ready_names())}")
+    load_plugins(options.plugins)
     description = load_study(name, options.root)
     # After the messages about a wrong file: these imports take a second.
     import alight
 
     with StudyBar(quiet) as bar:
         try:
-            found = alight.study(description, options.changed(progress=bar))
+            found = alight.study(description, options.changed(progress=bar, plugins=()))
         except KeyboardInterrupt:
             typer.echo("stopped; the same command continues from here", err=True)
             raise typer.Exit(INTERRUPTED) from None

@@ -77,6 +77,7 @@ class Patience:
 class _Issue:
     """A task that is on its way."""
 
+    number: int
     task: Any
     since: float = 0.0
     failures: int = 0
@@ -230,8 +231,9 @@ class Dispatcher:
                 if self._is_lost():
                     return [issue.task for issue in issues.values()]
                 while len(issues) < AHEAD * self.threads and (task := draw()) is not None:
-                    issue = issues[next(self._numbers)] = _Issue(task)
-                    self._submit(issue)
+                    number = next(self._numbers)
+                    issues[number] = _Issue(number, task)
+                    self._submit(issues[number])
                 if not issues and self.threads:
                     return []
                 self._collect(take)
@@ -281,7 +283,6 @@ class Dispatcher:
     # ------------------------------------------------------------------------ tasks
 
     def _submit(self, issue: _Issue, without: frozenset[str] = frozenset()) -> None:
-        number = next(n for n, one in self._issues.items() if one is issue)
         unwanted = without | self.refused.keys()
         allowed = [worker for worker in self._threads if worker not in unwanted]
         if (unwanted and not allowed) or self._client.status != "running":
@@ -289,17 +290,16 @@ class Dispatcher:
             return
         future = self._client.submit(
             perform, self._function, self._shared.digest, self._asked, issue.task,
-            key=f"{self._shared.name[:16]}-{id(self):x}-{number}-{next(self._numbers)}",
+            key=f"{self._shared.name[:16]}-{id(self):x}-{issue.number}-{next(self._numbers)}",
             pure=False, workers=allowed if unwanted else None,
         )  # fmt: skip
         issue.futures.append(future)
         issue.since = time.perf_counter()
-        task = issue.task
 
         def done(future: Future) -> None:
             # After the end nobody fetches.
             with suppress(RuntimeError):
-                self._fetchers.submit(self._fetch, number, task, future)
+                self._fetchers.submit(self._fetch, issue.number, issue.task, future)
 
         future.add_done_callback(done)
 

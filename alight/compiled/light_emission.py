@@ -83,7 +83,12 @@ def _issues(rows: list[LightRow], shapes: CompiledShapes) -> list[Issue]:
         if row.shape >= 0 and SHAPES[kind := shapes.rows[row.shape].kind].sample_area is None
     }  # fmt: skip
     return [
-        Issue("lights", f"no light path can start at a light of type {name}: it has no {kernel}")
-        for names, kernel in ((without, "kernel emit"), (dark, "kernel sample_area"))
+        Issue(
+            "lights", f"no light path can start at a light {where} {name}: it has no kernel {text}"
+        )
+        for names, where, text in (
+            (without, "of type", "emit"),
+            (dark, "on a shape of type", "sample_area"),
+        )
         for name in sorted(names)
     ]

@@ -52,7 +52,11 @@ class AlightError(Exception):
 
 
 class FilmError(AlightError, ValueError):
-    """Films that must not be added, or a film asked for something that it cannot hold."""
+    """Films that must not be merged, or a film asked for something that it does not hold."""
+
+
+class KernelError(AlightError, TypeError):
+    """A kernel of a user's model that does not compile: its place, its line, and the remedy."""
 
 
 class OutputError(AlightError, OSError):
@@ -60,7 +64,7 @@ class OutputError(AlightError, OSError):
 
 
 class OptionError(AlightError, ValueError):
-    """An option with a value that does not exist or is out of range, or that another excludes.
+    """An option that does not exist, is out of range, or conflicts with another.
 
     Parameters
     ----------

@@ -14,6 +14,7 @@ from alight.core.errors import nearest, show_value
 from alight.core.registry import REGISTERED, type_name_of, user_number
 from alight.core.spec import Light
 from lanewise.jit import is_kernel
+from lanewise.kernel_text import mistakes_in
 
 #: Names that programs use for something else.
 RESERVED = {
@@ -114,6 +115,11 @@ FORMS = {
     "media": Form(("pack", "density_at"), ("fly", "cross")),
     "integrators": Form(),
     "tone_curves": Form(("apply",), more_functions=("invert",)),
+    "metrics": Form(
+        ("evaluate",),
+        values=("LABEL",),
+        more_functions=("weight", "error_map", "label", "shown", "missing"),
+    ),
 }
 
 #: What a shape with a formula has, and what those have that can shine.
@@ -159,6 +165,8 @@ def _form_problems(source: Mapping[str, Any], family: str) -> list[str]:
             problems.append(f"{name} must be a function, got {show_value(function)}")
         else:
             problems += _arguments(name, function, _guide(source, name))
+            if is_kernel(function):
+                problems += mistakes_in(function)
     return problems + _SPECIAL.get(family, _no_more)(source)
 
 

@@ -42,7 +42,7 @@ FAMILIES_OF_SCENES = (
     "integrators",
 )
 
-FAMILIES = (*FAMILIES_OF_SCENES, "tone_curves")
+FAMILIES = (*FAMILIES_OF_SCENES, "tone_curves", "metrics")
 
 #: What users have registered: family -> type name -> module; changed by `registration` only.
 REGISTERED: dict[str, dict[str, ModuleType]] = {family: {} for family in FAMILIES}
@@ -213,6 +213,11 @@ def versions(specs: Iterable[Spec]) -> tuple[tuple[str, str, str], ...]:
         for spec in specs:
             _collect(spec, found)
     return tuple(sorted(found))
+
+
+def registered_versions(family: str) -> tuple[tuple[str, str], ...]:
+    """All registered models of a family: (name, version), sorted."""
+    return tuple(sorted((n, getattr(m, VERSION)) for n, m in REGISTERED[family].items()))
 
 
 def _collect(value: Any, found: set[tuple[str, str, str]]) -> None:

@@ -19,7 +19,7 @@ class Bias(NamedTuple):
     ----------
     cause : str
         For programs: "depth cap", "adaptive criterion", "stopped at an error", "denoiser",
-        "invalid samples" or "saturated values".
+        "invalid samples", "saturated values" or "light paths".
     text : str
         What it is, for people.
     effect : float or None

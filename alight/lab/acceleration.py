@@ -22,7 +22,7 @@ from alight.lab.measure import compiled_kernels, render_ladder
 from alight.lab.results import Curve, CurveResult, TableResult
 from alight.lab.session import Session, StudyProgress
 from alight.lab.statistics import log_slope, positive_interval
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.scene import Scene, flatten
 from lanewise.machine import fingerprint
 

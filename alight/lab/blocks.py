@@ -20,7 +20,7 @@ from alight.lab.decomposition import Moments
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
 from alight.lab.statistics import holm_adjusted, quantile
 from alight.metrics.comparison import PictureStatistics, compare_pictures
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.metrics.statistics import sum_of_squares_tails, welch
 
 #: Blocks of a picture, about.

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from alight.lab.statistics import quantile
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 
 
 @dataclass

@@ -24,6 +24,7 @@ import numpy as np
 
 from alight.core.spec import Sampler
 from alight.lab.statistics import Statistic, log_mean
+from alight.metrics import JUDGED
 
 #: A number is not left for the next larger ones, at twice the cost, if it is this close.
 _NEAR = 1.05
@@ -172,7 +173,7 @@ class AtTime:
         """s, of the MSE; -1 at a single number: there the product of error and time counts."""
         if self.is_single:
             return -1.0
-        errors = [math.log(self._mean(n, "mse")) for n in self._ends]
+        errors = [math.log(self._mean(n, JUDGED)) for n in self._ends]
         times = [math.log(self._mean(n, "seconds")) for n in self._ends]
         return (errors[1] - errors[0]) / (times[1] - times[0])
 
@@ -209,12 +210,12 @@ class AtTime:
     @property
     def powers(self) -> Powers:
         """E(T) but for the power of T, with the times at which it was measured."""
-        return self._between("mse") + self._between("seconds", -self.slope)
+        return self._between(JUDGED) + self._between("seconds", -self.slope)
 
     @property
     def sensitivity(self) -> float:
         """Relative change of E(T) when all squared errors grow by 1."""
-        return sum(power / float(values.mean()) for values, power in self._between("mse"))
+        return sum(power / float(values.mean()) for values, power in self._between(JUDGED))
 
 
 def compared(base: AtTime, clock: np.ndarray, other: AtTime) -> tuple[Powers, Powers]:
@@ -228,7 +229,7 @@ def compared(base: AtTime, clock: np.ndarray, other: AtTime) -> tuple[Powers, Po
     """
     # Either error depends on T: what is left is the difference of their slopes.
     own = base.slope if not base.is_single else 0.0
-    errors = base.powers if not base.is_single else base._between("mse")
+    errors = base.powers if not base.is_single else base._between(JUDGED)
     return [*errors, (clock, own - other.slope)], other.powers
 
 

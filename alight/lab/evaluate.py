@@ -28,7 +28,8 @@ from alight.lab.statistics import (
 )
 from alight.lab.store import Replicate, Store
 from alight.lab.study import Study, StudyError
-from alight.metrics.relmse import Estimate
+from alight.metrics import JUDGED, Estimate
+from alight.metrics.model import METRICS
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,7 @@ def _check(
         for plan in plans:
             if plan.reference is reference:
                 name = plan.arm.spec.name
-                errors[name] = float(measured[name].figures[plan.shown]["mse"].mean())
+                errors[name] = float(measured[name].figures[plan.shown][JUDGED].mean())
         name = min(errors, key=lambda name: errors[name])
         demand_quiet(study, f"{scene_path}.reference", reference, name, errors[name])
     for plan in plans:
@@ -164,7 +165,7 @@ def _check(
             raise study.fail(f"arms.{name}", message)
         try:
             for spp in (plan.judged.low, plan.judged.high):
-                product([(measured[name].figures[spp]["mse"], 1.0)])
+                product([(measured[name].figures[spp][JUDGED], 1.0)])
         except ValueError:
             message = (
                 "its error cannot be told from 0 in every replicate: render more replicates or "
@@ -321,28 +322,32 @@ def _arm_result(
 
 def _point(at: AtTime, clock: np.ndarray, parts: Mapping[int, Parts]) -> Point:
     """The errors in a time, whose interval comes from the times of some replicates."""
-    mse = _positive(at, "mse")
+    errors = {name: _error(at, name) for name in METRICS if METRICS[name].IN_STUDIES}
+    mse = errors[JUDGED] or UNKNOWN
     # The mean of a picture does not depend on the number of samples, nor does its bias: steps
     # whose pictures were not added up have that of the deepest one.
     bias2 = parts[at.spp if at.spp in parts else max(parts)].bias2
     variance = mse.value - bias2.value
     low, high = mse.value - mse.low, mse.high - mse.value
     width = bias2.high - bias2.value
-    flip = at.linear("flip")
-    seen = flip[np.isfinite(flip)]
     return Point(
         spp=at.spp,
         seconds=positive_interval(clock),
-        mse=mse,
-        relmse=_positive(at, "relmse"),
-        relmse_literature=_positive(at, "relmse_literature"),
-        smape=mean_interval(at.linear("smape")),
-        flip=mean_interval(seen) if len(seen) >= 2 else None,
+        errors=errors,
         bias2=bias2,
         variance=Estimate(
             variance, variance - math.hypot(low, width), variance + math.hypot(high, width)
         ),
     )
+
+
+def _error(at: AtTime, name: str) -> Estimate | None:
+    """By one metric; None if fewer than two replicates have it."""
+    if METRICS[name].weight is not None:
+        return _positive(at, name)
+    values = at.linear(name)
+    seen = values[np.isfinite(values)]
+    return mean_interval(seen) if len(seen) >= 2 else None
 
 
 def _positive(at: AtTime, name: str) -> Estimate:
@@ -362,7 +367,7 @@ def _efficiency(at: AtTime) -> Estimate:
 
 def _slope(ladder: Sequence[int], measured: Measured, against_time: bool) -> Estimate:
     """Of log(RMSE): half of that of log(MSE)."""
-    errors = np.stack([measured.figures[spp]["mse"] for spp in ladder])
+    errors = np.stack([measured.figures[spp][JUDGED] for spp in ladder])
     if against_time:
         x = np.stack([measured.figures[spp]["seconds"] for spp in ladder])
     else:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from alight.metrics import flip
-from alight.metrics.relmse import LITERATURE_EPSILON, default_epsilon
-from alight.metrics.smape import EPSILON as SMAPE_EPSILON
+from alight.metrics.model import METRICS, MetricModel, Pair
 
 
 class Figures:
-    """Works out the errors of pictures against one reference.
+    """Works out the errors of pictures against one reference, by all metrics that studies report.
 
     Parameters
     ----------
@@ -23,44 +19,43 @@ class Figures:
 
     def __init__(self, image: np.ndarray, variance: np.ndarray) -> None:
         self.image = np.asarray(image, np.float32)
-        square = self.image**2
-        # A black picture has no relative error; any epsilon gives the same 0.
-        epsilon = default_epsilon(self.image) or 1.0
+        self._metrics = {name: one for name, one in METRICS.items() if one.IN_STUDIES}
         self._weights = {
-            "relmse": (1.0 / (square + np.float32(epsilon))).astype(np.float32),
-            "relmse_literature": (1.0 / (square + np.float32(LITERATURE_EPSILON))),
+            name: np.asarray(one.weight(one.example, self.image), np.float32)
+            for name, one in self._metrics.items()
+            if one.weight is not None
         }
-        self._absolute = np.abs(self.image) + np.float32(SMAPE_EPSILON)
         noise = np.asarray(variance, np.float64)
-        self._noise = {"mse": float(noise.mean())}
-        for name, weight in self._weights.items():
-            self._noise[name] = float((noise * weight).mean())
+        self._noise = {name: float((noise * w).mean()) for name, w in self._weights.items()}
 
-    def of(self, picture: np.ndarray, with_flip: bool = False) -> dict[str, Any]:
-        """Errors of a picture.
+    def of(self, picture: np.ndarray, slow: bool = False) -> dict[str, float | None]:
+        """Errors of a picture, as a display shows it where a metric asks for that.
 
         Parameters
         ----------
         picture : ndarray of float32, shape (h, w, 3)
-        with_flip : bool
-            FLIP takes longer than everything else.
+        slow : bool
+            Slow metrics take longer than everything else.
 
         Returns
         -------
         dict of str to float or None
-            "mse", "relmse", "relmse_literature", "smape", "flip"; the last is None where it is not
-            asked for or the package is not installed.
+            By the metric's name; None where it is slow and not asked for, or not installed.
         """
-        difference = picture - self.image
-        squared = difference * difference
-        result: dict[str, Any] = {"mse": _mean(squared) - self._noise["mse"]}
-        for name, weight in self._weights.items():
-            result[name] = _mean(squared * weight) - self._noise[name]
-        result["smape"] = _mean(np.abs(difference) / (np.abs(picture) + self._absolute))
-        result["flip"] = None
-        if with_flip and flip.is_available():
-            result["flip"] = flip.flip(picture, self.image, "ldr").mean
-        return result
+        squared = np.square(picture - self.image)
+        pair = Pair(picture, self.image, on_display=True)
+        return {
+            name: _mean(squared * self._weights[name]) - self._noise[name]
+            if name in self._weights
+            else _value(one, pair, slow)
+            for name, one in self._metrics.items()
+        }
+
+
+def _value(metric: MetricModel, pair: Pair, slow: bool) -> float | None:
+    if metric.missing() or (metric.SLOW and not slow):
+        return None
+    return metric.evaluate(metric.example, pair)
 
 
 def _mean(values: np.ndarray) -> float:

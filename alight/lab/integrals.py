@@ -28,7 +28,7 @@ from alight.lab.arms import seed_of
 from alight.lab.results import Curve, CurveResult, TableResult
 from alight.lab.session import Session, StudyProgress
 from alight.lab.statistics import fit_slope, log_slope, positive_interval
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.samplers.model import SAMPLERS, SamplerModel
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state
 from lanewise.jit import instantiate

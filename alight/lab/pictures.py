@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from alight.core.registry import registered_versions
 from alight.lab.arm_plan import Plan
 from alight.lab.arms import Arm, compile_arm, digest, load_arms, seed_of
 from alight.lab.equal_time import Bracket, bracket, is_natural
@@ -32,6 +33,7 @@ from alight.lab.results import BIASED, SceneResult
 from alight.lab.run_blocks import run_blocks
 from alight.lab.session import Session, StudyProgress
 from alight.lab.study import SceneSpec, scene_name
+from alight.metrics.model import METRICS
 
 #: Processor seconds of a reference above which a shortcut is suggested.
 _LONG = 600.0
@@ -131,7 +133,7 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
             mine = _render_reference(session, arm, spp, spp * setup.pilots[name].seconds)
         key = digest(
             arm.key, study.seed, scene_name(scene), study.paired, name, setup.ladder, times[name],
-            mine.info.key,
+            mine.info.key, *registered_versions("metrics"),
         )  # fmt: skip
         plans.append(Plan(arm, key, setup.ladder, times[name], mine, own))
     order_seed = seed_of("order", study.seed, scene_name(scene))
@@ -166,8 +168,10 @@ def _notes(results: Sequence, processors: set[str]) -> list[str]:
     if len(processors) > 1:
         named = ", ".join(sorted(processors))
         notes.append(f"times are those of different processors: {named}")
-    if all(point.flip is None for arm in results for point in arm.times or arm.samples):
-        notes.append("FLIP is skipped: the package flip-evaluator is not installed")
+    points = [point for arm in results for point in arm.times or arm.samples]
+    for name, model in METRICS.items():
+        if model.IN_STUDIES and all(point.errors[name] is None for point in points):
+            notes.append(f"{model.LABEL} is left out: {model.missing() or 'no replicate has it'}")
     return notes + [
         f"{arm.label}: {arm.invalid} samples were NaN or infinite, counted as 0"
         for arm in results

@@ -24,7 +24,7 @@ from alight.lab.results import ReferenceInfo
 from alight.lab.steering import is_biased
 from alight.lab.study import SCHEDULE, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.comparison import PictureStatistics
-from alight.metrics.relmse import default_epsilon
+from alight.metrics.epsilon import default_epsilon
 from alight.outputs.atomic import replacing
 from lanewise.machine import cache_folder
 

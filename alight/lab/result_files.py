@@ -13,7 +13,7 @@ import numpy as np
 
 from alight.core.errors import AlightError
 from alight.lab.results import StudyResult
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.outputs.atomic import replacing
 
 
@@ -95,6 +95,9 @@ def _restored(kind: Any, data: Any, arrays: dict[str, np.ndarray]) -> Any:
     if get_origin(kind) is list:
         (item,) = get_args(kind)
         return [_restored(item, one, arrays) for one in data]
+    if get_origin(kind) is dict and get_args(kind)[1] is not Any:
+        _, item = get_args(kind)
+        return {key: _restored(item, one, arrays) for key, one in data.items()}
     return data
 
 

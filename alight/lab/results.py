@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.metrics.relmse import Estimate
+from alight.metrics import JUDGED, SHOWN, Estimate
 
 UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
@@ -32,24 +32,29 @@ class Point:
         Samples per pixel.
     seconds : Estimate
         CPU time of rendering one picture.
-    mse, relmse, relmse_literature, smape : Estimate
-        Of one picture against the reference, the reference's own noise subtracted (but for
-        SMAPE, which has no such correction). relMSE with design epsilon and with 0.01.
-    flip : Estimate or None
-        None where the package flip-evaluator is not installed.
+    errors : dict of str to (Estimate or None)
+        Of one picture against the reference, by the metric's name. The reference's own noise is
+        subtracted from (weighted) squared errors, and can't be from others. None where the metric
+        needs a package that is not installed.
     bias2, variance : Estimate
-        Parts of `mse`, both estimated without bias: bias2 may come out below 0.
+        Parts of the MSE, both estimated without bias: bias2 may come out below 0.
     """
 
     spp: int
     seconds: Estimate
-    mse: Estimate
-    relmse: Estimate
-    relmse_literature: Estimate
-    smape: Estimate
-    flip: Estimate | None
+    errors: dict[str, Estimate | None]
     bias2: Estimate
     variance: Estimate
+
+    @property
+    def mse(self) -> Estimate:
+        """The error by which arms are judged."""
+        return self.errors[JUDGED] or UNKNOWN
+
+    @property
+    def relmse(self) -> Estimate:
+        """The error that is shown where one must do."""
+        return self.errors[SHOWN] or UNKNOWN
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from alight.lab.spread import processor, spread_over
 from alight.lab.store import Store
 from alight.lab.study import Study
 from alight.lab.study_file import load_study, ready_names
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.options.cluster import ClusterOptions
 from alight.rendering.main_loop import usable_processors
 from lanewise.machine import fingerprint, lanes_of_machine

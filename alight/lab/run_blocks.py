@@ -18,9 +18,9 @@ from alight.lab.spread import Ladder, processor
 from alight.lab.store import Example, Replicate
 from alight.lab.study import SceneSpec, scene_name
 
-#: Replicates whose FLIP is worked out: it costs fifty times all other figures together, and hardly
-#: differs from one replicate to the next.
-_FLIPS = 2
+#: Replicates whose slow figures are worked out: FLIP costs fifty times all others together, and
+#: hardly differs from one replicate to the next.
+_SLOW = 2
 
 
 def run_blocks(
@@ -122,7 +122,7 @@ def _keep_replicate(
     for rung in ladder:
         begin = time.process_time()
         rungs[rung.spp] = {"seconds": rung.seconds, **figures.of(rung.picture)}
-        if rung.spp in (plan.judged.low, plan.judged.high) and number < _FLIPS:
+        if rung.spp in (plan.judged.low, plan.judged.high) and number < _SLOW:
             looked_at[rung.spp] = rung.picture
         if rung.spp in plan.tops:
             pictures[rung.spp] = rung.picture
@@ -135,7 +135,7 @@ def _keep_replicate(
     begin = time.process_time()
     # Between the steps it would leave the caches cold for some of the arms.
     for spp, picture in looked_at.items():
-        rungs[spp] |= figures.of(picture, with_flip=True)
+        rungs[spp] |= figures.of(picture, slow=True)
     replicate = Replicate(number, seed, invalid, rungs, blocks, timed_on)
     session.store.add(plan.key, replicate, pictures, example)
     session.seconds["statistics"] += time.process_time() - begin

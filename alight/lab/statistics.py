@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.metrics.statistics import student_t_quantile, student_t_tail
 
 #: Of two-sided intervals.

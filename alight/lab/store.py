@@ -46,7 +46,7 @@ class Replicate:
     ----------
     number, seed, invalid : int
     rungs : dict of int to dict of str to float or None
-        By spp: seconds, mse, relmse, relmse_literature, smape, flip.
+        By spp: seconds, and the error by each metric.
     blocks : ndarray of float64
         `alight.lab.blocks.block_row` of the deepest picture.
     processor : str

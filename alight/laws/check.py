@@ -15,6 +15,7 @@ from alight.laws import (
     integrators,
     lights,
     media,
+    metrics,
     phases,
     samplers,
     shapes,
@@ -122,4 +123,5 @@ CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
     "filters": _simple(filters.LAWS, filters.COMPILED_LAWS),
     "cameras": _simple(cameras.LAWS, cameras.COMPILED_LAWS),
     "tone_curves": _simple(tone_curves.LAWS),
+    "metrics": _simple(metrics.LAWS),
 }

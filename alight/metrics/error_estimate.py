@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import NamedTuple
 
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.metrics.statistics import f_quantile
 
 _NORMAL = NormalDist()

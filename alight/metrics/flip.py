@@ -9,13 +9,14 @@ pixels a degree (their default: a 4K display of 0.7 m width, seen from 0.7 m).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from alight.core.errors import OptionError
 from alight.core.extras import install_command
 from alight.core.srgb import encode_srgb
+from alight.metrics.model import Metric, Pair
 
 #: Dynamic ranges: values on a display, cut at 1, or the scene's own.
 RANGES = ("ldr", "hdr")
@@ -35,11 +36,48 @@ class Flip(NamedTuple):
     error: np.ndarray
 
 
-def is_available() -> bool:
-    """Whether the package that computes FLIP is installed."""
+class FlipMetric(Metric):
+    """FLIP: the difference that an eye sees, from 0 to 1."""
+
+    type: Literal["flip"] = "flip"
+
+
+EXAMPLES = (FlipMetric(),)
+
+LABEL, BOUNDED, SLOW = "FLIP", True, True
+
+
+def missing() -> str:
+    """The package that computes it, if it is not installed."""
     import importlib.util
 
-    return importlib.util.find_spec("flip_evaluator") is not None
+    if importlib.util.find_spec("flip_evaluator") is not None:
+        return ""
+    return f"FLIP needs the package flip-evaluator: {install_command('lab', 'flip-evaluator')}"
+
+
+def error_map(spec, pair: Pair) -> np.ndarray:
+    """Of a display at its exposure, or of all exposures that show something."""
+    return _of(pair).error
+
+
+def evaluate(spec, pair: Pair) -> float:
+    """The mean."""
+    return _of(pair).mean
+
+
+def label(spec, pair: Pair) -> str:
+    """It depends on the range."""
+    return f"FLIP ({_range(pair).upper()})"
+
+
+def _range(pair: Pair) -> str:
+    return "ldr" if pair.on_display else "hdr"
+
+
+def _of(pair: Pair) -> Flip:
+    seen = pair.shown() if pair.on_display else pair
+    return flip(seen.image, seen.reference, _range(pair))
 
 
 def flip(image: np.ndarray, reference: np.ndarray, dynamic_range: str = "hdr") -> Flip:
@@ -64,9 +102,8 @@ def flip(image: np.ndarray, reference: np.ndarray, dynamic_range: str = "hdr") -
     x, ref = np.asarray(image, np.float32), np.asarray(reference, np.float32)
     if x.shape != ref.shape:
         raise ValueError(f"pictures must have one shape, got {x.shape} and {ref.shape}")
-    if not is_available():
-        command = install_command("lab", "flip-evaluator")
-        raise OptionError(f"FLIP needs the package flip-evaluator: {command}")
+    if problem := missing():
+        raise OptionError(problem)
     import flip_evaluator
 
     x, ref = np.maximum(x, 0.0), np.maximum(ref, 0.0)

@@ -5,7 +5,11 @@ MSE = mean over pixels and channels of (x - ref)^2
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
+
+from alight.metrics.model import Metric, Pair
 
 
 def mse(image: np.ndarray, reference: np.ndarray) -> float:
@@ -24,3 +28,24 @@ def mse(image: np.ndarray, reference: np.ndarray) -> float:
     if x.shape != ref.shape:
         raise ValueError(f"pictures must have one shape, got {x.shape} and {ref.shape}")
     return float(np.mean((x - ref) ** 2))
+
+
+class Mse(Metric):
+    """Mean squared error, in squared units of radiance."""
+
+    type: Literal["mse"] = "mse"
+
+
+EXAMPLES = (Mse(),)
+
+LABEL = "MSE"
+
+
+def evaluate(spec, pair: Pair) -> float:
+    """`mse`."""
+    return mse(pair.image, pair.reference)
+
+
+def weight(spec, reference: np.ndarray) -> np.ndarray:
+    """All errors count alike."""
+    return np.ones((), np.float32)

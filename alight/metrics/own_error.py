@@ -24,9 +24,9 @@ from typing import NamedTuple
 import numpy as np
 
 from alight.metrics import noisy_pixels
+from alight.metrics.epsilon import LITERATURE_EPSILON
 from alight.metrics.error_estimate import ErrorEstimate, Figure
 from alight.metrics.planes import weighted
-from alight.metrics.relmse import LITERATURE_EPSILON
 from alight.metrics.surroundings import CELL, by_cells, spread_out
 from alight.metrics.survey import Survey, survey
 

@@ -10,25 +10,12 @@ error minimization"). relRMSE is the square root. `own_error` estimates a pictur
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Literal
 
 import numpy as np
 
-#: The epsilon of the literature, for comparisons with other renderers.
-LITERATURE_EPSILON = 0.01
-
-
-class Estimate(NamedTuple):
-    """A value with its 95 % interval; NaN means unknown."""
-
-    value: float
-    low: float
-    high: float
-
-
-def default_epsilon(reference: np.ndarray) -> float:
-    """(0.1 times the mean of the reference over pixels and channels) squared."""
-    return (0.1 * float(np.mean(reference, dtype=np.float64))) ** 2
+from alight.metrics.epsilon import default_epsilon
+from alight.metrics.model import Metric, Pair
 
 
 def relmse(
@@ -72,3 +59,31 @@ def relmse(
 def relrmse(image: np.ndarray, reference: np.ndarray, **options) -> float:
     """Square root of `relmse` (0 where noise subtraction leaves less than nothing)."""
     return math.sqrt(max(relmse(image, reference, **options), 0.0))
+
+
+class RelMse(Metric):
+    """Relative mean squared error, whatever the exposure."""
+
+    type: Literal["relmse"] = "relmse"
+
+
+EXAMPLES = (RelMse(),)
+
+LABEL = "relMSE"
+
+
+def evaluate(spec, pair: Pair) -> float:
+    """`relmse`; NaN of a black reference."""
+    if default_epsilon(pair.reference) == 0.0:
+        return math.nan
+    return relmse(pair.image, pair.reference)
+
+
+def weight(spec, reference: np.ndarray) -> np.ndarray:
+    """1 / (ref^2 + epsilon); a black picture has no relative error, any epsilon will do."""
+    return 1.0 / (reference**2 + np.float32(default_epsilon(reference) or 1.0))
+
+
+def label(spec, pair: Pair) -> str:
+    """Its epsilon is the reference's."""
+    return f"relMSE, ε = {default_epsilon(pair.reference):.3g}"

@@ -8,7 +8,11 @@ functions", section 4.2.
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
+
+from alight.metrics.model import Metric, Pair
 
 #: Keeps black pixels from counting by their last bits.
 EPSILON = 0.01
@@ -34,3 +38,19 @@ def smape(image: np.ndarray, reference: np.ndarray, epsilon: float = EPSILON) ->
     if not epsilon > 0.0:
         raise ValueError(f"epsilon must be > 0, got {epsilon}")
     return float(np.mean(np.abs(a - b) / (np.abs(a) + np.abs(b) + epsilon)))
+
+
+class Smape(Metric):
+    """Symmetric mean absolute percentage error."""
+
+    type: Literal["smape"] = "smape"
+
+
+EXAMPLES = (Smape(),)
+
+LABEL, BOUNDED = "SMAPE", True
+
+
+def evaluate(spec, pair: Pair) -> float:
+    """`smape`."""
+    return smape(pair.image, pair.reference)

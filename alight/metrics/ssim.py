@@ -14,6 +14,9 @@ import numpy as np
 #: Pixels on either side of the centre of the window, and its standard deviation.
 _RADIUS, _SIGMA = 5, 1.5
 
+#: Pixels on the side of the window: no picture has an SSIM below that.
+SMALLEST = 2 * _RADIUS + 1
+
 #: Keep flat and black windows from dividing by nothing.
 _C1, _C2 = 0.01**2, 0.03**2
 
@@ -39,7 +42,7 @@ def ssim_map(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
     if a.shape != b.shape:
         raise ValueError(f"pictures must have one shape, got {a.shape} and {b.shape}")
-    if a.ndim != 2 or min(a.shape) <= 2 * _RADIUS:
+    if a.ndim != 2 or min(a.shape) < SMALLEST:
         raise ValueError(f"need planes of at least 11x11 pixels, got {a.shape}")
     mean_a, mean_b = _window(a), _window(b)
     variances = _window(a * a) + _window(b * b) - mean_a**2 - mean_b**2

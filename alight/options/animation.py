@@ -19,11 +19,11 @@ class AnimationOptions(RenderOptions):
     """Everything that `alight.animate` can be told."""
 
     frames: tuple[int, int] | str | None = option(
-        Frames(), "First frame, and the one after the last, as 0:120.",
+        Frames(), "First frame, and the one after the last, such as 0:120.",
         default=None, shown=f"0:{ONE_TURN} for a turntable",
     )  # fmt: skip
     fps: int = option(
-        Whole(1, 1000), "Frames per second: frame n shows the scene n/FPS seconds on.", default=24
+        Whole(1, 1000), "Frames per second: frame n shows the scene at n/FPS seconds.", default=24
     )
     turntable: bool = option(
         Switch(), "Turn the camera once about the scene, over all frames.", default=False

@@ -15,7 +15,7 @@ class ClusterOptions(Options):
 
     cluster: str | Any = option(
         Text("ADDRESS|local:N|FILE.yaml"),
-        "Render on a Dask cluster, or on N processes; the same bits. Needs the extra cluster.",
+        "Render on a Dask cluster, or in N processes, to the same bits. Needs the extra cluster.",
         default=None, shown="the threads of this process", panel=SAMPLING,
     )  # fmt: skip
     cluster_keys: str | PathLike[str] | None = option(

@@ -43,7 +43,7 @@ class PlanOptions(PromiseOptions, ThreadOptions, SizedOptions):
     """Everything that `alight.plan` can be told."""
 
     error: float | str = option(
-        Share(0.0, 10.0, least_is_open=True), "That the picture shall have.",
+        Share(0.0, 10.0, least_is_open=True), "Error that the picture is to reach.",
         default=0.02, metavar="2%", panel=PROMISE,
     )  # fmt: skip
 
@@ -106,7 +106,9 @@ class CompareOptions(Options):
     )  # fmt: skip
     layer: str | None = option(Text("NAME"), "Layer of EXR files, such as albedo.", default=None)
     exposure: float = option(
-        Number(-100, 100, is_closed=True), "Stops, for what a display shows.", default=0.0
+        Number(-100, 100, is_closed=True),
+        "Exposure in stops, for what a display shows.",
+        default=0.0,
     )
     skip_invalid: bool = option(Switch(), "Ignore NaN and infinite pixels.", default=False)
     flip: bool = option(
@@ -116,18 +118,22 @@ class CompareOptions(Options):
         Texts("FIGURE=NUMBER"), "Limit of a figure, such as relmse=0.01; exit code 1 above it.",
         default=(),
     )  # fmt: skip
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scene.scripts("metrics")
 
 
 @table
 class StudyOptions(ClusterOptions, Options):
     """Everything that `alight.study` can be told."""
 
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scene.scripts(
+        "models for the scenes, or metrics"
+    )
     output: str | PathLike[str] | None = option(
         File("FOLDER"), "Folder to write.", flag="--output -o", shown="study-NAME", default=None
     )
     quick: bool = option(Switch(), "Small and short, with wider intervals.", default=False)
     root: str | PathLike[str] | None = option(
-        File("FOLDER"), "Files that the study and its scenes name may lie there and below.",
+        File("FOLDER"), "Folder whose files the study and its scenes may read.",
         shown="the study's own folder", panel=SCENE, default=None
     )  # fmt: skip
     threads: int | None = option(

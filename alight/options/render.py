@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from alight.outputs.display import Display
 
 #: What an error may be that of, and the rules of adaptive sampling.
-METRICS, CRITERIA = ("relrmse", "pixel"), ("pilot", "cycles")
+PROMISED, CRITERIA = ("relrmse", "pixel"), ("pilot", "cycles")
 
 #: What is seen where there is no surface: the surroundings, or nothing.
 BACKGROUNDS = ("scene", "transparent")
@@ -66,17 +66,17 @@ class PromiseOptions(Options):
         metavar="2%", panel=PROMISE, default=None
     )  # fmt: skip
     confidence: float | str = option(
-        Share(0.5, 1.0, most_is_open=True), "Confidence in that.",
+        Share(0.5, 1.0, most_is_open=True), "Confidence with which it is that small.",
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
     metric: str = option(
-        Choice("metric", METRICS),
-        "relrmse of the whole picture, or pixel: a share of the pixels.",
+        Choice("metric", PROMISED),
+        "Which error: relrmse of the whole picture, or pixel: that of a share of the pixels.",
         default="relrmse", panel=PROMISE,
     )  # fmt: skip
     share: float | str = option(
         Share(0.5, 1.0, most_is_open=True),
-        "Share of the pixels, for the metric pixel.",
+        "Share of the pixels that must be within the error, for the metric pixel.",
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
 
@@ -86,7 +86,10 @@ class DisplayOptions(Options):
     """How linear values become those of a display."""
 
     exposure: float | str = option(
-        Text("STOPS"), "Stops, or auto, for display formats.", default=0.0, panel=PICTURE
+        Text("STOPS"),
+        "Exposure in stops, or auto, for display formats.",
+        default=0.0,
+        panel=PICTURE,
     )
     white_balance: str = option(
         Text("LIGHT"),
@@ -94,9 +97,12 @@ class DisplayOptions(Options):
         default="none", panel=PICTURE,
     )  # fmt: skip
     tone_map: str = option(
-        Text("NAME"), "none, reinhard, aces, hable or agx.", default="none", panel=PICTURE
+        Text("NAME"),
+        "Tone curve: none, reinhard, aces, hable or agx.",
+        default="none",
+        panel=PICTURE,
     )
-    bits: int = option(Whole(8, 16), "8, or 16 (PNG).", default=8, panel=PICTURE)
+    bits: int = option(Whole(8, 16), "Bits per channel: 8, or 16 (PNG).", default=8, panel=PICTURE)
     dpi: int | None = option(
         Whole(1, 10_000), "Pixels per inch, kept in PNG, JPEG and EXR; for sizes in inches.",
         shown="none, 300 for a size in inches", default=None, panel=PICTURE,
@@ -142,7 +148,7 @@ class LimitOptions(Options):
     )
     criterion: str = option(
         Choice("criterion", CRITERIA),
-        "pilot (unbiased), or cycles: Blender's rule (biased), with the error its threshold.",
+        "pilot (unbiased), or cycles: Blender's rule (biased), with the error as threshold.",
         default="pilot", flag="--adaptive-criterion", panel=PROMISE,
     )  # fmt: skip
 
@@ -164,7 +170,7 @@ class RenderOptions(
     )  # fmt: skip
     background: str = option(
         Choice("background", BACKGROUNDS),
-        "scene, or transparent: alpha in EXR and PNG; lights are not seen themselves.",
+        "scene, or transparent: alpha in EXR and PNG, and the lights themselves are hidden.",
         default="scene", panel=PICTURE,
     )  # fmt: skip
     aovs: Sequence[str] | str = option(

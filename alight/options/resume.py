@@ -11,6 +11,7 @@ from alight.options.cluster import ClusterOptions
 from alight.options.kinds import Anything, File, Files, Text
 from alight.options.quantities import Seconds, Whole
 from alight.options.render import EVERY, MOST_SAMPLES, PromiseOptions, check_end
+from alight.options.scene import scripts
 from alight.options.table import PROMISE, option, table
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class ResumeOptions(PromiseOptions, ClusterOptions):
         shown="what is left of the first limit", default=None
     )  # fmt: skip
     scene: Scene | str | PathLike[str] | None = option(
-        Text(), "The same scene, where its file was moved or it was made in Python.", default=None
+        Text(), "The same scene, if its file was moved or it was built in Python.", default=None
     )  # fmt: skip
     root: str | PathLike[str] | None = option(
         File("FOLDER"), "Folder whose files the scene may read.",
@@ -60,11 +61,7 @@ class ResumeOptions(PromiseOptions, ClusterOptions):
         shown="all processors",
         default=None,
     )
-    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
-        Files("FILE.py"),
-        "Script that registers models for the scene (alight.register). Repeatable.",
-        default=(), flag="--plugin",
-    )  # fmt: skip
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scripts("models for the scene")
     stats: str | PathLike[str] | None = option(
         File(), "JSON file for times and errors.", default=None
     )

@@ -18,6 +18,12 @@ DPI = 300
 READING = ("definitions", "lenient", "root", "variant", "scene_name", "animation", "at")
 
 
+def scripts(what: str, panel: str = "") -> Any:
+    """Declare the scripts that bring users' models."""
+    help = f"Script that registers {what} (alight.register). Repeatable."
+    return option(Files("FILE.py"), help, default=(), flag="--plugin", panel=panel)
+
+
 @table
 class SceneOptions(Options):
     """How a scene is loaded, and what of it is changed."""
@@ -27,11 +33,9 @@ class SceneOptions(Options):
         "Set any key of the scene file, such as film.size=[64,64]. Repeatable.",
         default=(), flag="--set", panel=SCENE,
     )  # fmt: skip
-    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
-        Files("FILE.py"),
-        "Script that registers models for the scene (alight.register). Repeatable.",
-        default=(), flag="--plugin", panel=SCENE,
-    )  # fmt: skip
+    plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scripts(
+        "models for the scene", SCENE
+    )
     definitions: Mapping[str, str] = option(
         Definitions(), "Set $NAME in an .xml file. Repeatable.",
         default={}, flag="-D", panel=FOREIGN,
@@ -42,7 +46,7 @@ class SceneOptions(Options):
     )  # fmt: skip
     root: str | PathLike[str] | None = option(
         File("FOLDER"),
-        "Folder whose files the scene may read; must contain it.",
+        "Folder whose files the scene may read; must contain the scene file.",
         shown="the scene's own folder", panel=SCENE, default=None
     )  # fmt: skip
 
@@ -55,7 +59,7 @@ class SceneOptions(Options):
         shown="the scene that the file shows", panel=FOREIGN, default=None,
     )  # fmt: skip
     animation: str | None = option(
-        Text("NAME|NUMBER"), "Animation that --at is a time of (.gltf, .glb), from 0.",
+        Text("NAME|NUMBER"), "Animation that --at refers to (.gltf, .glb); numbers count from 0.",
         shown="the first one", panel=FOREIGN, default=None,
     )  # fmt: skip
     at: float | None = option(
@@ -103,7 +107,7 @@ class SizedOptions(SceneOptions):
         default=None,
     )
     crop: tuple[int, int, int, int] | str | None = option(
-        Crop(), "Part to render, in pixels.", panel=SCENE, default=None
+        Crop(), "Region to render, in pixels.", panel=SCENE, default=None
     )
 
     def __post_init__(self) -> None:
@@ -133,8 +137,8 @@ def camera() -> Any:
 def integrator() -> Any:
     """Declare the algorithm."""
     help = (
-        "Algorithm: path, volpath, direct, ambient_occlusion, random_walk, light, bidirectional or "
-        "one of a plug-in."
+        "Integrator: path, volpath, direct, ambient_occlusion, random_walk, light, bidirectional "
+        "or one of a plug-in."
     )
     return option(Text(), help, key="integrator.type", panel=SCENE, default=None)
 
@@ -147,10 +151,7 @@ def max_depth() -> Any:
 
 def sampler() -> Any:
     """Declare the source of random numbers."""
-    help = (
-        "Source of random numbers: independent, stratified, multijittered, halton, sobol or one of "
-        "a plug-in."
-    )
+    help = "Sampler: independent, stratified, multijittered, halton, sobol or one of a plug-in."
     return option(Text(), help, key="sampler.type", panel=SCENE, default=None)
 
 

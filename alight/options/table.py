@@ -31,8 +31,8 @@ T = TypeVar("T")
 
 #: Headings of the command line's help, in their order.
 PICTURE, SAMPLING = "Picture", "Sampling"
-PROMISE = "Until an error is reached, and adaptive sampling"
-SCENE, FOREIGN = "Instead of what the scene file says", "Scene files of other programs"
+PROMISE = "Target error and adaptive sampling"
+SCENE, FOREIGN = "Overriding the scene file", "Scene files of other programs"
 PANELS = ("", PICTURE, SAMPLING, PROMISE, SCENE, FOREIGN)
 
 #: Types as documentation words them, the longest first.

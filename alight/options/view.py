@@ -27,7 +27,7 @@ class ViewOptions(PromiseOptions, LimitOptions, ThreadOptions, SizedOptions):
 
     host: str = option(
         Text("HOST"),
-        "Address to serve at; any but this machine's own, 127.0.0.1, needs a token of yours.",
+        "Address to serve at; any but this machine's own, 127.0.0.1, needs --token.",
         default="127.0.0.1",
     )  # fmt: skip
     port: int = option(Whole(0, 65535), "Port to serve at; 0 is any free one.", default=0)

@@ -13,7 +13,6 @@ import numpy as np
 
 from alight.cluster.addresses import check_address, connected
 from alight.core.errors import OptionError
-from alight.core.registry import REGISTERED
 from alight.integrators.walk import Settings
 from alight.rendering.block_tasks import BlockTask, Layout, SharedScene, read_blocks, render_blocks
 from alight.rendering.executors import Add, Block, Executor, Threads
@@ -59,8 +58,6 @@ class ClusterExecutor:
         self, where: Any, keys: str | PathLike[str] | None = None, patience: Patience | None = None
     ) -> None:
         check_address(where, keys)
-        if any(REGISTERED.values()):
-            raise OptionError("models of scripts do not reach the workers of a cluster", "cluster")
         self._where, self._keys, self._patience = where, keys, patience
         self._stack, self._speed, self._bytes = ExitStack(), _SPEED, 0
         self._lock = threading.Lock()

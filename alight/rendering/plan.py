@@ -18,7 +18,7 @@ from typing import Any, ClassVar, Self
 
 from alight.core.errors import OptionError
 from alight.films import Film
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.options.entry import takes
 from alight.options.laboratory import PlanOptions
 from alight.options.loading import scene_of

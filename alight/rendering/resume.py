@@ -98,7 +98,7 @@ def resume(path: str | os.PathLike[str] | Checkpoint, options: ResumeOptions) ->
     Parameters
     ----------
     path : path or Checkpoint
-        What ``render(..., checkpoint=path)`` wrote. It is written on, too.
+        What ``render(..., checkpoint=path)`` wrote. Later checkpoints overwrite it.
     {options}
 
     Returns

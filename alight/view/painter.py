@@ -16,7 +16,7 @@ import numpy as np
 from alight.films.denoising import denoise
 from alight.metrics import ErrorEstimate
 from alight.view import protocol
-from alight.view.contrast import DIVIDER, FLIP, contrast
+from alight.view.contrast import DIVIDER, contrast, waits
 from alight.view.layers import PICTURE, Layers
 from alight.view.session import Look, Session
 from alight.view.shades import shaded
@@ -144,9 +144,8 @@ class Painter:
         if against.size != layers.size:
             told["differs"] = "the pictures differ in size"
             return True
-        # FLIP takes long: it waits until the picture rests.
-        if look.way == FLIP and not self.session.rests:
-            told["differs"] = "FLIP is worked out when the picture rests"
+        if not self.session.rests and (why := waits(look.way)):
+            told["differs"] = why
             return True
         film = self.session.film
         samples = 0 if film is None else int(film.sample_count.sum())

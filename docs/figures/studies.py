@@ -15,7 +15,7 @@ from alight.lab.report.numbers import Column, number, p_value
 from alight.lab.report.numbers import fixed as decimals
 from alight.lab.result_files import load
 from alight.lab.results import ArmResult, Curve, SceneResult, StudyResult, TableResult
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 
 PAGES = Path(__file__).resolve().parents[1] / "studies"
 

@@ -93,7 +93,9 @@ def _module(name):
     return module
 
 
-@pytest.mark.parametrize("name", ["minnaert", "downlight", "kronecker", "headlight", "exponential"])
+@pytest.mark.parametrize(
+    "name", ["minnaert", "downlight", "kronecker", "headlight", "exponential", "log_error"]
+)
 def test_models_describe_themselves(name):
     module = _module(name)
     assert 1 <= len(module.EXAMPLES) <= 6

@@ -13,6 +13,7 @@ FAMILY_OF = {
     "kronecker": "samplers",
     "headlight": "integrators",
     "exponential": "tone_curves",
+    "log_error": "metrics",
 }
 
 # What the lines of the registries would do: each module joins the tuple before it is used.

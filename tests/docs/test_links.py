@@ -7,7 +7,14 @@ import pytest
 from tests.docs.pages import PAGES, ROOT, anchors, links, name_of, prose
 
 # Pages say "the file X" of files that a reader of extending.md writes.
-TO_BE_WRITTEN = ("minnaert.py", "downlight.py", "kronecker.py", "headlight.py", "exponential.py")
+TO_BE_WRITTEN = (
+    "minnaert.py",
+    "downlight.py",
+    "kronecker.py",
+    "headlight.py",
+    "exponential.py",
+    "log_error.py",
+)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)

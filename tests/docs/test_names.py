@@ -32,7 +32,7 @@ FOREIGN = {
     "usd": "upAxis materialBind fStop focusDistance colorTemperature treatAsPoint",
     "prefixes": "is_ has_",
     "example of lanewise.md": "escape_time mandelbrot",
-    "models of extending.md": "minnaert downlight kronecker headlight exponential",
+    "models of extending.md": "minnaert downlight kronecker headlight exponential log_error",
 }
 ELSEWHERE = {word.lower() for words in FOREIGN.values() for word in words.split()}
 

@@ -66,6 +66,7 @@ DOCUMENTED = {
     "downlight": "lights",
     "kronecker": "samplers",
     "exponential": "tone_curves",
+    "log_error": "metrics",
 }
 
 

@@ -388,3 +388,13 @@ def test_wrong_plugins_get_a_message(tmp_path, text, message):
         script.write_text(text)
     done = invoke("trace", "cornell-box", "--plugin", script, "--pixel", "1,1")
     assert done.exit_code == 2 and message in done.output, done.output
+
+
+# ---------------------------------------------------------------- kernels that are wrong
+
+
+def test_what_no_kernel_can_hold_is_told_when_it_is_registered():
+    with pytest.raises(RegistrationError) as refused:
+        registered(LAMBERT.replace("INV_PI * wi.z", "INV_PIE * wi.z").replace("SLOTS", "SLOT"))
+    assert 'the name "INV_PIE" is not defined' in str(refused.value)
+    assert "SLOTS is missing; is it SLOT?" in str(refused.value)

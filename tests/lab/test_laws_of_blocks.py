@@ -363,12 +363,12 @@ def test_a_black_reference_has_errors():
 
 
 def test_flip_of_the_figures_is_that_of_a_display():
-    if not flip.is_available():
+    if flip.missing():
         pytest.skip("flip-evaluator is not installed")
     image = truth(24, 16).astype(np.float32)
     picture = (2.0 * image**1.5).astype(np.float32)
     figures = Figures(image, np.zeros(image.shape))
     assert figures.of(picture)["flip"] is None
-    found = figures.of(picture, with_flip=True)["flip"]
+    found = figures.of(picture, slow=True)["flip"]
     assert found == flip.flip(picture, image, "ldr").mean
     assert found != pytest.approx(flip.flip(picture, image, "hdr").mean, rel=0.01)

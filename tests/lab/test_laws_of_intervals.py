@@ -20,7 +20,7 @@ from alight.lab.statistics import (
     positive_interval,
     quantile,
 )
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.metrics.statistics import holm
 
 

@@ -15,7 +15,7 @@ from alight.lab.references import Reference, demand_quiet, external_reference
 from alight.lab.results import ReferenceInfo
 from alight.lab.study import ReferenceSpec, Study, StudyError
 from alight.metrics import relmse, relrmse
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.outputs.image import write_image
 
 

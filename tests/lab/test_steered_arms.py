@@ -13,7 +13,7 @@ from alight.lab.run import relmse_gains
 from alight.lab.session import Session
 from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.rendering.cycles import Cycles
 from alight.rendering.steering import Steered
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from alight.metrics import relmse, relrmse, smape
+from alight.metrics.epsilon import LITERATURE_EPSILON, default_epsilon
 from alight.metrics.own_error import estimate_relmse
-from alight.metrics.relmse import LITERATURE_EPSILON, default_epsilon
 
 
 def test_relmse_is_its_formula():

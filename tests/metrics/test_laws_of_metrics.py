@@ -8,6 +8,7 @@ import pytest
 from scipy import ndimage
 
 from alight.metrics import mse, relmse, relrmse, smape, ssim
+from alight.metrics.epsilon import LITERATURE_EPSILON, default_epsilon
 from alight.metrics.flip import flip
 from alight.metrics.planes import (
     box,
@@ -17,7 +18,6 @@ from alight.metrics.planes import (
     squares,
     weighted,
 )
-from alight.metrics.relmse import LITERATURE_EPSILON, default_epsilon
 from alight.metrics.ssim import ssim_map
 
 

@@ -8,6 +8,22 @@ FITTING = f"{KEPT}::test_text_is_linked_with_other_callees_only_where_they_fit"
 
 COMPILER = (
     Mutant(
+        "kernels that raise are let pass",
+        "kernel_text.py",
+        (("(ast.Raise, ast.Assert, ast.Try)", "(ast.Assert, ast.Try)"),),
+        "tests/lanewise/test_kernel_text.py"
+        "::test_what_no_kernel_can_hold_is_refused_before_it_is_compiled[raises]",
+        "lanewise",
+    ),
+    Mutant(
+        "the remedy is looked for a line above",
+        "kernel_text.py",
+        (("    at = line - first + 1\n", "    at = line - first\n"),),
+        "tests/lanewise/test_kernel_text.py"
+        "::test_what_numba_cannot_type_is_told_with_line_and_remedy[chained]",
+        "lanewise",
+    ),
+    Mutant(
         "constants that stay doubles",
         "numba_adapter.py",
         (("type(value.value) is float:", "type(value.value) is complex:"),),

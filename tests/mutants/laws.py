@@ -336,4 +336,41 @@ LAWS = (
         ),
         f"{LAWS_OF}[tone_curves-reinhard]",
     ),
+    Mutant(
+        "weights of relMSE with another epsilon than its own",
+        "metrics/relmse_literature.py",
+        (("reference**2 + np.float32(LITERATURE_EPSILON)", "reference**2 + np.float32(0.02)"),),
+        f"{LAWS_OF}[metrics-relmse_literature]",
+    ),
+    Mutant(
+        "SMAPE of the square of the sum",
+        "metrics/smape.py",
+        (("(np.abs(a) + np.abs(b) + epsilon)", "(np.abs(a) * np.abs(b) + epsilon)"),),
+        f"{LAWS_OF}[metrics-smape]",
+    ),
+    Mutant(
+        "an error map of one channel",
+        "metrics/flip.py",
+        (("    return _of(pair).error\n", "    return _of(pair).error[:, :1]\n"),),
+        f"{LAWS_OF}[metrics-flip]",
+    ),
+    Mutant(
+        "pictures on a display without their exposure",
+        "metrics/model.py",
+        (("* 2.0**self.exposure", "* 1.0"),),
+        "tests/extension/test_users_metrics.py::test_what_a_display_shows_is_cut_at_its_exposure",
+    ),
+    Mutant(
+        "a metric's map is not what is compared by",
+        "view/contrast.py",
+        (("METRICS[way], Pair(image, other)", "METRICS[way], Pair(other, other)"),),
+        "tests/extension/test_users_metrics.py::test_the_view_compares_by_its_map",
+    ),
+    Mutant(
+        "the reference's noise stays in squared errors",
+        "lab/figures.py",
+        ((" - self._noise[name]\n", "\n"),),
+        "tests/lab/test_laws_of_blocks.py"
+        "::test_figures_subtract_the_references_noise_pixel_by_pixel",
+    ),
 )

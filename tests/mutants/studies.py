@@ -72,8 +72,8 @@ STUDIES = (
         "lab/equal_time.py",
         (
             (
-                'self._between("mse") + self._between("seconds", -self.slope)',
-                'self._between("mse")',
+                'self._between(JUDGED) + self._between("seconds", -self.slope)',
+                "self._between(JUDGED)",
             ),
         ),
         f"{TIME}::test_a_speed_up_is_the_ratio_of_errors_in_one_time",

@@ -221,7 +221,7 @@ def test_info_prints_and_shows_the_same(named):
 
 
 def test_plan_prints_and_shows_the_same(folder, monkeypatch):
-    from alight.metrics.relmse import Estimate
+    from alight.metrics.estimate import Estimate
     from alight.rendering import plan as module
 
     module = sys.modules[module.__module__] if callable(module) else module
@@ -280,7 +280,7 @@ def test_compare_prints_and_shows_the_same(folder):
         key: direct.to_dict()[key] for key in ("notes", "test") if key in direct.to_dict()
     }
     bare = alight.compare(films[0].image, films[1].image, flip=False)
-    assert bare.found[0].mse == found.found[0].mse
+    assert bare.found[0].errors == found.found[0].errors
     assert bare.found[0].agreement is None
     with pytest.raises(OptionError, match="fail_above: unknown figure"):
         alight.compare(*films, fail_above="mze=1")

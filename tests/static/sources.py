@@ -19,6 +19,7 @@ FAMILIES = (
     "media",
     "integrators",
     "tone_curves",
+    "metrics",
 )
 CODE_FOLDERS = ("alight", "lanewise", "tests", "benchmarks", "docs", "examples")
 

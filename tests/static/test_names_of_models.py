@@ -44,6 +44,7 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "options/table.py": {"path"},
     "rendering/cycles.py": {"threshold"},
     "rendering/layers.py": {"direct"},
+    "rendering/summary.py": {"relmse", "relmse_literature"},
     "rendering/tile.py": {"direct"},
     "rendering/tile_kernel.py": {"direct"},
     "rendering/trace.py": {"null"},

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.metrics.flip import flip, is_available
+from alight.metrics.flip import flip, missing
 from alight.outputs.display import Display
 from alight.outputs.picture import as_picture
 from alight.view import protocol
@@ -73,7 +73,7 @@ def test_the_difference_is_that_of_relmse():
     assert np.isnan(dark[0]).all() and dark[1] == 0.0
 
 
-@pytest.mark.skipif(not is_available(), reason="flip-evaluator is not installed")
+@pytest.mark.skipif(bool(missing()), reason="flip-evaluator is not installed")
 def test_flip_is_that_of_the_metric(looked_at):
     one, other = noisy(1), noisy(2)
     session = Session("a", layers(one), against=layers(other))

@@ -22,8 +22,10 @@ from alight.lab.compare.figures import (
 from alight.lab.compare.inputs import as_input, make_comparable
 from alight.lab.compare.views import SUFFIXES, figure_rows, signed_difference, write_view
 from alight.lab.report.targets import check_target
+from alight.metrics import JUDGED
 from alight.options.entry import takes
 from alight.options.laboratory import CompareOptions
+from alight.options.plugins import load_plugins
 from alight.outputs import html
 
 #: What can be compared.
@@ -71,9 +73,10 @@ class Comparison:
         """What the verdicts rest on, and which picture is nearer."""
         found = self.found
         notes = [text for one in found for text in _notes_of(one, len(found) > 1)]
-        notes += sorted({one.flip_note for one in found if one.flip_note not in ("", NOT_ASKED)})
-        if len(found) == 2 and all(one.mse > 0.0 for one in found):
-            ratio = found[1].mse / found[0].mse
+        notes += sorted({why for one in found for why in one.missing.values()} - {NOT_ASKED})
+        errors = [one.errors[JUDGED] for one in found]
+        if len(found) == 2 and min(errors) > 0.0:
+            ratio = errors[1] / errors[0]
             near = found[0] if ratio > 1.0 else found[1]
             notes.append(
                 f"{near.a.name} is nearer: MSE {math.exp(abs(math.log(ratio))):.3g} times less"
@@ -151,6 +154,7 @@ def compare(a: Comparable, b: Comparable, options: CompareOptions) -> Comparison
     >>> coarse, fine = (alight.render("cornell-box", spp=n) for n in (16, 256))  # doctest: +SKIP
     >>> print(alight.compare(coarse, fine))  # doctest: +SKIP
     """
+    load_plugins(options.plugins)
     limits = parse_limits(list(options.fail_above))
     if options.output is not None:
         check_target(options.output, SUFFIXES, drawn=(".png", ".html"))
@@ -160,7 +164,7 @@ def compare(a: Comparable, b: Comparable, options: CompareOptions) -> Comparison
     read = [as_input(one, name, options.layer) for one, name in given]
     inputs = make_comparable(read, options.skip_invalid)
     found = tuple(
-        compare_inputs(one, inputs[-1], exposure=options.exposure, with_flip=options.flip)
+        compare_inputs(one, inputs[-1], exposure=options.exposure, slow=options.flip)
         for one in inputs[:-1]
     )
     failures = tuple(text for one in found for text in exceeded(one, limits))

@@ -8,19 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.constants import LUMINANCE
 from alight.core.errors import OptionError, quote, unknown_name
-from alight.core.srgb import encode_srgb
 from alight.lab.compare.inputs import Input
-from alight.metrics import flip as flip_metric
 from alight.metrics.agreement import Agreement, Measured, compare_measured
-from alight.metrics.mse import mse
-from alight.metrics.relmse import LITERATURE_EPSILON, default_epsilon, relmse
-from alight.metrics.smape import smape
-from alight.metrics.ssim import ssim
-
-#: What the command line can set a limit to.
-LIMITED = ("mse", "rmse", "relmse", "relmse_literature", "smape", "dssim", "flip")
+from alight.metrics.epsilon import default_epsilon
+from alight.metrics.model import METRICS, Pair, label_of, shown_of
 
 #: Verdicts.
 EQUAL, SAME, DIFFERENT, UNTESTED = "identical", "same within noise", "different", "not tested"
@@ -31,8 +23,8 @@ UNSURE = "cannot tell"
 #: Verdict where only one picture's noise is known.
 DIFFERENT_IF_EXACT = "different, if the other is exact"
 
-#: Why FLIP is missing where it was not requested.
-NOT_ASKED = "FLIP was not asked for"
+#: Why a slow metric is missing where it was not requested.
+NOT_ASKED = "it was not asked for"
 
 
 @dataclass(frozen=True)
@@ -42,18 +34,18 @@ class PictureComparison:
     Attributes
     ----------
     a, b : Input
-    mse, relmse, relmse_literature, smape : float
-        relMSE with epsilon = (0.1 mean of b)^2 and with 0.01; NaN where b is black.
+    exposure : float
+        Stops, for metrics of what a display shows.
+    errors : dict of str to float
+        By the metric's name; NaN where it is unknown or not defined.
+    maps : dict of str to ndarray, shape (h, w)
+        Of metrics that have one.
+    missing : dict of str to str
+        Metrics that were not worked out, and why.
     epsilon : float
-    ssim : float
-        Of the display's luminance; NaN below 11x11 pixels.
-    flip : Flip or None
-    flip_range : str
-        "ldr" or "hdr".
-    flip_note : str
-        Why there is none.
+        Of relMSE: (0.1 mean of b)^2.
     noise_a, noise_b : float
-        What the pictures' own noise adds to `mse`; NaN where unknown.
+        What the pictures' own noise adds to the MSE; NaN where unknown.
     agreement : Agreement or None
     verdict : str
         `EQUAL`, `SAME`, `UNSURE`, `DIFFERENT`, `DIFFERENT_IF_EXACT` or `UNTESTED`.
@@ -63,38 +55,34 @@ class PictureComparison:
 
     a: Input
     b: Input
-    mse: float
-    relmse: float
-    relmse_literature: float
-    smape: float
+    exposure: float
+    errors: dict[str, float]
+    maps: dict[str, np.ndarray]
+    missing: dict[str, str]
     epsilon: float
-    ssim: float
-    flip: flip_metric.Flip | None
-    flip_range: str
-    flip_note: str
     noise_a: float
     noise_b: float
     agreement: Agreement | None
     verdict: str
     notes: list[str]
 
-    def figure(self, name: str) -> float:
-        """Give a figure by its name in `LIMITED`; NaN where it is unknown."""
-        if name == "flip":
-            return self.flip.mean if self.flip else math.nan
-        if name == "dssim":
-            return (1.0 - self.ssim) / 2.0
-        return math.sqrt(self.mse) if name == "rmse" else float(getattr(self, name))
+    @property
+    def pair(self) -> Pair:
+        """What metrics are given."""
+        return _pair(self.a, self.b, self.exposure)
+
+    def shown(self) -> dict[str, float]:
+        """What tables tell, by what they call it."""
+        return {label_of(name, self.pair): shown_of(name, v) for name, v in self.errors.items()}
 
     def to_dict(self) -> dict[str, Any]:
         """All numbers, ready for JSON; unknown ones are None."""
         found: dict[str, Any] = {
             "a": self.a.name, "b": self.b.name, "width": self.a.size[0], "height": self.a.size[1],
             "mean_a": _means(self.a), "mean_b": _means(self.b),
-            **{name: _known(self.figure(name)) for name in LIMITED},
-            "ssim": _known(self.ssim), "epsilon": self.epsilon,
-            "flip_range": self.flip_range if self.flip else None,
-            "flip_note": self.flip_note or None,
+            **{name: _known(value) for name, value in self.errors.items()},
+            "shown": {label: _known(value) for label, value in self.shown().items()},
+            "missing": self.missing, "epsilon": self.epsilon,
             "noise_mse_a": _known(self.noise_a), "noise_mse_b": _known(self.noise_b),
             "verdict": self.verdict, "notes": self.notes,
         }  # fmt: skip
@@ -109,7 +97,7 @@ class PictureComparison:
 
 
 def compare_inputs(
-    a: Input, b: Input, *, exposure: float = 0.0, with_flip: bool = True
+    a: Input, b: Input, *, exposure: float = 0.0, slow: bool = True
 ) -> PictureComparison:
     """Compare two pictures of one size.
 
@@ -118,20 +106,30 @@ def compare_inputs(
     a, b : Input
         Finite, of one size; b is the reference of the relative figures.
     exposure : float, default 0
-        Stops, for the figures of what a display shows: SSIM, and FLIP of display files.
-    with_flip : bool, default True
+        Stops, for metrics of what a display shows.
+    slow : bool, default True
+        Slow metrics too.
     """
-    flip_range = "ldr" if a.is_display or b.is_display else "hdr"
-    found, note = None, NOT_ASKED
-    if with_flip:
-        found, note = _flip(a.image, b.image, flip_range, exposure)
+    pair = _pair(a, b, exposure)
+    errors, maps, missing = {}, {}, {}
+    for name, metric in METRICS.items():
+        errors[name] = math.nan
+        if why := NOT_ASKED if metric.SLOW and not slow else metric.missing():
+            missing[name] = why
+        elif metric.error_map is not None:
+            maps[name] = metric.error_map(metric.example, pair)
+            errors[name] = float(maps[name].mean(dtype=np.float64))
+        else:
+            errors[name] = metric.evaluate(metric.example, pair)
     agreement, verdict, notes = _judge(a, b)
     return PictureComparison(
-        a, b, mse(a.image, b.image), _relmse(a, b, None), _relmse(a, b, LITERATURE_EPSILON),
-        smape(a.image, b.image), default_epsilon(b.image), _ssim(a.image, b.image, exposure),
-        found, flip_range, note, _noise(a), _noise(b), agreement, verdict,
-        [*a.remarks, *b.remarks, *notes],
+        a, b, exposure, errors, maps, missing, default_epsilon(b.image), _noise(a), _noise(b),
+        agreement, verdict, [*a.remarks, *b.remarks, *notes],
     )  # fmt: skip
+
+
+def _pair(a: Input, b: Input, exposure: float) -> Pair:
+    return Pair(a.image, b.image, exposure, a.is_display or b.is_display)
 
 
 def _means(one: Input) -> list[float]:
@@ -142,37 +140,10 @@ def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _relmse(a: Input, b: Input, epsilon: float | None) -> float:
-    if epsilon is None and default_epsilon(b.image) == 0.0:
-        return math.nan
-    return relmse(a.image, b.image, epsilon=epsilon)
-
-
 def _noise(one: Input) -> float:
     if one.error is None:
         return math.nan
     return float(np.nanmean(np.asarray(one.error, np.float64) ** 2))
-
-
-def _shown(image: np.ndarray, exposure: float) -> np.ndarray:
-    return np.clip(np.asarray(image, np.float64) * 2.0**exposure, 0.0, 1.0)
-
-
-def _ssim(a: np.ndarray, b: np.ndarray, exposure: float) -> float:
-    if min(a.shape[:2]) < 11:
-        return math.nan
-    return ssim(*(encode_srgb(_shown(v, exposure) @ LUMINANCE) for v in (a, b)))
-
-
-def _flip(
-    a: np.ndarray, b: np.ndarray, kind: str, exposure: float
-) -> tuple[flip_metric.Flip | None, str]:
-    if kind == "ldr":
-        a, b = _shown(a, exposure), _shown(b, exposure)
-    try:
-        return flip_metric.flip(a, b, kind), ""
-    except OptionError as error:
-        return None, str(error)
 
 
 def _judge(a: Input, b: Input) -> tuple[Agreement | None, str, list[str]]:
@@ -223,8 +194,8 @@ def parse_limits(texts: list[str]) -> dict[str, float]:
     for text in texts:
         name, _, value = text.partition("=")
         name = name.strip().replace("-", "_")
-        if name not in LIMITED:
-            raise OptionError(unknown_name("figure", name, LIMITED), "fail_above")
+        if name not in METRICS:
+            raise OptionError(unknown_name("figure", name, METRICS), "fail_above")
         try:
             limits[name] = float(value)
         except ValueError:
@@ -245,9 +216,9 @@ def exceeded(comparison: PictureComparison, limits: dict[str, float]) -> list[st
     """
     found = []
     for name, limit in limits.items():
-        value = comparison.figure(name)
+        value = comparison.errors[name]
         if math.isnan(value):
-            why = comparison.flip_note if name == "flip" else "it is not defined for these pictures"
+            why = comparison.missing.get(name, "it is not defined for these pictures")
             raise OptionError(f"{name} is unknown: {why}", "fail_above")
         if value > limit:
             found.append(f"{name} is {value:.4g}, above {limit:g}")

@@ -13,7 +13,9 @@ from alight.lab.compare.figures import PictureComparison
 from alight.lab.report import pictures
 from alight.lab.report.numbers import number
 from alight.lab.report.page import render_page
-from alight.metrics.relmse import default_epsilon
+from alight.metrics import SHOWN
+from alight.metrics.epsilon import default_epsilon
+from alight.metrics.model import METRICS, label_of, shown_of
 from alight.outputs.atomic import replacing
 from alight.outputs.display import Display
 from alight.outputs.image import write_image
@@ -134,10 +136,21 @@ def _cut(text: str, width: float) -> str:
 
 
 def _words(comparison: PictureComparison) -> str:
-    parts = [f"relMSE {number(comparison.relmse)}", f"SSIM {number(comparison.ssim, 4)}"]
-    if comparison.flip:
-        parts.append(f"FLIP {number(comparison.flip.mean)}")
+    """One figure of the error, those of what an eye sees, and the verdict."""
+    parts = [
+        f"{metric.LABEL} {_number(name, comparison)}"
+        for name, metric in METRICS.items()
+        if (name == SHOWN or metric.shown or metric.error_map) and name not in comparison.missing
+    ]
     return " · ".join([*parts, comparison.verdict])
+
+
+def _number(name: str, comparison: PictureComparison) -> str:
+    """A figure as tables tell it; a similarity is near 1 and needs another digit."""
+    if name in comparison.missing:
+        return "–"
+    value = shown_of(name, comparison.errors[name])
+    return number(value, 3 if METRICS[name].shown is None else 4)
 
 
 # --------------------------------------------------------------------------------------- page
@@ -169,8 +182,8 @@ def _maps(found: Sequence[PictureComparison]) -> list[dict[str, Any]]:
     kinds: list[tuple[str, str, str, bool, list[np.ndarray | None]]] = [
         ("signed", "Difference", "Luminance, as a share of the reference’s.", True,
          [signed_difference(c) for c in found]),
-        ("linear", "FLIP", "What an eye sees when it flips between the pictures.", False,
-         [c.flip.error if c.flip else None for c in found]),
+        *(("linear", METRICS[name].LABEL, _first_line(METRICS[name].spec.__doc__), False,
+           [c.maps.get(name) for c in found]) for name in found[0].maps),
         ("signed", "z", "Of the largest channel of each block: beyond ±5 is no chance.", False,
          [_largest_z(c) for c in found]),
     ]  # fmt: skip
@@ -192,6 +205,10 @@ def _maps(found: Sequence[PictureComparison]) -> list[dict[str, Any]]:
     return shown
 
 
+def _first_line(text: str | None) -> str:
+    return (text or "").partition("\n")[0]
+
+
 def _largest_z(comparison: PictureComparison) -> np.ndarray | None:
     if comparison.agreement is None:
         return None
@@ -204,15 +221,7 @@ def figure_rows(found: Sequence[PictureComparison]) -> list[tuple[str, list[str]
     """Name of each figure and its value for each picture, as text."""
     first = found[0]
     rows = [
-        ("MSE", [number(c.mse) for c in found]),
-        (f"relMSE, ε = {number(first.epsilon)}", [number(c.relmse) for c in found]),
-        ("relMSE, ε = 0.01", [number(c.relmse_literature) for c in found]),
-        ("SMAPE", [number(c.smape) for c in found]),
-        ("SSIM", [number(c.ssim, 4) for c in found]),
-        (
-            f"FLIP ({first.flip_range.upper()})",
-            [number(c.flip.mean) if c.flip else "–" for c in found],
-        ),
+        *((label_of(name, first.pair), [_number(name, c) for c in found]) for name in METRICS),
         ("MSE by noise of the picture", [number(c.noise_a) for c in found]),
         ("MSE by noise of the reference", [number(c.noise_b) for c in found]),
     ]

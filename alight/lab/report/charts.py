@@ -12,7 +12,7 @@ import numpy as np
 
 from alight.lab.report.numbers import fixed, superscript
 from alight.lab.report.style import FAINT, GREY, Look, new_figure, paper_style, svg_of
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 
 #: Inches; the axes take the left part, the names of the lines are to the right of their ends.
 _WIDTH, _HEIGHT = 4.6, 3.2

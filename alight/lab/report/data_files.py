@@ -15,10 +15,8 @@ from typing import Any
 import numpy as np
 
 from alight.lab.results import ArmResult, Point, SceneResult, StudyResult
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.outputs.atomic import replacing
-
-_ESTIMATES = ("seconds", "mse", "relmse", "relmse_literature", "smape", "flip", "bias2", "variance")
 
 
 def write_data(result: StudyResult, folder: Path) -> list[Path]:
@@ -109,8 +107,12 @@ def _point_rows(result: StudyResult) -> list[dict[str, Any]]:
 
 def _point_row(scene: str, arm: str, ladder: str, point: Point) -> dict[str, Any]:
     row: dict[str, Any] = {"scene": scene, "arm": arm, "ladder": ladder, "spp": point.spp}
-    for name in _ESTIMATES:
-        row |= _spread(name, getattr(point, name))
+    told = {
+        "seconds": point.seconds, **point.errors,
+        "bias2": point.bias2, "variance": point.variance,
+    }  # fmt: skip
+    for name, estimate in told.items():
+        row |= _spread(name, estimate)
     return row
 
 

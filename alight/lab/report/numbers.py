@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 
 #: Shown for an unknown number.
 UNKNOWN = "–"

@@ -13,6 +13,7 @@ from alight.lab.study import Study
 from alight.lab.study_file import load_study
 from alight.options.entry import takes
 from alight.options.laboratory import StudyOptions
+from alight.options.plugins import load_plugins
 from alight.outputs import html
 
 
@@ -86,6 +87,7 @@ def study(name: Study | str | Path, options: StudyOptions) -> StudyReport:
     --------
     >>> print(alight.study("direct-light", quick=True))  # doctest: +SKIP
     """
+    load_plugins(options.plugins)
     description = name if isinstance(name, Study) else load_study(name, options.root)
     folder = options.output or Path(
         f"study-{Path(description.name).stem}{'-quick' if options.quick else ''}"

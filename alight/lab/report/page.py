@@ -12,7 +12,7 @@ from alight.lab.report.scenes import scene_context
 from alight.lab.report.style import looks, require_packages
 from alight.lab.report.tables import Cell, Row, Table, estimate_cell, overview
 from alight.lab.results import Curve, CurveResult, StudyResult, TableResult
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.outputs.atomic import replacing
 
 _FOLDER = Path(__file__).resolve().parent

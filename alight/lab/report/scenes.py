@@ -14,7 +14,8 @@ from alight.lab.report.charts import Line, diagram
 from alight.lab.report.numbers import interval, number
 from alight.lab.report.style import Look, looks
 from alight.lab.results import BIASED, DISPUTED, ArmResult, SceneResult
-from alight.metrics.relmse import Estimate, default_epsilon
+from alight.metrics.epsilon import default_epsilon
+from alight.metrics.estimate import Estimate
 
 #: Frames around the crops in the reference, one a crop.
 _FRAMES = ("#ffb000", "#00c2a8", "#ff5d8f", "#8f8bff")

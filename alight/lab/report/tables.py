@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from alight.lab.blocks import LEVEL
@@ -11,7 +11,8 @@ from alight.lab.report.numbers import UNKNOWN, Column, number, p_value
 from alight.lab.report.style import Look
 from alight.lab.report.whiskers import Whiskers
 from alight.lab.results import BIASED, DIFFERENT, DISPUTED, ArmResult, Point, SceneResult
-from alight.metrics.relmse import Estimate
+from alight.metrics import JUDGED, Estimate
+from alight.metrics.model import METRICS
 
 
 class Cell(NamedTuple):
@@ -118,31 +119,33 @@ def _ratio(arm: ArmResult) -> Estimate | None:
     return arm.speedup.ratio if arm.speedup else None
 
 
-_METRICS: tuple[tuple[str, Callable[[Point], Estimate | None]], ...] = (
-    ("MSE", lambda p: p.mse),
-    ("variance", lambda p: p.variance),
-    ("bias²", lambda p: p.bias2),
-    ("relMSE", lambda p: p.relmse),
-    ("relMSE, ε = 0.01", lambda p: p.relmse_literature),
-    ("SMAPE", lambda p: p.smape),
-    ("FLIP", lambda p: p.flip),
-)
+#: What `error_table` calls a part of the MSE that is near 0 by nature.
+_BIAS = "bias²"
+
+
+def _errors() -> Iterator[tuple[str, Callable[[Point], Estimate | None], bool]]:
+    """What an error table tells of a point: head, how to get it, whether it is a share of 1."""
+    for name, model in METRICS.items():
+        if model.IN_STUDIES:
+            yield model.LABEL, lambda point, name=name: point.errors.get(name), model.BOUNDED
+        if name == JUDGED:
+            yield "variance", lambda point: point.variance, False
+            yield _BIAS, lambda point: point.bias2, False
 
 
 def error_table(arms: Ranked) -> Table:
     """All error figures of one picture at equal time."""
     points = [equal_time_point(arm) for arm, _ in arms]
     columns, heads, getters = [], [], []
-    for name, get in _METRICS:
+    for name, get, shares in _errors():
         estimates = [get(p) for p in points if p is not None]
         if all(e is None for e in estimates):
             continue
         sizes = [e.value for e in estimates if e]
-        if name == "bias²":
-            # Near 0 by nature: its noise, not its value, says how many digits mean something.
+        if name == _BIAS:
+            # Its noise, not its value, says how many digits mean something.
             sizes = [e.high - e.low for e in estimates if e]
-        shares = name in ("SMAPE", "FLIP")
-        column = Column.of(sizes, digits=2 if name == "bias²" else 3, plain=shares)
+        column = Column.of(sizes, digits=2 if name == _BIAS else 3, plain=shares)
         columns.append(column)
         heads.append(head(name, column))
         getters.append(get)

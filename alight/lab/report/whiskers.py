@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 from alight.lab.report.style import BASELINE, GREY
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 
 _WIDTH, _HEIGHT, _MARGIN = 180.0, 22.0, 8.0
 

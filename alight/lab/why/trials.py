@@ -23,7 +23,7 @@ from alight.integrators.contributions import BY_LIGHT
 from alight.lab.statistics import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
 from alight.laws.scene.pictures import Sums, small
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from alight.scene import Scene, flatten
 
 #: Independent batches, replicates in each, samples a pixel of each replicate.

@@ -88,7 +88,8 @@ function showWhite(state) {
   $("label").hidden = !state.denoised || Boolean(state.contrast);
 }
 
-const WAYS = { divider: "a divider", difference: "the difference", flip: "FLIP" };
+const WAYS = { divider: "a divider", difference: "the difference" };
+const wayLabel = (way) => WAYS[way] ?? way.toUpperCase();
 
 function showContrast(state) {
   const isSplit = state.way === "divider", contrast = state.contrast;
@@ -96,11 +97,11 @@ function showContrast(state) {
   $("no-contrast").hidden = state.against;
   $("of-split").hidden = !state.against || !isSplit;
   $("of-contrast").hidden = !state.against || isSplit;
-  fill($("way"), state.ways, state.way, (way) => WAYS[way] ?? way);
+  fill($("way"), state.ways, state.way, wayLabel);
   if (isSplit || !state.against) return;
-  const isFlip = state.way === "flip", told = isFlip ? figure : percent;
+  const isMetric = !(state.way in WAYS), told = isMetric ? figure : percent;
   $("differs").textContent = contrast
-    ? isFlip ? `mean FLIP ${figure(contrast.mean)}` : `root of the relative MSE ${percent(contrast.mean)}`
+    ? isMetric ? `mean ${wayLabel(state.way)} ${figure(contrast.mean)}` : `root of the relative MSE ${percent(contrast.mean)}`
     : state.differs ?? "";
   $("contrast-low").textContent = contrast ? told(contrast.low) : "";
   $("contrast-high").textContent = contrast ? told(contrast.high) : "";

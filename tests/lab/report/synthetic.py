@@ -20,7 +20,7 @@ from alight.lab.results import (
     StudyResult,
     TableResult,
 )
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 
 SIZE = 48
 
@@ -33,8 +33,12 @@ def around(value, share=0.1):
 def point(spp, mse, seconds):
     """Errors that all follow from one MSE."""
     return Point(
-        spp, around(seconds, 0.02), around(mse), around(4 * mse), around(3 * mse), around(0.05),
-        None, Estimate(-1e-6, -3e-6, 1e-6), around(mse),
+        spp, around(seconds, 0.02),
+        {
+            "mse": around(mse), "relmse": around(4 * mse), "relmse_literature": around(3 * mse),
+            "smape": around(0.05), "flip": None,
+        },
+        Estimate(-1e-6, -3e-6, 1e-6), around(mse),
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from alight.lab.report.charts import legible, spread, tick_texts
 from alight.lab.report.numbers import Column, interval, number, p_value
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 
 NAN = math.nan
 

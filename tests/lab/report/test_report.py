@@ -16,7 +16,7 @@ pytest.importorskip("jinja2")
 from alight.core.errors import OptionError
 from alight.lab.report import style, tables, write_report
 from alight.lab.results import BIASED, Speedup
-from alight.metrics.relmse import Estimate
+from alight.metrics.estimate import Estimate
 from tests.lab.report import synthetic
 
 NAN = math.nan
@@ -122,7 +122,7 @@ def test_csv_and_json_hold_the_same_numbers(report):
     data = json.loads((folder / "report.json").read_text("utf-8"))
     first = data["scenes"][0]["arms"][1]
     assert first["speedup"]["ratio"] == {"value": 4.0, "low": 3.6, "high": 4.4}
-    assert float(points[6]["mse"]) == first["samples"][0]["mse"]["value"]
+    assert float(points[6]["mse"]) == first["samples"][0]["errors"]["mse"]["value"]
     assert "example" not in first["images"]
     with (folder / "table-ratio.csv").open(encoding="utf-8") as file:
         assert list(csv.reader(file))[1] == ["diffuse", "2.97 [2.9, 3.04]", "16"]
@@ -149,9 +149,9 @@ def test_studies_without_scenes_curves_or_tables_have_pages(tmp_path):
 def test_unknown_numbers_are_dashes_and_never_nan(tmp_path):
     """One replicate, one point, no variance: no interval and no slope is known."""
     scene = synthetic.scene()
-    point = dataclasses.replace(
-        scene.arms[0].samples[0], relmse=UNKNOWN, mse=Estimate(0.001, NAN, NAN), bias2=UNKNOWN
-    )
+    errors = {"relmse": UNKNOWN, "mse": Estimate(0.001, NAN, NAN)}
+    old = scene.arms[0].samples[0]
+    point = dataclasses.replace(old, errors={**old.errors, **errors}, bias2=UNKNOWN)
     bias = dataclasses.replace(
         scene.arms[0].bias, z_rms=NAN, z_low=NAN, z_high=NAN, z_largest=NAN, p_value=NAN,
         difference=[UNKNOWN] * 3, blocks=0,
